@@ -1,0 +1,66 @@
+# A room is a folder of framework/ with one reason to exist. Each is one library with one include root, so a header of a
+# room that was not named under USES is not found, and a library that belongs to another room does not compile.
+#
+#   takt_room(schedule USES core model [LINKS tinyxml2] [MAY_NAME tinyxml2 linux])
+#
+# Headers are included as <takt/ROOM/NAME.hpp>. The include root of a room holds nothing but a link to its folder.
+
+set(TAKT_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+
+# Headers that only one room may name. A room that may not finds, first on its include path, a header of the same name
+# that says so. What the C++ library itself includes (unistd.h, pthread.h, ...) is let through from there.
+set(TAKT_GUARDED_tinyxml2 tinyxml2.h)
+set(TAKT_GUARDED_fastdds fastdds/dds/domain/DomainParticipant.hpp fastdds/dds/domain/DomainParticipantFactory.hpp
+    fastdds/dds/publisher/DataWriter.hpp fastdds/dds/publisher/Publisher.hpp fastdds/dds/subscriber/DataReader.hpp
+    fastdds/dds/subscriber/Subscriber.hpp fastdds/dds/topic/TopicDataType.hpp fastdds/dds/topic/TypeSupport.hpp
+    fastrtps/fastrtps_all.h)
+set(TAKT_GUARDED_linux dlfcn.h elf.h fcntl.h link.h linux/futex.h poll.h pthread.h sched.h signal.h spawn.h
+    sys/epoll.h sys/eventfd.h sys/file.h sys/mman.h sys/prctl.h sys/resource.h sys/select.h sys/signalfd.h
+    sys/socket.h sys/stat.h sys/syscall.h sys/timerfd.h sys/types.h sys/un.h sys/wait.h syscall.h unistd.h)
+set(TAKT_OWNER_tinyxml2 "framework/descriptor")
+set(TAKT_OWNER_fastdds "framework/dds")
+set(TAKT_OWNER_linux "framework/os")
+
+foreach(library tinyxml2 fastdds linux)
+  foreach(header IN LISTS TAKT_GUARDED_${library})
+    file(WRITE ${CMAKE_BINARY_DIR}/rooms/.guard/${library}/${header}.new
+"#if __INCLUDE_LEVEL__ <= 2
+#error \"<${header}> is named only in ${TAKT_OWNER_${library}}; use that room's interface\"
+#else
+#include_next <${header}>
+#endif
+")
+    file(COPY_FILE ${CMAKE_BINARY_DIR}/rooms/.guard/${library}/${header}.new
+         ${CMAKE_BINARY_DIR}/rooms/.guard/${library}/${header} ONLY_IF_DIFFERENT)
+  endforeach()
+endforeach()
+
+function(takt_room name)
+  cmake_parse_arguments(ROOM "" "" "USES;LINKS;MAY_NAME" ${ARGN})
+  set(root ${CMAKE_BINARY_DIR}/rooms/${name})
+  file(MAKE_DIRECTORY ${root}/takt)
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${name} ${root}/takt/${name} SYMBOLIC)
+
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
+  file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.hpp)
+  # Every header compiles on its own and obeys the guard: each is the first include of a source of its own.
+  foreach(header IN LISTS headers)
+    get_filename_component(stem ${header} NAME_WE)
+    set(alone ${root}/alone/${stem}.cpp)
+    file(GENERATE OUTPUT ${alone} CONTENT "#include <takt/${name}/${stem}.hpp>\n")
+    list(APPEND sources ${alone})
+  endforeach()
+
+  add_library(takt_${name} STATIC ${sources})
+  target_include_directories(takt_${name} PUBLIC ${root})
+  target_compile_options(takt_${name} PRIVATE ${TAKT_WARNINGS})
+  foreach(library tinyxml2 fastdds linux)
+    if(NOT library IN_LIST ROOM_MAY_NAME)
+      target_include_directories(takt_${name} BEFORE PRIVATE ${CMAKE_BINARY_DIR}/rooms/.guard/${library})
+    endif()
+  endforeach()
+  foreach(room IN LISTS ROOM_USES)
+    target_link_libraries(takt_${name} PUBLIC takt_${room})
+  endforeach()
+  target_link_libraries(takt_${name} PUBLIC ${ROOM_LINKS})
+endfunction()

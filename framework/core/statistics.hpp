@@ -1,0 +1,92 @@
+// How long things took, gathered by one thread while others look on.
+//
+// A real-time thread must record without locking, and an operator must be able to read at any time, from another process,
+// numbers that belong together. So the values lie in one record of fixed size that has a single writer, and a sequence
+// number tells a reader that it read between two updates.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace takt {
+
+/// Where a value falls in a histogram: exact up to 31 ns, then 16 steps an octave (at most 6 % wide), up to 2^40 ns.
+struct HistogramScale {
+  static constexpr std::size_t kBuckets = 32 + 16 * 35;
+
+  /// Negative values count as 0, values past the end as the last bucket.
+  static std::size_t bucket(std::int64_t value) noexcept;
+  /// The smallest value of a bucket. lower(kBuckets) is the end of the scale.
+  static std::int64_t lower(std::size_t bucket) noexcept;
+};
+
+/// What a reader takes away: plain values, in nanoseconds.
+struct StatisticsSnapshot {
+  std::uint64_t count = 0;
+  double mean = 0;      ///< of the signed values
+  double variance = 0;  ///< of the signed values, in ns^2
+  std::int64_t min = 0;  ///< of the absolute values, as all below
+  std::int64_t max = 0;
+  std::array<std::uint64_t, HistogramScale::kBuckets> buckets{};
+
+  /// The value below which a share `q` (0 to 1) of the absolute values lies; within a bucket, linear. 0 when empty.
+  [[nodiscard]] double quantile(double q) const noexcept;
+};
+
+/// A streaming mean, variance and histogram of durations in nanoseconds. Lies in shared memory: standard layout, valid when
+/// all bytes are zero, no pointers. One writer, any number of readers.
+class Statistics {
+ public:
+  /// Real-time: no lock, no allocation, no system call. Only one thread at a time may record.
+  void record(std::int64_t value_ns) noexcept;
+
+  /// Any thread of any process. Reads again when the writer was just at it; after many tries (a writer that died in the
+  /// middle) returns what is there, which is then off by at most one value.
+  [[nodiscard]] StatisticsSnapshot read() const noexcept;
+
+  /// Only where the writer calls it or has ended.
+  void clear() noexcept;
+
+ private:
+  template <class T>
+  using Word = std::atomic<T>;
+
+  Word<std::uint64_t> sequence_;  // odd while the writer is at it
+  Word<std::uint64_t> count_;
+  Word<std::int64_t> sum_;
+  Word<double> sum_of_squares_;
+  Word<std::int64_t> min_;
+  Word<std::int64_t> max_;
+  std::array<Word<std::uint64_t>, HistogramScale::kBuckets> buckets_;
+};
+
+inline std::size_t HistogramScale::bucket(std::int64_t value) noexcept {
+  if (value < 32) return value < 0 ? 0 : static_cast<std::size_t>(value);
+  const int octave = 63 - __builtin_clzll(static_cast<std::uint64_t>(value));  // 5 and up
+  const auto step = static_cast<std::size_t>(value >> (octave - 4)) & 15U;
+  const std::size_t index = 32 + static_cast<std::size_t>(octave - 5) * 16 + step;
+  return index < kBuckets ? index : kBuckets - 1;
+}
+
+inline void Statistics::record(std::int64_t value_ns) noexcept {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  constexpr auto release = std::memory_order_release;
+  const auto add = [](auto& word, auto value) { word.store(word.load(relaxed) + value, release); };
+
+  const std::int64_t size = value_ns < 0 ? -value_ns : value_ns;
+  const std::uint64_t sequence = sequence_.load(relaxed);
+  // SYNC: statistics. Every store below releases, so a reader that sees any of them also sees the odd number.
+  sequence_.store(sequence + 1, relaxed);
+  const std::uint64_t count = count_.load(relaxed);
+  count_.store(count + 1, release);
+  add(sum_, value_ns);
+  add(sum_of_squares_, static_cast<double>(value_ns) * static_cast<double>(value_ns));
+  if (count == 0 || size < min_.load(relaxed)) min_.store(size, release);
+  if (size > max_.load(relaxed)) max_.store(size, release);
+  add(buckets_[HistogramScale::bucket(size)], std::uint64_t{1});
+  sequence_.store(sequence + 2, release);
+}
+
+}  // namespace takt

@@ -1,0 +1,30 @@
+#include <takt/lifecycle/recovery.hpp>
+
+#include <algorithm>
+
+namespace takt::lifecycle {
+
+void Recovery::failed(Instant now) noexcept {
+  const Nanoseconds lasting = std::max<Nanoseconds>(std::chrono::seconds{1}, 10 * policy_.backoff);
+  if (running_ && now - recovered_at_ >= lasting) made_ = 0;
+  running_ = false;
+  not_before_ = now + policy_.backoff;
+}
+
+void Recovery::attempted(Instant now, bool recovered) noexcept {
+  running_ = recovered;
+  if (recovered) {
+    recovered_at_ = now;
+  } else {
+    not_before_ = now + policy_.backoff;
+  }
+}
+
+Recovery::Step Recovery::next(Instant now) noexcept {
+  if (made_ >= policy_.attempts) return Step::give_up;
+  if (now < not_before_) return Step::wait;
+  ++made_;
+  return Step::attempt;
+}
+
+}  // namespace takt::lifecycle

@@ -1,0 +1,29 @@
+#include <takt/model/cell.hpp>
+
+namespace takt::model {
+
+const char* to_text(ModuleType type) { return type == ModuleType::thread ? "thread" : "process"; }
+
+const char* to_text(Operation operation) {
+  switch (operation) {
+    case Operation::periodic: return "periodic";
+    case Operation::sporadic: return "sporadic";
+    case Operation::non_real: return "non-real";
+  }
+  return "?";
+}
+
+const char* to_text(Wakeup wakeup) {
+  switch (wakeup) {
+    case Wakeup::sleep: return "sleep";
+    case Wakeup::hybrid: return "hybrid";
+    case Wakeup::spin: return "spin";
+  }
+  return "?";
+}
+
+const char* to_text(GiveUp then) { return then == GiveUp::destruct ? "destruct" : "stop-device"; }
+const char* to_text(ConnectionKind kind) { return kind == ConnectionKind::latest ? "latest" : "queue"; }
+const char* to_text(Stale stale) { return stale == Stale::hold ? "hold" : "error"; }
+
+}  // namespace takt::model

@@ -1,0 +1,1 @@
+#include <takt/model/validate.hpp>

@@ -1,0 +1,49 @@
+// What each executor of a device has to do: the tables of the paper's Figures 3 and 4, one pair an executor.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <takt/core/result.hpp>
+#include <takt/model/cell.hpp>
+#include <takt/schedule/table.hpp>
+
+namespace takt::schedule {
+
+/// Modules are named by their index in model::Device::modules.
+struct ExecutorPlan {
+  std::uint32_t executor = 0;           ///< index in model::Device::executors
+  Nanoseconds basic_period{};           ///< 0 when it has no module
+  Nanoseconds macro_period{};
+  Table table;                          ///< rows of indices into `periodic`
+  std::vector<std::uint32_t> periodic;  ///< modules, in the order of the file
+  std::vector<std::uint32_t> sporadic;  ///< modules, by priority, then in the order of the file
+
+  /// How many rows one macro period has. An executor that has sporadic modules only checks their conditions twice in the
+  /// shortest of their deadlines: one empty row.
+  [[nodiscard]] std::size_t rows() const noexcept;
+  /// The modules of a row, in the order in which they run.
+  [[nodiscard]] std::vector<std::uint32_t> row(std::size_t row) const;
+  /// The sum of the budgets of a row's thread modules, and whether all of them state one.
+  struct Load {
+    Nanoseconds budget{};
+    bool complete = true;
+  };
+  [[nodiscard]] Load load(const model::Device& device, std::size_t row) const;
+};
+
+struct DevicePlan {
+  std::vector<ExecutorPlan> executors;       ///< one for each of the device's, in its order
+  std::vector<std::uint32_t> non_realtime;   ///< by priority, then in the order of the file
+};
+
+/// Fails with one problem for each executor whose table passes the limits, each row whose budgets do not fit the basic
+/// period (the first such row of an executor), and each module whose budget exceeds its period or deadline. The cell has
+/// passed model::validate. Allocates.
+Result<DevicePlan> plan(const model::Cell& cell, const model::Device& device);
+
+/// The same for all devices; every problem of every device.
+Result<std::vector<DevicePlan>> plan(const model::Cell& cell);
+
+}  // namespace takt::schedule

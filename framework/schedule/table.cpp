@@ -1,0 +1,1 @@
+#include <takt/schedule/table.hpp>

@@ -1,0 +1,58 @@
+#include <takt/lifecycle/recovery.hpp>
+
+#include <gtest/gtest.h>
+
+namespace takt::lifecycle {
+namespace {
+
+using namespace std::chrono_literals;
+using Step = Recovery::Step;
+
+constexpr Instant at(Nanoseconds t) { return Instant{t}; }
+
+TEST(Recovery, WaitsTheBackoffThenTriesThenGivesUp) {
+  Recovery recovery{{.attempts = 2, .backoff = 100ms}};
+  recovery.failed(at(1s));
+  EXPECT_EQ(recovery.next(at(1s + 99ms)), Step::wait);
+  EXPECT_EQ(recovery.next(at(1s + 100ms)), Step::attempt);
+  recovery.attempted(at(1s + 100ms), false);
+  EXPECT_EQ(recovery.next(at(1s + 150ms)), Step::wait);
+  EXPECT_EQ(recovery.next(at(1s + 200ms)), Step::attempt);
+  recovery.attempted(at(1s + 200ms), false);
+  EXPECT_EQ(recovery.next(at(1s + 200ms)), Step::give_up);
+}
+
+TEST(Recovery, GivesUpAtOnceWithoutAttempts) {
+  Recovery recovery{{.attempts = 0, .backoff = 100ms}};
+  recovery.failed(at(0s));
+  EXPECT_EQ(recovery.next(at(0s)), Step::give_up);
+}
+
+TEST(Recovery, CountsOnWhenASuccessDoesNotLast) {
+  Recovery recovery{{.attempts = 3, .backoff = 10ms}};
+  Nanoseconds now = 5s;
+  for (int i = 0; i < 3; ++i) {
+    recovery.failed(at(now));
+    now += 10ms;
+    ASSERT_EQ(recovery.next(at(now)), Step::attempt) << i;
+    recovery.attempted(at(now), true);
+    now += 500ms;
+  }
+  recovery.failed(at(now));
+  EXPECT_EQ(recovery.next(at(now + 1h)), Step::give_up);
+}
+
+TEST(Recovery, ForgetsAfterALastingSuccess) {
+  Recovery recovery{{.attempts = 1, .backoff = 10ms}};
+  Nanoseconds now = 5s;
+  for (int i = 0; i < 10; ++i) {
+    recovery.failed(at(now));
+    now += 10ms;
+    ASSERT_EQ(recovery.next(at(now)), Step::attempt) << i;
+    recovery.attempted(at(now), true);
+    now += 1s;
+  }
+}
+
+}  // namespace
+}  // namespace takt::lifecycle

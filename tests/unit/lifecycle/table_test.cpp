@@ -1,0 +1,90 @@
+#include <takt/lifecycle/table.hpp>
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <tuple>
+
+#include <takt/lifecycle/machine.hpp>
+
+namespace takt::lifecycle {
+namespace {
+
+// The table of the design written a second time, by hand, as words. What is not here is refused.
+const std::map<std::tuple<std::string, std::string>, std::string> kExpected{
+    {{"IDLE", "initialize"}, "INITIALIZE"},  {{"INITIALIZE", "start"}, "START"},
+    {{"START", "run"}, "EXECUTING"},         {{"EXECUTING", "stop"}, "START"},
+    {{"INITIALIZE", "error"}, "RECOVER"},    {{"START", "error"}, "RECOVER"},
+    {{"EXECUTING", "error"}, "RECOVER"},     {{"RECOVER", "recover"}, "(before)"},
+    {{"RECOVER", "give up"}, "DESTRUCT"},    {{"IDLE", "destruct"}, "DESTRUCT"},
+    {{"INITIALIZE", "destruct"}, "DESTRUCT"}, {{"START", "destruct"}, "DESTRUCT"},
+    {{"EXECUTING", "destruct"}, "DESTRUCT"}, {{"RECOVER", "destruct"}, "DESTRUCT"},
+    {{"DESTRUCT", "reset"}, "IDLE"},
+};
+
+TEST(LifecycleTable, HoldsForEveryStateAndEvent) {
+  for (State before : kStates) {
+    for (State state : kStates) {
+      for (Event event : kEvents) {
+        const auto expected = kExpected.find({to_text(state), to_text(event)});
+        const auto actual = next(state, event, before);
+        SCOPED_TRACE(std::string{to_text(state)} + " + " + to_text(event));
+        ASSERT_EQ(actual.has_value(), expected != kExpected.end());
+        if (!actual) continue;
+        std::string word = expected->second;
+        if (word == "(before)") word = before == State::executing ? "EXECUTING" : "START";
+        EXPECT_EQ(to_text(*actual), word);
+      }
+    }
+  }
+}
+
+TEST(LifecycleMachine, GoesBackToWhereTheErrorMetIt) {
+  for (bool running : {false, true}) {
+    Machine machine;
+    ASSERT_TRUE(machine.apply(Event::initialize));
+    ASSERT_TRUE(machine.apply(Event::start));
+    if (running) {
+      ASSERT_TRUE(machine.apply(Event::run));
+    }
+    const State before = machine.state();
+    ASSERT_TRUE(machine.apply(Event::error));
+    EXPECT_EQ(machine.state(), State::recover);
+    ASSERT_TRUE(machine.apply(Event::recover));
+    EXPECT_EQ(machine.state(), before);
+  }
+}
+
+TEST(LifecycleMachine, IsStartedWhenAFailedStartRecovers) {
+  Machine machine;
+  ASSERT_TRUE(machine.apply(Event::initialize));
+  ASSERT_TRUE(machine.apply(Event::error));
+  ASSERT_TRUE(machine.apply(Event::recover));
+  EXPECT_EQ(machine.state(), State::start);
+}
+
+TEST(LifecycleMachine, RefusesWithTheStateItMetAndChangesNothing) {
+  Machine machine;
+  const auto refused = machine.apply(Event::start);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.problems()[0].what, "start is refused in state IDLE");
+  EXPECT_EQ(refused.problems()[0].fix, "it is allowed in INITIALIZE");
+  EXPECT_EQ(machine.state(), State::idle);
+  EXPECT_EQ(machine.sequence(), 0U);
+}
+
+TEST(LifecycleMachine, CountsItsStepsWithoutGaps) {
+  Machine machine;
+  std::uint64_t expected = 0;
+  for (Event event : {Event::initialize, Event::start, Event::run, Event::run, Event::stop, Event::destruct, Event::reset}) {
+    const auto step = machine.apply(event);
+    if (step) {
+      EXPECT_EQ(step->sequence, ++expected);
+    }
+  }
+  EXPECT_EQ(machine.sequence(), 6U);
+}
+
+}  // namespace
+}  // namespace takt::lifecycle
