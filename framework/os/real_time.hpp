@@ -1,0 +1,78 @@
+// What makes a thread real-time on Linux, and what the system may refuse.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <takt/core/result.hpp>
+#include <takt/os/fd.hpp>
+
+namespace takt::os {
+
+/// The processors this process may run on, ascending.
+std::vector<int> allowed_cpus();
+
+/// SCHED_FIFO for a thread of any process (0: the caller), priority 1 to 99.
+Result<void> make_real_time(int tid, int priority);
+/// SCHED_IDLE for the caller: it runs when nobody else wants to.
+Result<void> make_idle();
+/// Restricts a thread (0: the caller) to these processors; an empty list changes nothing.
+Result<void> pin(int tid, const std::vector<int>& cpus);
+
+/// Keeps all memory of this process, present and future, in RAM, and keeps the heap from giving pages back.
+Result<void> lock_memory();
+
+/// Holds the processors out of deep idle states while it lives (/dev/cpu_dma_latency at 0). Empty where there is no such
+/// device or it may not be opened.
+class NoDeepIdle {
+ public:
+  NoDeepIdle();
+  [[nodiscard]] bool held() const noexcept { return static_cast<bool>(fd_); }
+
+ private:
+  Fd fd_;
+};
+
+/// Whether a thread of this process may be SCHED_FIFO and lock memory, with the reasons and cures when not. Tries it on a
+/// thread of its own.
+Result<void> may_be_real_time();
+
+/// The calling thread's id.
+int thread_id() noexcept;
+
+/// A thread with a stack of fixed size that is in memory before it runs.
+class Thread {
+ public:
+  struct Options {
+    std::string name;                ///< at most 15 bytes are shown
+    std::optional<int> priority{};    ///< SCHED_FIFO; none: as the creator
+    std::vector<int> cpus{};         ///< empty: as the creator
+    std::size_t stack_bytes = 512 * 1024;
+  };
+
+  Thread() = default;
+  Thread(Thread&& other) noexcept;
+  Thread& operator=(Thread&& other) noexcept;
+  Thread(const Thread&) = delete;
+  Thread& operator=(const Thread&) = delete;
+  /// Joins.
+  ~Thread();
+
+  /// Runs `body` in a new thread. A priority or processor that the system refuses is said in `refused`, and the thread runs
+  /// without it. Fails only when there can be no thread.
+  static Result<Thread> start(const Options& options, std::function<void()> body, Problems* refused);
+
+  void join();
+  /// Leaves the thread to itself, for one that will never end.
+  void detach();
+  [[nodiscard]] bool running() const noexcept { return started_; }
+
+ private:
+  unsigned long thread_ = 0;
+  bool started_ = false;
+};
+
+}  // namespace takt::os

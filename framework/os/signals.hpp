@@ -1,0 +1,35 @@
+// Signals as something to wait for, and the last words of a thread that crashes.
+#pragma once
+
+#include <initializer_list>
+#include <optional>
+#include <vector>
+
+#include <takt/core/result.hpp>
+#include <takt/os/fd.hpp>
+
+namespace takt::os {
+
+/// Blocks these signals for this thread and those that it starts later, and gives them out one by one.
+class SignalQueue {
+ public:
+  static Result<SignalQueue> of(std::initializer_list<int> signals);
+  /// The next one that has arrived; does not wait.
+  std::optional<int> next() const;
+  [[nodiscard]] const Fd& fd() const noexcept { return fd_; }
+
+ private:
+  Fd fd_;
+};
+
+/// Waits until one of the descriptors can be read or its other end is gone, at most `limit_ms`; false when none.
+bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms);
+
+/// Called in the thread that crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT), on a stack of its own; afterwards the
+/// process ends by the same signal. Async-signal-safe.
+using CrashHandler = void (*)(int signal) noexcept;
+void on_crash(CrashHandler handler);
+/// Gives the calling thread the stack for that, so that a stack overflow is reported too. Kept until the thread ends.
+void prepare_crash_stack();
+
+}  // namespace takt::os
