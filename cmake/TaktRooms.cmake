@@ -1,8 +1,10 @@
 # A room is a folder of framework/ with one reason to exist. Each is one library with one include root, so a header of a
 # room that was not named under USES is not found, and a library that belongs to another room does not compile.
 #
-#   takt_room(schedule USES core model [LINKS tinyxml2] [MAY_NAME tinyxml2 linux])
+#   takt_room(schedule USES core model [LINKS tinyxml2] [MAY_NAME tinyxml2 linux]
+#             [SHARED] [FOR_AUTHORS component.hpp ...] [EXCEPT other.cpp ...])
 #
+# FOR_AUTHORS: headers that are found as <takt/NAME> too. EXCEPT: sources that are built elsewhere.
 # Headers are included as <takt/ROOM/NAME.hpp>. The include root of a room holds nothing but a link to its folder.
 
 set(TAKT_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
@@ -36,13 +38,19 @@ foreach(library tinyxml2 fastdds linux)
 endforeach()
 
 function(takt_room name)
-  cmake_parse_arguments(ROOM "" "" "USES;LINKS;MAY_NAME" ${ARGN})
+  cmake_parse_arguments(ROOM "SHARED" "" "USES;LINKS;MAY_NAME;FOR_AUTHORS;EXCEPT" ${ARGN})
   set(root ${CMAKE_BINARY_DIR}/rooms/${name})
   file(MAKE_DIRECTORY ${root}/takt)
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${name} ${root}/takt/${name} SYMBOLIC)
 
+  foreach(header IN LISTS ROOM_FOR_AUTHORS)
+    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${name}/${header} ${root}/takt/${header} SYMBOLIC)
+  endforeach()
+
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.hpp)
+  list(TRANSFORM ROOM_EXCEPT PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/${name}/)
+  list(REMOVE_ITEM sources ${ROOM_EXCEPT})
   # Every header compiles on its own and obeys the guard: each is the first include of a source of its own.
   foreach(header IN LISTS headers)
     get_filename_component(stem ${header} NAME_WE)
@@ -51,7 +59,11 @@ function(takt_room name)
     list(APPEND sources ${alone})
   endforeach()
 
-  add_library(takt_${name} STATIC ${sources})
+  set(kind STATIC)
+  if(ROOM_SHARED)
+    set(kind SHARED)
+  endif()
+  add_library(takt_${name} ${kind} ${sources})
   target_include_directories(takt_${name} PUBLIC ${root})
   target_compile_options(takt_${name} PRIVATE ${TAKT_WARNINGS})
   foreach(library tinyxml2 fastdds linux)

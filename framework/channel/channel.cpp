@@ -1,0 +1,84 @@
+#include <takt/channel/channel.hpp>
+
+#include <new>
+
+namespace takt::channel {
+
+const char* to_text(Doing doing) noexcept {
+  switch (doing) {
+    case Doing::nothing: return "nothing";
+    case Doing::run: return "run()";
+    case Doing::condition: return "condition()";
+    case Doing::initialize: return "initialize()";
+    case Doing::start: return "start()";
+    case Doing::error: return "error()";
+    case Doing::recover: return "recover()";
+    case Doing::destruct: return "destruct()";
+    case Doing::load: return "its loading";
+  }
+  return "?";
+}
+
+namespace {
+
+constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0001;  // "takt", layout 1
+
+struct alignas(64) Header {
+  std::uint64_t magic;
+  std::uint64_t executors;
+  std::uint64_t modules;
+};
+
+constexpr std::size_t kHostAt = sizeof(Header);
+constexpr std::size_t kExecutorsAt = kHostAt + sizeof(HostBlock);
+
+std::size_t size_of(std::size_t executors, std::size_t modules) {
+  return kExecutorsAt + executors * sizeof(ExecutorBlock) + modules * sizeof(ModuleBlock);
+}
+
+template <class T>
+T& at(const os::SharedMemory& memory, std::size_t offset) {
+  return *std::launder(reinterpret_cast<T*>(memory.data() + offset));
+}
+
+}  // namespace
+
+Result<Channel> Channel::create(const std::vector<std::string>& executors, const std::vector<std::string>& modules) {
+  auto memory = os::SharedMemory::create("takt-channel", size_of(executors.size(), modules.size()));
+  if (!memory) return memory.problems();
+  at<Header>(*memory, 0) = {.magic = kMagic, .executors = executors.size(), .modules = modules.size()};
+  Channel channel;
+  channel.memory_ = std::move(*memory);
+  channel.executors_ = executors.size();
+  channel.modules_ = modules.size();
+  for (std::size_t i = 0; i < executors.size(); ++i) channel.executor(i).name.assign(executors[i]);
+  for (std::size_t i = 0; i < modules.size(); ++i) channel.module(i).name.assign(modules[i]);
+  return channel;
+}
+
+Result<Channel> Channel::attach(os::Fd fd) {
+  auto memory = os::SharedMemory::attach(std::move(fd));
+  if (!memory) return memory.problems();
+  Channel channel;
+  channel.memory_ = std::move(*memory);
+  if (channel.memory_.size() < kExecutorsAt) return fail("this is no channel", "start the host by takt-node");
+  const auto& header = at<Header>(channel.memory_, 0);
+  channel.executors_ = header.executors;
+  channel.modules_ = header.modules;
+  if (header.magic != kMagic || channel.memory_.size() != size_of(header.executors, header.modules)) {
+    return fail("the channel was laid out by another version", "install takt-node and takt-host of one version");
+  }
+  return channel;
+}
+
+HostBlock& Channel::host() const noexcept { return at<HostBlock>(memory_, kHostAt); }
+
+ExecutorBlock& Channel::executor(std::size_t index) const noexcept {
+  return at<ExecutorBlock>(memory_, kExecutorsAt + index * sizeof(ExecutorBlock));
+}
+
+ModuleBlock& Channel::module(std::size_t index) const noexcept {
+  return at<ModuleBlock>(memory_, kExecutorsAt + executors_ * sizeof(ExecutorBlock) + index * sizeof(ModuleBlock));
+}
+
+}  // namespace takt::channel

@@ -1,0 +1,36 @@
+// The channel of one device: one block for the host, one for each executor, one for each module, in one piece of shared
+// memory. The node creates it and keeps it over restarts of the host; counters go on.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <takt/channel/layout.hpp>
+#include <takt/core/result.hpp>
+#include <takt/os/shared_memory.hpp>
+
+namespace takt::channel {
+
+class Channel {
+ public:
+  Channel() = default;
+  static Result<Channel> create(const std::vector<std::string>& executors, const std::vector<std::string>& modules);
+  /// Fails when the memory was laid out by another version.
+  static Result<Channel> attach(os::Fd fd);
+
+  [[nodiscard]] HostBlock& host() const noexcept;
+  /// index < executors()
+  [[nodiscard]] ExecutorBlock& executor(std::size_t index) const noexcept;
+  [[nodiscard]] ModuleBlock& module(std::size_t index) const noexcept;
+  [[nodiscard]] std::size_t executors() const noexcept { return executors_; }
+  [[nodiscard]] std::size_t modules() const noexcept { return modules_; }
+  [[nodiscard]] const os::Fd& fd() const noexcept { return memory_.fd(); }
+
+ private:
+  os::SharedMemory memory_;
+  std::size_t executors_ = 0;
+  std::size_t modules_ = 0;
+};
+
+}  // namespace takt::channel

@@ -1,0 +1,64 @@
+// The shared memory between a node and its host: what the executors publish and the node supervises. All zero is its
+// initial state; every field has one writer at a time.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include <takt/channel/activity.hpp>
+#include <takt/core/fixed_text.hpp>
+#include <takt/core/statistics.hpp>
+
+namespace takt::channel {
+
+using Name = FixedText<64>;
+
+/// Written by the executor that the module belongs to, unless said otherwise.
+struct alignas(64) ModuleBlock {
+  Name name;
+
+  /// Whether the executor may call or release it. Set and cleared by the host's control thread; cleared by the executor when
+  /// it raises an error. SYNC: in tables
+  std::atomic<std::uint32_t> in_tables;
+  /// An ErrorType that waits for the supervisor, which sets it back to 0. SYNC: error raised, publishes error_text.
+  std::atomic<std::uint32_t> error;
+  std::atomic<std::uint64_t> error_cycle;
+  FixedText<256> error_text;
+
+  std::atomic<std::uint64_t> cycles;    ///< times it was called or released
+  std::atomic<std::uint64_t> missed;    ///< releases in rows that were skipped while it was in the tables
+  std::atomic<std::uint64_t> overruns;  ///< not done by its next release, or by its deadline
+  std::atomic<std::uint64_t> errors;    ///< raised by the executor
+
+  Statistics jitter;  ///< Eq. (1), P_n - T_n; of thread modules
+  Statistics run;     ///< of thread modules
+};
+
+struct alignas(64) ExecutorBlock {
+  Name name;
+  std::atomic<std::uint64_t> cycles;    ///< rows walked
+  std::atomic<std::uint64_t> missed;    ///< rows skipped
+  std::atomic<std::uint64_t> late;      ///< rows that ended after the next release
+  std::atomic<std::uint64_t> next_row;  ///< counted from T0, with a gap for every row missed
+  /// Odd while a row is walked. SYNC: row. Who takes a module out of the tables waits for it to be even or to change.
+  std::atomic<std::uint64_t> row_sequence;
+  std::atomic<std::int64_t> margin_ns;  ///< of the wake-up, as learned
+  Activity row;                         ///< of the executor's thread
+  Activity sporadic;                    ///< of the thread of its sporadic modules
+  Statistics jitter;                    ///< of the row's start
+};
+
+/// The last words of a host that crashed.
+struct Crash {
+  std::atomic<std::int32_t> signal;
+  std::atomic<std::uint32_t> module;  ///< its index + 1; 0: none was running in that thread
+  std::atomic<Doing> doing;
+};
+
+struct alignas(64) HostBlock {
+  std::atomic<std::int64_t> t0_ns;  ///< T0 of all executors; 0 before the first row is agreed
+  Activity hooks;                   ///< of the thread that calls hooks
+  Crash crash;
+};
+
+}  // namespace takt::channel

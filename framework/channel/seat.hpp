@@ -1,0 +1,91 @@
+// How a process module is released. Each has a seat: shared memory of its own, so that a program that writes where it should
+// not harms no other. The scheduler releases it with one store; the program answers with another when its body is done.
+//
+// A program that finds no release where it expects one sleeps on the bell, a word that all programs of the device share, each
+// with a bit of its own: so the scheduler needs one wake-up call a cycle, however many sleep.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include <takt/channel/layout.hpp>
+#include <takt/core/statistics.hpp>
+
+namespace takt::channel {
+
+struct Bell {
+  std::atomic<std::uint32_t> rings;
+};
+
+/// The bell's bits: one for the threads of sporadic modules, the others for programs in turn.
+inline constexpr std::uint32_t kSporadicBit = 1U << 31;
+constexpr std::uint32_t bell_bit(std::size_t seat) { return 1U << (seat % 31); }
+
+enum class SeatKind : std::uint32_t { periodic, sporadic, unscheduled };
+enum class SeatPhase : std::uint32_t {
+  empty,     ///< no program, or it has not called initPeriodExe() or initSporadicExe() yet
+  attached,  ///< it has
+  ready,     ///< it has come to its first waitPeriod() or waitSporadic()
+};
+
+struct alignas(64) Seat {
+  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0001;  // "seat", layout 1
+
+  // Written by the node before the program starts.
+  std::uint64_t magic;
+  Name name;
+  SeatKind kind;
+  std::uint32_t bell_bit;
+  std::int64_t period_ns;      ///< between releases
+  std::int64_t margin_cap_ns;  ///< the longest time before a release that the program may spin
+  std::uint32_t lock_memory;
+
+  // Written by the scheduler.
+  alignas(64) std::atomic<std::uint32_t> released;  ///< releases so far. SYNC: released, publishes the two below
+  std::atomic<std::uint64_t> cycle;
+  std::atomic<std::int64_t> release_ns;
+  std::atomic<std::uint32_t> end;  ///< by the node: the program is to end
+
+  // Written by the program.
+  alignas(64) std::atomic<std::uint32_t> done;  ///< the last release that it has finished. SYNC: done
+  std::atomic<std::uint32_t> sleeping;          ///< it sleeps on the bell, or is about to. SYNC: sleeping
+  std::atomic<SeatPhase> phase;
+  std::atomic<std::int32_t> thread;
+  std::atomic<std::int64_t> margin_ns;
+  Statistics jitter;  ///< Eq. (1), P_n - T_n, with T_n taken by the program
+  Statistics run;
+
+  [[nodiscard]] bool waiting() const noexcept {
+    return phase.load(std::memory_order_acquire) == SeatPhase::ready &&
+           done.load(std::memory_order_acquire) == released.load(std::memory_order_relaxed);
+  }
+};
+
+enum class Release {
+  given,  ///< the program is awake and sees it
+  wake,   ///< the program sleeps: ring the bell for its bit
+  busy,   ///< it is still in its body; nothing was released
+};
+
+/// By the scheduler. Real-time: no lock, no system call.
+inline Release release(Seat& seat, std::uint64_t cycle, std::int64_t release_ns) noexcept {
+  if (!seat.waiting()) return Release::busy;
+  seat.cycle.store(cycle, std::memory_order_relaxed);
+  seat.release_ns.store(release_ns, std::memory_order_relaxed);
+  // SYNC: released and sleeping. Each side stores its own word and then loads the other's, in one total order: either the
+  // scheduler sees that the program sleeps, or the program sees the release before it sleeps.
+  seat.released.store(seat.released.load(std::memory_order_relaxed) + 1, std::memory_order_seq_cst);
+  return seat.sleeping.load(std::memory_order_seq_cst) != 0 ? Release::wake : Release::given;
+}
+
+/// By the node, for a program that is not running and a module that is out of the tables.
+inline void clear_for_new_program(Seat& seat) noexcept {
+  seat.phase.store(SeatPhase::empty, std::memory_order_relaxed);
+  seat.sleeping.store(0, std::memory_order_relaxed);
+  seat.released.store(0, std::memory_order_relaxed);
+  seat.done.store(0, std::memory_order_relaxed);
+  seat.end.store(0, std::memory_order_relaxed);
+  seat.thread.store(0, std::memory_order_release);
+}
+
+}  // namespace takt::channel

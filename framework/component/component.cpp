@@ -1,0 +1,42 @@
+#include <takt/component/component.hpp>
+
+#include <takt/component/failure.hpp>
+#include <takt/component/module.h>
+#include <takt/core/fixed_text.hpp>
+
+namespace takt {
+
+const char* to_text(ErrorType type) noexcept {
+  switch (type) {
+    case ErrorType::none: return "none";
+    case ErrorType::failure: return "failure";
+    case ErrorType::budget: return "budget";
+    case ErrorType::start: return "start";
+    case ErrorType::crash: return "crash";
+    case ErrorType::hang: return "hang";
+  }
+  return "?";
+}
+
+namespace {
+// The host links with this library, so its thread-local storage is in place before any thread starts.
+thread_local FixedText<kFailureText> said [[gnu::tls_model("initial-exec")]];
+thread_local bool has_said [[gnu::tls_model("initial-exec")]] = false;
+}  // namespace
+
+void say_failure(std::string_view text) noexcept {
+  said.assign(text.empty() ? "no reason given" : text);
+  has_said = true;
+}
+
+const char* take_failure() noexcept {
+  if (!has_said) return nullptr;
+  has_said = false;
+  return said.c_str();
+}
+
+void Component::fail(const char* text) noexcept { say_failure(text); }
+
+}  // namespace takt
+
+extern "C" void takt_fail(const char* text) { takt::say_failure(text == nullptr ? "" : text); }

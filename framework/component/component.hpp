@@ -1,0 +1,101 @@
+// What the author of a component in C++ includes. A component is one class:
+//
+//   class Ramp : public takt::Component {
+//     takt::Property<double> slope{*this, "slope", 1.0, {.unit = "1/s", .min = 0.0, .text = "How fast it rises."}};
+//     double value_ = 0;
+//
+//     void run(const takt::Cycle& cycle) noexcept override { value_ += slope * cycle.seconds(); }
+//   };
+//   TAKT_COMPONENT(Ramp)
+//
+// built with takt_add_component(ramp ramp.cpp). Several modules may be made of one component: each is an object of its own.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <takt/core/result.hpp>
+#include <takt/core/time.hpp>
+#include <takt/component/property.hpp>
+
+namespace takt {
+
+/// One release of a module, by the paper's Eq. (1): `time` is P_n = T0 + n x period.
+struct Cycle {
+  std::uint64_t number = 0;  ///< n: the place in the module's grid, from 0; a missed release leaves a gap
+  Instant time{};            ///< when it was due, the same for all modules of a row
+  Nanoseconds period{};      ///< of the module; for a sporadic one, of its executor's rows
+
+  [[nodiscard]] double seconds() const noexcept { return std::chrono::duration<double>(period).count(); }
+};
+
+/// Why a module was taken out of its table. The numbers are those of <takt/module.h>.
+enum class ErrorType : int {
+  none = 0,
+  failure = 1,  ///< run() or condition() threw or called fail()
+  budget = 2,   ///< one run() took longer than <budget>
+  start = 3,    ///< start() failed
+  crash = 4,    ///< the host or the process module crashed or ended by itself
+  hang = 5,     ///< run() or a hook did not come back
+};
+/// "failure", "budget", ...
+const char* to_text(ErrorType type) noexcept;
+
+/// The base of every component. run() and condition() are called by a real-time thread, all other hooks by a thread that is
+/// not real-time, with the module out of the tables; never two at once.
+class Component {
+ public:
+  Component() = default;
+  Component(const Component&) = delete;
+  Component& operator=(const Component&) = delete;
+  virtual ~Component() = default;
+
+  /// Properties are set. May allocate, open, connect. A failure says why and refuses the device's start.
+  virtual Result<void> initialize() { return {}; }
+  /// Every module of the device is initialised.
+  virtual Result<void> start() { return {}; }
+  /// Every period, or when condition() holds. No lock, no allocation, no system call, no log.
+  virtual void run(const Cycle& cycle) = 0;
+  /// Sporadic modules: whether run() is to be called. Same rules as run().
+  virtual bool condition() { return false; }
+  /// An error took the module out of its table.
+  virtual void error(ErrorType /*type*/) {}
+  /// Makes it fit to run again, or says why not.
+  virtual Result<void> recover() { return {}; }
+  /// The last call.
+  virtual void destruct() {}
+
+  [[nodiscard]] const std::vector<PropertyBase*>& properties() const noexcept { return properties_; }
+
+ protected:
+  /// From run() or condition(): takes the module out of its table after this call, with this reason (255 bytes are kept).
+  /// Real-time.
+  static void fail(const char* text) noexcept;
+
+ private:
+  friend class PropertyBase;
+  std::vector<PropertyBase*> properties_;  // in the order of declaration
+};
+
+/// What a .so of a C++ component exports.
+struct ComponentFactory {
+  static constexpr std::uint32_t kAbi = 1;
+  std::uint32_t abi;
+  std::uint32_t component_size;  ///< sizeof(Component) when the object was compiled
+  const char* name;              ///< of the class
+  Component* (*create)();
+  void (*destroy)(Component*);
+};
+
+}  // namespace takt
+
+/// Once in each component's source, outside any namespace.
+#define TAKT_COMPONENT(Type)                                                                                   \
+  extern "C" __attribute__((visibility("default"))) const ::takt::ComponentFactory* takt_component_factory();  \
+  extern "C" const ::takt::ComponentFactory* takt_component_factory() {                                        \
+    static constexpr ::takt::ComponentFactory factory{                                                         \
+        ::takt::ComponentFactory::kAbi, sizeof(::takt::Component), #Type,                                      \
+        []() -> ::takt::Component* { return new Type; }, [](::takt::Component* component) { delete component; }}; \
+    return &factory;                                                                                           \
+  }

@@ -1,0 +1,126 @@
+/* The interface of a thread module (.so) in the form of the paper's Figures 8 and 10:
+ *
+ *   void initialize(irp::Property const& property);   or  void initialize(void);
+ *   void start(void);
+ *   void run(void);            every period, or when condition() holds, on the real-time thread
+ *   int  condition(void);      sporadic modules: TRUE when run() is to be called; on the real-time thread
+ *   void error(int type);      after an error took the module out of its table; type is one of TAKT_ERROR_...
+ *   void recover(void);        to make it fit to run again
+ *   void destruct(void);
+ *
+ * all with C linkage. Only run() is required (and condition() of a sporadic module); a hook that is not there is taken as
+ * empty. run() and condition() are called by a real-time thread and must not lock, allocate, block or log; all others by a
+ * thread that is not real-time. A hook reports failure by takt_fail(text) or, in C++, by throwing. */
+#ifndef TAKT_MODULE_H
+#define TAKT_MODULE_H
+
+#ifndef TRUE
+#define TRUE 1
+#endif
+#ifndef FALSE
+#define FALSE 0
+#endif
+
+/* What error(int type) is told. */
+enum {
+  TAKT_ERROR_FAILURE = 1,  /* run() or condition() threw or called takt_fail() */
+  TAKT_ERROR_BUDGET = 2,   /* one run() took longer than <budget> */
+  TAKT_ERROR_START = 3,    /* start() failed */
+  TAKT_ERROR_CRASH = 4,    /* the process module crashed or ended by itself */
+  TAKT_ERROR_HANG = 5      /* the process module did not come back from its body */
+};
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Says that the hook which calls it failed, and why (at most 255 bytes are kept). Returns; the hook ends by itself. From any
+ * hook, also from a real-time one: no lock, no allocation. Links with libtakt_component, which the host has loaded. */
+void takt_fail(const char* text);
+
+#ifdef __cplusplus
+}
+
+#include <cerrno>
+#include <cstdlib>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace irp {
+
+/* The <property> of a module: named values as they stand in the descriptor. Not for real-time threads: read what is needed
+ * in initialize(). */
+class Property {
+ public:
+  using Values = std::vector<std::pair<std::string, std::string>>;
+
+  Property() = default;
+  explicit Property(Values values) : values_(std::move(values)) {}
+
+  bool contains(const std::string& name) const { return find(name) != nullptr; }
+
+  /* The text of a value. Throws std::out_of_range when the descriptor does not give it. */
+  const std::string& get(const std::string& name) const {
+    const std::string* text = find(name);
+    if (text == nullptr) throw std::out_of_range("the descriptor gives no property '" + name + "'");
+    return *text;
+  }
+
+  /* The value as bool (true, false, 1, 0), integer, floating point or std::string; `fallback` when the descriptor does not
+   * give it. Throws std::invalid_argument when the text is none or does not fit. */
+  template <class T>
+  T get(const std::string& name, T fallback) const {
+    const std::string* text = find(name);
+    return text == nullptr ? fallback : convert<T>(name, *text);
+  }
+
+  /* In the order of the descriptor. */
+  const Values& values() const { return values_; }
+
+ private:
+  const std::string* find(const std::string& name) const {
+    for (const auto& value : values_) {
+      if (value.first == name) return &value.second;
+    }
+    return nullptr;
+  }
+
+  template <class T>
+  static T convert(const std::string& name, const std::string& text) {
+    const auto refuse = [&](const char* wanted) {
+      throw std::invalid_argument("property '" + name + "' is '" + text + "'; it takes " + wanted);
+    };
+    if constexpr (std::is_same_v<T, bool>) {
+      if (text == "true" || text == "1") return true;
+      if (text != "false" && text != "0") refuse("true or false");
+      return false;
+    } else if constexpr (std::is_integral_v<T>) {
+      char* end = nullptr;
+      errno = 0;
+      const long long value = std::strtoll(text.c_str(), &end, 10);
+      const bool fits = value >= static_cast<long long>(std::numeric_limits<T>::min()) &&
+                        (value < 0 || static_cast<unsigned long long>(value) <= std::numeric_limits<T>::max());
+      if (text.empty() || *end != '\0' || errno != 0 || !fits) refuse("a whole number in range");
+      return static_cast<T>(value);
+    } else if constexpr (std::is_floating_point_v<T>) {
+      char* end = nullptr;
+      const double value = std::strtod(text.c_str(), &end);
+      if (text.empty() || *end != '\0') refuse("a number");
+      return static_cast<T>(value);
+    } else {
+      static_assert(std::is_same_v<T, std::string>, "a property is bool, integer, floating point or std::string");
+      return text;
+    }
+  }
+
+  Values values_;
+};
+
+}  // namespace irp
+#endif
+
+#endif

@@ -1,0 +1,73 @@
+#include <takt/component/property.hpp>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include <takt/component/component.hpp>
+
+namespace takt {
+
+const char* to_text(PropertyType type) noexcept {
+  switch (type) {
+    case PropertyType::boolean: return "bool";
+    case PropertyType::integer: return "integer";
+    case PropertyType::number: return "double";
+    case PropertyType::text: return "string";
+  }
+  return "?";
+}
+
+PropertyBase::PropertyBase(Component& owner, std::string name, std::string unit, std::string text)
+    : name_(std::move(name)), unit_(std::move(unit)), text_(std::move(text)) {
+  owner.properties_.push_back(this);
+}
+
+Problem PropertyBase::refusal(std::string_view given) const {
+  std::string takes;
+  switch (type()) {
+    case PropertyType::boolean: takes = "true or false"; break;
+    case PropertyType::integer: takes = "a whole number"; break;
+    case PropertyType::number: takes = "a number"; break;
+    case PropertyType::text: takes = "text"; break;
+  }
+  if (const std::string range = range_text(); !range.empty()) takes += ", " + range;
+  if (!unit_.empty()) takes += ", in " + unit_;
+  return takt::fail("property '" + name_ + "' cannot be '" + std::string{given} + "'", "it takes " + takes);
+}
+
+namespace detail {
+
+std::optional<bool> parse_bool(std::string_view text) noexcept {
+  if (text == "true" || text == "1") return true;
+  if (text == "false" || text == "0") return false;
+  return std::nullopt;
+}
+
+namespace {
+template <class T>
+std::optional<T> parse_whole(std::string_view text) noexcept {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+}  // namespace
+
+std::optional<std::int64_t> parse_integer(std::string_view text) noexcept { return parse_whole<std::int64_t>(text); }
+
+std::optional<double> parse_number(std::string_view text) noexcept {
+  const auto value = parse_whole<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::string number_text(double value) {
+  std::array<char, 32> buffer{};
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), end};
+}
+
+}  // namespace detail
+
+}  // namespace takt

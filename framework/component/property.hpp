@@ -1,0 +1,130 @@
+// A named value of a component that the descriptor may set: what is an argument to a program.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include <takt/core/result.hpp>
+
+namespace takt {
+
+class Component;
+
+enum class PropertyType { boolean, integer, number, text };
+/// "bool", "integer", "double", "string": the words of `takt describe` and of messages.
+const char* to_text(PropertyType type) noexcept;
+
+/// What can be said of a property without its C++ type.
+class PropertyBase {
+ public:
+  PropertyBase(const PropertyBase&) = delete;
+  PropertyBase& operator=(const PropertyBase&) = delete;
+  virtual ~PropertyBase() = default;
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] const std::string& unit() const noexcept { return unit_; }
+  [[nodiscard]] const std::string& text() const noexcept { return text_; }
+  [[nodiscard]] virtual PropertyType type() const noexcept = 0;
+  [[nodiscard]] virtual std::string value_text() const = 0;
+  /// "0 to 10", "at least 0"; empty without bounds.
+  [[nodiscard]] virtual std::string range_text() const = 0;
+
+  /// Sets it from the descriptor's text. On failure it keeps its value and says what it takes.
+  virtual Result<void> assign(std::string_view text) = 0;
+
+ protected:
+  PropertyBase(Component& owner, std::string name, std::string unit, std::string text);
+  [[nodiscard]] Problem refusal(std::string_view given) const;
+
+ private:
+  std::string name_;
+  std::string unit_;
+  std::string text_;
+};
+
+namespace detail {
+std::optional<bool> parse_bool(std::string_view text) noexcept;
+std::optional<std::int64_t> parse_integer(std::string_view text) noexcept;
+std::optional<double> parse_number(std::string_view text) noexcept;
+std::string number_text(double value);
+}  // namespace detail
+
+template <class T>
+concept PropertyValueType =
+    std::same_as<T, bool> || std::same_as<T, std::string> || std::floating_point<T> || std::signed_integral<T>;
+
+/// bool, a signed integer, float or double, or std::string. Reading is for every hook, also on the real-time thread.
+template <PropertyValueType T>
+class Property final : public PropertyBase {
+ public:
+  struct Options {
+    std::string unit{};       ///< "mm/s"
+    std::optional<T> min{};   ///< inclusive; numbers only
+    std::optional<T> max{};   ///< inclusive; numbers only
+    std::string text{};       ///< one sentence for `takt describe`
+  };
+
+  Property(Component& owner, std::string name, T value, Options options = {})
+      : PropertyBase(owner, std::move(name), std::move(options.unit), std::move(options.text)),
+        value_(std::move(value)), min_(options.min), max_(options.max) {}
+
+  operator const T&() const noexcept { return value_; }  // NOLINT(google-explicit-constructor)
+  [[nodiscard]] const T& value() const noexcept { return value_; }
+
+  [[nodiscard]] PropertyType type() const noexcept override {
+    if constexpr (std::is_same_v<T, bool>) return PropertyType::boolean;
+    else if constexpr (std::is_integral_v<T>) return PropertyType::integer;
+    else if constexpr (std::is_floating_point_v<T>) return PropertyType::number;
+    else return PropertyType::text;
+  }
+  [[nodiscard]] std::string value_text() const override { return in_words(value_); }
+  [[nodiscard]] std::string range_text() const override {
+    if (min_ && max_) return in_words(*min_) + " to " + in_words(*max_);
+    if (min_) return "at least " + in_words(*min_);
+    if (max_) return "at most " + in_words(*max_);
+    return {};
+  }
+
+  Result<void> assign(std::string_view text) override {
+    std::optional<T> value = parse(text);
+    if constexpr (std::is_arithmetic_v<T>) {
+      // Written so that a NaN is refused wherever there is a bound.
+      if (value && ((min_ && !(*value >= *min_)) || (max_ && !(*value <= *max_)))) value.reset();
+    }
+    if (!value) return refusal(text);
+    value_ = std::move(*value);
+    return {};
+  }
+
+ private:
+  static std::string in_words(const T& value) {
+    if constexpr (std::is_same_v<T, bool>) return value ? "true" : "false";
+    else if constexpr (std::is_integral_v<T>) return std::to_string(value);
+    else if constexpr (std::is_floating_point_v<T>) return detail::number_text(static_cast<double>(value));
+    else return value;
+  }
+
+  static std::optional<T> parse(std::string_view text) {
+    if constexpr (std::is_same_v<T, bool>) return detail::parse_bool(text);
+    else if constexpr (std::is_integral_v<T>) {
+      const auto value = detail::parse_integer(text);
+      return value && std::in_range<T>(*value) ? std::optional<T>(static_cast<T>(*value)) : std::nullopt;
+    } else if constexpr (std::is_floating_point_v<T>) {
+      const auto value = detail::parse_number(text);
+      return value ? std::optional<T>(static_cast<T>(*value)) : std::nullopt;
+    } else {
+      return std::string{text};
+    }
+  }
+
+  T value_;
+  std::optional<T> min_;
+  std::optional<T> max_;
+};
+
+}  // namespace takt

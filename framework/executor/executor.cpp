@@ -1,0 +1,206 @@
+#include <takt/executor/executor.hpp>
+
+#include <utility>
+
+#include <takt/core/check.hpp>
+
+namespace takt::executor {
+
+namespace {
+
+constexpr auto relaxed = std::memory_order_relaxed;
+
+// Counters have one writer, so no read-modify-write is needed.
+void add(std::atomic<std::uint64_t>& counter, std::uint64_t n = 1) noexcept { counter.store(counter.load(relaxed) + n, relaxed); }
+
+bool in_tables(const Unit& unit) noexcept {
+  return unit.block->in_tables.load(std::memory_order_seq_cst) != 0;  // SYNC: in tables
+}
+
+// Multiples of `stride` in [from, to).
+std::uint64_t multiples(std::uint64_t from, std::uint64_t to, std::uint64_t stride) noexcept {
+  return (to + stride - 1) / stride - (from + stride - 1) / stride;
+}
+
+}  // namespace
+
+Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodic, std::vector<Unit> sporadic,
+                   channel::ExecutorBlock& block, Clock& clock)
+    : table_(plan.table),
+      periodic_(std::move(periodic)),
+      sporadic_(std::make_unique<Sporadic[]>(sporadic.size())),
+      sporadic_count_(sporadic.size()),
+      block_(block),
+      clock_(clock),
+      basic_(plan.basic_period),
+      rows_in_table_(table_.rows()) {
+  TAKT_CHECK(periodic_.size() == plan.periodic.size() && sporadic.size() == plan.sporadic.size());
+  for (const Unit& unit : periodic_) {
+    TAKT_CHECK(unit.block != nullptr && (unit.body == nullptr) != (unit.seat == nullptr));
+    strides_.push_back(static_cast<std::uint64_t>(unit.period / basic_));
+  }
+  for (std::size_t i = 0; i < sporadic_count_; ++i) {
+    TAKT_CHECK(sporadic[i].block != nullptr && (sporadic[i].body == nullptr) != (sporadic[i].seat == nullptr));
+    sporadic_[i].unit = sporadic[i];
+    sporadic_[i].unit.period = basic_;  // what run() is told: its conditions are checked each row
+  }
+}
+
+void Executor::join_grid(Instant t0, Instant now) noexcept {
+  row_ = block_.next_row.load(relaxed);
+  table_row_ = rows_in_table_ == 0 ? 0 : row_ % rows_in_table_;
+  release_ = t0 + basic_ * static_cast<std::int64_t>(row_);
+  if (now > release_) skip(static_cast<std::uint64_t>((now - release_ + basic_ - Nanoseconds{1}) / basic_));
+}
+
+void Executor::skip(std::uint64_t rows) noexcept {
+  if (rows == 0) return;
+  for (std::size_t i = 0; i < periodic_.size(); ++i) {
+    if (!in_tables(periodic_[i])) continue;
+    add(periodic_[i].block->missed, multiples(row_, row_ + rows, strides_[i]));
+  }
+  add(block_.missed, rows);
+  row_ += rows;
+  if (rows_in_table_ != 0) table_row_ = row_ % rows_in_table_;
+  release_ += basic_ * static_cast<std::int64_t>(rows);
+  block_.next_row.store(row_, relaxed);
+}
+
+std::uint32_t Executor::run_cycle(Instant now) noexcept {
+  block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
+  if (now - release_ >= basic_) skip(static_cast<std::uint64_t>((now - release_) / basic_));
+
+  const Instant release = release_;
+  block_.jitter.record((release - now).count());
+  std::uint32_t wake = 0;
+  Instant time = now;
+  if (rows_in_table_ != 0) {
+    for (const schedule::Table::Index i : table_.row(table_row_)) {
+      const Unit& unit = periodic_[i];
+      if (!in_tables(unit)) continue;
+      const std::uint64_t number = row_ / strides_[i];
+      if (unit.seat == nullptr) {
+        time = call(unit, block_.row, number, release, unit.period, time);
+        continue;
+      }
+      switch (channel::release(*unit.seat, number, to_ns(release))) {
+        case channel::Release::wake: wake |= unit.seat->bell_bit; [[fallthrough]];
+        case channel::Release::given: add(unit.block->cycles); break;
+        case channel::Release::busy: add(unit.block->overruns); break;
+      }
+    }
+  }
+  if (sporadic_count_ != 0) wake |= check_conditions(release);
+  block_.row.end();
+
+  add(block_.cycles);
+  ++row_;
+  table_row_ = table_row_ + 1 == rows_in_table_ ? 0 : table_row_ + 1;
+  release_ += basic_;
+  block_.next_row.store(row_, relaxed);
+  if (clock_.now() > release_) add(block_.late);
+  block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
+  return wake;
+}
+
+Instant Executor::call(const Unit& unit, channel::Activity& activity, std::uint64_t number, Instant release,
+                       Nanoseconds allowed, Instant start) noexcept {
+  channel::ModuleBlock& block = *unit.block;
+  activity.begin(unit.index, channel::Doing::run, to_ns(start));
+  const char* failure = unit.body->run({.number = number, .time = release, .period = unit.period});
+  const Instant end = clock_.now();
+
+  block.jitter.record((release - start).count());
+  block.run.record((end - start).count());
+  add(block.cycles);
+  if (end - release > allowed) add(block.overruns);
+  if (failure != nullptr) {
+    raise(unit, ErrorType::failure, number, failure);
+  } else if (unit.budget != Nanoseconds{0} && end - start > unit.budget) {
+    raise(unit, ErrorType::budget, number, "one run() took longer than its budget");
+  }
+  return end;
+}
+
+std::uint32_t Executor::check_conditions(Instant release) noexcept {
+  std::uint32_t wake = 0;
+  for (std::size_t i = 0; i < sporadic_count_; ++i) {
+    Sporadic& sporadic = sporadic_[i];
+    const Unit& unit = sporadic.unit;
+    if (!in_tables(unit)) continue;
+
+    if (unit.seat != nullptr) {
+      // The program checks its own condition; a row that finds it in its body leaves it there.
+      switch (channel::release(*unit.seat, row_, to_ns(release))) {
+        case channel::Release::wake: wake |= unit.seat->bell_bit; [[fallthrough]];
+        case channel::Release::given:
+          add(unit.block->cycles);
+          sporadic.deadline_ns = to_ns(release + unit.deadline);
+          sporadic.late_counted = false;
+          break;
+        case channel::Release::busy:
+          if (!sporadic.late_counted && to_ns(release) > sporadic.deadline_ns) {
+            add(unit.block->overruns);
+            sporadic.late_counted = true;
+          }
+          break;
+      }
+      continue;
+    }
+
+    if (sporadic.ready.load(std::memory_order_acquire) != Ready::no) {  // SYNC: ready
+      wake |= channel::kSporadicBit;
+      continue;
+    }
+    bool ready = false;
+    block_.row.begin(unit.index, channel::Doing::condition, to_ns(release));
+    const char* failure = unit.body->condition(&ready);
+    if (failure != nullptr) {
+      raise(unit, ErrorType::failure, row_, failure);
+    } else if (ready) {
+      sporadic.release_ns = to_ns(release);
+      sporadic.deadline_ns = to_ns(release + unit.deadline);
+      sporadic.cycle = row_;
+      sporadic.ready.store(Ready::yes, std::memory_order_release);  // SYNC: ready
+      wake |= channel::kSporadicBit;
+    }
+  }
+  return wake;
+}
+
+bool Executor::run_sporadic() noexcept {
+  Sporadic* first = nullptr;
+  for (std::size_t i = 0; i < sporadic_count_; ++i) {
+    Sporadic& candidate = sporadic_[i];
+    if (candidate.ready.load(std::memory_order_acquire) != Ready::yes) continue;  // SYNC: ready
+    if (first == nullptr || candidate.deadline_ns < first->deadline_ns) first = &candidate;
+  }
+  if (first == nullptr) return false;
+
+  first->ready.store(Ready::running, std::memory_order_seq_cst);
+  if (in_tables(first->unit)) {
+    const Unit& unit = first->unit;
+    call(unit, block_.sporadic, first->cycle, from_ns(first->release_ns), unit.deadline, clock_.now());
+    block_.sporadic.end();
+  }
+  first->ready.store(Ready::no, std::memory_order_seq_cst);  // SYNC: ready
+  return true;
+}
+
+bool Executor::in_sporadic(std::uint32_t index) const noexcept {
+  for (std::size_t i = 0; i < sporadic_count_; ++i) {
+    if (sporadic_[i].unit.index == index) return sporadic_[i].ready.load(std::memory_order_seq_cst) == Ready::running;
+  }
+  return false;
+}
+
+void Executor::raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept {
+  channel::ModuleBlock& block = *unit.block;
+  block.in_tables.store(0, std::memory_order_seq_cst);  // SYNC: in tables
+  add(block.errors);
+  block.error_cycle.store(cycle, relaxed);
+  block.error_text.assign(text);
+  block.error.store(static_cast<std::uint32_t>(type), std::memory_order_release);  // SYNC: error raised
+}
+
+}  // namespace takt::executor
