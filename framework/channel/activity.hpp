@@ -21,7 +21,7 @@ struct Activity {
   void begin(std::uint32_t index, Doing what, std::int64_t now_ns) noexcept {
     since_ns.store(now_ns, std::memory_order_relaxed);
     doing.store(what, std::memory_order_relaxed);
-    module.store(index + 1, std::memory_order_release);  // SYNC: activity
+    module.store(index + 1, std::memory_order_seq_cst);  // SYNC: activity
   }
   void end() noexcept { module.store(0, std::memory_order_release); }
 };

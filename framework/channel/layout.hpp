@@ -17,8 +17,9 @@ using Name = FixedText<64>;
 struct alignas(64) ModuleBlock {
   Name name;
 
-  /// Whether the executor may call or release it. Set and cleared by the host's control thread; cleared by the executor when
-  /// it raises an error. SYNC: in tables
+  /// Whether the executor may call or release it. Set and cleared by the node; cleared by the executor when it raises an
+  /// error. Who clears it and must know that the module is not running any more waits for the row to end and for the
+  /// activities that name it. SYNC: in tables
   std::atomic<std::uint32_t> in_tables;
   /// An ErrorType that waits for the supervisor, which sets it back to 0. SYNC: error raised, publishes error_text.
   std::atomic<std::uint32_t> error;
@@ -32,6 +33,8 @@ struct alignas(64) ModuleBlock {
 
   Statistics jitter;  ///< Eq. (1), P_n - T_n; of thread modules
   Statistics run;     ///< of thread modules
+
+  Activity background;  ///< of the thread of a non-real-time thread module
 };
 
 struct alignas(64) ExecutorBlock {

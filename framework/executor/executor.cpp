@@ -148,10 +148,7 @@ std::uint32_t Executor::check_conditions(Instant release) noexcept {
       continue;
     }
 
-    if (sporadic.ready.load(std::memory_order_acquire) != Ready::no) {  // SYNC: ready
-      wake |= channel::kSporadicBit;
-      continue;
-    }
+    if (sporadic.ready.load(std::memory_order_acquire) != Ready::no) continue;  // SYNC: ready
     bool ready = false;
     block_.row.begin(unit.index, channel::Doing::condition, to_ns(release));
     const char* failure = unit.body->condition(&ready);
@@ -177,21 +174,15 @@ bool Executor::run_sporadic() noexcept {
   }
   if (first == nullptr) return false;
 
-  first->ready.store(Ready::running, std::memory_order_seq_cst);
-  if (in_tables(first->unit)) {
-    const Unit& unit = first->unit;
-    call(unit, block_.sporadic, first->cycle, from_ns(first->release_ns), unit.deadline, clock_.now());
-    block_.sporadic.end();
+  const Unit& unit = first->unit;
+  const Instant start = clock_.now();
+  block_.sporadic.begin(unit.index, channel::Doing::run, to_ns(start));  // before the tables are asked: SYNC: in tables
+  if (in_tables(unit)) {
+    call(unit, block_.sporadic, first->cycle, from_ns(first->release_ns), unit.deadline, start);
   }
-  first->ready.store(Ready::no, std::memory_order_seq_cst);  // SYNC: ready
+  block_.sporadic.end();
+  first->ready.store(Ready::no, std::memory_order_release);  // SYNC: ready
   return true;
-}
-
-bool Executor::in_sporadic(std::uint32_t index) const noexcept {
-  for (std::size_t i = 0; i < sporadic_count_; ++i) {
-    if (sporadic_[i].unit.index == index) return sporadic_[i].ready.load(std::memory_order_seq_cst) == Ready::running;
-  }
-  return false;
 }
 
 void Executor::raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept {

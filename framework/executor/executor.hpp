@@ -55,11 +55,8 @@ class Executor {
   /// earliest absolute deadline, ties by the order of the table; false when none is ready.
   bool run_sporadic() noexcept;
 
-  /// Whether the sporadic thread is inside this sporadic module (an index on the device).
-  [[nodiscard]] bool in_sporadic(std::uint32_t index) const noexcept;
-
  private:
-  enum class Ready : std::uint32_t { no, yes, running };
+  enum class Ready : std::uint32_t { no, yes };
   struct Sporadic {
     Unit unit;
     std::atomic<Ready> ready{Ready::no};  // SYNC: ready, publishes the two below

@@ -192,8 +192,7 @@ std::string read_available(const Fd& fd, bool* end) {
   return text;
 }
 
-Result<std::string> in_child(const std::string& what, std::string (*work)(const std::string&),
-                             const std::string& argument, int limit_ms) {
+Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work, Nanoseconds limit) {
   auto pipe = make_pipe();
   if (!pipe) return pipe.problems();
   const int pid = ::fork();
@@ -204,7 +203,7 @@ Result<std::string> in_child(const std::string& what, std::string (*work)(const 
     const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
     ::dup2(nothing, STDOUT_FILENO);
     ::dup2(nothing, STDERR_FILENO);
-    const std::string text = work(argument);
+    const std::string text = work();
     std::size_t sent = 0;
     while (sent < text.size()) {
       const ssize_t n = ::write(pipe->write.get(), text.data() + sent, text.size() - sent);
@@ -215,11 +214,11 @@ Result<std::string> in_child(const std::string& what, std::string (*work)(const 
   }
   pipe->write.close();
   std::string text;
-  const Instant limit = now() + std::chrono::milliseconds{limit_ms};
+  const Instant end_at = now() + limit;
   bool late = false;
   std::array<char, 4096> buffer{};
   while (true) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(limit - now()).count();
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end_at - now()).count();
     pollfd wanted{.fd = pipe->read.get(), .events = POLLIN, .revents = 0};
     const int ready = left > 0 ? ::poll(&wanted, 1, static_cast<int>(left)) : 0;
     if (ready < 0 && errno == EINTR) continue;
@@ -234,7 +233,7 @@ Result<std::string> in_child(const std::string& what, std::string (*work)(const 
   while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
   }
   const ProcessEnd end = ended(status);
-  if (late) return fail(what + " did not end within " + std::to_string(limit_ms) + " ms");
+  if (late) return fail(what + " did not end within " + to_text(limit));
   if (end.signalled || end.code != 0) return fail(what + " " + end.text());
   return text;
 }

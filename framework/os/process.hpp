@@ -1,12 +1,14 @@
 // Other programs: started, watched, ended.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <takt/core/result.hpp>
+#include <takt/core/time.hpp>
 #include <takt/os/fd.hpp>
 
 namespace takt::os {
@@ -67,9 +69,8 @@ class Child {
 std::string read_available(const Fd& fd, bool* end);
 
 /// Runs `work` in a child process and returns what it returned, so that a crash or a hang of foreign code costs the child
-/// and not us. The caller has a single thread.
-Result<std::string> in_child(const std::string& what, std::string (*work)(const std::string& argument),
-                             const std::string& argument, int limit_ms);
+/// and not us. `what` begins the message when it fails. The caller has a single thread.
+Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work, Nanoseconds limit);
 
 /// The directory of this program's file.
 std::string program_directory();

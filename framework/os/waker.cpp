@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <takt/os/clock.hpp>
+#include <takt/os/futex.hpp>
 
 namespace takt::os {
 
@@ -24,17 +25,19 @@ Nanoseconds margin_cap(Nanoseconds period) noexcept {
 }
 
 Instant Waker::wait_until(Instant release) noexcept {
+  constexpr std::uint32_t kAll = ~0U;
+  const auto stopped = [this] { return stop_.load(std::memory_order_relaxed) != 0; };
   Instant time = os::now();
-  if (time >= release) return time;
   if (strategy_ != model::Wakeup::spin) {
     const Instant wake = release - margin_.value();
-    if (time < wake) {
-      sleep_until(wake);
+    const bool sleeps = time < wake;
+    while (time < wake && !stopped()) {  // a second time only if something else woke us
+      futex_wait(stop_, 0, kAll, wake);
       time = os::now();
-      if (strategy_ == model::Wakeup::hybrid) margin_.observe(time - wake);
     }
+    if (sleeps && strategy_ == model::Wakeup::hybrid) margin_.observe(time - wake);
   }
-  while (time < release) {
+  while (time < release && !stopped()) {
     cpu_relax();
     time = os::now();
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 
 #include <takt/core/time.hpp>
 #include <takt/model/cell.hpp>
@@ -32,11 +33,12 @@ Nanoseconds margin_cap(Nanoseconds period) noexcept;
 /// (never sleep: one core at 100 %, which the kernel's real-time throttling interrupts unless it is off).
 class Waker {
  public:
-  Waker(model::Wakeup strategy, Nanoseconds period) noexcept
-      : strategy_(strategy), margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : margin_cap(period)) {}
+  /// `stop` ends a wait early when it is not 0; who sets it wakes it (futex).
+  Waker(model::Wakeup strategy, Nanoseconds period, const std::atomic<std::uint32_t>& stop) noexcept
+      : strategy_(strategy), stop_(stop), margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : margin_cap(period)) {}
 
-  /// Real-time. Returns the time at which it ended, not before `release`; at once if that has passed. At most one system
-  /// call, its sleep.
+  /// Real-time. Returns the time at which it ended, not before `release` unless stopped; at once if that has passed. One
+  /// system call at most, its sleep.
   Instant wait_until(Instant release) noexcept;
 
   /// 0 for `sleep`; for `spin` without meaning. Any thread may not call it: it belongs to the waiting thread.
@@ -44,6 +46,7 @@ class Waker {
 
  private:
   model::Wakeup strategy_;
+  const std::atomic<std::uint32_t>& stop_;
   WakeMargin margin_;
 };
 

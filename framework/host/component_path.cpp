@@ -1,0 +1,51 @@
+#include <takt/host/component_path.hpp>
+
+#include <filesystem>
+
+#include <takt/os/environment.hpp>
+#include <takt/os/process.hpp>
+
+namespace takt::host {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> component_folders() {
+  std::vector<std::string> folders;
+  std::string path = os::environment("TAKT_COMPONENT_PATH");
+  while (!path.empty()) {
+    const std::size_t colon = path.find(':');
+    if (colon != 0) folders.push_back(path.substr(0, colon));
+    path = colon == std::string::npos ? "" : path.substr(colon + 1);
+  }
+  const fs::path programs = os::program_directory();
+  folders.push_back((programs.parent_path() / "components").string());                 // as built
+  folders.push_back((programs.parent_path() / "lib" / "takt" / "components").string());  // as installed
+  return folders;
+}
+
+Result<std::string> find_component(const std::string& filename, const std::string& descriptor) {
+  std::error_code error;
+  const fs::path name{filename};
+  std::vector<fs::path> candidates;
+  if (name.is_absolute()) {
+    candidates.push_back(name);
+  } else {
+    candidates.push_back(fs::absolute(fs::path{descriptor}.parent_path(), error) / name);
+    for (const std::string& folder : component_folders()) {
+      candidates.push_back(fs::path{folder} / name);
+      if (name.has_parent_path()) candidates.push_back(fs::path{folder} / name.filename());
+    }
+  }
+  std::string tried;
+  for (const fs::path& candidate : candidates) {
+    const fs::path path = candidate.lexically_normal();
+    if (fs::is_regular_file(path, error)) return fs::absolute(path, error).string();
+    const std::string folder = path.parent_path().string();
+    if (fs::exists(path, error)) return fail(path.string() + " is not a file", "name a component's file");
+    if (("," + tried + ",").find(" " + folder + ",") == std::string::npos) tried += (tried.empty() ? " " : ", ") + folder;
+  }
+  return fail("there is no file " + filename + " (looked in" + tried + ")",
+              "build it, correct the name, or add its folder to TAKT_COMPONENT_PATH");
+}
+
+}  // namespace takt::host

@@ -1,0 +1,109 @@
+#include <takt/host/executor_threads.hpp>
+
+#include <utility>
+
+#include <takt/os/futex.hpp>
+#include <takt/os/signals.hpp>
+#include <takt/os/waker.hpp>
+
+namespace takt::host {
+
+namespace {
+
+channel::Crash* crash_place = nullptr;
+thread_local const channel::Activity* my_activity = nullptr;
+
+// Async-signal-safe: stores only.
+void last_words(int signal) noexcept {
+  if (crash_place == nullptr) return;
+  if (my_activity != nullptr) {
+    crash_place->module.store(my_activity->module.load(std::memory_order_relaxed), std::memory_order_relaxed);
+    crash_place->doing.store(my_activity->doing.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  }
+  crash_place->signal.store(signal, std::memory_order_release);
+}
+
+void ring(channel::Bell& bell, std::uint32_t bits) noexcept {
+  bell.rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(bell.rings, bits);
+}
+
+}  // namespace
+
+void report_crashes_to(channel::Crash& crash) {
+  crash_place = &crash;
+  os::on_crash(last_words);
+}
+
+void report_crashes_as(const channel::Activity* activity) {
+  my_activity = activity;
+  os::prepare_crash_stack();
+}
+
+ExecutorThreads::ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan,
+                                 std::vector<executor::Unit> periodic, std::vector<executor::Unit> sporadic,
+                                 channel::ExecutorBlock& block, channel::Bell& bell)
+    : settings_(executor),
+      has_rows_(plan.basic_period.count() > 0),
+      has_sporadic_(!sporadic.empty()),
+      block_(block),
+      bell_(bell),
+      executor_(plan, std::move(periodic), std::move(sporadic), block, clock_) {}
+
+ExecutorThreads::~ExecutorThreads() {
+  ask_to_halt();
+  join();
+}
+
+Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Problems* refused) {
+  if (!has_rows_) return {};
+  if (has_sporadic_) {
+    auto thread = os::Thread::start({.name = settings_.name + "/s", .priority = settings_.priority - 1, .cpus = cpus},
+                                    [this] { serve_sporadic(); }, refused);
+    if (!thread) return thread.problems();
+    sporadic_ = std::move(*thread);
+  }
+  auto thread = os::Thread::start({.name = settings_.name, .priority = settings_.priority, .cpus = cpus},
+                                  [this, t0] { walk_rows(t0); }, has_sporadic_ ? nullptr : refused);
+  if (!thread) return thread.problems();
+  rows_ = std::move(*thread);
+  return {};
+}
+
+void ExecutorThreads::walk_rows(Instant t0) {
+  report_crashes_as(&block_.row);
+  block_.row.thread.store(os::thread_id(), std::memory_order_relaxed);
+  os::Waker waker{settings_.wakeup, executor_.basic_period(), halt_};
+  executor_.join_grid(t0, os::now());
+  while (true) {
+    const Instant now = waker.wait_until(executor_.next_release());
+    if (halt_.load(std::memory_order_relaxed) != 0) return;
+    if (const std::uint32_t bits = executor_.run_cycle(now); bits != 0) ring(bell_, bits);
+    block_.margin_ns.store(waker.margin().count(), std::memory_order_relaxed);
+  }
+}
+
+void ExecutorThreads::serve_sporadic() {
+  report_crashes_as(&block_.sporadic);
+  block_.sporadic.thread.store(os::thread_id(), std::memory_order_relaxed);
+  while (halt_.load(std::memory_order_seq_cst) == 0) {
+    // A ring after this load ends the wait below at once, so none is lost.
+    const std::uint32_t rings = bell_.rings.load(std::memory_order_seq_cst);
+    while (halt_.load(std::memory_order_relaxed) == 0 && executor_.run_sporadic()) {
+    }
+    if (halt_.load(std::memory_order_seq_cst) == 0) os::futex_wait(bell_.rings, rings, channel::kSporadicBit);
+  }
+}
+
+void ExecutorThreads::ask_to_halt() noexcept {
+  halt_.store(1, std::memory_order_seq_cst);
+  os::futex_wake(halt_, ~0U);
+  ring(bell_, channel::kSporadicBit);
+}
+
+void ExecutorThreads::join() {
+  rows_.join();
+  sporadic_.join();
+}
+
+}  // namespace takt::host

@@ -1,0 +1,58 @@
+// The threads that an executor runs on: one that walks its rows on absolute time, and one for its sporadic modules, one
+// priority lower on the same processor, so that the next row preempts them.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <takt/channel/layout.hpp>
+#include <takt/channel/seat.hpp>
+#include <takt/core/result.hpp>
+#include <takt/executor/executor.hpp>
+#include <takt/model/cell.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/real_time.hpp>
+
+namespace takt::host {
+
+class ExecutorThreads {
+ public:
+  /// Allocates everything that the threads will use.
+  ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan, std::vector<executor::Unit> periodic,
+                  std::vector<executor::Unit> sporadic, channel::ExecutorBlock& block, channel::Bell& bell);
+  /// Halts.
+  ~ExecutorThreads();
+
+  /// Starts on the grid of T0. What the system refuses (priority, processor) is added to `refused`; the threads run all the
+  /// same. Fails when a thread cannot be created.
+  Result<void> begin(Instant t0, const std::vector<int>& cpus, Problems* refused);
+  /// Tells the threads to end, after the row or the module that they are in.
+  void ask_to_halt() noexcept;
+  /// Waits for them; a module that never returns keeps them for ever.
+  void join();
+
+ private:
+  void walk_rows(Instant t0);
+  void serve_sporadic();
+
+  model::Executor settings_;
+  bool has_rows_;
+  bool has_sporadic_;
+  channel::ExecutorBlock& block_;
+  channel::Bell& bell_;
+  os::MonotonicClock clock_;
+  executor::Executor executor_;
+  std::atomic<std::uint32_t> halt_{0};
+  os::Thread rows_;
+  os::Thread sporadic_;
+};
+
+/// Names the activity of the calling thread for the report of a crash.
+void report_crashes_as(const channel::Activity* activity);
+/// Makes a crash of any thread leave its last words there.
+void report_crashes_to(channel::Crash& crash);
+
+}  // namespace takt::host

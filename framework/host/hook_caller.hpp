@@ -1,0 +1,43 @@
+// The thread that calls hooks. A hook is foreign code and may never return; then its module is lost, but the hooks of all
+// others must go on being called. So the thread can be given up, with the module that it is stuck in, and a new one goes on
+// with what was waiting.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include <takt/channel/layout.hpp>
+#include <takt/host/protocol.hpp>
+#include <takt/os/real_time.hpp>
+
+namespace takt::host {
+
+class HookCaller {
+ public:
+  /// `call` calls the hook of a request; `done` is told the outcome, on the same thread.
+  using Call = std::function<Result<void>(const Request&)>;
+  using Done = std::function<void(const Request&, const Result<void>&)>;
+
+  HookCaller(channel::Activity& activity, std::vector<int> cpus, Call call, Done done);
+  /// Ends the thread if it is not stuck.
+  ~HookCaller();
+
+  void enqueue(const Request& request);
+  /// Leaves the thread in its hook; if it ever returns, nobody is told. The next request is served by a new thread.
+  void give_up();
+
+ private:
+  struct Shared;
+  void start_thread();
+
+  std::vector<int> cpus_;
+  std::shared_ptr<Shared> shared_;  // outlives us in a thread that was given up
+  os::Thread thread_;
+};
+
+}  // namespace takt::host

@@ -1,0 +1,297 @@
+#include <takt/host/host.hpp>
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include <takt/channel/channel.hpp>
+#include <takt/channel/seat.hpp>
+#include <takt/host/executor_threads.hpp>
+#include <takt/host/hook_caller.hpp>
+#include <takt/host/protocol.hpp>
+#include <takt/host/thread_module.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/os/futex.hpp>
+#include <takt/os/message_socket.hpp>
+#include <takt/os/process.hpp>
+
+namespace takt::host {
+
+namespace {
+
+using channel::Doing;
+
+class Host {
+ public:
+  Host(os::MessageSocket node, channel::Channel channel, Setup setup);
+
+  /// Everything but modules: seats, executors, plans.
+  Result<void> prepare();
+  /// Serves requests until told to end, or until the node is gone.
+  void serve();
+
+ private:
+  Result<void> call(const Request& request);
+  Answer begin();
+  void start_background();
+  void run_background(std::uint32_t index);
+  void halt();
+  void farewell();
+  void answer(const Answer& answer);
+  void complain(const char* what, const Result<void>& result, Answer& answer) const;
+  const model::Module& module(std::uint32_t index) const { return setup_.device.modules[index]; }
+
+  os::MessageSocket node_;
+  std::mutex sending_;
+  channel::Channel channel_;
+  Setup setup_;
+  os::SharedMemory bell_memory_;
+  channel::Bell* bell_ = nullptr;
+  std::vector<os::SharedMemory> seat_memories_;
+  std::vector<std::unique_ptr<ThreadModule>> modules_;  // of thread modules
+  std::map<std::string, int> loads_;                    // of each path, so far
+  std::mutex loading_;
+  os::NoDeepIdle no_deep_idle_;
+  std::vector<std::unique_ptr<ExecutorThreads>> executors_;
+  std::atomic<std::uint32_t> halt_background_{0};
+  std::vector<os::Thread> background_;
+  std::unique_ptr<HookCaller> hooks_;
+};
+
+Host::Host(os::MessageSocket node, channel::Channel channel, Setup setup)
+    : node_(std::move(node)), channel_(std::move(channel)), setup_(std::move(setup)) {}
+
+Result<void> Host::prepare() {
+  auto bell = os::SharedMemory::attach(os::Fd{setup_.bell_fd});
+  if (!bell) return bell.problems();
+  bell_memory_ = std::move(*bell);
+  bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
+
+  std::vector<executor::Unit> units;
+  for (std::uint32_t i = 0; i < setup_.device.modules.size(); ++i) {
+    const model::Module& m = module(i);
+    executor::Unit unit{.index = i,
+                        .block = &channel_.module(i),
+                        .period = m.period.value_or(Nanoseconds{0}),
+                        .deadline = m.deadline.value_or(Nanoseconds{0}),
+                        .budget = m.budget.value_or(Nanoseconds{0})};
+    modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
+    unit.body = modules_.back().get();
+    if (setup_.seat_fds[i] >= 0) {
+      auto memory = os::SharedMemory::attach(os::Fd{setup_.seat_fds[i]});
+      if (!memory) return memory.problems();
+      unit.seat = reinterpret_cast<channel::Seat*>(memory->data());
+      seat_memories_.push_back(std::move(*memory));
+    }
+    units.push_back(unit);
+  }
+
+  const auto plan = schedule::plan(model::Cell{}, setup_.device);
+  if (!plan) return plan.problems();
+  const auto select = [&units](const std::vector<std::uint32_t>& indices) {
+    std::vector<executor::Unit> selected;
+    for (std::uint32_t index : indices) selected.push_back(units[index]);
+    return selected;
+  };
+  for (std::size_t e = 0; e < plan->executors.size(); ++e) {
+    const schedule::ExecutorPlan& mine = plan->executors[e];
+    executors_.push_back(std::make_unique<ExecutorThreads>(setup_.device.executors[e], mine, select(mine.periodic),
+                                                           select(mine.sporadic), channel_.executor(e), *bell_));
+  }
+  report_crashes_to(channel_.host().crash);
+  static_cast<void>(os::pin(0, setup_.background_cpus));
+  hooks_ = std::make_unique<HookCaller>(
+      channel_.host().hooks, setup_.background_cpus, [this](const Request& request) { return call(request); },
+      [this](const Request& request, const Result<void>& result) {
+        answer({.request = request, .ok = result.ok(), .text = result ? "" : to_text(result.problems()), .warnings = {}});
+      });
+  return {};
+}
+
+void Host::answer(const Answer& answer) {
+  const std::lock_guard lock{sending_};
+  node_.send(encode(answer));
+}
+
+// On the hook thread.
+Result<void> Host::call(const Request& request) {
+  ThreadModule& instance = *modules_[request.module];
+  const model::Module& m = module(request.module);
+  switch (request.hook) {
+    case Doing::load: {
+      const std::string& path = setup_.paths[request.module];
+      bool again = false;
+      {
+        const std::lock_guard lock{loading_};
+        again = loads_[path]++ > 0;
+      }
+      auto loaded = instance.load(path, os::Library::Globals::shared, m.operation == model::Operation::sporadic);
+      // Objects of a C++ component share nothing but what its author made static; a C module's variables are its state.
+      if (loaded && again && instance.component() == nullptr) {
+        loaded = instance.load(path, os::Library::Globals::own, m.operation == model::Operation::sporadic);
+      }
+      return loaded;
+    }
+    case Doing::initialize: {
+      irp::Property::Values values;
+      for (const model::PropertyValue& property : m.properties) values.emplace_back(property.name, property.value);
+      return instance.initialize(irp::Property{std::move(values)});
+    }
+    case Doing::start: return instance.start();
+    case Doing::error: return instance.error(static_cast<ErrorType>(request.error_type));
+    case Doing::recover: return instance.recover();
+    case Doing::destruct: return instance.destruct();
+    case Doing::nothing:
+    case Doing::run:
+    case Doing::condition: break;
+  }
+  return fail("a host does not call that on request");
+}
+
+void Host::complain(const char* what, const Result<void>& result, Answer& answer) const {
+  if (result) return;
+  for (const Problem& problem : result.problems()) answer.warnings.push_back(std::string{what} + to_text(problem));
+}
+
+Answer Host::begin() {
+  Answer answer{.request = {.what = Request::Do::begin}, .ok = true, .text = {}, .warnings = {}};
+  complain("", os::lock_memory(), answer);
+  const Instant t0 = from_ns(channel_.host().t0_ns.load(std::memory_order_acquire));
+  for (std::size_t e = 0; e < executors_.size(); ++e) {
+    Problems refused;
+    const auto begun = executors_[e]->begin(t0, setup_.executor_cpus[e], &refused);
+    for (const Problem& problem : refused) answer.warnings.push_back(to_text(problem));
+    if (begun) continue;
+    answer.ok = false;
+    answer.text = to_text(begun.problems());
+  }
+  return answer;
+}
+
+void Host::start_background() {
+  for (std::uint32_t i = 0; i < modules_.size(); ++i) {
+    if (module(i).operation != model::Operation::non_real || !modules_[i] || !modules_[i]->loaded()) continue;
+    auto thread = os::Thread::start(
+        {.name = module(i).name, .cpus = setup_.background_cpus, .stack_bytes = 8 * 1024 * 1024},
+        [this, i] { run_background(i); }, nullptr);
+    if (thread) background_.push_back(std::move(*thread));
+  }
+}
+
+// A non-real-time module: run() again and again, at its period if it has one.
+void Host::run_background(std::uint32_t index) {
+  static_cast<void>(os::make_idle());
+  channel::ModuleBlock& block = channel_.module(index);
+  report_crashes_as(&block.background);
+  const Nanoseconds period = module(index).period.value_or(Nanoseconds{0});
+  Cycle cycle{.number = 0, .time = os::now(), .period = period};
+  constexpr auto relaxed = std::memory_order_relaxed;
+  while (halt_background_.load(relaxed) == 0) {
+    const Instant start = os::now();
+    block.background.begin(index, Doing::run, to_ns(start));  // before the tables are asked: SYNC: in tables
+    if (block.in_tables.load(std::memory_order_seq_cst) != 0) {
+      if (period == Nanoseconds{0}) cycle.time = start;
+      const char* failure = modules_[index]->run(cycle);
+      block.jitter.record((cycle.time - start).count());
+      block.run.record((os::now() - start).count());
+      block.cycles.store(block.cycles.load(relaxed) + 1, relaxed);
+      ++cycle.number;
+      if (failure != nullptr) {
+        block.in_tables.store(0, std::memory_order_seq_cst);
+        block.errors.store(block.errors.load(relaxed) + 1, relaxed);
+        block.error_text.assign(failure);
+        block.error.store(static_cast<std::uint32_t>(ErrorType::failure), std::memory_order_release);  // SYNC: error raised
+      }
+    }
+    block.background.end();
+    const bool out = block.in_tables.load(relaxed) == 0;
+    const Nanoseconds pause = out ? std::chrono::milliseconds{1} : period;
+    if (pause == Nanoseconds{0}) continue;
+    cycle.time += pause;
+    if (cycle.time < os::now()) cycle.time = os::now();
+    if (halt_background_.load(std::memory_order_seq_cst) == 0) os::futex_wait(halt_background_, 0, ~0U, cycle.time);
+  }
+}
+
+void Host::halt() {
+  for (auto& executor : executors_) executor->ask_to_halt();
+  halt_background_.store(1, std::memory_order_seq_cst);
+  os::futex_wake(halt_background_, ~0U);
+  for (auto& executor : executors_) executor->join();
+  background_.clear();
+}
+
+// The node is gone and nobody is there to be asked: what has been started is ended in order, but not for long.
+void Host::farewell() {
+  std::atomic<bool> done{false};
+  auto watch = os::Thread::start({.name = "takt-farewell"}, [&done] {
+    const Instant limit = os::now() + std::chrono::seconds{1};
+    while (!done && os::now() < limit) os::sleep_until(os::now() + std::chrono::milliseconds{10});
+    if (!done) std::_Exit(1);
+  }, nullptr);
+  for (std::uint32_t i = 0; i < modules_.size(); ++i) channel_.module(i).in_tables.store(0, std::memory_order_seq_cst);
+  halt();
+  for (const auto& instance : modules_) {
+    if (instance && instance->loaded()) static_cast<void>(instance->destruct());
+  }
+  done = true;
+}
+
+void Host::serve() {
+  while (auto text = node_.receive_wait()) {
+    const auto request = decode_request(*text);
+    if (!request) {
+      std::fprintf(stderr, "takt-host: %s\n", to_text(request.problems()).c_str());
+      continue;
+    }
+    switch (request->what) {
+      case Request::Do::call: hooks_->enqueue(*request); break;
+      case Request::Do::begin: answer(begin()); break;
+      case Request::Do::background: start_background(); break;
+      case Request::Do::halt:
+        halt();
+        answer({.request = *request, .ok = true, .text = {}, .warnings = {}});
+        break;
+      case Request::Do::give_up: hooks_->give_up(); break;
+      case Request::Do::end:
+        // Not by way of destructors: a hook that was given up may still be inside any of them.
+        std::fflush(nullptr);
+        std::_Exit(0);
+    }
+  }
+  farewell();
+  std::_Exit(1);
+}
+
+}  // namespace
+
+int run_host() {
+  os::MessageSocket node{os::take_fd_from_environment("TAKT_NODE_FD")};
+  os::Fd memory = os::take_fd_from_environment("TAKT_CHANNEL_FD");
+  if (!node.fd() || !memory) {
+    std::fprintf(stderr, "takt-host: error: this program is started by takt-node; run takt run FILE\n");
+    return 2;
+  }
+  auto channel = channel::Channel::attach(std::move(memory));
+  auto first = node.receive_wait();
+  if (!channel || !first) return 1;
+  auto setup = decode_setup(*first);
+  if (!setup) {
+    std::fprintf(stderr, "takt-host: %s\n", to_text(setup.problems()).c_str());
+    return 1;
+  }
+  Host host{std::move(node), std::move(*channel), std::move(*setup)};
+  if (const auto prepared = host.prepare(); !prepared) {
+    std::fprintf(stderr, "takt-host: %s\n", to_text(prepared.problems()).c_str());
+    return 1;
+  }
+  host.serve();
+  return 0;
+}
+
+}  // namespace takt::host

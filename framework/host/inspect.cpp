@@ -1,0 +1,176 @@
+#include <takt/host/inspect.hpp>
+
+#include <algorithm>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/host/component_path.hpp>
+#include <takt/host/thread_module.hpp>
+#include <takt/os/files.hpp>
+#include <takt/os/process.hpp>
+
+namespace takt::host {
+
+namespace {
+
+using nlohmann::json;
+constexpr auto kLimit = std::chrono::seconds{5};
+
+json problems_json(const Problems& problems) {
+  json list = json::array();
+  for (const Problem& problem : problems) list.push_back({{"what", problem.what}, {"fix", problem.fix}});
+  return list;
+}
+
+Problems problems_from(const json& list) {
+  Problems problems;
+  for (const json& entry : list) problems.push_back(fail(entry.at("what"), entry.at("fix")));
+  return problems;
+}
+
+std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+json describe_loaded(const ThreadModule& module, const std::string& path) {
+  json answer{{"name", std::filesystem::path{path}.stem().string()}, {"interface", "c"}, {"hooks", module.hooks()}};
+  answer["properties"] = json::array();
+  if (module.component() == nullptr) return answer;
+  answer["name"] = module.component_name();
+  answer["interface"] = "c++";
+  for (const PropertyBase* property : module.component()->properties()) {
+    answer["properties"].push_back({{"name", property->name()},
+                                    {"type", to_text(property->type())},
+                                    {"default", property->value_text()},
+                                    {"range", property->range_text()},
+                                    {"unit", property->unit()},
+                                    {"text", property->text()}});
+  }
+  return answer;
+}
+
+// One load of a file serves all modules that are made of it.
+struct Use {
+  std::size_t device;
+  std::size_t module;
+};
+
+json check_uses(const std::string& path, const model::Cell& cell, const std::vector<Use>& uses) {
+  json answer = json::array();
+  for (const Use& use : uses) {
+    const model::Module& wanted = cell.devices[use.device].modules[use.module];
+    ThreadModule module;
+    Result<void> result = module.load(path, os::Library::Globals::shared, wanted.operation == model::Operation::sporadic);
+    if (result) {
+      irp::Property::Values values;
+      for (const model::PropertyValue& property : wanted.properties) values.emplace_back(property.name, property.value);
+      result = module.assign(values);
+    }
+    answer.push_back(problems_json(result ? Problems{} : result.problems()));
+  }
+  return answer;
+}
+
+Problem at(const model::Cell& cell, int line, Problem problem) {
+  problem.where = cell.file + ":" + std::to_string(line);
+  return problem;
+}
+
+// Each problem at the line of the property that it names, else at the module's.
+void add_at(const model::Cell& cell, const model::Module& module, const Problems& found, Problems& problems) {
+  for (const Problem& problem : found) {
+    int line = module.line;
+    for (const model::PropertyValue& property : module.properties) {
+      if (problem.what.find("'" + property.name + "'") != std::string::npos) line = property.line;
+    }
+    problems.push_back(at(cell, line, {{}, "module " + module.name + ": " + problem.what, problem.fix}));
+  }
+}
+
+}  // namespace
+
+Result<Description> describe(const std::string& path) {
+  if (!os::is_shared_object(path)) {
+    if (!os::is_executable(path)) return fail(path + " is neither a shared object nor a program", "name a component's file");
+    return Description{std::filesystem::path{path}.stem().string(), "process", {}, {}};
+  }
+  const auto work = [&path]() -> std::string {
+    ThreadModule module;
+    if (auto loaded = module.load(path, os::Library::Globals::shared, false); !loaded) {
+      return dump({{"problems", problems_json(loaded.problems())}});
+    }
+    return dump(describe_loaded(module, path));
+  };
+  auto text = os::in_child("loading " + path, work, kLimit);
+  if (!text) return text.problems();
+  const json answer = json::parse(*text, nullptr, false);
+  if (answer.is_discarded()) return fail("loading " + path + " gave no answer");
+  if (answer.contains("problems")) return problems_from(answer["problems"]);
+  Description description{answer["name"], answer["interface"], answer["hooks"], {}};
+  for (const json& property : answer["properties"]) {
+    description.properties.push_back({property["name"], property["type"], property["default"], property["range"],
+                                      property["unit"], property["text"]});
+  }
+  return description;
+}
+
+Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell) {
+  Problems problems;
+  std::vector<ComponentPaths> paths;
+  std::map<std::string, std::vector<Use>> thread_modules;
+  for (std::size_t d = 0; d < cell.devices.size(); ++d) {
+    const model::Device& device = cell.devices[d];
+    paths.emplace_back();
+    for (std::size_t m = 0; m < device.modules.size(); ++m) {
+      const model::Module& module = device.modules[m];
+      auto path = find_component(module.filename, cell.file);
+      paths.back().push_back(path ? *path : "");
+      if (!path) {
+        add_at(cell, module, path.problems(), problems);
+      } else if (module.type == model::ModuleType::process) {
+        if (!os::is_executable(*path)) {
+          add_at(cell, module, {fail(*path + " is not a program that this user may execute", "build it, or chmod +x")},
+                 problems);
+        } else if (os::is_shared_object(*path)) {
+          add_at(cell, module, {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
+                 problems);
+        }
+      } else if (!os::is_shared_object(*path)) {
+        add_at(cell, module,
+               {fail(*path + " is no shared object (.so) of this machine",
+                     "build it with takt_add_component, or say <moduletype>process</moduletype>")},
+               problems);
+      } else {
+        thread_modules[*path].push_back({d, m});
+      }
+    }
+  }
+  for (const auto& [path, uses] : thread_modules) {
+    auto text = os::in_child("loading " + path, [&] { return dump(check_uses(path, cell, uses)); }, kLimit);
+    const json answer = text ? json::parse(*text, nullptr, false) : json{};
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      const model::Module& module = cell.devices[uses[i].device].modules[uses[i].module];
+      if (answer.is_array()) {
+        add_at(cell, module, problems_from(answer[i]), problems);
+      } else {
+        Problem problem = text ? fail("loading " + path + " gave no answer") : text.problems()[0];
+        problem.fix = "mend its constructors, which run when it is loaded";
+        add_at(cell, module, {problem}, problems);
+      }
+    }
+  }
+  for (const model::Connection& connection : cell.connections) {
+    for (const model::Endpoint* end : {&connection.from, &connection.to}) {
+      problems.push_back(at(cell, connection.line,
+                            fail("module " + end->device + "." + end->module + " has no port '" + end->port + "'",
+                                 "connect ports that the components have")));
+    }
+  }
+  if (problems.empty()) return paths;
+  std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
+    const auto line = [](const Problem& p) { return std::stoi(p.where.substr(p.where.rfind(':') + 1)); };
+    return line(a) < line(b);
+  });
+  return problems;
+}
+
+}  // namespace takt::host

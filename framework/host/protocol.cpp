@@ -1,0 +1,132 @@
+#include <takt/host/protocol.hpp>
+
+#include <nlohmann/json.hpp>
+
+namespace takt::host {
+
+namespace {
+
+using nlohmann::json;
+
+std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+json from_duration(const std::optional<Nanoseconds>& duration) {
+  return duration ? json(duration->count()) : json(nullptr);
+}
+std::optional<Nanoseconds> to_duration(const json& value) {
+  if (value.is_null()) return std::nullopt;
+  return Nanoseconds{value.get<std::int64_t>()};
+}
+
+json to_json(const model::Module& module) {
+  json properties = json::array();
+  for (const auto& property : module.properties) properties.push_back({property.name, property.value, property.line});
+  return {{"name", module.name},
+          {"filename", module.filename},
+          {"type", module.type},
+          {"operation", module.operation},
+          {"period", from_duration(module.period)},
+          {"deadline", from_duration(module.deadline)},
+          {"priority", module.priority},
+          {"executor", module.executor},
+          {"budget", from_duration(module.budget)},
+          {"properties", properties},
+          {"line", module.line}};
+}
+
+model::Module module_from(const json& value) {
+  model::Module module;
+  module.name = value.at("name");
+  module.filename = value.at("filename");
+  module.type = value.at("type");
+  module.operation = value.at("operation");
+  module.period = to_duration(value.at("period"));
+  module.deadline = to_duration(value.at("deadline"));
+  module.priority = value.at("priority");
+  module.executor = value.at("executor");
+  module.budget = to_duration(value.at("budget"));
+  for (const json& property : value.at("properties")) module.properties.push_back({property[0], property[1], property[2]});
+  module.line = value.at("line");
+  return module;
+}
+
+json to_json(const model::Executor& executor) {
+  return {{"name", executor.name}, {"priority", executor.priority}, {"wakeup", executor.wakeup}};
+}
+
+model::Executor executor_from(const json& value) {
+  model::Executor executor;
+  executor.name = value.at("name");
+  executor.priority = value.at("priority");
+  executor.wakeup = value.at("wakeup");
+  return executor;
+}
+
+json to_json(const Request& request) {
+  return {{"do", request.what}, {"module", request.module}, {"hook", request.hook}, {"type", request.error_type}};
+}
+
+Request request_from(const json& value) {
+  return {.what = value.at("do"), .module = value.at("module"), .hook = value.at("hook"), .error_type = value.at("type")};
+}
+
+template <class T, class Read>
+Result<T> decoded(const std::string& text, Read&& read) {
+  try {
+    return T{read(json::parse(text))};
+  } catch (const json::exception& exception) {
+    return fail(std::string{"a message between node and host cannot be read: "} + exception.what(),
+                "install takt-node and takt-host of one version");
+  }
+}
+
+}  // namespace
+
+std::string encode(const Setup& setup) {
+  json modules = json::array();
+  for (const auto& module : setup.device.modules) modules.push_back(to_json(module));
+  json executors = json::array();
+  for (const auto& executor : setup.device.executors) executors.push_back(to_json(executor));
+  return dump({{"name", setup.device.name},
+               {"modules", modules},
+               {"executors", executors},
+               {"paths", setup.paths},
+               {"left_out", setup.left_out},
+               {"executor_cpus", setup.executor_cpus},
+               {"background_cpus", setup.background_cpus},
+               {"seat_fds", setup.seat_fds},
+               {"bell_fd", setup.bell_fd}});
+}
+
+std::string encode(const Request& request) { return dump(to_json(request)); }
+
+std::string encode(const Answer& answer) {
+  return dump({{"request", to_json(answer.request)}, {"ok", answer.ok}, {"text", answer.text}, {"warnings", answer.warnings}});
+}
+
+Result<Setup> decode_setup(const std::string& text) {
+  return decoded<Setup>(text, [](const json& value) {
+    Setup setup;
+    setup.device.name = value.at("name");
+    for (const json& module : value.at("modules")) setup.device.modules.push_back(module_from(module));
+    for (const json& executor : value.at("executors")) setup.device.executors.push_back(executor_from(executor));
+    setup.paths = value.at("paths").get<std::vector<std::string>>();
+    setup.left_out = value.at("left_out").get<std::vector<bool>>();
+    setup.executor_cpus = value.at("executor_cpus").get<std::vector<std::vector<int>>>();
+    setup.background_cpus = value.at("background_cpus").get<std::vector<int>>();
+    setup.seat_fds = value.at("seat_fds").get<std::vector<int>>();
+    setup.bell_fd = value.at("bell_fd");
+    return setup;
+  });
+}
+
+Result<Request> decode_request(const std::string& text) { return decoded<Request>(text, request_from); }
+
+Result<Answer> decode_answer(const std::string& text) {
+  return decoded<Answer>(text, [](const json& value) {
+    return Answer{request_from(value.at("request")), value.at("ok"), value.at("text"),
+                  value.at("warnings").get<std::vector<std::string>>()};
+  });
+}
+
+}  // namespace takt::host

@@ -1,0 +1,57 @@
+// What a node and its host say to each other: JSON texts over a message socket. Nothing of it is on a real-time path.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <takt/channel/activity.hpp>
+#include <takt/core/result.hpp>
+#include <takt/model/cell.hpp>
+
+namespace takt::host {
+
+/// What a host needs to know of its device. Processors are where the node decided; empty lists mean any.
+struct Setup {
+  model::Device device;
+  std::vector<std::string> paths;                ///< of each module's component
+  std::vector<bool> left_out;                    ///< modules that crashed an earlier host: not loaded
+  std::vector<std::vector<int>> executor_cpus;   ///< of each executor
+  std::vector<int> background_cpus;              ///< of everything that is not real-time
+  std::vector<int> seat_fds;                     ///< of each module; -1: it has no seat
+  int bell_fd = -1;
+};
+
+/// node -> host
+struct Request {
+  enum class Do {
+    call,        ///< call a hook (or load) of `module`; answered
+    begin,       ///< start the executors on the grid of channel.host().t0_ns; answered
+    background,  ///< start the threads of non-real-time modules
+    halt,        ///< end the executors and background threads; answered
+    give_up,     ///< the hook that is being called never returns: go on without its module
+    end,         ///< end the process
+  };
+  Do what = Do::end;
+  std::uint32_t module = 0;
+  channel::Doing hook = channel::Doing::nothing;
+  int error_type = 0;
+};
+
+/// host -> node
+struct Answer {
+  Request request;
+  bool ok = true;
+  std::string text;               ///< why not
+  std::vector<std::string> warnings;  ///< to begin: what the system refused, in words
+};
+
+std::string encode(const Setup& setup);
+std::string encode(const Request& request);
+std::string encode(const Answer& answer);
+/// Fail on a text that is none of ours.
+Result<Setup> decode_setup(const std::string& text);
+Result<Request> decode_request(const std::string& text);
+Result<Answer> decode_answer(const std::string& text);
+
+}  // namespace takt::host

@@ -1,0 +1,193 @@
+#include <takt/host/thread_module.hpp>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include <takt/component/failure.hpp>
+
+namespace takt::host {
+
+namespace {
+
+// Calls a hook of foreign code: whatever it throws or says becomes its Result.
+template <class Call>
+Result<void> guarded(Call&& call) {
+  static_cast<void>(take_failure());
+  try {
+    if (Result<void> result = std::forward<Call>(call)(); !result) return result;
+  } catch (const std::exception& exception) {
+    return fail(std::string{"threw: "} + exception.what());
+  } catch (...) {
+    return fail("threw something that is no std::exception");
+  }
+  if (const char* text = take_failure(); text != nullptr) return fail(text);
+  return {};
+}
+
+template <class Function, class... Arguments>
+Result<void> call(Function function, Arguments&&... arguments) {
+  return guarded([&]() -> Result<void> {
+    if (function != nullptr) function(std::forward<Arguments>(arguments)...);
+    return {};
+  });
+}
+
+}  // namespace
+
+ThreadModule::~ThreadModule() { unload(); }
+
+Result<void> ThreadModule::load(const std::string& path, os::Library::Globals globals, bool sporadic) {
+  unload();
+  auto library = os::Library::open(path, globals);
+  if (!library) return library.problems();
+  library_ = std::move(*library);
+
+  if (void* get_factory = library_.own_function("takt_component_factory"); get_factory != nullptr) {
+    factory_ = reinterpret_cast<const ComponentFactory* (*)()>(get_factory)();
+    if (factory_ == nullptr || factory_->abi != ComponentFactory::kAbi || factory_->component_size != sizeof(Component)) {
+      unload();
+      return fail(path + " was compiled against another version of Takt", "compile it again");
+    }
+    return guarded([this]() -> Result<void> {
+      component_ = factory_->create();
+      return {};
+    });
+  }
+
+  const auto find = [this](auto& hook, const char* name) {
+    hook = reinterpret_cast<std::remove_reference_t<decltype(hook)>>(library_.own_function(name));
+  };
+  // A module may define `void initialize(void)` (Figure 10): the argument it does not take does it no harm by the C calling
+  // conventions of Linux.
+  find(initialize_, "initialize");
+  find(start_, "start");
+  find(run_, "run");
+  find(condition_, "condition");
+  find(error_, "error");
+  find(recover_, "recover");
+  find(destruct_, "destruct");
+  if (run_ == nullptr) {
+    unload();
+    return fail(path + " has no function run()", R"(define extern "C" void run(void), or a class with TAKT_COMPONENT)");
+  }
+  if (sporadic && condition_ == nullptr) {
+    unload();
+    return fail(path + " has no function condition(), so it would never run",
+                R"(define extern "C" int condition(), or make the module periodic)");
+  }
+  return {};
+}
+
+void ThreadModule::unload() {
+  if (component_ != nullptr) factory_->destroy(component_);
+  component_ = nullptr;
+  factory_ = nullptr;
+  initialize_ = nullptr;
+  start_ = run_ = recover_ = destruct_ = nullptr;
+  condition_ = nullptr;
+  error_ = nullptr;
+  library_ = {};
+}
+
+void ThreadModule::abandon() noexcept {
+  component_ = nullptr;
+  library_.abandon();
+}
+
+Result<void> ThreadModule::assign(const irp::Property::Values& values) {
+  if (component_ == nullptr) return {};
+  Problems problems;
+  for (const auto& [name, text] : values) {
+    const auto& properties = component_->properties();
+    const auto found = std::find_if(properties.begin(), properties.end(),
+                                    [&name = name](const PropertyBase* property) { return property->name() == name; });
+    if (found == properties.end()) {
+      std::string known;
+      for (const PropertyBase* property : properties) known += (known.empty() ? "" : ", ") + property->name();
+      problems.push_back(fail(std::string{"component "} + factory_->name + " has no property '" + name + "'",
+                              known.empty() ? "it has none" : "it has " + known));
+      continue;
+    }
+    if (auto assigned = (*found)->assign(text); !assigned) {
+      problems.insert(problems.end(), assigned.problems().begin(), assigned.problems().end());
+    }
+  }
+  if (!problems.empty()) return problems;
+  return {};
+}
+
+Result<void> ThreadModule::initialize(const irp::Property& property) {
+  if (component_ != nullptr) {
+    if (auto assigned = assign(property.values()); !assigned) return assigned;
+    return guarded([this] { return component_->initialize(); });
+  }
+  return call(initialize_, property);
+}
+
+Result<void> ThreadModule::start() {
+  return component_ != nullptr ? guarded([this] { return component_->start(); }) : call(start_);
+}
+
+Result<void> ThreadModule::error(ErrorType type) {
+  if (component_ == nullptr) return call(error_, static_cast<int>(type));
+  return guarded([this, type]() -> Result<void> {
+    component_->error(type);
+    return {};
+  });
+}
+
+Result<void> ThreadModule::recover() {
+  return component_ != nullptr ? guarded([this] { return component_->recover(); }) : call(recover_);
+}
+
+Result<void> ThreadModule::destruct() {
+  if (component_ == nullptr) return call(destruct_);
+  return guarded([this]() -> Result<void> {
+    component_->destruct();
+    return {};
+  });
+}
+
+const char* ThreadModule::run(const Cycle& cycle) noexcept {
+  try {
+    if (component_ != nullptr) {
+      component_->run(cycle);
+    } else {
+      run_();
+    }
+  } catch (const std::exception& exception) {
+    say_failure(exception.what());
+  } catch (...) {
+    say_failure("threw something that is no std::exception");
+  }
+  return take_failure();
+}
+
+const char* ThreadModule::condition(bool* ready) noexcept {
+  try {
+    *ready = component_ != nullptr ? component_->condition() : condition_() != FALSE;
+  } catch (const std::exception& exception) {
+    say_failure(exception.what());
+  } catch (...) {
+    say_failure("threw something that is no std::exception");
+  }
+  return take_failure();
+}
+
+std::vector<std::string> ThreadModule::hooks() const {
+  std::vector<std::string> names;
+  const auto add = [&names](bool defined, const char* name) {
+    if (defined) names.emplace_back(name);
+  };
+  add(initialize_ != nullptr, "initialize");
+  add(start_ != nullptr, "start");
+  add(run_ != nullptr, "run");
+  add(condition_ != nullptr, "condition");
+  add(error_ != nullptr, "error");
+  add(recover_ != nullptr, "recover");
+  add(destruct_ != nullptr, "destruct");
+  return names;
+}
+
+}  // namespace takt::host

@@ -1,0 +1,66 @@
+// A thread module in memory: a .so in the paper's C form or a C++ component, behind one set of hooks.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <takt/component/component.hpp>
+#include <takt/component/module.h>
+#include <takt/core/result.hpp>
+#include <takt/executor/body.hpp>
+#include <takt/os/library.hpp>
+
+namespace takt::host {
+
+/// Exceptions of a hook and what it said by takt_fail() become its Result. run() and condition() are for the executor's
+/// thread; everything else for one thread at a time, with the module out of the tables.
+class ThreadModule final : public executor::Body {
+ public:
+  ThreadModule() = default;
+  ~ThreadModule() override;
+  ThreadModule(const ThreadModule&) = delete;
+  ThreadModule& operator=(const ThreadModule&) = delete;
+
+  /// Its constructors run. Fails when the file is no component: it cannot be loaded, or lacks run(), or lacks condition()
+  /// where `sporadic`.
+  Result<void> load(const std::string& path, os::Library::Globals globals, bool sporadic);
+  /// Its destructors run.
+  void unload();
+  /// Leaves it where it is, because a thread may never have come out of it.
+  void abandon() noexcept;
+  [[nodiscard]] bool loaded() const noexcept { return component_ != nullptr || run_ != nullptr; }
+
+  /// Sets the properties of a C++ component: one problem for each that it does not have or does not take. A C module is given
+  /// them by initialize(), unchecked.
+  Result<void> assign(const irp::Property::Values& values);
+
+  Result<void> initialize(const irp::Property& property);
+  Result<void> start();
+  Result<void> error(ErrorType type);
+  Result<void> recover();
+  Result<void> destruct();
+
+  const char* run(const Cycle& cycle) noexcept override;
+  const char* condition(bool* ready) noexcept override;
+
+  /// Null for a module in the C form.
+  [[nodiscard]] const Component* component() const noexcept { return component_; }
+  [[nodiscard]] const char* component_name() const noexcept { return factory_ == nullptr ? "" : factory_->name; }
+  /// The hooks that it defines, in the order of their lives.
+  [[nodiscard]] std::vector<std::string> hooks() const;
+
+ private:
+  using Hook = void (*)();
+  os::Library library_;
+  const ComponentFactory* factory_ = nullptr;
+  Component* component_ = nullptr;  // made and destroyed by its factory, in its own library
+  void (*initialize_)(const irp::Property&) = nullptr;
+  Hook start_ = nullptr;
+  Hook run_ = nullptr;
+  int (*condition_)() = nullptr;
+  void (*error_)(int) = nullptr;
+  Hook recover_ = nullptr;
+  Hook destruct_ = nullptr;
+};
+
+}  // namespace takt::host
