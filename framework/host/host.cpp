@@ -175,7 +175,7 @@ Answer Host::begin() {
 
 void Host::start_background() {
   for (std::uint32_t i = 0; i < modules_.size(); ++i) {
-    if (module(i).operation != model::Operation::non_real || !modules_[i] || !modules_[i]->loaded()) continue;
+    if (module(i).operation != model::Operation::non_real || !modules_[i] || setup_.left_out[i]) continue;
     auto thread = os::Thread::start(
         {.name = module(i).name, .cpus = setup_.background_cpus, .stack_bytes = 8 * 1024 * 1024},
         [this, i] { run_background(i); }, nullptr);

@@ -62,6 +62,9 @@ std::vector<std::string> with_environment(const std::vector<std::pair<std::strin
 
 }  // namespace
 
+const int kTerminate = SIGTERM;
+const int kKill = SIGKILL;
+
 std::string signal_text(int signal) {
   const char* name = ::sigabbrev_np(signal);
   if (name == nullptr) return "signal " + std::to_string(signal);

@@ -25,6 +25,10 @@ struct ProcessEnd {
 /// "SIGSEGV (Segmentation fault)".
 std::string signal_text(int signal);
 
+/// SIGTERM and SIGKILL, for who may not name Linux.
+extern const int kTerminate;
+extern const int kKill;
+
 struct SpawnOptions {
   std::string program;                 ///< a path; no search
   std::vector<std::string> arguments;  ///< without the program's own name

@@ -66,9 +66,9 @@ Result<void> make_real_time(int tid, int priority) {
   return {};
 }
 
-Result<void> make_idle() {
+Result<void> make_idle(int tid) {
   const sched_param parameter{.sched_priority = 0};
-  if (::sched_setscheduler(0, SCHED_IDLE, &parameter) != 0) return errno_problem("SCHED_IDLE is refused");
+  if (::sched_setscheduler(tid, SCHED_IDLE, &parameter) != 0) return errno_problem("SCHED_IDLE is refused");
   return {};
 }
 

@@ -17,8 +17,8 @@ std::vector<int> allowed_cpus();
 
 /// SCHED_FIFO for a thread of any process (0: the caller), priority 1 to 99.
 Result<void> make_real_time(int tid, int priority);
-/// SCHED_IDLE for the caller: it runs when nobody else wants to.
-Result<void> make_idle();
+/// SCHED_IDLE for a thread of any process (0: the caller): it runs when nobody else wants to.
+Result<void> make_idle(int tid = 0);
 /// Restricts a thread (0: the caller) to these processors; an empty list changes nothing.
 Result<void> pin(int tid, const std::vector<int>& cpus);
 

@@ -25,10 +25,10 @@ void crashed(int signal) {
 
 }  // namespace
 
-Result<SignalQueue> SignalQueue::of(std::initializer_list<int> signals) {
+Result<SignalQueue> SignalQueue::of_requests_to_end() {
   sigset_t set;
   ::sigemptyset(&set);
-  for (int signal : signals) ::sigaddset(&set, signal);
+  for (int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&set, signal);
   ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
   SignalQueue queue;
   queue.fd_ = Fd{::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK)};

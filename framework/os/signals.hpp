@@ -1,7 +1,6 @@
 // Signals as something to wait for, and the last words of a thread that crashes.
 #pragma once
 
-#include <initializer_list>
 #include <optional>
 #include <vector>
 
@@ -10,10 +9,11 @@
 
 namespace takt::os {
 
-/// Blocks these signals for this thread and those that it starts later, and gives them out one by one.
+/// The signals by which a program is asked to end (SIGINT, SIGTERM, SIGHUP), blocked for this thread and those that it starts
+/// later, and given out one by one.
 class SignalQueue {
  public:
-  static Result<SignalQueue> of(std::initializer_list<int> signals);
+  static Result<SignalQueue> of_requests_to_end();
   /// The next one that has arrived; does not wait.
   std::optional<int> next() const;
   [[nodiscard]] const Fd& fd() const noexcept { return fd_; }

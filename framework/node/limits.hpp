@@ -1,0 +1,31 @@
+// How long a node waits for what should not take long.
+#pragma once
+
+#include <algorithm>
+
+#include <takt/core/time.hpp>
+#include <takt/model/cell.hpp>
+
+namespace takt::node {
+
+/// One hook.
+inline constexpr Nanoseconds kHookLimit = std::chrono::seconds{5};
+/// A program, from its start to its first waitPeriod() or waitSporadic().
+inline constexpr Nanoseconds kAttachLimit = std::chrono::seconds{5};
+/// Each step of a program's end: leaving its wait, SIGTERM, SIGKILL.
+inline constexpr Nanoseconds kProcessEndLimit = std::chrono::seconds{1};
+/// The executors' threads, to end their row.
+inline constexpr Nanoseconds kHaltLimit = std::chrono::seconds{2};
+/// The host, to end when nothing is left to do.
+inline constexpr Nanoseconds kHostEndLimit = std::chrono::seconds{2};
+/// A host that ends without a culprit is started again this often in kRestartWindow; then the device ends.
+inline constexpr std::size_t kHostRestarts = 3;
+inline constexpr Nanoseconds kRestartWindow = std::chrono::seconds{60};
+
+/// A run() or a body that takes longer than this is taken to be never coming back.
+inline Nanoseconds stuck_after(const model::Module& module) {
+  const Nanoseconds own = module.period ? *module.period : module.deadline.value_or(Nanoseconds{0});
+  return std::chrono::seconds{1} + std::min<Nanoseconds>(10 * own, std::chrono::seconds{60});
+}
+
+}  // namespace takt::node

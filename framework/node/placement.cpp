@@ -1,0 +1,44 @@
+#include <takt/node/placement.hpp>
+
+#include <algorithm>
+
+#include <takt/core/check.hpp>
+
+namespace takt::node {
+
+Placement place(const std::vector<model::Executor>& executors, const std::vector<int>& allowed) {
+  TAKT_CHECK(!allowed.empty());
+  Placement placement;
+  const auto has = [](const std::vector<int>& cpus, int cpu) { return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end(); };
+
+  std::vector<int> taken;
+  std::vector<int> free = allowed;
+  const auto take = [&](int cpu) {
+    if (!has(taken, cpu)) taken.push_back(cpu);
+    std::erase(free, cpu);
+  };
+  for (const model::Executor& executor : executors) {
+    if (executor.cpu && has(allowed, *executor.cpu)) take(*executor.cpu);
+  }
+  for (const model::Executor& executor : executors) {
+    if (executor.cpu && !has(allowed, *executor.cpu)) {
+      placement.warnings.push_back("executor " + executor.name + " wants processor " + std::to_string(*executor.cpu) +
+                                   ", which this machine does not have or may not use; it is placed by the node");
+    }
+    if (executor.cpu && has(allowed, *executor.cpu)) {
+      placement.executors.push_back({*executor.cpu});
+      continue;
+    }
+    // The last free processor is left to everything else while an executor can share with another.
+    const int cpu = free.size() > 1 || taken.empty() ? free.back() : taken.front();
+    placement.executors.push_back({cpu});
+    take(cpu);
+  }
+  placement.background = free.empty() ? allowed : free;
+  if (free.empty()) {
+    placement.warnings.emplace_back("no processor is left beside the executors': process modules share theirs");
+  }
+  return placement;
+}
+
+}  // namespace takt::node

@@ -1,0 +1,293 @@
+#include <takt/node/supervisor.hpp>
+
+#include <algorithm>
+
+#include <takt/node/limits.hpp>
+#include <takt/node/log.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/os/real_time.hpp>
+
+namespace takt::node {
+
+using channel::Doing;
+using lifecycle::Event;
+using lifecycle::State;
+
+Supervisor::Supervisor(Options options) : options_(std::move(options)) {}
+Supervisor::~Supervisor() = default;
+
+void Supervisor::log(const Member& member, const std::string& text) const {
+  node::log(device().name, member.model.name, text);
+}
+
+void Supervisor::log(const std::string& text) const { node::log(device().name, "", text); }
+
+bool Supervisor::apply(Member& member, Event event, const std::string& text) {
+  const auto step = member.machine.apply(event);
+  if (!step) {
+    log(member, to_text(step.problems()));
+    return false;
+  }
+  log(member, std::string{lifecycle::to_text(step->from)} + " -> " + lifecycle::to_text(step->to) +
+                  (text.empty() ? "" : " (" + text + ")"));
+  return true;
+}
+
+void Supervisor::fail_device(Problem problem) {
+  log(to_text(problem));
+  failures_.push_back(std::move(problem));
+  stop();
+}
+
+Result<void> Supervisor::prepare() {
+  os::raise_descriptor_limit();
+  if (const auto allowed = os::may_be_real_time(); !allowed) {
+    real_time_ = false;
+    Problems problems = allowed.problems();
+    for (Problem& problem : problems) problem.where = "device " + device().name;
+    if (options_.require_real_time) return problems;
+    for (const Problem& problem : problems) {
+      log("WARNING: not real-time: " + problem.what + "; " + problem.fix);
+    }
+  }
+  placement_ = place(device().executors, os::allowed_cpus());
+  for (const std::string& warning : placement_.warnings) log("warning: " + warning);
+
+  std::vector<std::string> executors;
+  std::vector<std::string> modules;
+  for (const auto& executor : device().executors) executors.push_back(executor.name);
+  for (const auto& module : device().modules) modules.push_back(module.name);
+  auto channel = channel::Channel::create(executors, modules);
+  if (!channel) return channel.problems();
+  channel_ = std::move(*channel);
+  auto bell = os::SharedMemory::create("takt-bell", sizeof(channel::Bell));
+  if (!bell) return bell.problems();
+  bell_memory_ = std::move(*bell);
+  bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
+
+  for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
+    members_.push_back(std::make_unique<Member>(device().modules[i], i, channel_.module(i)));
+    Member& member = *members_.back();
+    if (!member.is_process() || !member.scheduled()) continue;
+    if (auto seat = create_seat(member); !seat) return seat;
+  }
+  if (auto host = start_host(); !host) return host;
+  asked_at_ = os::now();
+  for (auto& member : members_) {
+    if (member->is_thread()) {
+      ask(*member, Doing::load);
+    } else if (!member->scheduled()) {
+      apply(*member, Event::initialize);  // a program of its own: there is nothing to call
+    } else if (auto spawned = spawn(*member); !spawned) {
+      lose(*member, to_text(spawned.problems()));
+    }
+  }
+  return {};
+}
+
+void Supervisor::step() {
+  const Instant now = os::now();
+  forward_output();
+  take_answers();
+  if (auto end = host_.ended()) {
+    take_answers();
+    forward_output();
+    host_ended(*end);
+  }
+  for (auto& member : members_) {
+    if (member->is_process()) watch_process(*member, now);
+  }
+  if (phase_ == Phase::ended) return;
+  watch_host(now);
+  if (phase_ == Phase::preparing) prepare_step();
+  if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
+  if (phase_ == Phase::stopping) stopping_step(now);
+}
+
+// Every module is initialised, then every module started.
+void Supervisor::prepare_step() {
+  const auto all = [this](auto&& holds) {
+    return std::all_of(members_.begin(), members_.end(), [&](const auto& member) { return holds(*member); });
+  };
+  if (all([](const Member& m) { return m.state() == State::start; })) {
+    phase_ = Phase::ready;
+    return;
+  }
+  if (!all([](const Member& m) { return m.state() != State::idle; })) return;
+  for (auto& member : members_) {
+    if (member->state() != State::initialize || member->pending) continue;
+    if (member->is_thread()) {
+      ask(*member, Doing::start);
+    } else if (!member->scheduled()) {
+      apply(*member, Event::start);
+    } else if (member->seat->phase.load(std::memory_order_acquire) == channel::SeatPhase::ready) {
+      process_ready(*member);
+      apply(*member, Event::start);
+    }
+  }
+}
+
+void Supervisor::go(Instant t0) {
+  if (phase_ != Phase::ready) return;
+  phase_ = Phase::running;
+  t0_ = t0;
+  channel_.host().t0_ns.store(to_ns(t0), std::memory_order_release);
+  begin_rows();
+}
+
+void Supervisor::put_in_tables(Member& member) {
+  member.seen_cycles = member.block.cycles.load(std::memory_order_relaxed);
+  member.block.in_tables.store(1, std::memory_order_seq_cst);  // SYNC: in tables
+}
+
+void Supervisor::take_from_tables(Member& member) { member.block.in_tables.store(0, std::memory_order_seq_cst); }
+
+std::size_t Supervisor::executor_of(const Member& member) const {
+  const auto& executors = device().executors;
+  const auto found = std::find_if(executors.begin(), executors.end(),
+                                  [&](const auto& executor) { return executor.name == member.model.executor; });
+  return static_cast<std::size_t>(found - executors.begin());
+}
+
+void Supervisor::running_step(Instant now) {
+  // The first row has run when each executor that has rows has walked one.
+  if (rows_begun_ && !background_begun_ && now >= *t0_) {
+    bool walked = true;
+    for (const auto& member : members_) {
+      if (member->scheduled()) {
+        walked &= channel_.executor(executor_of(*member)).cycles.load(std::memory_order_relaxed) > 0;
+      }
+    }
+    if (walked) {
+      background_begun_ = true;
+      host_.ask({.what = host::Request::Do::background});
+      for (auto& member : members_) {
+        if (member->scheduled() || !member->wanted || member->state() != State::start) continue;
+        if (member->is_thread()) {
+          put_in_tables(*member);
+        } else if (auto spawned = spawn(*member); !spawned) {
+          raise(*member, ErrorType::crash, to_text(spawned.problems()));
+        } else {
+          apply(*member, Event::run);
+        }
+      }
+    }
+  }
+
+  for (auto& pointer : members_) {
+    Member& member = *pointer;
+    if (member.lost) continue;
+    // What the executor saw. SYNC: error raised
+    if (const auto type = member.block.error.load(std::memory_order_acquire); type != 0) {
+      const std::string text{member.block.error_text.view()};
+      member.block.error.store(0, std::memory_order_relaxed);
+      if (member.state() == State::start) apply(member, Event::run);  // its first row went wrong
+      raise(member, static_cast<ErrorType>(type), text);
+    }
+    if (member.state() == State::start && member.in_tables() && rows_begun_) {
+      const bool named = member.model.operation == model::Operation::sporadic
+                             ? channel_.executor(executor_of(member)).cycles.load(std::memory_order_relaxed) > 0
+                             : member.block.cycles.load(std::memory_order_relaxed) != member.seen_cycles ||
+                                   member.block.background.module.load(std::memory_order_relaxed) != 0;
+      if (named) apply(member, Event::run);
+    }
+    if (member.state() == State::recover && !member.pending) attempt_recovery(member);
+  }
+}
+
+// The module is out of its table, by the executor or by us.
+void Supervisor::raise(Member& member, ErrorType type, const std::string& text) {
+  take_from_tables(member);
+  member.why = std::string{takt::to_text(type)} + ": " + text;
+  if (!apply(member, Event::error, member.why)) return;
+  member.recovery.failed(os::now());
+  if (member.is_thread()) ask(member, Doing::error, type);
+}
+
+void Supervisor::attempt_recovery(Member& member) {
+  if (member.is_process() && member.child.running()) return;  // until it is started again it must have ended, or be ready
+  if (phase_ == Phase::stopping || (member.is_thread() && !host_.running())) return;
+  switch (member.recovery.next(os::now())) {
+    case lifecycle::Recovery::Step::wait: return;
+    case lifecycle::Recovery::Step::give_up: give_up(member); return;
+    case lifecycle::Recovery::Step::attempt: break;
+  }
+  log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
+                  std::to_string(member.model.recovery.attempts));
+  if (member.is_thread()) {
+    ask(member, Doing::recover);
+  } else if (auto spawned = spawn(member); !spawned) {
+    not_recovered(member, to_text(spawned.problems()));
+  } else if (!member.scheduled()) {
+    recovered(member);
+  }
+}
+
+void Supervisor::recovered(Member& member) {
+  member.recovery.attempted(os::now(), true);
+  if (!apply(member, Event::recover)) return;
+  if (rows_begun_ && member.wanted && (member.scheduled() || member.is_thread())) put_in_tables(member);
+}
+
+void Supervisor::not_recovered(Member& member, const std::string& text) {
+  member.why = text;
+  log(member, "could not recover: " + text);
+  member.recovery.attempted(os::now(), false);
+}
+
+void Supervisor::give_up(Member& member) {
+  member.failed = true;
+  apply(member, Event::give_up, "after " + std::to_string(member.recovery.attempts()) + " attempts");
+  if (member.is_thread() && !member.lost) ask(member, Doing::destruct);
+  Problem problem{"module " + device().name + "." + member.model.name, "was given up: " + member.why,
+                  "mend the module, or give it more attempts in <recovery>"};
+  const bool whole_device = phase_ == Phase::preparing || member.model.recovery.then == model::GiveUp::stop_device;
+  if (whole_device && (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running)) {
+    fail_device(std::move(problem));
+  } else {
+    log(to_text(problem));
+    failures_.push_back(std::move(problem));
+  }
+}
+
+// No hook of this module will be called any more.
+void Supervisor::lose(Member& member, const std::string& text) {
+  take_from_tables(member);
+  member.lost = true;
+  member.failed = true;
+  member.pending.reset();
+  member.why = text;
+  const bool starting = phase_ == Phase::preparing;
+  if (member.machine.accepts(Event::error)) apply(member, Event::error, text);
+  if (member.machine.accepts(Event::give_up)) {
+    apply(member, Event::give_up);
+  } else if (member.machine.accepts(Event::destruct)) {
+    apply(member, Event::destruct, text);
+  }
+  Problem problem{"module " + device().name + "." + member.model.name, text, "mend the module"};
+  const bool whole_device = starting || member.model.recovery.then == model::GiveUp::stop_device;
+  if (whole_device && phase_ != Phase::stopping && phase_ != Phase::ended) {
+    fail_device(std::move(problem));
+  } else {
+    log(to_text(problem));
+    failures_.push_back(std::move(problem));
+  }
+}
+
+std::vector<const os::Fd*> Supervisor::wait_on() {
+  std::vector<const os::Fd*> fds;
+  if (host_.running()) {
+    fds.push_back(&host_.fd());
+    fds.push_back(&host_.output().output());
+    fds.push_back(&host_.output().error());
+  }
+  for (const auto& member : members_) {
+    if (!member->is_process()) continue;
+    fds.push_back(&member->output.output());
+    fds.push_back(&member->output.error());
+  }
+  return fds;
+}
+
+}  // namespace takt::node

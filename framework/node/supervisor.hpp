@@ -1,0 +1,126 @@
+// Brings one device up, keeps it running, and takes it down.
+//
+// The node is the only one that changes a module's state: it asks the host to call hooks, starts and ends the programs, reads
+// what the executors publish, and takes every step through the lifecycle's table. It does so in one thread that never waits
+// for anybody: each call of step() looks at what has happened and starts what is due.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <takt/channel/channel.hpp>
+#include <takt/channel/seat.hpp>
+#include <takt/component/component.hpp>
+#include <takt/core/result.hpp>
+#include <takt/host/inspect.hpp>
+#include <takt/model/cell.hpp>
+#include <takt/node/host_link.hpp>
+#include <takt/node/member.hpp>
+#include <takt/node/placement.hpp>
+
+namespace takt::node {
+
+class Supervisor {
+ public:
+  struct Options {
+    model::Cell cell;
+    std::size_t device = 0;
+    host::ComponentPaths paths;  ///< of the device's modules
+    bool require_real_time = false;
+  };
+  enum class Phase {
+    preparing,  ///< modules are loaded, initialised, started
+    ready,      ///< every module is in START; go() is awaited
+    running,
+    stopping,
+    ended,
+  };
+
+  explicit Supervisor(Options options);
+  ~Supervisor();
+
+  /// Creates the channel, starts host and programs. Fails when the device cannot be brought up at all; nothing is left then.
+  Result<void> prepare();
+  /// Every module is in START: T0 is agreed, the first row runs then.
+  void go(Instant t0);
+  /// Ends everything in order: stop, destruct, join; each with a time limit and a kill after it.
+  void stop();
+  /// Looks at what has happened. To be called whenever one of wait_on() can be read, and every few milliseconds.
+  void step();
+
+  [[nodiscard]] Phase phase() const noexcept { return phase_; }
+  [[nodiscard]] std::vector<const os::Fd*> wait_on();
+  /// Why the device failed as a whole, or which modules were given up; empty when all is well.
+  [[nodiscard]] const Problems& failures() const noexcept { return failures_; }
+  /// The device's object of the contract's status JSON.
+  [[nodiscard]] nlohmann::ordered_json report() const;
+
+ private:
+  // The host (supervisor_host.cpp)
+  Result<void> start_host();
+  void ask(Member& member, channel::Doing hook, ErrorType type = ErrorType::none);
+  void take_answers();
+  void answered(Member& member, channel::Doing hook, bool ok, const std::string& text);
+  void begin_rows();
+  void host_ended(const os::ProcessEnd& end);
+  void watch_host(Instant now);
+  void bring_back(Member& member);
+
+  // Programs (supervisor_process.cpp)
+  Result<void> create_seat(Member& member);
+  Result<void> spawn(Member& member);
+  void watch_process(Member& member, Instant now);
+  void process_ended(Member& member, const os::ProcessEnd& end);
+  void process_ready(Member& member);
+  void end_process(Member& member, Instant now);
+  void forward_output();
+  void ring_all();
+
+  // Lifecycle (supervisor.cpp)
+  bool apply(Member& member, lifecycle::Event event, const std::string& text = {});
+  void log(const Member& member, const std::string& text) const;
+  void log(const std::string& text) const;
+  void fail_device(Problem problem);
+  void raise(Member& member, ErrorType type, const std::string& text);
+  void lose(Member& member, const std::string& text);
+  void attempt_recovery(Member& member);
+  void recovered(Member& member);
+  void not_recovered(Member& member, const std::string& text);
+  void give_up(Member& member);
+  void put_in_tables(Member& member);
+  void take_from_tables(Member& member);
+  void prepare_step();
+  void running_step(Instant now);
+  void stopping_step(Instant now);
+  void destruct(Member& member, Instant now);
+  int margin_share() const;
+  const model::Device& device() const { return options_.cell.devices[options_.device]; }
+  std::size_t executor_of(const Member& member) const;
+
+  Options options_;
+  Phase phase_ = Phase::preparing;
+  Problems failures_;
+  Placement placement_;
+  bool real_time_ = true;
+  channel::Channel channel_;
+  os::SharedMemory bell_memory_;
+  channel::Bell* bell_ = nullptr;
+  std::vector<std::unique_ptr<Member>> members_;
+  HostLink host_;
+  bool rows_begun_ = false;
+  bool background_begun_ = false;
+  bool halted_ = false;
+  bool halt_asked_ = false;
+  std::optional<std::uint32_t> hung_;  // the module for which the host was killed
+  std::vector<Instant> restarts_;      // of the host, without a culprit
+  std::optional<Instant> t0_;
+  Instant asked_at_{};   // preparing: when it began; stopping: when the present part of it began
+  bool end_asked_ = false;
+};
+
+}  // namespace takt::node

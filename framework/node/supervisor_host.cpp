@@ -1,0 +1,220 @@
+// The host of a device: started, asked, watched, started again.
+#include <algorithm>
+
+#include <takt/core/check.hpp>
+#include <takt/node/limits.hpp>
+#include <takt/node/supervisor.hpp>
+#include <takt/os/clock.hpp>
+
+namespace takt::node {
+
+using channel::Doing;
+using lifecycle::Event;
+using lifecycle::State;
+
+Result<void> Supervisor::start_host() {
+  host::Setup setup{.device = device(),
+                    .paths = options_.paths,
+                    .left_out = {},
+                    .executor_cpus = placement_.executors,
+                    .background_cpus = placement_.background,
+                    .seat_fds = {},
+                    .bell_fd = bell_memory_.fd().get()};
+  std::vector<const os::Fd*> inherit{&bell_memory_.fd()};
+  for (const auto& member : members_) {
+    setup.left_out.push_back(member->lost);
+    setup.seat_fds.push_back(member->seat == nullptr ? -1 : member->seat_memory.fd().get());
+    if (member->seat != nullptr) inherit.push_back(&member->seat_memory.fd());
+  }
+  return host_.start(channel_, setup, inherit);
+}
+
+void Supervisor::ask(Member& member, Doing hook, ErrorType type) {
+  TAKT_CHECK(!member.lost);
+  member.pending = hook;
+  host_.ask({.what = host::Request::Do::call, .module = member.index, .hook = hook, .error_type = static_cast<int>(type)});
+}
+
+void Supervisor::take_answers() {
+  while (auto answer = host_.answer()) {
+    switch (answer->request.what) {
+      case host::Request::Do::call: {
+        Member& member = *members_.at(answer->request.module);
+        if (member.lost || member.pending != answer->request.hook) break;  // it was given up in the meantime
+        member.pending.reset();
+        answered(member, answer->request.hook, answer->ok, answer->text);
+        break;
+      }
+      case host::Request::Do::begin:
+        for (const std::string& warning : answer->warnings) {
+          real_time_ = false;
+          log("WARNING: not real-time: " + warning);
+        }
+        if (!answer->ok) fail_device(fail(answer->text));
+        break;
+      case host::Request::Do::halt: halted_ = true; break;
+      case host::Request::Do::background:
+      case host::Request::Do::give_up:
+      case host::Request::Do::end: break;
+    }
+  }
+}
+
+namespace {
+std::string without_prefix(std::string text) {
+  constexpr std::string_view prefix = "error: ";
+  return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
+}
+}  // namespace
+
+void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string& raw) {
+  const std::string text = without_prefix(raw);
+  const std::string failure = std::string{channel::to_text(hook)} + " failed: " + text;
+  switch (hook) {
+    case Doing::load:
+      if (ok) ask(member, Doing::initialize);
+      else lose(member, failure);
+      break;
+    case Doing::initialize:
+      if (ok) apply(member, Event::initialize);
+      else lose(member, failure);
+      break;
+    case Doing::start:
+      if (ok && member.state() == State::recover) recovered(member);
+      else if (ok) apply(member, Event::start);
+      else if (member.state() == State::recover) not_recovered(member, failure);
+      else raise(member, ErrorType::start, failure);
+      // A module that comes back with a new host goes on where it was.
+      if (ok && rows_begun_ && member.state() == State::start && member.wanted) put_in_tables(member);
+      break;
+    case Doing::error:
+      if (!ok) log(member, failure);
+      break;
+    case Doing::recover:
+      if (!ok) not_recovered(member, failure);
+      else if (member.machine.previous() == State::initialize) ask(member, Doing::start);  // what failed was start()
+      else recovered(member);
+      break;
+    case Doing::destruct:
+      if (!ok) log(member, failure);
+      if (member.machine.accepts(Event::destruct)) apply(member, Event::destruct);
+      break;
+    case Doing::nothing:
+    case Doing::run:
+    case Doing::condition: break;
+  }
+}
+
+void Supervisor::begin_rows() {
+  for (auto& member : members_) {
+    if (member->scheduled() && member->wanted && member->state() == State::start) put_in_tables(*member);
+  }
+  rows_begun_ = true;
+  host_.ask({.what = host::Request::Do::begin});
+}
+
+// A run() or a hook that never comes back.
+void Supervisor::watch_host(Instant now) {
+  if (!host_.running() || hung_) return;
+  const auto since = [now](const channel::Activity& activity) { return now - from_ns(activity.since_ns.load()); };
+
+  const channel::Activity& hooks = channel_.host().hooks;
+  if (const std::uint32_t busy = hooks.module.load(std::memory_order_acquire); busy != 0 && since(hooks) > kHookLimit) {
+    Member& member = *members_.at(busy - 1);
+    const Doing doing = hooks.doing.load();
+    if (member.pending == doing) {
+      host_.ask({.what = host::Request::Do::give_up});
+      lose(member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit));
+    }
+  }
+  for (std::size_t e = 0; e < channel_.executors(); ++e) {
+    const channel::ExecutorBlock& block = channel_.executor(e);
+    for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
+      const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
+      if (busy == 0 || since(*activity) < stuck_after(members_.at(busy - 1)->model)) continue;
+      log(*members_[busy - 1], std::string{channel::to_text(activity->doing.load())} + " did not return within " +
+                                   to_text(stuck_after(members_[busy - 1]->model)) + "; the host is ended");
+      hung_ = busy - 1;
+      host_.kill();
+      return;
+    }
+  }
+}
+
+void Supervisor::host_ended(const os::ProcessEnd& end) {
+  if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
+  channel::HostBlock& block = channel_.host();
+  std::string text = "the host " + end.text();
+  Member* culprit = nullptr;
+  if (hung_) {
+    culprit = members_[*hung_].get();
+    text = "never came back, so the host was ended";
+  } else if (end.signalled && block.crash.signal.load() == end.code && block.crash.module.load() != 0) {
+    culprit = members_.at(block.crash.module.load() - 1).get();
+    text += std::string{" in "} + channel::to_text(block.crash.doing.load());
+  }
+  log(culprit == nullptr ? text : text + " of module " + culprit->model.name);
+  hung_.reset();
+
+  // Nobody writes the channel now. What the dead threads were doing is over.
+  block.crash.signal.store(0);
+  block.crash.module.store(0);
+  block.hooks.end();
+  for (std::size_t e = 0; e < channel_.executors(); ++e) {
+    channel::ExecutorBlock& executor = channel_.executor(e);
+    executor.row.end();
+    executor.sporadic.end();
+    executor.row_sequence.store(executor.row_sequence.load() & ~std::uint64_t{1});
+  }
+  for (auto& member : members_) {
+    member->block.background.end();
+    if (member->is_thread()) take_from_tables(*member);
+  }
+
+  if (culprit != nullptr) {
+    ++culprit->errors;
+    lose(*culprit, text);
+  } else if (phase_ == Phase::preparing) {
+    fail_device({"device " + device().name, text, "see what it printed"});
+  }
+  if (phase_ == Phase::stopping) {
+    halted_ = true;
+    for (auto& member : members_) {
+      if (member->is_thread()) member->lost = true;  // its instance is gone
+    }
+    return;
+  }
+  if (culprit == nullptr) {
+    const Instant now = os::now();
+    std::erase_if(restarts_, [now](Instant then) { return now - then > kRestartWindow; });
+    restarts_.push_back(now);
+    if (restarts_.size() > kHostRestarts) {
+      fail_device({"device " + device().name, text + "; it has been restarted " + std::to_string(kHostRestarts) + " times",
+                   "see what it printed"});
+      for (auto& member : members_) member->lost |= member->is_thread();
+      halted_ = true;
+      return;
+    }
+  }
+  if (auto started = start_host(); !started) {
+    fail_device(started.problems()[0]);
+    return;
+  }
+  log("the host is started again");
+  for (auto& member : members_) {
+    if (member->is_thread() && !member->lost && member->state() != State::destruct) bring_back(*member);
+  }
+  if (rows_begun_) host_.ask({.what = host::Request::Do::begin});
+  if (background_begun_) host_.ask({.what = host::Request::Do::background});
+}
+
+// A module whose instance died with the host, through no fault of its own: loaded afresh.
+void Supervisor::bring_back(Member& member) {
+  member.pending.reset();
+  member.block.error.store(0);
+  apply(member, Event::destruct, "its host ended");
+  apply(member, Event::reset);
+  ask(member, Doing::load);
+}
+
+}  // namespace takt::node

@@ -1,0 +1,211 @@
+// The programs of a device: process modules and non-real-time programs.
+#include <algorithm>
+
+#include <takt/node/limits.hpp>
+#include <takt/node/log.hpp>
+#include <takt/node/supervisor.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/futex.hpp>
+#include <takt/os/real_time.hpp>
+#include <takt/os/waker.hpp>
+
+namespace takt::node {
+
+using lifecycle::Event;
+using lifecycle::State;
+
+namespace {
+
+const char* wait_function(const Member& member) {
+  return member.model.operation == model::Operation::periodic ? "waitPeriod()" : "waitSporadic()";
+}
+
+const char* init_function(const Member& member) {
+  return member.model.operation == model::Operation::periodic ? "initPeriodExe()" : "initSporadicExe()";
+}
+
+}  // namespace
+
+// Programs that spin for their release on the same processor share what one may take of it.
+int Supervisor::margin_share() const {
+  int programs = 0;
+  for (const auto& module : device().modules) {
+    programs += module.type == model::ModuleType::process && module.operation != model::Operation::non_real ? 1 : 0;
+  }
+  const auto processors = static_cast<int>(placement_.background.size());
+  return std::max(1, (programs + processors - 1) / processors);
+}
+
+Result<void> Supervisor::create_seat(Member& member) {
+  auto memory = os::SharedMemory::create("takt-seat", sizeof(channel::Seat));
+  if (!memory) return memory.problems();
+  member.seat_memory = std::move(*memory);
+  member.seat = reinterpret_cast<channel::Seat*>(member.seat_memory.data());
+  channel::Seat& seat = *member.seat;
+
+  Nanoseconds period = member.model.period.value_or(Nanoseconds{0});
+  if (member.model.operation == model::Operation::sporadic) {  // released by each row
+    const auto plan = schedule::plan(options_.cell, device());
+    if (!plan) return plan.problems();
+    period = plan->executors[executor_of(member)].basic_period;
+  }
+  seat.magic = channel::Seat::kMagic;
+  seat.name.assign(member.model.name);
+  seat.kind = member.model.operation == model::Operation::periodic ? channel::SeatKind::periodic
+                                                                   : channel::SeatKind::sporadic;
+  seat.bell_bit = channel::bell_bit(member.index);
+  seat.period_ns = period.count();
+  seat.margin_cap_ns = os::margin_cap(period).count() / margin_share();
+  seat.lock_memory = real_time_ ? 1 : 0;
+  return {};
+}
+
+Result<void> Supervisor::spawn(Member& member) {
+  os::SpawnOptions options{.program = options_.paths[member.index],
+                           .arguments = {},
+                           .environment = {},
+                           .inherit = {},
+                           .capture_output = true};
+  for (const auto& property : member.model.properties) options.arguments.push_back(property.name + "=" + property.value);
+  if (member.seat != nullptr) {
+    channel::clear_for_new_program(*member.seat);
+    options.environment = {{"TAKT_SEAT_FD", std::to_string(member.seat_memory.fd().get())},
+                           {"TAKT_BELL_FD", std::to_string(bell_memory_.fd().get())}};
+    options.inherit = {&member.seat_memory.fd(), &bell_memory_.fd()};
+  }
+  auto child = os::Child::spawn(options);
+  if (!child) return child.problems();
+  member.child = std::move(*child);
+  member.output = Output{std::move(member.child.output), std::move(member.child.error)};
+  member.last_pid = member.child.pid();
+  member.spawned = os::now();
+  member.killed_for_hanging = false;
+  static_cast<void>(os::pin(member.child.pid(), placement_.background));
+  if (!member.scheduled()) static_cast<void>(os::make_idle(member.child.pid()));
+  return {};
+}
+
+// The thread that waits for releases becomes real-time only now, so that a long preparation starves nobody.
+void Supervisor::process_ready(Member& member) {
+  const auto& executor = device().executors[executor_of(member)];
+  const int below = member.model.operation == model::Operation::periodic ? 2 : 3;
+  if (!real_time_) return;
+  const auto made = os::make_real_time(member.seat->thread.load(), std::max(1, executor.priority - below));
+  if (made) return;
+  real_time_ = false;
+  log(member, "WARNING: not real-time: " + to_text(made.problems()));
+}
+
+void Supervisor::watch_process(Member& member, Instant now) {
+  if (const auto end = member.child.poll()) {
+    forward_output();
+    process_ended(member, *end);
+    return;
+  }
+  if (!member.child.running() || !member.scheduled() || phase_ == Phase::stopping) return;
+
+  const channel::SeatPhase phase = member.seat->phase.load(std::memory_order_acquire);
+  const bool slow = now - member.spawned > kAttachLimit;
+  switch (member.state()) {
+    case State::idle:
+      if (phase != channel::SeatPhase::empty) apply(member, Event::initialize);
+      else if (slow) lose(member, std::string{"did not call "} + init_function(member) + " within " + to_text(kAttachLimit));
+      break;
+    case State::initialize:
+      if (phase != channel::SeatPhase::ready && slow) {
+        lose(member, std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit));
+      }
+      break;
+    case State::recover:
+      if (phase == channel::SeatPhase::ready && !member.killed_for_hanging) {
+        process_ready(member);
+        recovered(member);
+      } else if (slow) {
+        member.child.signal(os::kKill);
+      }
+      break;
+    case State::start:
+    case State::executing: {
+      const Instant released = from_ns(member.seat->release_ns.load(std::memory_order_relaxed));
+      if (member.killed_for_hanging || member.seat->waiting() || now - released < stuck_after(member.model)) break;
+      member.killed_for_hanging = true;
+      member.child.signal(os::kKill);
+      break;
+    }
+    case State::destruct: break;
+  }
+}
+
+void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
+  std::string text = "the process " + end.text();
+  if (member.killed_for_hanging) {
+    text = "the process did not come back to " + std::string{wait_function(member)} + " within " +
+           to_text(stuck_after(member.model)) + " and was ended";
+  }
+  if (const std::string words = member.output.last_words(); !words.empty()) text += "; its last line was: " + words;
+
+  if (member.state() == State::destruct) return;
+  if (phase_ == Phase::stopping) {
+    if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
+    apply(member, Event::destruct, end.text());
+    return;
+  }
+  switch (member.state()) {
+    case State::idle: lose(member, text + "; it had not called " + init_function(member)); break;
+    case State::recover: not_recovered(member, text); break;
+    case State::initialize:
+    case State::start:
+    case State::executing:
+      take_from_tables(member);
+      if (!member.scheduled() && !end.signalled && end.code == 0) {
+        member.wanted = false;
+        apply(member, Event::destruct, "it ended by itself");
+        break;
+      }
+      ++member.errors;
+      raise(member, member.killed_for_hanging ? ErrorType::hang : ErrorType::crash, text);
+      break;
+    case State::destruct: break;
+  }
+}
+
+// First the word that ends its wait, then SIGTERM, then SIGKILL.
+void Supervisor::end_process(Member& member, Instant now) {
+  if (!member.child.running()) return;
+  if (member.told_to_end == Instant{}) {
+    member.told_to_end = now;
+    if (member.seat != nullptr) {
+      member.seat->end.store(1, std::memory_order_seq_cst);
+      ring_all();
+    } else {
+      member.end_signals = 1;
+      member.child.signal(os::kTerminate);
+    }
+    return;
+  }
+  const Nanoseconds waited = now - member.told_to_end;
+  if (member.end_signals < 1 && waited > kProcessEndLimit) {
+    member.end_signals = 1;
+    log(member, "does not come to its wait; SIGTERM");
+    member.child.signal(os::kTerminate);
+  } else if (member.end_signals < 2 && waited > 2 * kProcessEndLimit) {
+    member.end_signals = 2;
+    log(member, "does not end on SIGTERM; SIGKILL");
+    member.child.signal(os::kKill);
+  }
+}
+
+void Supervisor::ring_all() {
+  bell_->rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(bell_->rings, ~0U);
+}
+
+void Supervisor::forward_output() {
+  host_.output().read([this](const std::string& line) { node::log(device().name, "(host)", line); });
+  for (auto& member : members_) {
+    if (!member->is_process()) continue;
+    member->output.read([&](const std::string& line) { node::log(device().name, member->model.name, "| " + line); });
+  }
+}
+
+}  // namespace takt::node

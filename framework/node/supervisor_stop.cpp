@@ -1,0 +1,71 @@
+// The end of a device, in order: rows end, modules stop, hooks destruct, programs end, the host ends.
+#include <algorithm>
+
+#include <takt/node/limits.hpp>
+#include <takt/node/supervisor.hpp>
+#include <takt/os/clock.hpp>
+
+namespace takt::node {
+
+using channel::Doing;
+using lifecycle::Event;
+using lifecycle::State;
+
+void Supervisor::stop() {
+  if (phase_ == Phase::stopping || phase_ == Phase::ended) return;
+  phase_ = Phase::stopping;
+  asked_at_ = os::now();
+  for (auto& member : members_) {
+    member->wanted = false;
+    take_from_tables(*member);
+  }
+  halted_ = !host_.running() || !host_.ask({.what = host::Request::Do::halt});
+}
+
+void Supervisor::stopping_step(Instant now) {
+  if (!halted_) {
+    if (now - asked_at_ > kHaltLimit && host_.running() && !hung_) {
+      log("the executors did not halt within " + to_text(kHaltLimit) + "; the host is ended");
+      host_.kill();
+    }
+    return;
+  }
+  bool all = true;
+  for (auto& member : members_) {
+    destruct(*member, now);
+    all &= member->state() == State::destruct && !member->child.running();
+  }
+  if (!all) {
+    asked_at_ = now;
+    return;
+  }
+  if (!end_asked_) {
+    end_asked_ = true;
+    host_.ask({.what = host::Request::Do::end});
+  }
+  if (host_.running() && now - asked_at_ > kHostEndLimit) host_.kill();
+  if (host_.running()) return;
+  forward_output();
+  phase_ = Phase::ended;
+}
+
+void Supervisor::destruct(Member& member, Instant now) {
+  if (member.is_process()) {
+    if (member.child.running()) {
+      end_process(member, now);  // its end is its destruct
+    } else if (member.state() != State::destruct) {
+      if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
+      apply(member, Event::destruct);
+    }
+    return;
+  }
+  if (member.state() == State::destruct || member.pending) return;
+  if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
+  if (member.lost || !host_.running() || member.state() == State::idle) {
+    apply(member, Event::destruct);
+  } else {
+    ask(member, Doing::destruct);
+  }
+}
+
+}  // namespace takt::node
