@@ -109,7 +109,7 @@ std::string brief(std::string_view text) {
   return on_one_line(text.substr(0, head)) + "..." + on_one_line(text.substr(tail));
 }
 
-std::string quoted(std::string_view text) { return "'" + brief(text) + "'"; }
+std::string in_quotes(std::string_view text) { return "'" + brief(text) + "'"; }
 
 std::string place(std::string_view file, int line) {
   const std::string number = std::to_string(std::max(line, 1));

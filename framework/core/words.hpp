@@ -9,8 +9,8 @@
 namespace takt {
 
 /// The text in '' as part of one line: control characters as \n or \x1b, bytes that are not UTF-8 as \xNN,
-/// the middle of a long text cut out.
-std::string quoted(std::string_view text);
+/// the middle of a long text cut out. Not named quoted(), which std::quoted would win over.
+std::string in_quotes(std::string_view text);
 
 /// The same without the ''.
 std::string brief(std::string_view text);

@@ -92,7 +92,7 @@ void Element::check_children() {
     } else if (const auto* text = node->ToText()) {
       const std::string stray = trim(text->Value());
       if (shape_.text || stray.empty() || report_.full()) continue;
-      report_.add(text->GetLineNum(), "text " + quoted(stray) + " in " + tag(xml_.Name()),
+      report_.add(text->GetLineNum(), "text " + in_quotes(stray) + " in " + tag(xml_.Name()),
                   "remove it: " + tag(xml_.Name()) + " holds no text of its own");
     }
   }
@@ -111,7 +111,7 @@ std::string Element::text() const {
 std::optional<Given> Element::attribute(const char* name) const {
   const auto* attribute = xml_.FindAttribute(name);
   if (attribute == nullptr) return std::nullopt;
-  return Given{std::string{"attribute "} + name, attribute->Value(), attribute->GetLineNum()};
+  return Given{std::string{"attribute "} + name, attribute->Value(), attribute->GetLineNum(), false};
 }
 
 std::optional<Given> Element::required_attribute(const char* name) const {
@@ -137,12 +137,13 @@ std::optional<Given> Element::child_text(const char* name) const {
   const auto* xml = child(name);
   if (xml == nullptr) return std::nullopt;
   const Element leaf{*xml, {.text = true}, report_};
-  return Given{tag(name), leaf.text(), leaf.line()};
+  return Given{tag(name), leaf.text(), leaf.line(), leaf.has_unknown_children()};
 }
 
 bool Element::was_meant(std::string_view name) const { return contains(meant_, name); }
 
 std::optional<std::int64_t> read_number(const Given& given, Range range, const char* unit, Report& report) {
+  if (given.unread) return std::nullopt;
   const std::string text = given.trimmed();
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -153,20 +154,22 @@ std::optional<std::int64_t> read_number(const Given& given, Range range, const c
                                  ? ", at least " + std::to_string(range.from)
                                  : ", " + std::to_string(range.from) + " to " + std::to_string(range.to);
   const std::string what = text.empty() ? given.what + " is empty"
-                           : whole      ? given.what + " is out of range: " + quoted(text)
-                                        : given.what + " is not a whole number: " + quoted(text);
+                           : whole      ? given.what + " is out of range: " + in_quotes(text)
+                                        : given.what + " is not a whole number: " + in_quotes(text);
   report.add(given.line, what, std::string{"write a whole number"} + unit + bounds);
   return std::nullopt;
 }
 
 std::optional<std::size_t> read_choice(const Given& given, const std::vector<std::string_view>& choices,
                                        Report& report) {
+  if (given.unread) return std::nullopt;
   const std::string word = given.trimmed();
   const auto found = std::find(choices.begin(), choices.end(), word);
   if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
-  report.add(given.line,
-             word.empty() ? given.what + " is empty" : "unknown value " + quoted(word) + " of " + given.what,
-             suggestion(word, choices));
+  report.add(
+      given.line,
+      word.empty() ? given.what + " is empty" : "unknown value " + in_quotes(word) + " of " + given.what,
+      suggestion(word, choices));
   return std::nullopt;
 }
 

@@ -34,6 +34,7 @@ struct Given {
   std::string what;  ///< "<period>", "attribute cpu"
   std::string text;  ///< as written, entities resolved
   int line = 0;
+  bool unread = false;  ///< there is more in it than text, which was reported: no value is taken from it
 
   [[nodiscard]] std::string trimmed() const;  ///< without white space around it
 };

@@ -67,18 +67,20 @@ class ModuleReader {
   }
 
   void read_name() {
-    if (const auto filename =
-            required("filename", "say which .so or program it is, as in <filename>servo.so</filename>")) {
-      module_.filename = filename->trimmed();
-      module_.lines.filename = filename->line;
-    }
+    const auto filename =
+        required("filename", "say which .so or program it is, as in <filename>servo.so</filename>");
+    const bool filename_known = filename && !filename->unread;
+    module_.filename = filename_known ? filename->trimmed() : "unread";
+    if (filename) module_.lines.filename = filename->line;
+
     if (const auto name = element_.child_text("name")) {
+      name_known_ = !name->unread;
       module_.name = name->trimmed();
       module_.lines.name = name->line;
-      return;
+    } else {
+      name_known_ = filename_known && !element_.was_meant("name");
+      module_.name = model::file_stem(module_.filename);
     }
-    module_.name = model::file_stem(module_.filename);
-    name_known_ = !element_.was_meant("name") && module_.lines.filename > 0;
   }
 
   std::optional<Nanoseconds> read_time(const char* name, int& line) {
@@ -113,10 +115,10 @@ class ModuleReader {
       const auto number = read_number(*given, {Limits::min(), Limits::max()}, "", report_);
       if (number) module_.priority = static_cast<int>(*number);
     } else if (module_.operation != Operation::non_real && !element_.was_meant("priority")) {
-      report_.add(
-          module_.line,
-          std::string{to_text(module_.operation)} + " module " + quoted(module_.name) + " has no <priority>",
-          "give it one: a whole number, the lowest is the highest priority");
+      report_.add(module_.line,
+                  std::string{to_text(module_.operation)} + " module " + in_quotes(module_.name) +
+                      " has no <priority>",
+                  "give it one: a whole number, the lowest is the highest priority");
     }
   }
 
@@ -124,10 +126,11 @@ class ModuleReader {
     const auto given = element_.child_text("executor");
     if (!operation_known_) return;
     if (given) {
-      module_.executor = given->trimmed();
+      module_.executor = given->unread ? "" : given->trimmed();
       module_.lines.executor = given->line;
       if (!module_.executor.empty()) return;
-      report_.add(given->line, given->what + " is empty", "name an executor of the device, or remove it");
+      if (!given->unread)
+        report_.add(given->line, given->what + " is empty", "name an executor of the device, or remove it");
     }
     const bool stands_in = given || element_.was_meant("executor");
     const bool scheduled = module_.operation != Operation::non_real;

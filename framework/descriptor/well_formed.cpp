@@ -44,7 +44,7 @@ std::optional<Fault> find_bad_byte(std::string_view xml) {
     const std::string_view rest = xml.substr(at);
     const std::size_t length = utf8_length(rest);
     if (length == 0) {
-      return fault(at, "the file is not UTF-8: there is a byte " + quoted(rest.substr(0, 1)),
+      return fault(at, "the file is not UTF-8: there is a byte " + in_quotes(rest.substr(0, 1)),
                    "save it as UTF-8");
     }
     const std::string_view character = rest.substr(0, length);
@@ -54,7 +54,7 @@ std::optional<Fault> find_bad_byte(std::string_view xml) {
     const bool allowed =
         (length > 1 || is_xml_character(byte)) && character != "\xef\xbf\xbe" && character != "\xef\xbf\xbf";
     if (!allowed) {
-      return fault(at, "there is a control character " + quoted(character),
+      return fault(at, "there is a control character " + in_quotes(character),
                    "XML has no such character: remove it");
     }
     at += length;
@@ -116,7 +116,7 @@ class Scanner {
   /// What stands here, for a message.
   [[nodiscard]] std::string found() const {
     return done() ? "the end of the file"
-                  : quoted(rest().substr(0, std::max<std::size_t>(1, utf8_length(rest()))));
+                  : in_quotes(rest().substr(0, std::max<std::size_t>(1, utf8_length(rest()))));
   }
 
   std::string_view xml_;
@@ -148,15 +148,15 @@ std::optional<Fault> Scanner::run() {
 
 bool Scanner::scan_declared(std::string_view name, std::string_view value) {
   if (name == "version" && value != "1.0")
-    return fail("XML version " + quoted(value), "a descriptor is XML 1.0");
+    return fail("XML version " + in_quotes(value), "a descriptor is XML 1.0");
   if (name == "encoding") {
     std::string upper{value};
     for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
     if (upper != "UTF-8")
-      return fail("encoding " + quoted(value), "save the file as UTF-8 and say encoding=\"UTF-8\"");
+      return fail("encoding " + in_quotes(value), "save the file as UTF-8 and say encoding=\"UTF-8\"");
   }
   if (name == "standalone" && value != "yes" && value != "no") {
-    return fail("standalone is " + quoted(value), "it can be yes or no");
+    return fail("standalone is " + in_quotes(value), "it can be yes or no");
   }
   return true;
 }
@@ -229,7 +229,8 @@ bool Scanner::scan_text() {
   const std::size_t start = text.find_first_not_of(kBlanks);
   if (open_.empty() && start != std::string_view::npos) {
     return fail(line_at(text, start) + line_ - 1,
-                "text outside the root element: " + quoted(text.substr(start, 40)),
+                "text outside the root element: " +
+                    in_quotes(text.substr(start, text.find_last_not_of(kBlanks) + 1 - start)),
                 "remove it, or write it as a comment");
   }
   int line = line_;
@@ -260,13 +261,13 @@ bool Scanner::scan_reference(std::string_view text, std::size_t& at, int line) {
     // tinyxml2 reads no more than ten characters of a reference.
     const bool number = error == std::errc{} && last == digits.data() + digits.size() && digits.size() <= 8;
     if (!number || !is_xml_character(code)) {
-      return fail(line, quoted("&" + std::string{name} + ";") + " is no character",
+      return fail(line, in_quotes("&" + std::string{name} + ";") + " is no character",
                   "give its code, as in &#65; or &#x41;");
     }
   } else if (name != "amp" && name != "lt" && name != "gt" && name != "quot" && name != "apos") {
     const bool is_word = !name.empty() && std::all_of(name.begin(), name.end(), continues_name);
     if (!is_word) return fail(line, "& on its own", "write &amp;");
-    return fail(line, "unknown entity " + quoted("&" + std::string{name} + ";"),
+    return fail(line, "unknown entity " + in_quotes("&" + std::string{name} + ";"),
                 "there are &amp; &lt; &gt; &quot; and &apos;");
   }
   at = end + 1;

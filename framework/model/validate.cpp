@@ -47,6 +47,8 @@ class Validation {
   using OfDevice = Gaps::OfDevice;
 
   void add(int line, std::string what, std::string fix);
+  /// Looking on would cost time, guesses above all, and tell nobody anything.
+  [[nodiscard]] bool full() const { return problems_.size() >= kMaxProblems; }
   template <class Named>
   bool check_names(const char* kind, const std::vector<Named>& all, const std::string& owner);
   void check_device(const Device& device, OfDevice& gaps);
@@ -67,7 +69,7 @@ class Validation {
 };
 
 void Validation::add(int line, std::string what, std::string fix) {
-  if (problems_.size() >= kMaxProblems) return;
+  if (full()) return;
   std::string where = cell_.file.empty() && line == 0 ? "cell " + brief(cell_.name) : place(cell_.file, line);
   problems_.emplace_back(line, Problem{std::move(where), std::move(what), std::move(fix)});
 }
@@ -79,13 +81,13 @@ bool Validation::check_names(const char* kind, const std::vector<Named>& all, co
   std::map<std::string_view, const Named*> first;
   for (const Named& one : all) {
     if (!is_valid_name(one.name)) {
-      add(one.line, quoted(one.name) + " is not a name for a " + kind, kNameRule);
+      add(one.line, in_quotes(one.name) + " is not a valid " + kind + " name", kNameRule);
       all_valid = false;
       continue;
     }
     const auto [seen, is_new] = first.emplace(one.name, &one);
     if (is_new) continue;
-    add(one.line, "duplicate " + std::string{kind} + " " + quoted(one.name) + owner,
+    add(one.line, "duplicate " + std::string{kind} + " " + in_quotes(one.name) + owner,
         "the first is on line " + std::to_string(seen->second->line) + "; give one of them another name");
   }
   return all_valid;
@@ -101,16 +103,16 @@ void Validation::check_module_names(const Device& device, OfDevice& gaps) {
       if (from_file && module.filename.empty()) {
         continue;  // said of the filename
       } else if (from_file) {
-        add(line, quoted(module.name) + ", taken from the filename, is not a name for a module",
+        add(line, in_quotes(module.name) + ", taken from the filename, is not a valid module name",
             std::string{"give the module a <name>; "} + kNameRule);
       } else {
-        add(line, quoted(module.name) + " is not a name for a module", kNameRule);
+        add(line, in_quotes(module.name) + " is not a valid module name", kNameRule);
       }
       continue;
     }
     const auto [seen, is_new] = first.emplace(module.name, &module);
     if (is_new) continue;
-    add(line, "duplicate module " + quoted(module.name) + " on device " + quoted(device.name),
+    add(line, "duplicate module " + in_quotes(module.name) + " on device " + in_quotes(device.name),
         "the first is on line " + std::to_string(seen->second->line) +
             (from_file ? "; give one of them a <name>, for this one is taken from the filename"
                        : "; give one of them another <name>"));
@@ -120,17 +122,17 @@ void Validation::check_module_names(const Device& device, OfDevice& gaps) {
 void Validation::check_executor(const Executor& executor) {
   if (executor.priority < kMinExecutorPriority || executor.priority > kMaxExecutorPriority) {
     add(executor.line,
-        "executor " + quoted(executor.name) + " has priority " + std::to_string(executor.priority),
+        "executor " + in_quotes(executor.name) + " has priority " + std::to_string(executor.priority),
         "the priority of an executor is 2 to 98");
   }
   if (executor.cpu && (*executor.cpu < 0 || *executor.cpu > kMaxCpu)) {
-    add(executor.line, "executor " + quoted(executor.name) + " has cpu " + std::to_string(*executor.cpu),
+    add(executor.line, "executor " + in_quotes(executor.name) + " has cpu " + std::to_string(*executor.cpu),
         "a cpu is 0 to 1023");
   }
 }
 
 void Validation::check_times(const Module& module) {
-  const std::string name = quoted(module.name);
+  const std::string name = in_quotes(module.name);
   const auto or_module = [&](int line) { return line > 0 ? line : module.line; };
   const int period_line = or_module(module.lines.period);
   const int deadline_line = or_module(module.lines.deadline);
@@ -185,7 +187,7 @@ void Validation::check_executor_of(const Module& module, const Device& device, c
   const int line = module.lines.executor > 0 ? module.lines.executor : module.line;
   if (module.operation == Operation::non_real) {
     if (module.executor.empty()) return;
-    add(line, "non-real module " + quoted(module.name) + " has an <executor>",
+    add(line, "non-real module " + in_quotes(module.name) + " has an <executor>",
         "remove the <executor>: a module that is non-real runs outside the scheduler");
     return;
   }
@@ -193,7 +195,7 @@ void Validation::check_executor_of(const Module& module, const Device& device, c
   const std::vector<std::string_view> names = names_of(device.executors);
   if (module.executor.empty()) {
     add(line,
-        "module " + quoted(module.name) + " has no <executor> and its device has " +
+        "module " + in_quotes(module.name) + " has no <executor> and its device has " +
             std::to_string(names.size()),
         "say which: " + one_of(names));
     return;
@@ -201,19 +203,20 @@ void Validation::check_executor_of(const Module& module, const Device& device, c
   if (std::find(names.begin(), names.end(), module.executor) != names.end()) return;
   const std::string_view meant = nearest(module.executor, names);
   const std::string guess = meant.empty() ? "" : "did you mean " + brief(meant) + "? ";
-  add(line, "unknown executor " + quoted(module.executor) + " of module " + quoted(module.name),
-      guess + "device " + quoted(device.name) + " has " + one_of(names));
+  add(line, "unknown executor " + in_quotes(module.executor) + " of module " + in_quotes(module.name),
+      guess + "device " + in_quotes(device.name) + " has " + one_of(names));
 }
 
 void Validation::check_module(const Module& module, const Device& device, const OfDevice& gaps) {
   const int filename_line = module.lines.filename > 0 ? module.lines.filename : module.line;
   if (module.filename.empty()) {
-    add(filename_line, "module " + quoted(module.name) + " has an empty filename",
+    add(filename_line, "module " + in_quotes(module.name) + " has an empty filename",
         "give the .so or the program that the module is");
   } else if (module.filename.size() > kMaxFilename) {
-    add(filename_line, "the filename " + quoted(module.filename) + " is too long", "it may have 4096 bytes");
+    add(filename_line, "the filename " + in_quotes(module.filename) + " is too long",
+        "it may have 4096 bytes");
   } else if (module.filename.find('\0') != std::string::npos) {
-    add(filename_line, "the filename " + quoted(module.filename) + " has a zero byte", "remove it");
+    add(filename_line, "the filename " + in_quotes(module.filename) + " has a zero byte", "remove it");
   }
   check_times(module);
   check_executor_of(module, device, gaps);
@@ -221,58 +224,63 @@ void Validation::check_module(const Module& module, const Device& device, const 
   const Recovery& recovery = module.recovery;
   if (recovery.attempts < 0 || recovery.attempts > kMaxAttempts) {
     add(module.line,
-        "module " + quoted(module.name) + " tries recovery " + std::to_string(recovery.attempts) + " times",
+        "module " + in_quotes(module.name) + " tries recovery " + std::to_string(recovery.attempts) +
+            " times",
         "attempts is 0 to 1000");
   }
   if (recovery.backoff.count() < 0 || recovery.backoff > kMaxBackoff) {
     add(module.line,
-        "module " + quoted(module.name) + " waits " + takt::to_text(recovery.backoff) + " before recovery",
+        "module " + in_quotes(module.name) + " waits " + takt::to_text(recovery.backoff) + " before recovery",
         "backoff is 0 to 3600000000000 ns (1 h)");
   }
-  check_names("property", module.properties, " of module " + quoted(module.name));
+  check_names("property", module.properties, " of module " + in_quotes(module.name));
 }
 
 void Validation::check_device(const Device& device, OfDevice& gaps) {
   const auto too_many = [&](std::size_t number, std::size_t most, const char* what) {
     if (number <= most) return;
-    add(device.line, "device " + quoted(device.name) + " has " + std::to_string(number) + " " + what,
+    add(device.line, "device " + in_quotes(device.name) + " has " + std::to_string(number) + " " + what,
         "a device has at most " + std::to_string(most));
   };
   too_many(device.executors.size(), kMaxExecutors, "executors");
   too_many(device.modules.size(), kMaxModules, "modules");
   if (device.executors.empty() && !gaps.executors) {
-    add(device.line, "device " + quoted(device.name) + " has no executor", "give it one, as main");
+    add(device.line, "device " + in_quotes(device.name) + " has no executor", "give it one, as main");
   }
   if (device.modules.empty() && !gaps.modules) {
-    add(device.line, "device " + quoted(device.name) + " has no module", "give it at least one <module>");
+    add(device.line, "device " + in_quotes(device.name) + " has no module", "give it at least one <module>");
   }
-  if (!check_names("executor", device.executors, " on device " + quoted(device.name))) gaps.executors = true;
+  if (!check_names("executor", device.executors, " on device " + in_quotes(device.name)))
+    gaps.executors = true;
   check_module_names(device, gaps);
   if (device.executors.size() > kMaxExecutors)
     gaps.executors = true;  // comparing with them all would take hours
   for (const Executor& executor : device.executors) check_executor(executor);
-  for (const Module& module : device.modules) check_module(module, device, gaps);
+  for (const Module& module : device.modules) {
+    if (full()) return;
+    check_module(module, device, gaps);
+  }
 }
 
 /// False when the endpoint cannot be compared with others.
 bool Validation::check_endpoint(const Endpoint& endpoint, const char* side, int line) {
   if (!is_valid_name(endpoint.device) || !is_valid_name(endpoint.module) || !is_valid_name(endpoint.port)) {
-    add(line, std::string{side} + " is " + quoted(written(endpoint)),
+    add(line, std::string{side} + " is " + in_quotes(written(endpoint)),
         std::string{"it is device.module.port; "} + kNameRule);
     return false;
   }
   const auto found = devices_.find(endpoint.device);
   if (found == devices_.end()) {
     if (gaps_.devices) return true;
-    add(line, std::string{side} + " names the unknown device " + quoted(endpoint.device),
+    add(line, std::string{side} + " names the unknown device " + in_quotes(endpoint.device),
         choose("device", endpoint.device, names_of(cell_.devices)));
     return false;
   }
   const auto& [index, modules] = found->second;
   if (modules.count(endpoint.module) > 0 || gaps_.of_device[index].modules) return true;
   add(line,
-      std::string{side} + " names the unknown module " + quoted(endpoint.module) + " of device " +
-          quoted(endpoint.device),
+      std::string{side} + " names the unknown module " + in_quotes(endpoint.module) + " of device " +
+          in_quotes(endpoint.device),
       choose("module", endpoint.module, names_of(cell_.devices[index].modules)));
   return false;
 }
@@ -297,7 +305,7 @@ void Validation::check_connection(const Connection& connection) {
 void Validation::check_connections() {
   const auto key = [](const Endpoint& end) { return std::tie(end.device, end.module, end.port); };
   const auto text = [](const Endpoint& end) {
-    return quoted(end.device + "." + end.module + "." + end.port);
+    return in_quotes(end.device + "." + end.module + "." + end.port);
   };
   using Key = decltype(key(std::declval<const Endpoint&>()));
   std::map<std::pair<Key, Key>, const Connection*> same;
@@ -308,7 +316,7 @@ void Validation::check_connections() {
                         .first->second.second;
     for (const Module& module : cell_.devices[i].modules) modules.insert(module.name);
   }
-  for (std::size_t index = 0; index < cell_.connections.size(); ++index) {
+  for (std::size_t index = 0; index < cell_.connections.size() && !full(); ++index) {
     const Connection& connection = cell_.connections[index];
     check_connection(connection);
     if (index < gaps_.without_ends.size() && gaps_.without_ends[index]) continue;
@@ -343,7 +351,7 @@ void Validation::check_connections() {
 
 Problems Validation::run() {
   if (!is_valid_name(cell_.name))
-    add(cell_.line, quoted(cell_.name) + " is not a name for a cell", kNameRule);
+    add(cell_.line, in_quotes(cell_.name) + " is not a valid cell name", kNameRule);
   if (cell_.domain < 0 || cell_.domain > kMaxDomain) {
     add(cell_.line, "the cell has domain " + std::to_string(cell_.domain), "a domain is 0 to 232");
   }
@@ -353,7 +361,7 @@ Problems Validation::run() {
     add(cell_.line, "the cell has " + std::to_string(cell_.devices.size()) + " devices",
         "a cell has at most 1000");
   }
-  if (!check_names("device", cell_.devices, " in cell " + quoted(cell_.name))) gaps_.devices = true;
+  if (!check_names("device", cell_.devices, " in cell " + in_quotes(cell_.name))) gaps_.devices = true;
   for (std::size_t i = 0; i < cell_.devices.size(); ++i) check_device(cell_.devices[i], gaps_.of_device[i]);
   check_connections();
 
