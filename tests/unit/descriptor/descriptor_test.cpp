@@ -113,6 +113,11 @@ TEST(Descriptor, TellsAThousandProblemsAndThatThereAreMore) {
   const Problems problems = problems_of(xml + module("a") + "</root>");
   ASSERT_EQ(problems.size(), 1000U);
   EXPECT_THAT(problems.back().what, HasSubstr("too many problems"));
+
+  std::string values;
+  for (int i = 0; i < 2000; ++i) values += "<value/>";
+  EXPECT_EQ(problems_of("<root>" + module("a", "<property>" + values + "</property>") + "</root>").size(),
+            1000U);
 }
 
 TEST(Descriptor, ShowsWhatWasWrittenOnOneLineAndNotAllOfIt) {
