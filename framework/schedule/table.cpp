@@ -1,1 +1,171 @@
 #include <takt/schedule/table.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <string>
+
+namespace takt::schedule {
+namespace {
+
+// Wide enough for the least common multiple of any two periods (2^126) and for any sum of entries.
+__extension__ using Wide = unsigned __int128;
+
+constexpr Wide kMaxPeriod = std::numeric_limits<std::int64_t>::max();
+
+std::uint64_t period_of(const Task& task) { return static_cast<std::uint64_t>(task.period.count()); }
+
+Wide least_common_multiple(std::uint64_t a, std::uint64_t b) { return Wide{a / std::gcd(a, b)} * b; }
+
+/// The size of a table before it is built. Without a macro period nothing after it is known either.
+struct Extent {
+  std::uint64_t basic = 0;
+  std::optional<std::uint64_t> macro;
+  std::uint64_t rows = 0;
+  Wide entries = 0;
+};
+
+Extent measure(std::span<const Task> tasks) {
+  Extent extent;
+  for (const Task& task : tasks) extent.basic = std::gcd(extent.basic, period_of(task));
+
+  std::uint64_t macro = 1;
+  for (const Task& task : tasks) {
+    const Wide next = least_common_multiple(macro, period_of(task));
+    if (next > kMaxPeriod) return extent;
+    macro = static_cast<std::uint64_t>(next);
+  }
+  extent.macro = macro;
+  extent.rows = macro / extent.basic;
+  for (const Task& task : tasks) extent.entries += macro / period_of(task);
+  return extent;
+}
+
+std::string number(Wide value) {
+  std::string digits;
+  do {
+    digits.insert(digits.begin(), static_cast<char>('0' + static_cast<int>(value % 10)));
+    value /= 10;
+  } while (value != 0);
+  return digits;
+}
+
+std::string duration(Wide ns) {
+  if (ns > kMaxPeriod) return "more than 10^18 ns";
+  return to_text(Nanoseconds{static_cast<std::int64_t>(ns)});
+}
+
+std::string name_of(std::span<const Task> tasks, std::size_t index) {
+  const Task& task = tasks[index];
+  return task.name.empty() ? "task " + std::to_string(index) : "'" + std::string{task.name} + "'";
+}
+
+Problem refusal(std::span<const Task> tasks, const Extent& extent) {
+  std::string what;
+  if (!extent.macro) {
+    what = "these periods do not meet within any table";
+  } else if (extent.entries > kMaxEntries) {
+    what = "the table would have " + number(extent.entries) + " entries, at most " +
+           std::to_string(kMaxEntries) + " are allowed";
+  } else {
+    what = "the table would have " + std::to_string(extent.rows) + " rows, at most " +
+           std::to_string(kMaxRows) + " are allowed";
+  }
+  what += " (basic period " + duration(extent.basic) + ", macro period " +
+          (extent.macro ? duration(*extent.macro) : "more than 10^18 ns") + ")";
+
+  const auto [shorter, longer] = longest_pair(tasks);
+  if (shorter == longer) {
+    return {{},
+            what + ": " + std::to_string(tasks.size()) + " modules with one period, " +
+                to_text(tasks[shorter].period),
+            "divide them among several executors"};
+  }
+  const std::uint64_t low = period_of(tasks[shorter]);
+  const std::uint64_t high = period_of(tasks[longer]);
+  what += ": " + name_of(tasks, shorter) + " with " + to_text(tasks[shorter].period) + " and " +
+          name_of(tasks, longer) + " with " + to_text(tasks[longer].period) + " meet only every " +
+          duration(least_common_multiple(low, high));
+  if (high % low == 0)
+    return {{}, what, "bring the two periods closer together, or give each an executor of its own"};
+  return {{}, what, "choose periods that are multiples of each other, or give each an executor of its own"};
+}
+
+}  // namespace
+
+PeriodPair longest_pair(std::span<const Task> tasks) {
+  std::vector<std::uint32_t> order(tasks.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](auto a, auto b) { return tasks[a].period > tasks[b].period; });
+  order.erase(std::unique(order.begin(), order.end(),
+                          [&](auto a, auto b) { return tasks[a].period == tasks[b].period; }),
+              order.end());
+
+  // From the longest on, so that the product, which no least common multiple exceeds, soon ends each search.
+  PeriodPair best{};
+  Wide largest = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::uint64_t high = period_of(tasks[order[i]]);
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      const std::uint64_t low = period_of(tasks[order[j]]);
+      if (Wide{high} * low < largest) break;
+      const Wide multiple = least_common_multiple(high, low);
+      if (multiple < largest) continue;
+      if (multiple == largest && tasks[order[j]].period >= tasks[best.shorter].period) continue;
+      largest = multiple;
+      best = {.shorter = order[j], .longer = order[i]};
+    }
+  }
+  return best;
+}
+
+Result<Table> Table::build(std::span<const Task> tasks) {
+  Problems problems;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    if (tasks[i].period.count() > 0) continue;
+    problems.push_back({{},
+                        "the period of " + name_of(tasks, i) + " is " + to_text(tasks[i].period),
+                        "give it a period of at least 1 ns"});
+  }
+  if (!problems.empty()) return problems;
+
+  Table table;
+  if (tasks.empty()) return table;
+  const Extent extent = measure(tasks);
+  if (!extent.macro || extent.entries > kMaxEntries || extent.rows > kMaxRows) return refusal(tasks, extent);
+
+  table.basic_ = Nanoseconds{static_cast<std::int64_t>(extent.basic)};
+  table.macro_ = Nanoseconds{static_cast<std::int64_t>(*extent.macro)};
+  const std::size_t rows = extent.rows;
+  const auto stride = [&](const Task& task) {
+    return static_cast<std::size_t>(period_of(task) / extent.basic);
+  };
+
+  // How many each row has, then where each row begins.
+  std::vector<Index>& offsets = table.offsets_;
+  offsets.assign(rows + 1, 0);
+  for (const Task& task : tasks) {
+    const std::size_t step = stride(task);
+    for (std::size_t row = 0; row < rows; row += step) ++offsets[row];
+  }
+  std::exclusive_scan(offsets.begin(), offsets.end(), offsets.begin(), Index{0});
+
+  // Task by task in the order of priority: each row fills in that order. Its offset moves on to its end,
+  // which is where the next row begins.
+  std::vector<Index> order(tasks.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index a, Index b) { return tasks[a].priority < tasks[b].priority; });
+  table.entries_.resize(static_cast<std::size_t>(extent.entries));
+  for (const Index index : order) {
+    const std::size_t step = stride(tasks[index]);
+    for (std::size_t row = 0; row < rows; row += step) table.entries_[offsets[row]++] = index;
+  }
+  std::copy_backward(offsets.begin(), offsets.end() - 1, offsets.end());
+  offsets.front() = 0;
+  return table;
+}
+
+}  // namespace takt::schedule

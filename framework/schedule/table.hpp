@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <takt/core/result.hpp>
@@ -17,16 +18,27 @@ inline constexpr std::size_t kMaxRows = 10'000'000;
 
 struct Task {
   Nanoseconds period{};
-  int priority = 0;  ///< the lowest value goes first; ties in the order of the input
+  int priority = 0;         ///< the lowest value goes first; ties in the order of the input
+  std::string_view name{};  ///< for messages only; without one a task is called by its index
 };
+
+/// The two tasks that make a table long: no other two periods that differ have a larger least common multiple, and among
+/// those that have the same one, these have the shortest period. The first has the shorter one. Both are the first of
+/// their period; both are 0 when all tasks have the same. Every period is positive.
+struct PeriodPair {
+  std::uint32_t shorter = 0;
+  std::uint32_t longer = 0;
+};
+PeriodPair longest_pair(std::span<const Task> tasks);
 
 /// Rows of indices into the tasks it was built from. Reading is for any thread, also real-time ones.
 class Table {
  public:
   using Index = std::uint32_t;
 
-  /// Fails when a period is not positive, or when the table would pass the limits above, saying which two periods make it
-  /// so. No tasks: an empty table with periods of 0.
+  /// Fails when a period is not positive (one problem each), or when the table would pass the limits above or its macro
+  /// period 2^63 - 1 ns, saying which two periods make it so. No tasks: an empty table with periods of 0. Takes time for
+  /// the entries and the rows, not for their product; allocates.
   static Result<Table> build(std::span<const Task> tasks);
 
   [[nodiscard]] Nanoseconds basic_period() const noexcept { return basic_; }  ///< greatest common divisor

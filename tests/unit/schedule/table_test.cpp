@@ -1,0 +1,343 @@
+#include <takt/schedule/table.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <random>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace takt::schedule {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+constexpr Nanoseconds kLongest = Nanoseconds::max();
+
+std::vector<Table::Index> row(const Table& table, std::size_t index) {
+  const auto tasks = table.row(index);
+  return {tasks.begin(), tasks.end()};
+}
+
+/// The words of the one problem with which these tasks are refused.
+std::string refused(const std::vector<Task>& tasks) {
+  const auto table = Table::build(tasks);
+  if (table) return "accepted";
+  EXPECT_EQ(table.problems().size(), 1U);
+  EXPECT_FALSE(table.problems().front().fix.empty());
+  return table.problems().front().what;
+}
+
+// ---- the paper's example, and the edges
+
+TEST(Table, IsTheOneOfFigure3) {
+  enum : Table::Index { controller1, control2, control3, control4 };
+  const std::vector<Task> tasks{{600us, 3}, {100us, 2}, {100us, 1}, {300us, 4}};
+  const auto table = Table::build(tasks);
+  ASSERT_TRUE(table);
+  EXPECT_EQ(table->basic_period(), 100us);
+  EXPECT_EQ(table->macro_period(), 600us);
+  ASSERT_EQ(table->rows(), 6U);
+  EXPECT_THAT(row(*table, 0), ElementsAre(control3, control2, controller1, control4));
+  EXPECT_THAT(row(*table, 1), ElementsAre(control3, control2));
+  EXPECT_THAT(row(*table, 2), ElementsAre(control3, control2));
+  EXPECT_THAT(row(*table, 3), ElementsAre(control3, control2, control4));
+  EXPECT_THAT(row(*table, 4), ElementsAre(control3, control2));
+  EXPECT_THAT(row(*table, 5), ElementsAre(control3, control2));
+  EXPECT_EQ(table->entries(), 15U);
+}
+
+TEST(Table, RefusesEveryPeriodThatIsNotPositive) {
+  const std::vector<Task> tasks{{1ms, 1, "good"}, {0ns, 1, "zero"}, {-1ns, 1}};
+  const auto table = Table::build(tasks);
+  ASSERT_FALSE(table);
+  ASSERT_EQ(table.problems().size(), 2U);
+  EXPECT_THAT(table.problems()[0].what, HasSubstr("'zero'"));
+  EXPECT_THAT(table.problems()[1].what, HasSubstr("task 2"));
+}
+
+TEST(Table, IsEmptyWithoutTasks) {
+  const auto table = Table::build({});
+  ASSERT_TRUE(table);
+  EXPECT_EQ(table->rows(), 0U);
+  EXPECT_EQ(table->entries(), 0U);
+  EXPECT_EQ(table->basic_period(), 0ns);
+  EXPECT_EQ(table->macro_period(), 0ns);
+}
+
+TEST(Table, HasOneRowForOneTaskOfAnyPeriod) {
+  for (const Nanoseconds period : {1ns, Nanoseconds{1s}, kLongest}) {
+    const std::vector<Task> tasks{{period, 0}};
+    const auto table = Table::build(tasks);
+    ASSERT_TRUE(table);
+    EXPECT_EQ(table->basic_period(), period);
+    EXPECT_EQ(table->macro_period(), period);
+    ASSERT_EQ(table->rows(), 1U);
+    EXPECT_THAT(row(*table, 0), ElementsAre(0U));
+  }
+}
+
+TEST(Table, HasEmptyRowsWhereNothingIsDue) {
+  const std::vector<Task> tasks{{2ms, 0}, {3ms, 0}};
+  const auto table = Table::build(tasks);
+  ASSERT_TRUE(table);
+  ASSERT_EQ(table->rows(), 6U);
+  EXPECT_THAT(row(*table, 1), IsEmpty());
+  EXPECT_THAT(row(*table, 5), IsEmpty());
+}
+
+TEST(Table, OrdersByPriorityThenByTheOrderOfTheInput) {
+  const std::vector<Task> tasks{
+      {1ms, 5}, {1ms, -3}, {1ms, 5}, {1ms, std::numeric_limits<int>::min()}, {1ms, -3}};
+  const auto table = Table::build(tasks);
+  ASSERT_TRUE(table);
+  EXPECT_THAT(row(*table, 0), ElementsAre(3U, 1U, 4U, 0U, 2U));
+}
+
+// ---- the limits
+
+TEST(Table, HoldsAMillionEntriesInOneRowAndNotOneMore) {
+  std::vector<Task> tasks(kMaxEntries, Task{1ms, 0});
+  const auto full = Table::build(tasks);
+  ASSERT_TRUE(full);
+  EXPECT_EQ(full->rows(), 1U);
+  EXPECT_EQ(full->row(0).size(), kMaxEntries);
+  EXPECT_EQ(full->row(0).back(), kMaxEntries - 1);
+
+  tasks.push_back({1ms, 0});
+  EXPECT_THAT(refused(tasks), HasSubstr("1000001 entries"));
+}
+
+TEST(Table, HoldsAMillionEntriesInManyRowsAndNotOneMore) {
+  // 999,999 rows of the fast one, and one entry of the slow one.
+  std::vector<Task> tasks{{1us, 0, "fast"}, {1us * 999'999, 0, "slow"}};
+  const auto full = Table::build(tasks);
+  ASSERT_TRUE(full);
+  EXPECT_EQ(full->rows(), 999'999U);
+  EXPECT_EQ(full->entries(), kMaxEntries);
+
+  tasks[1].period = 1us * 1'000'000;
+  EXPECT_THAT(refused(tasks), AllOf(HasSubstr("1000001 entries"), HasSubstr("'fast' with 1 us"),
+                                    HasSubstr("'slow' with 1 s")));
+}
+
+TEST(Table, HoldsTenMillionRowsAndNotMore) {
+  // a x b rows, a + b entries.
+  std::vector<Task> tasks{{78125ns, 0}, {128ns, 0}};  // 5^7 and 2^7, rows of 1 ns
+  const auto full = Table::build(tasks);
+  ASSERT_TRUE(full);
+  EXPECT_EQ(full->rows(), kMaxRows);
+  EXPECT_EQ(full->entries(), 78125U + 128U);
+
+  tasks = {{78127ns, 0, "a"}, {128ns, 0, "b"}};
+  EXPECT_THAT(refused(tasks), AllOf(HasSubstr("10000256 rows"), HasSubstr("'a'"), HasSubstr("'b'")));
+}
+
+TEST(Table, RefusesPeriodsWhoseMultiplePasses64Bits) {
+  EXPECT_THAT(refused({{kLongest, 0, "a"}, {kLongest - 1ns, 0, "b"}}),
+              AllOf(HasSubstr("basic period 1 ns"), HasSubstr("macro period more than 10^18 ns"),
+                    HasSubstr("'a'"), HasSubstr("'b'"), HasSubstr("meet only every more than 10^18 ns")));
+  // Six rows only, but they would last longer than the largest period.
+  EXPECT_THAT(refused({{Nanoseconds{1LL << 62}, 0}, {Nanoseconds{3LL << 61}, 0}}),
+              HasSubstr("more than 10^18 ns"));
+}
+
+TEST(Table, RefusesPeriodsThatPass64BitsOnlyAllTogether) {
+  std::vector<Task> tasks;
+  for (const int prime : {1009, 1013, 1019, 1021, 1031, 1033, 1039}) tasks.push_back({Nanoseconds{prime}, 0});
+  EXPECT_THAT(refused(tasks),
+              AllOf(HasSubstr("macro period more than 10^18 ns"), HasSubstr("task 6"), HasSubstr("task 5"),
+                    HasSubstr("meet only every 1073.287 us"), Not(HasSubstr("every more than"))));
+}
+
+TEST(Table, NamesThePairOfPeriodsThatMakesItLong) {
+  // 7.001 ms fits with nothing; the others are multiples of each other.
+  const std::string what =
+      refused({{1ms, 0, "servo"}, {4ms, 0, "plan"}, {7001us, 0, "camera"}, {1s, 0, "log"}});
+  EXPECT_THAT(what, HasSubstr("'camera' with 7.001 ms and 'log' with 1 s meet only every 7001 s"));
+}
+
+TEST(LongestPair, TakesTheShortestPeriodAmongEquals) {
+  const std::vector<Task> tasks{{2us, 0}, {1us, 0}, {1us, 0}, {10s, 0}, {5s, 0}};
+  const PeriodPair pair = longest_pair(tasks);
+  EXPECT_EQ(pair.shorter, 1U);
+  EXPECT_EQ(pair.longer, 3U);
+}
+
+TEST(LongestPair, IsOneTaskWhenAllPeriodsAreTheSame) {
+  const std::vector<Task> tasks{{2us, 0}, {2us, 0}};
+  const PeriodPair pair = longest_pair(tasks);
+  EXPECT_EQ(pair.shorter, pair.longer);
+}
+
+// ---- against the definition, in the most naive way
+
+/// What Table::build has to be, from the definition alone.
+struct Naive {
+  __extension__ using Wide = __int128;
+  static constexpr Wide kTooLong = std::numeric_limits<std::int64_t>::max();
+
+  static std::int64_t common_divisor(std::int64_t a, std::int64_t b) {
+    while (b != 0) {
+      const std::int64_t rest = a - a / b * b;
+      a = b;
+      b = rest;
+    }
+    return a;
+  }
+
+  explicit Naive(const std::vector<Task>& tasks) {
+    basic = tasks.front().period.count();
+    macro = 1;
+    for (const Task& task : tasks) {
+      const std::int64_t period = task.period.count();
+      basic = common_divisor(basic, period);
+      if (macro <= kTooLong)
+        macro = macro / common_divisor(static_cast<std::int64_t>(macro), period) * period;
+    }
+    accepted = macro <= kTooLong;
+    if (!accepted) return;
+    for (const Task& task : tasks) entries += macro / task.period.count();
+    accepted = entries <= 1'000'000 && macro / basic <= 10'000'000;
+  }
+
+  /// The modules due at time `t`, in the order in which they run.
+  static std::vector<Table::Index> due(const std::vector<Task>& tasks, std::int64_t t) {
+    std::vector<Table::Index> found;
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      if (t % tasks[i].period.count() == 0) found.push_back(static_cast<Table::Index>(i));
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [&](auto a, auto b) { return tasks[a].priority < tasks[b].priority; });
+    return found;
+  }
+
+  std::int64_t basic = 0;
+  Wide macro = 0;
+  Wide entries = 0;
+  bool accepted = false;
+};
+
+/// Compares at most `work` modules of rows: all rows when they are that few, else as many of them as that is,
+/// spread out evenly, and the last.
+void expect_as_defined(const std::vector<Task>& tasks, std::size_t work) {
+  const Naive naive{tasks};
+  const auto table = Table::build(tasks);
+  ASSERT_EQ(table.ok(), naive.accepted);
+  if (!naive.accepted) return;
+
+  ASSERT_EQ(table->basic_period().count(), naive.basic);
+  ASSERT_EQ(table->macro_period().count(), static_cast<std::int64_t>(naive.macro));
+  ASSERT_EQ(table->rows(), static_cast<std::size_t>(naive.macro / naive.basic));
+  ASSERT_EQ(table->entries(), static_cast<std::size_t>(naive.entries));
+  const std::size_t rows = table->rows();
+  const std::size_t step = std::max<std::size_t>(1, rows * tasks.size() / work);
+  for (std::size_t i = 0; i < rows; i += step) {
+    ASSERT_EQ(row(*table, i), Naive::due(tasks, static_cast<std::int64_t>(i) * naive.basic)) << "row " << i;
+  }
+  ASSERT_EQ(row(*table, rows - 1), Naive::due(tasks, static_cast<std::int64_t>(rows - 1) * naive.basic));
+}
+
+/// Draws module sets of four families, so that many are within the limits, many are far outside, and some are
+/// close.
+class ModuleSets {
+ public:
+  std::vector<Task> draw() {
+    const std::int64_t family = between(0, 3);
+    // As often few as many.
+    const std::int64_t count = between(1, between(0, 1) == 0 ? 12 : 1000);
+    const std::int64_t unit = between(1, 20) * power_of_ten(between(3, 5));
+    std::vector<Task> tasks;
+    for (std::int64_t i = 0; i < count; ++i) {
+      tasks.push_back({bounded(period(family, unit)), static_cast<int>(between(-3, 20))});
+    }
+    return tasks;
+  }
+
+ private:
+  std::int64_t between(std::int64_t low, std::int64_t high) {
+    return std::uniform_int_distribution<std::int64_t>{low, high}(random_);
+  }
+
+  static std::int64_t power_of_ten(std::int64_t exponent) {
+    std::int64_t value = 1;
+    while (exponent-- > 0) value *= 10;
+    return value;
+  }
+
+  static Nanoseconds bounded(std::int64_t ns) {
+    return Nanoseconds{std::clamp<std::int64_t>(ns, 1'000, 10'000'000'000)};
+  }
+
+  std::int64_t period(std::int64_t family, std::int64_t unit) {
+    switch (family) {
+      case 0: {  // what people write: 1, 2, 5 x a power of ten
+        constexpr std::array<std::int64_t, 3> kSteps{1, 2, 5};
+        return kSteps[static_cast<std::size_t>(between(0, 2))] * power_of_ten(between(5, 8));
+      }
+      case 1: {  // divisors of 720 units
+        std::int64_t divisor = between(1, 720);
+        while (720 % divisor != 0) ++divisor;
+        return divisor * unit;
+      }
+      case 2:
+        return between(1, 14) * unit;  // multiples of one unit
+      default:
+        return between(1'000, 10'000'000'000);
+    }
+  }
+
+  std::mt19937_64 random_{20240607};
+};
+
+TEST(Table, IsAsDefinedForManyModuleSets) {
+  ModuleSets sets;
+  int accepted = 0;
+  int refused = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const auto tasks = sets.draw();
+    ASSERT_NO_FATAL_FAILURE(expect_as_defined(tasks, 500'000)) << "set " << i;
+    (Table::build(tasks).ok() ? accepted : refused)++;
+  }
+  EXPECT_GT(accepted, 1000);
+  EXPECT_GT(refused, 1000);
+  RecordProperty("accepted", accepted);
+  RecordProperty("refused", refused);
+}
+
+TEST(LongestPair, IsAsDefinedForManyModuleSets) {
+  ModuleSets sets;
+  for (int i = 0; i < 300; ++i) {
+    const auto tasks = sets.draw();
+    Naive::Wide largest = 0;
+    Nanoseconds shortest{};
+    for (const Task& a : tasks) {
+      for (const Task& b : tasks) {
+        if (a.period >= b.period) continue;
+        const std::int64_t divisor = Naive::common_divisor(b.period.count(), a.period.count());
+        const Naive::Wide multiple = Naive::Wide{b.period.count() / divisor} * a.period.count();
+        if (multiple > largest || (multiple == largest && a.period < shortest)) shortest = a.period;
+        largest = std::max(largest, multiple);
+      }
+    }
+    const PeriodPair pair = longest_pair(tasks);
+    if (largest == 0) {
+      ASSERT_EQ(pair.shorter, pair.longer);
+      continue;
+    }
+    const std::int64_t low = tasks[pair.shorter].period.count();
+    const std::int64_t high = tasks[pair.longer].period.count();
+    ASSERT_LT(low, high);
+    ASSERT_EQ(low, shortest.count());
+    ASSERT_TRUE(Naive::Wide{high / Naive::common_divisor(high, low)} * low == largest);
+  }
+}
+
+}  // namespace
+}  // namespace takt::schedule

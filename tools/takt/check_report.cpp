@@ -1,0 +1,353 @@
+#include "check_report.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include <takt/core/check.hpp>
+
+namespace takt::tool {
+namespace {
+
+using model::Device;
+using model::Module;
+using model::ModuleType;
+using schedule::DevicePlan;
+using schedule::ExecutorPlan;
+using Words = std::vector<std::string>;
+
+constexpr std::size_t kIndent = 4;
+/// Of a longer list of modules, the first so many are named.
+constexpr std::size_t kNamedModules = 32;
+
+std::string count(std::size_t number, std::string_view noun) {
+  return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
+}
+
+/// Lines up columns, marks what matters, and never passes the width: what does not fit beside the first
+/// column goes below.
+class Page {
+ public:
+  explicit Page(Style style) : colour_{style.colour}, width_{std::clamp<std::size_t>(style.width, 80, 100)} {}
+
+  void line(std::size_t indent, std::string_view text) { put(std::string(indent, ' ').append(text)); }
+  void dim(std::size_t indent, std::string_view text) { put(std::string(indent, ' ').append(text), true); }
+  /// "TITLE: rest", with the rest below where it does not fit beside.
+  void heading(std::size_t indent, const std::string& title, const std::string& rest) {
+    if (indent + title.size() + 2 + rest.size() <= width_) {
+      line(indent, in_colour("1", title + ":") + " " + rest);
+    } else {
+      line(indent, in_colour("1", title + ":"));
+      line(indent + 2, rest);
+    }
+  }
+  void blank() { text_ += '\n'; }
+
+  [[nodiscard]] std::string bold(std::string_view text) const { return in_colour("1", text); }
+  [[nodiscard]] std::string warning(std::string_view text) const { return in_colour("33", text); }
+
+  /// `lead`, then the words with commas between them, as many on a line as fit; further lines begin under the
+  /// first word. A lead that leaves no room for the longest word stands alone.
+  void words(std::size_t indent, std::string_view lead, Words words) {
+    if (words.size() > kNamedModules + 1) {
+      const std::size_t more = words.size() - kNamedModules;
+      words.resize(kNamedModules);
+      words.push_back(fmt::format("and {} more", more));
+    }
+    std::size_t longest = 0;
+    for (const auto& word : words) longest = std::max(longest, word.size() + 1);
+    std::string line(indent, ' ');
+    line += lead;
+    std::size_t begin = line.size();
+    if (begin + longest > width_) {
+      put(line);
+      begin = indent + 2;
+      line.assign(begin, ' ');
+    }
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const std::string word = words[i] + (i + 1 < words.size() ? "," : "");
+      const std::size_t space = line.size() > begin ? 1 : 0;
+      if (space == 1 && line.size() + 1 + word.size() > width_) {
+        put(line);
+        line.assign(begin, ' ');
+      } else {
+        line.append(space, ' ');
+      }
+      line += word;
+    }
+    put(line);
+  }
+
+  /// A sentence, broken between its words.
+  void sentence(std::size_t indent, std::string_view text) {
+    std::string line(indent, ' ');
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find(' '), text.size());
+      const std::string_view word = text.substr(0, end);
+      text.remove_prefix(std::min(end + 1, text.size()));
+      if (line.size() > indent && line.size() + 1 + word.size() > width_) {
+        put(line);
+        line.assign(indent, ' ');
+      }
+      if (line.size() > indent) line += ' ';
+      line += word;
+    }
+    put(line);
+  }
+
+  /// The first row is the heading. All rows have as many cells.
+  void table(std::size_t indent, const std::vector<Words>& rows) {
+    const std::vector<std::size_t> widths = widths_of(rows);
+    std::size_t total = indent;
+    for (const std::size_t width : widths) total += width + 2;
+    const bool below = total - 2 > width_;
+    for (const Words& row : rows) {
+      std::string line(indent, ' ');
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        if (i == 1 && below) {
+          put(line, &row == &rows.front());
+          line.assign(indent + 2, ' ');
+        }
+        line += row[i];
+        if (i + 1 < row.size() && !(i == 0 && below)) line.append(widths[i] - row[i].size() + 2, ' ');
+      }
+      put(line, &row == &rows.front());
+    }
+  }
+
+  static std::vector<std::size_t> widths_of(const std::vector<Words>& rows) {
+    std::vector<std::size_t> widths;
+    for (const Words& row : rows) {
+      widths.resize(row.size());
+      for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    }
+    return widths;
+  }
+
+  [[nodiscard]] std::string take() && { return std::move(text_); }
+
+ private:
+  void put(std::string line, bool dim = false) {
+    while (!line.empty() && line.back() == ' ') line.pop_back();
+    text_ += (dim ? in_colour("2", line) : line) + "\n";
+  }
+
+  [[nodiscard]] std::string in_colour(std::string_view code, std::string_view text) const {
+    return colour_ ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string{text};
+  }
+
+  bool colour_;
+  std::size_t width_;
+  std::string text_;
+};
+
+/// "vision (process)"; a thread module is only named.
+std::string called(const Module& module) {
+  return module.type == ModuleType::process ? module.name + " (process)" : module.name;
+}
+
+Words called(const Device& device, const std::vector<std::uint32_t>& modules) {
+  Words words;
+  for (const auto index : modules) words.push_back(called(device.modules[index]));
+  return words;
+}
+
+bool states_budget(const Device& device, const ExecutorPlan& plan) {
+  return std::any_of(plan.periodic.begin(), plan.periodic.end(), [&](auto index) {
+    return device.modules[index].type == ModuleType::thread && device.modules[index].budget.has_value();
+  });
+}
+
+std::string percent(Nanoseconds part, Nanoseconds whole) {
+  return fmt::format("{:.0f} %",
+                     100.0 * static_cast<double>(part.count()) / static_cast<double>(whole.count()));
+}
+
+void executor_heading(Page& page, const model::Executor& executor) {
+  const std::string cpu = executor.cpu ? fmt::format("cpu {}", *executor.cpu) : "any cpu";
+  page.heading(
+      2, "executor " + executor.name,
+      fmt::format("{}, priority {}, wakeup {}", cpu, executor.priority, model::to_text(executor.wakeup)));
+}
+
+/// Figure 3 of the paper, with equal neighbours in one line.
+void periodic_table(Page& page, const Device& device, const ExecutorPlan& plan) {
+  const bool budgets = states_budget(device, plan);
+  std::vector<Words> heads{{"row", "offset"}};
+  if (budgets) heads.front().emplace_back("load");
+  std::vector<Words> modules;
+  std::size_t row = 0;
+  while (row < plan.rows() && modules.size() < kTextRows) {
+    const auto due = plan.row(row);
+    std::size_t end = row + 1;
+    while (end < plan.rows() && plan.row(end) == due) ++end;
+    Words head{end - row == 1 ? fmt::format("{}", row) : fmt::format("{}-{}", row, end - 1),
+               to_text(plan.basic_period * static_cast<std::int64_t>(row))};
+    if (budgets) {
+      const auto load = plan.load(device, row);
+      const bool unknown = !load.complete && load.budget == Nanoseconds{};
+      head.push_back(unknown ? "-" : (load.complete ? "" : ">= ") + percent(load.budget, plan.basic_period));
+    }
+    heads.push_back(std::move(head));
+    modules.push_back(due.empty() ? Words{"-"} : called(device, due));
+    row = end;
+  }
+
+  const auto widths = Page::widths_of(heads);
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    std::string lead;
+    for (std::size_t column = 0; column < widths.size(); ++column) {
+      lead += fmt::format("{:<{}}  ", heads[i][column], widths[column]);
+    }
+    if (i == 0) {
+      page.dim(kIndent, lead + "modules, in the order in which they run");
+    } else {
+      page.words(kIndent, lead, modules[i - 1]);
+    }
+  }
+  if (row < plan.rows()) {
+    page.line(kIndent, fmt::format("... and {} more; --json has them all", count(plan.rows() - row, "row")));
+  }
+}
+
+/// Figure 4 of the paper.
+void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) {
+  std::vector<Words> rows{{"sporadic", "type", "deadline", "priority", "budget"}};
+  Words hasty;
+  for (const auto index : plan.sporadic) {
+    const Module& module = device.modules[index];
+    if (*module.deadline < plan.basic_period) hasty.push_back(module.name);
+    if (rows.size() > kTextRows) continue;
+    rows.push_back({module.name, model::to_text(module.type), to_text(*module.deadline),
+                    fmt::format("{}", module.priority), module.budget ? to_text(*module.budget) : "-"});
+  }
+  page.table(kIndent, rows);
+  if (plan.sporadic.size() > kTextRows) {
+    page.line(kIndent, fmt::format("... and {} more; --json has them all", plan.sporadic.size() - kTextRows));
+  }
+  if (!hasty.empty()) {
+    page.line(kIndent,
+              page.warning("late by design, looked at only once in " + to_text(plan.basic_period) + ":"));
+    page.words(kIndent + 2, "", hasty);
+  }
+}
+
+void predicted_load(Page& page, const Device& device, const ExecutorPlan& plan) {
+  Words unknown;
+  double share = 0;
+  for (const auto index : plan.periodic) {
+    const Module& module = device.modules[index];
+    if (module.type != ModuleType::thread) continue;
+    if (module.budget) {
+      share += static_cast<double>(module.budget->count()) / static_cast<double>(module.period->count());
+    } else {
+      unknown.push_back(module.name);
+    }
+  }
+  if (states_budget(device, plan)) {
+    std::size_t fullest = 0;
+    Nanoseconds most{};
+    for (std::size_t row = 0; row < plan.rows(); ++row) {
+      const Nanoseconds budget = plan.load(device, row).budget;
+      if (budget > most) fullest = row;
+      most = std::max(most, budget);
+    }
+    page.sentence(
+        kIndent,
+        fmt::format(
+            "predicted load{}: row {} is the fullest with {} of {} ({}); {:.1f} % over the macro period",
+            unknown.empty() ? "" : ", at least", fullest, to_text(most), to_text(plan.basic_period),
+            percent(most, plan.basic_period), 100.0 * share));
+  }
+  if (!unknown.empty()) {
+    page.words(kIndent,
+               states_budget(device, plan) ? "without a budget: " : "load not predicted, without a budget: ",
+               unknown);
+  }
+}
+
+void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
+  executor_heading(page, device.executors[plan.executor]);
+  if (plan.rows() == 0) {
+    page.line(kIndent, "no modules");
+    return;
+  }
+  if (plan.periodic.empty()) {
+    page.sentence(kIndent, "basic period " + to_text(plan.basic_period) +
+                               ", half the shortest deadline: there is no periodic module");
+  } else {
+    page.sentence(
+        kIndent,
+        fmt::format("basic period {}, macro period {}, {}, {}", to_text(plan.basic_period),
+                    to_text(plan.macro_period), count(plan.rows(), "row"),
+                    plan.table.entries() == 1 ? "1 entry" : fmt::format("{} entries", plan.table.entries())));
+    page.blank();
+    periodic_table(page, device, plan);
+  }
+  if (!plan.sporadic.empty()) {
+    page.blank();
+    sporadic_table(page, device, plan);
+  }
+  if (!plan.periodic.empty()) {
+    page.blank();
+    predicted_load(page, device, plan);
+  }
+}
+
+Words names(const Device& device, const std::vector<std::uint32_t>& modules) {
+  Words words;
+  for (const auto index : modules) words.push_back(device.modules[index].name);
+  return words;
+}
+
+}  // namespace
+
+std::string check_text(const model::Cell& cell, const std::vector<DevicePlan>& plans, Style style) {
+  TAKT_CHECK(plans.size() == cell.devices.size());
+  std::size_t modules = 0;
+  for (const Device& device : cell.devices) modules += device.modules.size();
+  Page page{style};
+  page.heading(0, "cell " + cell.name,
+               count(cell.devices.size(), "device") + ", " + count(modules, "module"));
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    const Device& device = cell.devices[i];
+    page.blank();
+    page.line(0, page.bold("device " + device.name));
+    for (const ExecutorPlan& plan : plans[i].executors) {
+      if (&plan != &plans[i].executors.front()) page.blank();
+      executor_text(page, device, plan);
+    }
+    if (!plans[i].non_realtime.empty()) {
+      page.blank();
+      page.words(2, "not real-time: ", called(device, plans[i].non_realtime));
+    }
+  }
+  return std::move(page).take();
+}
+
+nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<DevicePlan>& plans) {
+  TAKT_CHECK(plans.size() == cell.devices.size());
+  using Json = nlohmann::ordered_json;
+  Json devices = Json::array();
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    const Device& device = cell.devices[i];
+    Json executors = Json::array();
+    for (const ExecutorPlan& plan : plans[i].executors) {
+      Json rows = Json::array();
+      for (std::size_t row = 0; row < plan.rows(); ++row) rows.push_back(names(device, plan.row(row)));
+      executors.push_back(Json{{"name", device.executors[plan.executor].name},
+                               {"basic_period_ns", plan.basic_period.count()},
+                               {"macro_period_ns", plan.macro_period.count()},
+                               {"rows", std::move(rows)},
+                               {"sporadic", names(device, plan.sporadic)}});
+    }
+    devices.push_back(Json{{"name", device.name},
+                           {"executors", std::move(executors)},
+                           {"non_realtime", names(device, plans[i].non_realtime)}});
+  }
+  return Json{{"cell", cell.name}, {"devices", std::move(devices)}};
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,27 @@
+// What `takt check` says about a cell that is in order: for a person and for a program.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/model/cell.hpp>
+#include <takt/schedule/plan.hpp>
+
+#include "style.hpp"
+
+namespace takt::tool {
+
+/// Both take the plans of the cell's devices, in their order, as schedule::plan(cell) gives them.
+
+/// Periods, tables and predicted load of each executor. No line is wider than 100 columns, and a table has at
+/// most kTextRows lines: rows that follow each other and are equal share one, and what is left out is
+/// counted. Ends with a line feed.
+std::string check_text(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans, Style style);
+inline constexpr std::size_t kTextRows = 40;
+
+/// The object that `takt check --json` prints, with every row. Its keys and their order are the contract.
+nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans);
+
+}  // namespace takt::tool
