@@ -113,7 +113,7 @@ Result<Description> describe(const std::string& path) {
   return description;
 }
 
-Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell) {
+Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Problems* missing) {
   Problems problems;
   std::vector<ComponentPaths> paths;
   std::map<std::string, std::vector<Use>> thread_modules;
@@ -125,7 +125,7 @@ Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell) {
       auto path = find_component(module.filename, cell.file);
       paths.back().push_back(path ? *path : "");
       if (!path) {
-        add_at(cell, module, path.problems(), problems);
+        add_at(cell, module, path.problems(), missing != nullptr ? *missing : problems);
       } else if (module.type == model::ModuleType::process) {
         if (!os::is_executable(*path)) {
           add_at(cell, module, {fail(*path + " is not a program that this user may execute", "build it, or chmod +x")},

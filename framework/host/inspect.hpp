@@ -34,7 +34,8 @@ Result<Description> describe(const std::string& path);
 using ComponentPaths = std::vector<std::string>;
 
 /// Looks up and loads the component of every module: whether it is there, is what the descriptor says it is, and takes the
-/// properties that it is given. Every problem at once, each at its module's line.
-Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell);
+/// properties that it is given. Every problem at once, each at its module's line. With `missing`, a file that is not on this
+/// machine goes there and is no problem; its path is empty then.
+Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Problems* missing = nullptr);
 
 }  // namespace takt::host

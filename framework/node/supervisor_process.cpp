@@ -8,6 +8,7 @@
 #include <takt/os/futex.hpp>
 #include <takt/os/real_time.hpp>
 #include <takt/os/waker.hpp>
+#include <takt/schedule/plan.hpp>
 
 namespace takt::node {
 

@@ -15,10 +15,8 @@ void Supervisor::stop() {
   if (phase_ == Phase::stopping || phase_ == Phase::ended) return;
   phase_ = Phase::stopping;
   asked_at_ = os::now();
-  for (auto& member : members_) {
-    member->wanted = false;
-    take_from_tables(*member);
-  }
+  for (auto& member : members_) member->wanted = false;
+  // The modules stay in their tables until the last row has ended, so that no row is walked without them.
   halted_ = !host_.running() || !host_.ask({.what = host::Request::Do::halt});
 }
 
@@ -32,6 +30,7 @@ void Supervisor::stopping_step(Instant now) {
   }
   bool all = true;
   for (auto& member : members_) {
+    take_from_tables(*member);
     destruct(*member, now);
     all &= member->state() == State::destruct && !member->child.running();
   }

@@ -34,4 +34,6 @@ bool is_shared_object(const std::string& path) {
   return true;
 }
 
+bool output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
+
 }  // namespace takt::os

@@ -1,0 +1,3 @@
+#include <takt/host/host.hpp>
+
+int main() { return takt::host::run_host(); }

@@ -1,0 +1,32 @@
+// What `takt` does. Each command returns the exit status: 0 done, 1 refused or failed with a reason on standard error.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace takt::tool {
+
+struct CheckOptions {
+  std::string file;
+  bool json = false;
+  std::string svg;      ///< where to write the picture; empty: nowhere
+  bool remote = false;  ///< components that are not on this machine are warnings
+};
+int check(const CheckOptions& options);
+
+struct RunOptions {
+  std::string file;
+  std::optional<double> seconds;  ///< none: until Ctrl-C
+  bool json = false;
+  bool require_real_time = false;
+  bool quiet = false;
+};
+int run(const RunOptions& options);
+
+struct DescribeOptions {
+  std::string file;
+  bool json = false;
+};
+int describe(const DescribeOptions& options);
+
+}  // namespace takt::tool

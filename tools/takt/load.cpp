@@ -1,0 +1,23 @@
+#include "load.hpp"
+
+#include <cstdio>
+
+#include <takt/descriptor/descriptor.hpp>
+
+namespace takt::tool {
+
+Result<Loaded> load(const std::string& file, Problems* missing) {
+  auto cell = descriptor::load(file);
+  if (!cell) return cell.problems();
+  Problems problems;
+  auto plans = schedule::plan(*cell);
+  if (!plans) problems = plans.problems();
+  auto paths = host::check_components(*cell, missing);
+  if (!paths) problems.insert(problems.end(), paths.problems().begin(), paths.problems().end());
+  if (!problems.empty()) return problems;
+  return Loaded{std::move(*cell), std::move(*plans), std::move(*paths)};
+}
+
+void complain(const Problems& problems) { std::fprintf(stderr, "%s\n", to_text(problems).c_str()); }
+
+}  // namespace takt::tool

@@ -1,0 +1,27 @@
+// The first step of every command that takes a descriptor.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <takt/core/result.hpp>
+#include <takt/host/inspect.hpp>
+#include <takt/model/cell.hpp>
+#include <takt/schedule/plan.hpp>
+
+namespace takt::tool {
+
+struct Loaded {
+  model::Cell cell;
+  std::vector<schedule::DevicePlan> plans;
+  std::vector<host::ComponentPaths> paths;
+};
+
+/// Reads, validates, plans, and looks at every component; every problem of the file at once. With `missing`, component files
+/// that are not on this machine go there and are no problem.
+Result<Loaded> load(const std::string& file, Problems* missing = nullptr);
+
+/// Prints problems as `file:line: error: ...`, one a line, on standard error.
+void complain(const Problems& problems);
+
+}  // namespace takt::tool

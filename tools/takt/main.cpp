@@ -1,0 +1,48 @@
+// The command line.
+#include <CLI/CLI.hpp>
+
+#include "commands.hpp"
+
+#ifndef TAKT_VERSION
+#define TAKT_VERSION "unknown"
+#endif
+
+int main(int argc, char** argv) {
+  using namespace takt::tool;
+  CLI::App app{"Takt: real-time component middleware for industrial cells.", "takt"};
+  app.set_version_flag("--version", TAKT_VERSION);
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::help);
+
+  CheckOptions check_options;
+  auto* check_command = app.add_subcommand("check", "Validate a descriptor and print its tables; start nothing");
+  check_command->add_option("FILE", check_options.file, "a cell, or a module.xml")->required();
+  check_command->add_flag("--json", check_options.json, "print one JSON object");
+  check_command->add_option("--svg", check_options.svg, "write the tables as a picture to this file")->type_name("OUT");
+  check_command->add_flag("--remote", check_options.remote, "a component that is not on this machine is a warning, no error");
+
+  RunOptions run_options;
+  double seconds = 0;
+  auto* run_command = app.add_subcommand("run", "Run a descriptor on this machine, one takt-node for each device, until Ctrl-C");
+  run_command->add_option("FILE", run_options.file, "a cell, or a module.xml")->required();
+  auto* for_option = run_command->add_option("--for", seconds, "end after this long")->type_name("SECONDS")->check(CLI::PositiveNumber);
+  run_command->add_flag("--json", run_options.json, "print the closing report as one JSON object");
+  run_command->add_flag("--require-realtime", run_options.require_real_time,
+                        "refuse to run where the system refuses real-time scheduling");
+  run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
+
+  DescribeOptions describe_options;
+  auto* describe_command = app.add_subcommand("describe", "Print what a component is: its interface, hooks and properties");
+  describe_command->add_option("FILE", describe_options.file, "a component's .so or .exe")->required();
+  describe_command->add_flag("--json", describe_options.json, "print one JSON object");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (for_option->count() != 0) run_options.seconds = seconds;
+  if (*check_command) return check(check_options);
+  if (*run_command) return run(run_options);
+  return describe(describe_options);
+}

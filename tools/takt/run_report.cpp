@@ -1,0 +1,58 @@
+#include "run_report.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace takt::tool {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+// Three digits that matter: 0.05, 12.3, 1450.
+std::string us(const json& value) {
+  const double v = value.get<double>();
+  const double size = v < 0 ? -v : v;
+  return fmt::format("{:.{}f}", v, size < 10 ? 2 : size < 100 ? 1 : 0);
+}
+
+std::string device_text(const json& device, std::size_t width) {
+  std::string text = fmt::format("device {}{}{}\n", device["name"].get<std::string>(),
+                                 device["alive"].get<bool>() ? "" : "  LOST", 
+                                 device["real_time"].get<bool>() ? "" : "  NOT REAL-TIME");
+  text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", "executor", width, "cycles", "missed", "jitter us",
+                      "p50", "p99", "max");
+  for (const json& e : device["executors"]) {
+    const json& j = e["jitter_us"];
+    text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", e["name"].get<std::string>(), width,
+                        e["cycles"].get<std::uint64_t>(), e["missed"].get<std::uint64_t>(), us(j["mean"]), us(j["p50"]),
+                        us(j["p99"]), us(j["max"]));
+  }
+  text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", "module", width, "state", "cycles",
+                      "jitter us", "p50", "p99", "run p50", "run max", "overruns", "errors");
+  for (const json& m : device["modules"]) {
+    const json& j = m["jitter_us"];
+    text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", m["name"].get<std::string>(), width,
+                        m["state"].get<std::string>(), m["cycles"].get<std::uint64_t>(), us(j["mean"]), us(j["p50"]),
+                        us(j["p99"]), us(m["run_us"]["p50"]), us(m["run_us"]["max"]), m["overruns"].get<std::uint64_t>(),
+                        m["errors"].get<std::uint64_t>());
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string run_text(const json& status, Style /*style*/) {
+  std::size_t width = 8;
+  for (const json& device : status["devices"]) {
+    for (const char* list : {"executors", "modules"}) {
+      for (const json& entry : device[list]) width = std::max(width, entry["name"].get<std::string>().size());
+    }
+  }
+  std::string text = fmt::format("\ncell {}\n", status["cell"].get<std::string>());
+  for (const json& device : status["devices"]) text += device_text(device, width);
+  return text;
+}
+
+}  // namespace takt::tool
