@@ -41,11 +41,12 @@ void takt_fail(const char* text);
 #ifdef __cplusplus
 }
 
-#include <cerrno>
-#include <cstdlib>
+#include <charconv>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -71,11 +72,26 @@ class Property {
   }
 
   /* The value as bool (true, false, 1, 0), integer, floating point or std::string; `fallback` when the descriptor does not
-   * give it. Throws std::invalid_argument when the text is none or does not fit. */
+   * give it. Throws std::invalid_argument when the text is none or does not fit: "1.5" for an integer, "-1" for an unsigned
+   * one, "nan", a blank. */
   template <class T>
   T get(const std::string& name, T fallback) const {
     const std::string* text = find(name);
     return text == nullptr ? fallback : convert<T>(name, *text);
+  }
+  std::string get(const std::string& name, const char* fallback) const {
+    const std::string* text = find(name);
+    return text == nullptr ? fallback : *text;
+  }
+
+  /* The same for a number that must lie from `min` to `max`, both inclusive. */
+  template <class T>
+  T get(const std::string& name, T fallback, std::common_type_t<T> min, std::common_type_t<T> max) const {
+    const std::string* text = find(name);
+    if (text == nullptr) return fallback;
+    const T value = convert<T>(name, *text);
+    if (!(value >= min && value <= max)) refuse(name, *text, in_words(min) + " to " + in_words(max));
+    return value;
   }
 
   /* In the order of the descriptor. */
@@ -89,28 +105,37 @@ class Property {
     return nullptr;
   }
 
+  [[noreturn]] static void refuse(const std::string& name, const std::string& text, const std::string& wanted) {
+    throw std::invalid_argument("property '" + name + "' is '" + text + "'; it takes " + wanted);
+  }
+
+  template <class T>
+  static std::string in_words(T value) {
+    char text[64];
+    return {text, std::to_chars(text, text + sizeof text, value).ptr};
+  }
+
   template <class T>
   static T convert(const std::string& name, const std::string& text) {
-    const auto refuse = [&](const char* wanted) {
-      throw std::invalid_argument("property '" + name + "' is '" + text + "'; it takes " + wanted);
-    };
     if constexpr (std::is_same_v<T, bool>) {
       if (text == "true" || text == "1") return true;
-      if (text != "false" && text != "0") refuse("true or false");
+      if (text != "false" && text != "0") refuse(name, text, "true or false");
       return false;
-    } else if constexpr (std::is_integral_v<T>) {
-      char* end = nullptr;
-      errno = 0;
-      const long long value = std::strtoll(text.c_str(), &end, 10);
-      const bool fits = value >= static_cast<long long>(std::numeric_limits<T>::min()) &&
-                        (value < 0 || static_cast<unsigned long long>(value) <= std::numeric_limits<T>::max());
-      if (text.empty() || *end != '\0' || errno != 0 || !fits) refuse("a whole number in range");
-      return static_cast<T>(value);
-    } else if constexpr (std::is_floating_point_v<T>) {
-      char* end = nullptr;
-      const double value = std::strtod(text.c_str(), &end);
-      if (text.empty() || *end != '\0') refuse("a number");
-      return static_cast<T>(value);
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      // Not strtod(): it follows the locale, skips blanks and takes hexadecimal, so one text would mean different numbers.
+      T value{};
+      const char* const end = text.data() + text.size();
+      const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+      const auto [stop, error] = std::from_chars(text.data() + (plus ? 1 : 0), end, value);
+      const bool whole = error == std::errc{} && stop == end;
+      if constexpr (std::is_floating_point_v<T>) {
+        if (!whole || !std::isfinite(value)) refuse(name, text, "a number");
+      } else {
+        constexpr T lowest = std::numeric_limits<T>::min();
+        constexpr T highest = std::numeric_limits<T>::max();
+        if (!whole) refuse(name, text, "a whole number, " + in_words(lowest) + " to " + in_words(highest));
+      }
+      return value;
     } else {
       static_assert(std::is_same_v<T, std::string>, "a property is bool, integer, floating point or std::string");
       return text;

@@ -1,8 +1,10 @@
 // A named value of a component that the descriptor may set: what is an argument to a program.
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -51,12 +53,15 @@ namespace detail {
 std::optional<bool> parse_bool(std::string_view text) noexcept;
 std::optional<std::int64_t> parse_integer(std::string_view text) noexcept;
 std::optional<double> parse_number(std::string_view text) noexcept;
+/// The shortest text that reads back as the same value; a float's is shorter than that of the same double.
 std::string number_text(double value);
+std::string number_text(float value);
 }  // namespace detail
 
 template <class T>
 concept PropertyValueType =
-    std::same_as<T, bool> || std::same_as<T, std::string> || std::floating_point<T> || std::signed_integral<T>;
+    std::same_as<T, bool> || std::same_as<T, std::string> || std::same_as<T, float> ||
+    std::same_as<T, double> || std::signed_integral<T>;
 
 /// bool, a signed integer, float or double, or std::string. Reading is for every hook, also on the real-time thread.
 template <PropertyValueType T>
@@ -105,7 +110,7 @@ class Property final : public PropertyBase {
   static std::string in_words(const T& value) {
     if constexpr (std::is_same_v<T, bool>) return value ? "true" : "false";
     else if constexpr (std::is_integral_v<T>) return std::to_string(value);
-    else if constexpr (std::is_floating_point_v<T>) return detail::number_text(static_cast<double>(value));
+    else if constexpr (std::is_floating_point_v<T>) return detail::number_text(value);
     else return value;
   }
 
@@ -116,7 +121,10 @@ class Property final : public PropertyBase {
       return value && std::in_range<T>(*value) ? std::optional<T>(static_cast<T>(*value)) : std::nullopt;
     } else if constexpr (std::is_floating_point_v<T>) {
       const auto value = detail::parse_number(text);
-      return value ? std::optional<T>(static_cast<T>(*value)) : std::nullopt;
+      // A float does not take what only a double can hold.
+      return value && std::abs(*value) <= static_cast<double>(std::numeric_limits<T>::max())
+                 ? std::optional<T>(static_cast<T>(*value))
+                 : std::nullopt;
     } else {
       return std::string{text};
     }

@@ -1,0 +1,68 @@
+// The velocity loop of a DC motor: what control2 computes every period, without the module around it. SI
+// units. Everything here is for real-time threads.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace control2 {
+
+/// A brushed 24 V motor of about 100 W with its load. Integrated with the current first, then the speed with
+/// the new current: stable up to a step of twice the electrical time constant.
+struct Motor {
+  double resistance = 0.6;     ///< ohm
+  double inductance = 0.6e-3;  ///< H
+  double constant = 0.05;      ///< V s = N m / A
+  double inertia = 1e-4;       ///< kg m^2
+  double friction = 1e-4;      ///< N m s
+  double load = 0;             ///< N m, against positive speed
+
+  double current = 0;  ///< A
+  double speed = 0;    ///< rad/s
+
+  void step(double voltage, double dt) noexcept {
+    current += (voltage - resistance * current - constant * speed) / inductance * dt;
+    speed += (constant * current - friction * speed - load) / inertia * dt;
+  }
+};
+
+/// PID with the derivative on the measurement, filtered, so that a step of the set point does not kick; the
+/// output is bounded. Anti-windup by back-calculation: what the bound cut off is taken from the integral with
+/// the time constant `tracking`.
+struct Pid {
+  double gain = 0.2;           ///< V s/rad
+  double integral_gain = 10;   ///< V/rad
+  double derivative_gain = 0;  ///< V s^2/rad
+  double filter = 0.5e-3;      ///< s, of the derivative
+  double tracking = 0.02;      ///< s
+  double limit = 24;           ///< V
+
+  double integral = 0;  ///< V
+  double slope = 0;     ///< rad/s^2, the filtered derivative
+  double last = 0;      ///< rad/s, the last measurement
+
+  double step(double wanted, double measured, double dt) noexcept {
+    const double error = wanted - measured;
+    slope += ((measured - last) / dt - slope) * dt / (filter + dt);
+    last = measured;
+    const double free = gain * error + integral - derivative_gain * slope;
+    const double bounded = std::clamp(free, -limit, limit);
+    integral += (integral_gain * error + (bounded - free) / tracking) * dt;
+    return bounded;
+  }
+
+  void reset() noexcept { integral = slope = last = 0; }
+};
+
+/// The mean square of an error over what one second weighs, and its largest value since the last take.
+struct ErrorMeter {
+  double mean_square = 0;
+  double largest = 0;
+
+  void step(double error, double dt) noexcept {
+    mean_square += (error * error - mean_square) * std::min(1.0, dt);
+    largest = std::max(largest, std::abs(error));
+  }
+};
+
+}  // namespace control2

@@ -1,0 +1,56 @@
+// A thread module in the form of the paper's Figure 8: a notch and a low-pass keep a joint's resonance out of
+// its torque command, 100 us.
+#include <takt/module.h>
+
+#include <cstdio>
+
+#include "filter.hpp"
+
+namespace {
+
+constexpr double kRate = 10000;  // Hz; the interface of Figure 8 does not hand over the period
+constexpr double kTorque = 10;   // N m
+constexpr double kRipple = 2;    // N m
+
+control3::Biquad notch;
+control3::Biquad low_pass;
+control3::Oscillator command;
+control3::Oscillator resonance;
+control3::Detector before;
+control3::Detector after;
+double output = 0;  // N m
+int errors = 0;
+
+}  // namespace
+
+extern "C" {
+
+void initialize(irp::Property const& property) {
+  notch = control3::Biquad::notch(property.get("notch_hz", 180.0, 1, 4999),
+                                  property.get("notch_quality", 2.0, 0.1, 100), kRate);
+  low_pass = control3::Biquad::low_pass(property.get("low_pass_hz", 1000.0, 1, 4999), 0.7071, kRate);
+  command = control3::Oscillator(property.get("command_hz", 2.0, 0.01, 100), kRate);
+  resonance = control3::Oscillator(property.get("resonance_hz", 180.0, 1, 4999), kRate);
+}
+
+void start(void) {
+  notch.reset();
+  low_pass.reset();
+}
+
+void run(void) {
+  const double torque = kTorque * command.step() + kRipple * resonance.step();
+  output = low_pass.step(notch.step(torque));
+  before.step(torque, resonance);
+  after.step(output, resonance);
+}
+
+void error(int) { ++errors; }
+
+void recover(void) { start(); }
+
+void destruct(void) {
+  std::fprintf(stderr, "control3: resonance %.3f N m before the filters, %.3f N m behind them; %d errors\n",
+               before.amplitude, after.amplitude, errors);
+}
+}

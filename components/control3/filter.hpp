@@ -1,0 +1,100 @@
+// A torque command on its way to a joint that resonates: what control3 computes every period, without the
+// module around it. Everything but the design of a filter is for real-time threads.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <stdexcept>
+
+namespace control3 {
+
+/// A second-order filter in transposed direct form II, designed by the bilinear transform with its frequency
+/// prewarped.
+struct Biquad {
+  double b0 = 1, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
+  double s1 = 0, s2 = 0;
+
+  /// Unity at 0 Hz, -3 dB at `frequency` for a quality of 0.7071. Throws when the frequency is not below half
+  /// the rate.
+  static Biquad low_pass(double frequency, double quality, double rate) {
+    const auto [cosine, alpha] = warp(frequency, quality, rate);
+    const double a0 = 1 + alpha;
+    return {.b0 = (1 - cosine) / 2 / a0,
+            .b1 = (1 - cosine) / a0,
+            .b2 = (1 - cosine) / 2 / a0,
+            .a1 = -2 * cosine / a0,
+            .a2 = (1 - alpha) / a0};
+  }
+
+  /// Zero at `frequency`, unity far from it; half the power is lost over frequency/quality. Throws as
+  /// low_pass() does.
+  static Biquad notch(double frequency, double quality, double rate) {
+    const auto [cosine, alpha] = warp(frequency, quality, rate);
+    const double a0 = 1 + alpha;
+    return {
+        .b0 = 1 / a0, .b1 = -2 * cosine / a0, .b2 = 1 / a0, .a1 = -2 * cosine / a0, .a2 = (1 - alpha) / a0};
+  }
+
+  double step(double input) noexcept {
+    const double output = b0 * input + s1;
+    s1 = b1 * input - a1 * output + s2;
+    s2 = b2 * input - a2 * output;
+    return output;
+  }
+
+  void reset() noexcept { s1 = s2 = 0; }
+
+ private:
+  struct Warped {
+    double cosine, alpha;
+  };
+  static Warped warp(double frequency, double quality, double rate) {
+    if (!(frequency > 0 && frequency < rate / 2)) {
+      throw std::invalid_argument("a filter's frequency is above 0 and below half the rate");
+    }
+    if (!(quality > 0)) throw std::invalid_argument("a filter's quality is above 0");
+    const double angle = 2 * std::numbers::pi * frequency / rate;
+    return {std::cos(angle), std::sin(angle) / (2 * quality)};
+  }
+};
+
+/// A sine without a call of sin(): one rotation a step, its length held at 1.
+struct Oscillator {
+  double cosine = 1, sine = 0;  // the rotation of one step
+  double x = 1, y = 0;
+
+  Oscillator() = default;
+  Oscillator(double frequency, double rate)
+      : cosine(std::cos(2 * std::numbers::pi * frequency / rate)),
+        sine(std::sin(2 * std::numbers::pi * frequency / rate)) {}
+
+  double step() noexcept {
+    const double nx = x * cosine - y * sine;
+    const double ny = x * sine + y * cosine;
+    const double correction = 1.5 - 0.5 * (nx * nx + ny * ny);  // one Newton step towards length 1
+    x = nx * correction;
+    y = ny * correction;
+    return y;
+  }
+};
+
+/// What of one frequency is in a signal: products with a sine and a cosine of it, averaged over a whole
+/// number of its periods.
+struct Detector {
+  double in_phase = 0, quadrature = 0;
+  double amplitude = 0;         ///< of the last full window
+  std::uint64_t window = 1000;  ///< steps
+  std::uint64_t step_number = 0;
+
+  void step(double signal, const Oscillator& reference) noexcept {
+    in_phase += signal * reference.y;
+    quadrature += signal * reference.x;
+    if (++step_number < window) return;
+    amplitude = 2 * std::hypot(in_phase, quadrature) / static_cast<double>(window);
+    in_phase = quadrature = 0;
+    step_number = 0;
+  }
+};
+
+}  // namespace control3

@@ -1,0 +1,52 @@
+// A sporadic thread module in the form of the paper's Figure 10: switches a motor off when its winding is too
+// hot and on again when it has cooled. With the defaults it trips about three times a second.
+#include <takt/module.h>
+
+#include <cstdio>
+#include <stdexcept>
+
+#include "limit.hpp"
+
+namespace {
+
+constexpr double kCheck = 100e-6;  // s between two checks: the basic period of deploy/module.xml
+
+emergency::Drive drive;
+int errors = 0;
+
+}  // namespace
+
+extern "C" {
+
+int condition() {
+  if (drive.condition(kCheck))
+    return TRUE;  // condition is met.
+  else
+    return FALSE;  // otherwise
+}
+
+void initialize(irp::Property const& property) {
+  drive.current = property.get("current_a", 10.0, 0, 100);
+  drive.limit.trip = property.get("trip_k", 90.0, 1, 1000);
+  drive.limit.clear = property.get("clear_k", 60.0, 0.1, 1000);
+  if (!(drive.limit.clear < drive.limit.trip))
+    throw std::invalid_argument("property 'clear_k' must be below 'trip_k'");
+}
+
+void start(void) { drive.winding.temperature = 0; }
+
+void run(void) { drive.react(); }
+
+void error(int) { ++errors; }
+
+void recover(void) {
+  drive.winding.temperature = 0;
+  drive.limit.tripped = false;
+}
+
+void destruct(void) {
+  std::fprintf(stderr,
+               "emergency: tripped %llu times, hottest %.2f K above the room of %.2f K allowed; %d errors\n",
+               static_cast<unsigned long long>(drive.trips), drive.hottest, drive.limit.trip, errors);
+}
+}

@@ -1,0 +1,27 @@
+/* What the kernel's own text files say of the machine; the text is passed in. */
+#ifndef TAKT_COMPONENTS_MACHINE_H
+#define TAKT_COMPONENTS_MACHINE_H
+
+#include <stdio.h>
+#include <string.h>
+
+/* The load over the last minute from the text of /proc/loadavg; negative when it is not there. */
+static inline double machine_load(const char* loadavg) {
+  double load = -1;
+  return sscanf(loadavg, "%lf", &load) == 1 ? load : -1;
+}
+
+/* The value of `name`, for example "MemAvailable", in KiB from the text of /proc/meminfo; negative when it is
+ * not there. */
+static inline long long machine_memory_kib(const char* meminfo, const char* name) {
+  const size_t length = strlen(name);
+  for (const char* line = meminfo; line != NULL; line = strchr(line, '\n')) {
+    if (*line == '\n') ++line;
+    if (strncmp(line, name, length) != 0 || line[length] != ':') continue;
+    long long value = -1;
+    return sscanf(line + length + 1, "%lld", &value) == 1 ? value : -1;
+  }
+  return -1;
+}
+
+#endif

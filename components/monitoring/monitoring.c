@@ -1,0 +1,47 @@
+/* A non-real-time module is a plain program: it is started, gets idle time, and is ended by SIGTERM. This one
+ * says once a second how the machine does. It calls nothing of Takt. */
+#define _POSIX_C_SOURCE 200809L
+#include "machine.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <time.h>
+
+static const char* text_of(const char* path) {
+  static char text[8192];
+  FILE* file = fopen(path, "r");
+  size_t length = 0;
+  if (file != NULL) {
+    length = fread(text, 1, sizeof text - 1, file);
+    fclose(file);
+  }
+  text[length] = '\0';
+  return text;
+}
+
+int main(void) {
+  setvbuf(stdout, NULL, _IOLBF, 0);
+  /* Blocked and waited for: no handler, and none can come between a look and a sleep. */
+  sigset_t ends;
+  sigemptyset(&ends);
+  sigaddset(&ends, SIGTERM);
+  sigaddset(&ends, SIGINT);
+  sigprocmask(SIG_BLOCK, &ends, NULL);
+
+  const struct timespec second = {1, 0};
+  unsigned long lines = 0;
+  for (;;) {
+    const int signal_number = sigtimedwait(&ends, NULL, &second);
+    if (signal_number > 0) break;
+    if (errno == EINTR) continue;
+    const double load = machine_load(text_of("/proc/loadavg"));
+    const char* meminfo = text_of("/proc/meminfo");
+    const long long total = machine_memory_kib(meminfo, "MemTotal");
+    const long long available = machine_memory_kib(meminfo, "MemAvailable");
+    printf("load %.2f, memory %lld of %lld MiB available\n", load, available / 1024, total / 1024);
+    ++lines;
+  }
+  printf("monitoring: ended after %lu lines\n", lines);
+  return 0;
+}

@@ -1,0 +1,75 @@
+// A sporadic process module in the form of the paper's Figure 11: every so many releases it takes a picture
+// of a part that goes round, measures where it is, and about once a second says how far off the measurement
+// was.
+#include <takt/process.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+
+#include "../common/argument.h"
+#include "blob.hpp"
+
+namespace {
+
+std::uint64_t releases = 0;
+std::uint64_t every = 100;
+std::uint64_t frames = 0;
+std::uint64_t lost = 0;
+double largest_error = 0;
+
+void say_goodbye() {
+  std::printf("vision: %llu frames in %llu releases, largest error %.3f px, lost %llu\n",
+              static_cast<unsigned long long>(frames), static_cast<unsigned long long>(releases),
+              largest_error, static_cast<unsigned long long>(lost));
+}
+
+}  // namespace
+
+int condition() {
+  waitSporadic();  // wait for signal
+  ++releases;
+  if (releases % every == 0)
+    return TRUE;  // condition is met.
+  else
+    return FALSE;  // otherwise
+}
+
+int main(int argc, char* argv[]) {
+  every = static_cast<std::uint64_t>(argument_number(argc, argv, "every", 100, 1, 1e9));
+  const double radius = argument_number(argc, argv, "radius_px", 8, 2, 20);
+  const double noise = argument_number(argc, argv, "noise", 10, 0, 60);
+  const auto threshold = static_cast<std::uint8_t>(argument_number(argc, argv, "threshold", 100, 1, 254));
+  const double turn_s = argument_number(argc, argv, "turn_s", 4, 0.1, 3600);
+  initSporadicExe();
+  std::atexit(say_goodbye);
+  vision::Frame frame;
+  vision::Noise source;
+  std::int64_t said_ns = 0;
+
+  while (1) {
+    if (!condition())  // if not satisfied
+      continue;        // enter into waiting state
+
+    const std::int64_t now_ns = takt_release_ns();
+    const double angle =
+        2 * std::numbers::pi * std::fmod(static_cast<double>(now_ns) * 1e-9, turn_s) / turn_s;
+    const vision::Spot part{vision::kWidth / 2.0 + 24 * std::cos(angle),
+                            vision::kHeight / 2.0 + 18 * std::sin(angle)};
+    vision::render(frame, part, radius, noise, source);
+    const auto blob = vision::find(frame, threshold, 10);
+    ++frames;
+    if (!blob) {
+      ++lost;
+      continue;
+    }
+    const double error = std::hypot(blob->centre.x - part.x, blob->centre.y - part.y);
+    largest_error = std::max(largest_error, error);
+    if (now_ns - said_ns >= 1000000000) {
+      said_ns = now_ns;
+      std::printf("part at (%.2f, %.2f) px, error %.3f px, area %.0f px\n", blob->centre.x, blob->centre.y,
+                  error, blob->area);
+    }
+  }
+  return 0;
+}

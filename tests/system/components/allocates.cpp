@@ -1,0 +1,20 @@
+// Allocates and frees `bytes` (64) in every `every`-th run (1): what a real-time thread must not.
+#include <takt/module.h>
+
+static std::size_t bytes = 64;
+static long long every = 1;
+static long long runs = 0;
+static char* volatile memory = nullptr;  // seen from outside, so the pair is not optimised away
+
+extern "C" {
+void initialize(irp::Property const& property) {
+  bytes = property.get("bytes", std::size_t{64}, 1, 100000000);
+  every = property.get("every", 1LL, 1, 1000000000);
+}
+void run(void) {
+  if (++runs % every != 0) return;
+  memory = new char[bytes];
+  memory[0] = 1;
+  delete[] memory;
+}
+}

@@ -1,0 +1,13 @@
+// initialize() fails. `how`: throw, say, or other (throws what is no std::exception).
+#include <takt/module.h>
+
+static void fail(const std::string& how) {
+  if (how == "other") throw 42;
+  if (how == "throw") throw std::runtime_error("initialize() threw as it was asked to");
+  takt_fail("initialize() failed as it was asked to");
+}
+
+extern "C" {
+void initialize(irp::Property const& property) { fail(property.get("how", "throw")); }
+void run(void) {}
+}

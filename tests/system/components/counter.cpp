@@ -1,0 +1,15 @@
+// Legacy code: a counter in a global variable that is even exported. Two modules of this file must not count
+// together. Writes the count to `file` at the end.
+#include "count_file.hpp"
+
+#include <takt/module.h>
+
+extern "C" {
+int counter = 0;
+
+static std::string file;
+
+void initialize(irp::Property const& property) { file = property.get("file", ""); }
+void run(void) { ++counter; }
+void destruct(void) { write_count(file, counter); }
+}

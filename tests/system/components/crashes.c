@@ -1,0 +1,13 @@
+/* Writes to address 0 after `after` releases (100); with 0 before it ever waits. */
+#include <takt/process.h>
+
+#include "../../../components/common/argument.h"
+
+int main(int argc, char* argv[]) {
+  long after = (long)argument_number(argc, argv, "after", 100, 0, 1e9);
+  int* volatile nowhere = NULL;
+  initPeriodExe();
+  while (after-- > 0) waitPeriod();
+  *nowhere = 1;
+  return 0;
+}

@@ -1,0 +1,17 @@
+// A good periodic module: counts its runs and, when it is told a `file`, writes their number there at the
+// end.
+#include "count_file.hpp"
+
+#include <takt/module.h>
+
+static long long count = 0;
+static std::string file;
+
+extern "C" {
+void initialize(irp::Property const& property) { file = property.get("file", ""); }
+void start(void) {}
+void run(void) { ++count; }
+void error(int) {}
+void recover(void) {}
+void destruct(void) { write_count(file, count); }
+}

@@ -1,0 +1,16 @@
+/* Ignores SIGTERM, and after `after` releases (100) stays in its body for ever, asleep. Only SIGKILL ends it
+ * then. */
+#define _POSIX_C_SOURCE 200809L
+#include <signal.h>
+#include <takt/process.h>
+#include <unistd.h>
+
+#include "../../../components/common/argument.h"
+
+int main(int argc, char* argv[]) {
+  long after = (long)argument_number(argc, argv, "after", 100, 0, 1e9);
+  signal(SIGTERM, SIG_IGN);
+  initPeriodExe();
+  while (after-- > 0) waitPeriod();
+  for (;;) pause();
+}

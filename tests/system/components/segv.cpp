@@ -1,0 +1,29 @@
+// Writes to address 0. `where`: run (in its `after`-th run, 100), initialize, start, error, recover or
+// destruct; the three last are reached by a failure in that run, or by the end.
+#include <takt/module.h>
+
+static std::string where;
+static long long after = 100;
+static long long runs = 0;
+static int* volatile nowhere = nullptr;
+
+static void crash_in(const char* hook) {
+  if (where == hook) *nowhere = 1;
+}
+
+extern "C" {
+void initialize(irp::Property const& property) {
+  where = property.get("where", "run");
+  after = property.get("after", 100LL, 1, 1000000000);
+  crash_in("initialize");
+}
+void start(void) { crash_in("start"); }
+void run(void) {
+  if (++runs != after) return;
+  crash_in("run");
+  takt_fail("to reach error() and recover()");
+}
+void error(int) { crash_in("error"); }
+void recover(void) { crash_in("recover"); }
+void destruct(void) { crash_in("destruct"); }
+}

@@ -1,0 +1,13 @@
+/* Stays in its body for ever, asleep, after `after` releases (100). SIGTERM ends it. */
+#define _POSIX_C_SOURCE 200809L
+#include <takt/process.h>
+#include <unistd.h>
+
+#include "../../../components/common/argument.h"
+
+int main(int argc, char* argv[]) {
+  long after = (long)argument_number(argc, argv, "after", 100, 0, 1e9);
+  initPeriodExe();
+  while (after-- > 0) waitPeriod();
+  for (;;) pause();
+}

@@ -1,0 +1,70 @@
+#include <components/emergency/limit.hpp>
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace emergency {
+namespace {
+
+constexpr double kCheck = 100e-6;
+
+TEST(Limit, FiresExactlyAtItsEdges) {
+  Limit limit{.trip = 90, .clear = 60};
+  EXPECT_FALSE(limit.pending(std::nextafter(90.0, 0.0)));
+  EXPECT_TRUE(limit.pending(90));
+  limit.serve();
+  EXPECT_FALSE(limit.pending(200));
+  EXPECT_FALSE(limit.pending(std::nextafter(60.0, 100.0)));
+  EXPECT_TRUE(limit.pending(60));
+  limit.serve();
+  EXPECT_FALSE(limit.pending(60));
+}
+
+TEST(Limit, StaysPendingUntilServed) {
+  Limit limit{.trip = 90, .clear = 60};
+  EXPECT_TRUE(limit.pending(95));
+  EXPECT_TRUE(limit.pending(95));
+  limit.serve();
+  EXPECT_FALSE(limit.pending(95));
+}
+
+TEST(Winding, WarmsToWhatItsCurrentSays) {
+  Winding winding;
+  for (int i = 0; i < 100000; ++i) winding.step(2, kCheck);
+  EXPECT_NEAR(winding.temperature, 6, 1e-6);
+}
+
+TEST(Drive, FiresInTheStepThatReachesTheLimitAndNotBefore) {
+  Drive drive;
+  while (!drive.condition(kCheck)) ASSERT_LT(drive.winding.temperature, drive.limit.trip);
+  EXPECT_GE(drive.winding.temperature, drive.limit.trip);
+  EXPECT_LT(drive.winding.temperature, drive.limit.trip + 0.1);
+  EXPECT_EQ(drive.trips, 0u);
+  drive.react();
+  EXPECT_EQ(drive.trips, 1u);
+  EXPECT_FALSE(drive.condition(kCheck));
+}
+
+TEST(Drive, TripsAFewTimesASecond) {
+  Drive drive;
+  int reactions = 0;
+  for (int i = 0; i < 100000; ++i) {  // 10 s
+    if (!drive.condition(kCheck)) continue;
+    drive.react();
+    ++reactions;
+  }
+  EXPECT_GE(drive.trips, 20u);
+  EXPECT_LE(drive.trips, 50u);
+  EXPECT_NEAR(reactions, 2 * static_cast<double>(drive.trips), 1);
+  EXPECT_LT(drive.hottest, drive.limit.trip + 0.1);
+}
+
+TEST(Drive, NeverTripsAtACurrentItStands) {
+  Drive drive;
+  drive.current = 7;  // 73.5 K in the end
+  for (int i = 0; i < 100000; ++i) ASSERT_FALSE(drive.condition(kCheck));
+}
+
+}  // namespace
+}  // namespace emergency
