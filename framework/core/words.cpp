@@ -1,0 +1,151 @@
+#include <takt/core/words.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdio>
+
+namespace takt {
+
+namespace {
+
+constexpr std::size_t kLongestQuote = 80;
+constexpr std::size_t kMostChoicesNamed = 20;
+constexpr std::size_t kMostChoicesTried = 1000;
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// How many letters to change, insert, drop or swap with the neighbour; `limit` + 1 when it is more than
+/// `limit`.
+std::size_t distance(std::string_view a, std::string_view b, std::size_t limit) {
+  const std::size_t apart = a.size() > b.size() ? a.size() - b.size() : b.size() - a.size();
+  if (apart > limit) return limit + 1;
+
+  std::vector<std::size_t> above_that(b.size() + 1);
+  std::vector<std::size_t> above(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (same ? 0U : 1U)});
+      const bool swapped =
+          i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+      if (swapped) row[j] = std::min(row[j], above_that[j - 2] + 1);
+    }
+    if (*std::min_element(row.begin(), row.end()) > limit) return limit + 1;
+    above_that.swap(above);
+    above.swap(row);
+  }
+  return above[b.size()];
+}
+
+bool is_control(std::string_view character) {
+  const auto first = static_cast<unsigned char>(character[0]);
+  if (first < 0x20 || first == 0x7f) return true;
+  const auto second = character.size() > 1 ? static_cast<unsigned char>(character[1]) : 0U;
+  if (character.size() == 2) return first == 0xc2 && second < 0xa0;
+  if (character.size() != 3 || first != 0xe2) return false;
+  // Line and paragraph separators, and the marks that turn the direction of what follows.
+  const auto third = static_cast<unsigned char>(character[2]);
+  return (second == 0x80 && third >= 0xa8 && third <= 0xae) ||
+         (second == 0x81 && third >= 0xa6 && third <= 0xa9);
+}
+
+}  // namespace
+
+std::size_t utf8_length(std::string_view text) {
+  if (text.empty()) return 0;
+  const auto byte = [text](std::size_t i) {
+    return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i]));
+  };
+  const std::uint32_t first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+  if (first < 0xc2 || first > 0xf4 || text.size() < length) return 0;
+  std::uint32_t code = first & (0x7fU >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xc0U) != 0x80U) return 0;
+    code = code << 6U | (byte(i) & 0x3fU);
+  }
+  if ((length == 3 && code < 0x800) || (length == 4 && code < 0x10000)) return 0;
+  if (code > 0x10ffff || (code >= 0xd800 && code <= 0xdfff)) return 0;
+  return length;
+}
+
+std::string on_one_line(std::string_view text) {
+  std::string line;
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
+    if (length != 0 && !is_control(character)) {
+      line += character;
+    } else if (character == "\n") {
+      line += "\\n";
+    } else {
+      for (const char c : character) {
+        std::array<char, 5> escaped{};
+        std::snprintf(escaped.data(), escaped.size(), "\\x%02x",
+                      static_cast<unsigned>(static_cast<unsigned char>(c)));
+        line += escaped.data();
+      }
+    }
+    text.remove_prefix(character.size());
+  }
+  return line;
+}
+
+std::string brief(std::string_view text) {
+  if (text.size() <= kLongestQuote) return on_one_line(text);
+  // A cut may not fall into a character, or its halves would look like bytes that are not UTF-8.
+  const auto continues = [text](std::size_t i) {
+    return (static_cast<unsigned char>(text[i]) & 0xc0U) == 0x80U;
+  };
+  std::size_t head = kLongestQuote / 2;
+  std::size_t tail = text.size() - kLongestQuote / 4;
+  for (int i = 0; i < 3 && continues(head); ++i) --head;
+  for (int i = 0; i < 3 && continues(tail); ++i) ++tail;
+  return on_one_line(text.substr(0, head)) + "..." + on_one_line(text.substr(tail));
+}
+
+std::string in_quotes(std::string_view text) { return "'" + brief(text) + "'"; }
+
+std::string place(std::string_view file, int line) {
+  const std::string number = std::to_string(std::max(line, 1));
+  return file.empty() ? "line " + number : on_one_line(file) + ":" + number;
+}
+
+std::string_view nearest(std::string_view word, const std::vector<std::string_view>& choices) {
+  std::string_view best;
+  std::size_t limit = std::clamp<std::size_t>(word.size() / 3, 1, 3);
+  if (word.size() < 2) limit = 0;
+  const std::size_t tried = std::min(choices.size(), kMostChoicesTried);
+  for (std::size_t i = 0; i < tried; ++i) {
+    const std::size_t far = distance(word, choices[i], limit);
+    if (far > limit) continue;
+    best = choices[i];
+    if (far == 0) break;
+    limit = far - 1;
+  }
+  return best;
+}
+
+std::string one_of(const std::vector<std::string_view>& choices) {
+  std::string text;
+  const std::size_t named = std::min(choices.size(), kMostChoicesNamed);
+  for (std::size_t i = 0; i < named; ++i) {
+    if (i > 0) text += i + 1 == choices.size() ? " or " : ", ";
+    text += brief(choices[i]);
+  }
+  if (named < choices.size()) text += " and " + std::to_string(choices.size() - named) + " more";
+  return text;
+}
+
+std::string suggestion(std::string_view word, const std::vector<std::string_view>& choices) {
+  const std::string_view meant = nearest(word, choices);
+  if (!meant.empty()) return "did you mean " + brief(meant) + "?";
+  return (choices.size() == 1 ? "it must be " : "it can be ") + one_of(choices);
+}
+
+}  // namespace takt

@@ -1,0 +1,76 @@
+#include <takt/core/words.hpp>
+
+#include <gtest/gtest.h>
+
+namespace takt {
+namespace {
+
+using std::string_literals::operator""s;
+
+TEST(Words, QuotesCannotBreakTheirLine) {
+  EXPECT_EQ(in_quotes("a\nb"), "'a\\nb'");
+  EXPECT_EQ(in_quotes("a\rb\tc"), "'a\\x0db\\x09c'");
+  EXPECT_EQ(in_quotes("\x1b[31m"), "'\\x1b[31m'");
+  EXPECT_EQ(in_quotes("a\0b"s), "'a\\x00b'");
+  EXPECT_EQ(in_quotes("\x7f"), "'\\x7f'");
+  EXPECT_EQ(in_quotes("\xff\xfe"), "'\\xff\\xfe'");
+  EXPECT_EQ(in_quotes("\u0085"), "'\\xc2\\x85'") << "next line";
+  EXPECT_EQ(in_quotes("\u2028"), "'\\xe2\\x80\\xa8'") << "line separator";
+  EXPECT_EQ(in_quotes("\u202e"), "'\\xe2\\x80\\xae'") << "turns what follows";
+  EXPECT_EQ(in_quotes(""), "''");
+  EXPECT_EQ(in_quotes("gr\u00f6\u00dfe \u20ac"), "'gr\u00f6\u00dfe \u20ac'");
+}
+
+TEST(Words, LongQuotesAreShortenedBetweenCharacters) {
+  EXPECT_EQ(in_quotes(std::string(80, 'x')), "'" + std::string(80, 'x') + "'");
+  EXPECT_EQ(in_quotes(std::string(81, 'x')), "'" + std::string(40, 'x') + "..." + std::string(20, 'x') + "'");
+  for (int shift = 0; shift < 4; ++shift) {
+    std::string text(static_cast<std::size_t>(shift), 'x');
+    for (int i = 0; i < 100; ++i) text += "\u20ac";
+    EXPECT_EQ(in_quotes(text).find('\\'), std::string::npos) << in_quotes(text);
+  }
+}
+
+TEST(Words, PlaceAlwaysHasALine) {
+  EXPECT_EQ(place("a.xml", 7), "a.xml:7");
+  EXPECT_EQ(place("a.xml", 0), "a.xml:1");
+  EXPECT_EQ(place("a\nb.xml", 1), "a\\nb.xml:1");
+  EXPECT_EQ(place("", 7), "line 7");
+}
+
+TEST(Words, NearestIsASlipAndNothingElse) {
+  const std::vector<std::string_view> choices{"period", "priority", "deadline"};
+  EXPECT_EQ(nearest("perod", choices), "period");
+  EXPECT_EQ(nearest("preiod", choices), "period");
+  EXPECT_EQ(nearest("PERIOD", choices), "period");
+  EXPECT_EQ(nearest("dead-line", choices), "deadline");
+  EXPECT_EQ(nearest("colour", choices), "");
+  EXPECT_EQ(nearest("", choices), "");
+  EXPECT_EQ(nearest("p", choices), "");
+  EXPECT_EQ(nearest("period", {}), "");
+}
+
+TEST(Words, SuggestionNamesTheChoicesWhenNothingIsNear) {
+  EXPECT_EQ(suggestion("quue", {"latest", "queue"}), "did you mean queue?");
+  EXPECT_EQ(suggestion("x", {"latest", "queue"}), "it can be latest or queue");
+  EXPECT_EQ(suggestion("x", {"main"}), "it must be main");
+  const std::vector<std::string_view> many(30, "abc");
+  EXPECT_NE(suggestion("xyz", many).find("and 10 more"), std::string::npos);
+}
+
+TEST(Words, Utf8LengthTakesOnlyTheShortestForm) {
+  EXPECT_EQ(utf8_length(""), 0U);
+  EXPECT_EQ(utf8_length("\x7f"), 1U);
+  EXPECT_EQ(utf8_length("\u00e9"), 2U);
+  EXPECT_EQ(utf8_length("\u20ac"), 3U);
+  EXPECT_EQ(utf8_length("\U0001F600"), 4U);
+  EXPECT_EQ(utf8_length("\U0010FFFF"), 4U);
+  for (const std::string bad :
+       {"\x80", "\xbf", "\xc0\x80", "\xc1\xbf", "\xe0\x80\x80", "\xed\xa0\x80", "\xf0\x80\x80\x80",
+        "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xff", "\xe2\x82", "\xc3", "\xe2\x28\xa1"}) {
+    EXPECT_EQ(utf8_length(bad), 0U) << in_quotes(bad);
+  }
+}
+
+}  // namespace
+}  // namespace takt
