@@ -6,18 +6,24 @@ const char* to_text(ModuleType type) { return type == ModuleType::thread ? "thre
 
 const char* to_text(Operation operation) {
   switch (operation) {
-    case Operation::periodic: return "periodic";
-    case Operation::sporadic: return "sporadic";
-    case Operation::non_real: return "non-real";
+    case Operation::periodic:
+      return "periodic";
+    case Operation::sporadic:
+      return "sporadic";
+    case Operation::non_real:
+      return "non-real";
   }
   return "?";
 }
 
 const char* to_text(Wakeup wakeup) {
   switch (wakeup) {
-    case Wakeup::sleep: return "sleep";
-    case Wakeup::hybrid: return "hybrid";
-    case Wakeup::spin: return "spin";
+    case Wakeup::sleep:
+      return "sleep";
+    case Wakeup::hybrid:
+      return "hybrid";
+    case Wakeup::spin:
+      return "spin";
   }
   return "?";
 }

@@ -39,6 +39,16 @@ struct Recovery {
   GiveUp then = GiveUp::destruct;
 };
 
+/// Where in Cell::file the elements of a module stand; 0 for one that is not there.
+struct ModuleLines {
+  int name = 0;
+  int filename = 0;
+  int period = 0;
+  int deadline = 0;
+  int executor = 0;
+  int budget = 0;
+};
+
 /// `line` is the element's line in Cell::file, here and below.
 struct Module {
   std::string name;      ///< unique on its device
@@ -53,6 +63,7 @@ struct Module {
   Recovery recovery;
   std::vector<PropertyValue> properties;
   int line = 0;
+  ModuleLines lines{};
 };
 
 struct Executor {
@@ -93,6 +104,7 @@ struct Cell {
   bool domain_given = false;
   std::vector<Device> devices;
   std::vector<Connection> connections;
+  int line = 0;
 };
 
 }  // namespace takt::model

@@ -1,1 +1,381 @@
 #include <takt/model/validate.hpp>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <takt/core/words.hpp>
+
+namespace takt::model {
+
+namespace {
+
+constexpr const char* kNameRule =
+    "a name is a letter or _, then letters, digits, _ and -, at most 63 characters";
+
+template <class Named>
+std::vector<std::string_view> names_of(const std::vector<Named>& all) {
+  std::vector<std::string_view> names;
+  names.reserve(all.size());
+  for (const Named& one : all) names.emplace_back(one.name);
+  return names;
+}
+
+/// The fix for a name that nobody has.
+std::string choose(const char* kind, std::string_view wrong, const std::vector<std::string_view>& names) {
+  if (names.empty()) return std::string{"add a <"} + kind + "> of this name";
+  return suggestion(wrong, names);
+}
+
+/// "robot.servo.setpoint"; without the dots of parts that are missing.
+std::string written(const Endpoint& end) {
+  std::string text = end.device + "." + end.module + "." + end.port;
+  while (!text.empty() && text.back() == '.') text.pop_back();
+  return text;
+}
+
+class Validation {
+ public:
+  Validation(const Cell& cell, const Gaps& gaps) : cell_(cell), gaps_(gaps) {
+    gaps_.of_device.resize(cell.devices.size());
+  }
+
+  Problems run();
+
+ private:
+  using OfDevice = Gaps::OfDevice;
+
+  void add(int line, std::string what, std::string fix);
+  /// Looking on would cost time, guesses above all, and tell nobody anything.
+  [[nodiscard]] bool full() const { return problems_.size() >= kMaxProblems; }
+  template <class Named>
+  bool check_names(const char* kind, const std::vector<Named>& all, const std::string& owner);
+  void check_device(const Device& device, OfDevice& gaps);
+  void check_module_names(const Device& device, OfDevice& gaps);
+  void check_executor(const Executor& executor);
+  void check_module(const Module& module, const Device& device, const OfDevice& gaps);
+  void check_times(const Module& module);
+  void check_executor_of(const Module& module, const Device& device, const OfDevice& gaps);
+  void check_connections();
+  void check_connection(const Connection& connection);
+  bool check_endpoint(const Endpoint& endpoint, const char* side, int line);
+
+  const Cell& cell_;
+  Gaps gaps_;
+  std::map<std::string_view, std::pair<std::size_t, std::set<std::string_view>>>
+      devices_;  // by name: index, modules
+  std::vector<std::pair<int, Problem>> problems_;
+};
+
+void Validation::add(int line, std::string what, std::string fix) {
+  if (full()) return;
+  std::string where = cell_.file.empty() && line == 0 ? "cell " + brief(cell_.name) : place(cell_.file, line);
+  problems_.emplace_back(line, Problem{std::move(where), std::move(what), std::move(fix)});
+}
+
+/// False when a name is not valid, so that nobody can refer to its owner.
+template <class Named>
+bool Validation::check_names(const char* kind, const std::vector<Named>& all, const std::string& owner) {
+  bool all_valid = true;
+  std::map<std::string_view, const Named*> first;
+  for (const Named& one : all) {
+    if (!is_valid_name(one.name)) {
+      add(one.line, in_quotes(one.name) + " is not a valid " + kind + " name", kNameRule);
+      all_valid = false;
+      continue;
+    }
+    const auto [seen, is_new] = first.emplace(one.name, &one);
+    if (is_new) continue;
+    add(one.line, "duplicate " + std::string{kind} + " " + in_quotes(one.name) + owner,
+        "the first is on line " + std::to_string(seen->second->line) + "; give one of them another name");
+  }
+  return all_valid;
+}
+
+void Validation::check_module_names(const Device& device, OfDevice& gaps) {
+  std::map<std::string_view, const Module*> first;
+  for (const Module& module : device.modules) {
+    const bool from_file = module.lines.name == 0 && module.name == file_stem(module.filename);
+    const int line = from_file ? module.line : std::max(module.line, module.lines.name);
+    if (!is_valid_name(module.name)) {
+      gaps.modules = true;
+      if (from_file && module.filename.empty()) {
+        continue;  // said of the filename
+      } else if (from_file) {
+        add(line, in_quotes(module.name) + ", taken from the filename, is not a valid module name",
+            std::string{"give the module a <name>; "} + kNameRule);
+      } else {
+        add(line, in_quotes(module.name) + " is not a valid module name", kNameRule);
+      }
+      continue;
+    }
+    const auto [seen, is_new] = first.emplace(module.name, &module);
+    if (is_new) continue;
+    add(line, "duplicate module " + in_quotes(module.name) + " on device " + in_quotes(device.name),
+        "the first is on line " + std::to_string(seen->second->line) +
+            (from_file ? "; give one of them a <name>, for this one is taken from the filename"
+                       : "; give one of them another <name>"));
+  }
+}
+
+void Validation::check_executor(const Executor& executor) {
+  if (executor.priority < kMinExecutorPriority || executor.priority > kMaxExecutorPriority) {
+    add(executor.line,
+        "executor " + in_quotes(executor.name) + " has priority " + std::to_string(executor.priority),
+        "the priority of an executor is 2 to 98");
+  }
+  if (executor.cpu && (*executor.cpu < 0 || *executor.cpu > kMaxCpu)) {
+    add(executor.line, "executor " + in_quotes(executor.name) + " has cpu " + std::to_string(*executor.cpu),
+        "a cpu is 0 to 1023");
+  }
+}
+
+void Validation::check_times(const Module& module) {
+  const std::string name = in_quotes(module.name);
+  const auto or_module = [&](int line) { return line > 0 ? line : module.line; };
+  const int period_line = or_module(module.lines.period);
+  const int deadline_line = or_module(module.lines.deadline);
+  const auto positive = [&](const char* what, const std::optional<Nanoseconds>& time, int line) {
+    if (!time || time->count() > 0) return;
+    add(line, "module " + name + " has a " + what + " of " + std::to_string(time->count()) + " ns",
+        std::string{"a "} + what + " is a whole number of nanoseconds, at least 1");
+  };
+  positive("period", module.period, period_line);
+  positive("deadline", module.deadline, deadline_line);
+  positive("budget", module.budget, or_module(module.lines.budget));
+
+  switch (module.operation) {
+    case Operation::periodic:
+      if (!module.period) {
+        add(module.line, "periodic module " + name + " has no <period>",
+            "give it one in nanoseconds, as in <period>1000000</period>");
+      }
+      if (module.deadline) {
+        add(deadline_line, "periodic module " + name + " has a <deadline>",
+            "its period is its deadline: remove the <deadline>, or make it sporadic");
+      }
+      break;
+    case Operation::sporadic:
+      if (!module.deadline) {
+        add(module.line, "sporadic module " + name + " has no <deadline>",
+            "give it one in nanoseconds, as in <deadline>1000000</deadline>");
+      }
+      if (module.period) {
+        add(period_line, "sporadic module " + name + " has a <period>",
+            "remove the <period>, or make the module periodic");
+      }
+      break;
+    case Operation::non_real:
+      if (module.period && module.type != ModuleType::thread) {
+        add(period_line, "non-real module " + name + " is a process and has a <period>",
+            "remove the <period>: a process that is non-real runs on its own");
+      }
+      if (module.deadline) {
+        add(deadline_line, "non-real module " + name + " has a <deadline>",
+            "remove the <deadline>, or make the module sporadic");
+      }
+      if (module.budget) {
+        add(or_module(module.lines.budget), "non-real module " + name + " has a <budget>",
+            "remove the <budget>: nobody waits for a module that is non-real");
+      }
+      break;
+  }
+}
+
+void Validation::check_executor_of(const Module& module, const Device& device, const OfDevice& gaps) {
+  const int line = module.lines.executor > 0 ? module.lines.executor : module.line;
+  if (module.operation == Operation::non_real) {
+    if (module.executor.empty()) return;
+    add(line, "non-real module " + in_quotes(module.name) + " has an <executor>",
+        "remove the <executor>: a module that is non-real runs outside the scheduler");
+    return;
+  }
+  if (gaps.executors || device.executors.empty()) return;
+  const std::vector<std::string_view> names = names_of(device.executors);
+  if (module.executor.empty()) {
+    add(line,
+        "module " + in_quotes(module.name) + " has no <executor> and its device has " +
+            std::to_string(names.size()),
+        "say which: " + one_of(names));
+    return;
+  }
+  if (std::find(names.begin(), names.end(), module.executor) != names.end()) return;
+  const std::string_view meant = nearest(module.executor, names);
+  const std::string guess = meant.empty() ? "" : "did you mean " + brief(meant) + "? ";
+  add(line, "unknown executor " + in_quotes(module.executor) + " of module " + in_quotes(module.name),
+      guess + "device " + in_quotes(device.name) + " has " + one_of(names));
+}
+
+void Validation::check_module(const Module& module, const Device& device, const OfDevice& gaps) {
+  const int filename_line = module.lines.filename > 0 ? module.lines.filename : module.line;
+  if (module.filename.empty()) {
+    add(filename_line, "module " + in_quotes(module.name) + " has an empty filename",
+        "give the .so or the program that the module is");
+  } else if (module.filename.size() > kMaxFilename) {
+    add(filename_line, "the filename " + in_quotes(module.filename) + " is too long",
+        "it may have 4096 bytes");
+  } else if (module.filename.find('\0') != std::string::npos) {
+    add(filename_line, "the filename " + in_quotes(module.filename) + " has a zero byte", "remove it");
+  }
+  check_times(module);
+  check_executor_of(module, device, gaps);
+
+  const Recovery& recovery = module.recovery;
+  if (recovery.attempts < 0 || recovery.attempts > kMaxAttempts) {
+    add(module.line,
+        "module " + in_quotes(module.name) + " tries recovery " + std::to_string(recovery.attempts) +
+            " times",
+        "attempts is 0 to 1000");
+  }
+  if (recovery.backoff.count() < 0 || recovery.backoff > kMaxBackoff) {
+    add(module.line,
+        "module " + in_quotes(module.name) + " waits " + takt::to_text(recovery.backoff) + " before recovery",
+        "backoff is 0 to 3600000000000 ns (1 h)");
+  }
+  check_names("property", module.properties, " of module " + in_quotes(module.name));
+}
+
+void Validation::check_device(const Device& device, OfDevice& gaps) {
+  const auto too_many = [&](std::size_t number, std::size_t most, const char* what) {
+    if (number <= most) return;
+    add(device.line, "device " + in_quotes(device.name) + " has " + std::to_string(number) + " " + what,
+        "a device has at most " + std::to_string(most));
+  };
+  too_many(device.executors.size(), kMaxExecutors, "executors");
+  too_many(device.modules.size(), kMaxModules, "modules");
+  if (device.executors.empty() && !gaps.executors) {
+    add(device.line, "device " + in_quotes(device.name) + " has no executor", "give it one, as main");
+  }
+  if (device.modules.empty() && !gaps.modules) {
+    add(device.line, "device " + in_quotes(device.name) + " has no module", "give it at least one <module>");
+  }
+  if (!check_names("executor", device.executors, " on device " + in_quotes(device.name)))
+    gaps.executors = true;
+  check_module_names(device, gaps);
+  if (device.executors.size() > kMaxExecutors)
+    gaps.executors = true;  // comparing with them all would take hours
+  for (const Executor& executor : device.executors) check_executor(executor);
+  for (const Module& module : device.modules) {
+    if (full()) return;
+    check_module(module, device, gaps);
+  }
+}
+
+/// False when the endpoint cannot be compared with others.
+bool Validation::check_endpoint(const Endpoint& endpoint, const char* side, int line) {
+  if (!is_valid_name(endpoint.device) || !is_valid_name(endpoint.module) || !is_valid_name(endpoint.port)) {
+    add(line, std::string{side} + " is " + in_quotes(written(endpoint)),
+        std::string{"it is device.module.port; "} + kNameRule);
+    return false;
+  }
+  const auto found = devices_.find(endpoint.device);
+  if (found == devices_.end()) {
+    if (gaps_.devices) return true;
+    add(line, std::string{side} + " names the unknown device " + in_quotes(endpoint.device),
+        choose("device", endpoint.device, names_of(cell_.devices)));
+    return false;
+  }
+  const auto& [index, modules] = found->second;
+  if (modules.count(endpoint.module) > 0 || gaps_.of_device[index].modules) return true;
+  add(line,
+      std::string{side} + " names the unknown module " + in_quotes(endpoint.module) + " of device " +
+          in_quotes(endpoint.device),
+      choose("module", endpoint.module, names_of(cell_.devices[index].modules)));
+  return false;
+}
+
+void Validation::check_connection(const Connection& connection) {
+  if (connection.kind == ConnectionKind::latest && connection.depth != 1) {
+    add(connection.line, "a connection of kind latest has a depth", "remove depth, or say kind=\"queue\"");
+  } else if (connection.depth < 1 || connection.depth > kMaxDepth) {
+    add(connection.line, "a connection has depth " + std::to_string(connection.depth), "depth is 1 to 65536");
+  }
+  if (connection.deadline && connection.deadline->count() <= 0) {
+    add(connection.line,
+        "a connection has a deadline of " + std::to_string(connection.deadline->count()) + " ns",
+        "a deadline is a whole number of nanoseconds, at least 1");
+  }
+  if (connection.stale == Stale::error && !connection.deadline) {
+    add(connection.line, "a connection has stale=\"error\" and no deadline",
+        "say with deadline, in nanoseconds, when a value is stale");
+  }
+}
+
+void Validation::check_connections() {
+  const auto key = [](const Endpoint& end) { return std::tie(end.device, end.module, end.port); };
+  const auto text = [](const Endpoint& end) {
+    return in_quotes(end.device + "." + end.module + "." + end.port);
+  };
+  using Key = decltype(key(std::declval<const Endpoint&>()));
+  std::map<std::pair<Key, Key>, const Connection*> same;
+  std::map<Key, const Connection*> writer;
+
+  for (std::size_t i = 0; i < cell_.devices.size(); ++i) {
+    auto& modules = devices_.emplace(cell_.devices[i].name, std::pair{i, std::set<std::string_view>{}})
+                        .first->second.second;
+    for (const Module& module : cell_.devices[i].modules) modules.insert(module.name);
+  }
+  for (std::size_t index = 0; index < cell_.connections.size() && !full(); ++index) {
+    const Connection& connection = cell_.connections[index];
+    check_connection(connection);
+    if (index < gaps_.without_ends.size() && gaps_.without_ends[index]) continue;
+    const bool from_known = check_endpoint(connection.from, "from", connection.line);
+    const bool to_known = check_endpoint(connection.to, "to", connection.line);
+    if (!from_known || !to_known) continue;
+
+    const Key from = key(connection.from);
+    const Key to = key(connection.to);
+    if (from == to) {
+      add(connection.line, "the port " + text(connection.from) + " is connected to itself",
+          "connect an output of one module to an input of another");
+      continue;
+    }
+    const auto [twin, is_new] = same.emplace(std::pair{from, to}, &connection);
+    if (!is_new) {
+      add(connection.line,
+          "duplicate connection from " + text(connection.from) + " to " + text(connection.to),
+          "remove it; the first is on line " + std::to_string(twin->second->line));
+      continue;
+    }
+    const auto [other, is_first] = writer.emplace(to, &connection);
+    if (is_first) continue;
+    const bool both_queues =
+        connection.kind == ConnectionKind::queue && other->second->kind == ConnectionKind::queue;
+    if (both_queues) continue;
+    add(connection.line, "two writers of " + text(connection.to) + ", which holds one latest value",
+        "remove one; the first is on line " + std::to_string(other->second->line) +
+            ", or make every connection to it kind=\"queue\"");
+  }
+}
+
+Problems Validation::run() {
+  if (!is_valid_name(cell_.name))
+    add(cell_.line, in_quotes(cell_.name) + " is not a valid cell name", kNameRule);
+  if (cell_.domain < 0 || cell_.domain > kMaxDomain) {
+    add(cell_.line, "the cell has domain " + std::to_string(cell_.domain), "a domain is 0 to 232");
+  }
+  if (cell_.devices.empty() && !gaps_.devices)
+    add(cell_.line, "the cell has no device", "give it at least one <device>");
+  if (cell_.devices.size() > kMaxDevices) {
+    add(cell_.line, "the cell has " + std::to_string(cell_.devices.size()) + " devices",
+        "a cell has at most 1000");
+  }
+  if (!check_names("device", cell_.devices, " in cell " + in_quotes(cell_.name))) gaps_.devices = true;
+  for (std::size_t i = 0; i < cell_.devices.size(); ++i) check_device(cell_.devices[i], gaps_.of_device[i]);
+  check_connections();
+
+  std::stable_sort(problems_.begin(), problems_.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  Problems sorted;
+  for (auto& [line, problem] : problems_) sorted.push_back(std::move(problem));
+  return sorted;
+}
+
+}  // namespace
+
+Problems validate(const Cell& cell) { return validate(cell, {}); }
+Problems validate(const Cell& cell, const Gaps& gaps) { return Validation{cell, gaps}.run(); }
+
+}  // namespace takt::model
