@@ -1,0 +1,92 @@
+// Reads one element so that nothing of it goes unread.
+//
+// Asking an XML tree for what one knows leaves what one does not know unseen: <perod> is then a module
+// without a period, or worse, one with a default. So an element is first held against its shape, which
+// accounts for each attribute, child and text; only then it is asked for values.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <takt/descriptor/report.hpp>
+
+namespace tinyxml2 {
+class XMLElement;
+class XMLNode;
+}  // namespace tinyxml2
+
+namespace takt::descriptor {
+
+/// What an element may hold.
+struct Shape {
+  std::vector<std::string_view> attributes{};
+  std::vector<std::string_view> once{};  ///< children that stand at most once
+  std::vector<std::string_view> many{};  ///< children that stand any number of times
+  bool text = false;
+};
+
+/// The text of an attribute or of an element, with what to call it in a message.
+struct Given {
+  std::string what;  ///< "<period>", "attribute cpu"
+  std::string text;  ///< as written, entities resolved
+  int line = 0;
+  bool unread = false;  ///< there is more in it than text, which was reported: no value is taken from it
+
+  [[nodiscard]] std::string trimmed() const;  ///< without white space around it
+};
+
+/// An element of the document, which must outlive it.
+class Element {
+ public:
+  /// Reports everything that the shape does not allow.
+  Element(const tinyxml2::XMLElement& xml, Shape shape, Report& report);
+
+  [[nodiscard]] int line() const;
+  [[nodiscard]] std::string text() const;
+
+  [[nodiscard]] std::optional<Given> attribute(const char* name) const;
+  /// As attribute(), and reports one that is not there.
+  [[nodiscard]] std::optional<Given> required_attribute(const char* name) const;
+
+  [[nodiscard]] std::vector<const tinyxml2::XMLElement*> children(std::string_view name) const;
+  /// The first of this name, or null.
+  [[nodiscard]] const tinyxml2::XMLElement* child(const char* name) const;
+  /// The text of a child that holds text only.
+  [[nodiscard]] std::optional<Given> child_text(const char* name) const;
+
+  /// Something unknown stands here that was most likely meant to be `name`; that `name` is missing is then no
+  /// news.
+  [[nodiscard]] bool was_meant(std::string_view name) const;
+  /// There are children that were not understood.
+  [[nodiscard]] bool has_unknown_children() const { return unknown_children_; }
+
+ private:
+  void check_attributes();
+  void check_children();
+  void refuse_child(const tinyxml2::XMLElement& child);
+
+  const tinyxml2::XMLElement& xml_;
+  Shape shape_;
+  Report& report_;
+  std::vector<std::string_view> meant_;
+  bool unknown_children_ = false;
+};
+
+struct Range {
+  std::int64_t from = 0;
+  std::int64_t to = std::numeric_limits<std::int64_t>::max();
+};
+
+/// A decimal number without fraction, exponent or sign (a '-' where the range has negative numbers). Reports
+/// what is none.
+std::optional<std::int64_t> read_number(const Given& given, Range range, const char* unit, Report& report);
+
+/// The index of the word among the choices. Reports a word that is none of them.
+std::optional<std::size_t> read_choice(const Given& given, const std::vector<std::string_view>& choices,
+                                       Report& report);
+
+}  // namespace takt::descriptor

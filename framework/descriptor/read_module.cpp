@@ -1,0 +1,184 @@
+#include <takt/descriptor/read_module.hpp>
+
+#include <limits>
+
+#include <takt/core/words.hpp>
+#include <takt/descriptor/element.hpp>
+#include <takt/model/validate.hpp>
+
+namespace takt::descriptor {
+
+namespace {
+
+using model::Operation;
+using std::chrono::milliseconds;
+
+constexpr const char* kNs = " of nanoseconds";
+constexpr Nanoseconds kStandIn = milliseconds{1};  // for a time that could not be read
+
+const Shape kModule{.once = {"name", "filename", "moduletype", "operationtype", "period", "deadline",
+                             "priority", "executor", "budget", "recovery", "property"}};
+const Shape kRecovery{.attributes = {"attempts", "backoff", "then"}};
+const Shape kProperty{.many = {"value"}};
+const Shape kValue{.attributes = {"name"}, .text = true};
+
+class ModuleReader {
+ public:
+  ModuleReader(const tinyxml2::XMLElement& xml, Report& report)
+      : element_(xml, kModule, report), report_(report) {}
+
+  ModuleReading read(const std::vector<model::Executor>& executors) {
+    module_.line = element_.line();
+    read_kind();
+    read_name();
+    read_times();
+    read_priority();
+    read_executor(executors);
+    read_recovery();
+    read_properties();
+    return {std::move(module_), name_known_};
+  }
+
+ private:
+  /// Reports a child that every module has.
+  std::optional<Given> required(const char* name, const std::string& fix) {
+    std::optional<Given> given = element_.child_text(name);
+    if (!given && !element_.was_meant(name)) {
+      report_.add(element_.line(), std::string{"a module has no <"} + name + ">", fix);
+    }
+    return given;
+  }
+
+  void read_kind() {
+    if (const auto given =
+            required("moduletype", "say <moduletype>thread</moduletype> for a .so, process for a program")) {
+      const auto choice = read_choice(*given, {"thread", "process"}, report_);
+      if (choice) module_.type = *choice == 0 ? model::ModuleType::thread : model::ModuleType::process;
+    }
+    if (const auto given =
+            required("operationtype", "say <operationtype>periodic</operationtype>, sporadic or non-real")) {
+      const auto choice = read_choice(*given, {"periodic", "sporadic", "non-real"}, report_);
+      if (choice) {
+        constexpr Operation kOperations[] = {Operation::periodic, Operation::sporadic, Operation::non_real};
+        module_.operation = kOperations[*choice];
+        operation_known_ = true;
+      }
+    }
+  }
+
+  void read_name() {
+    const auto filename =
+        required("filename", "say which .so or program it is, as in <filename>servo.so</filename>");
+    const bool filename_known = filename && !filename->unread;
+    module_.filename = filename_known ? filename->trimmed() : "unread";
+    if (filename) module_.lines.filename = filename->line;
+
+    if (const auto name = element_.child_text("name")) {
+      name_known_ = !name->unread;
+      module_.name = name->trimmed();
+      module_.lines.name = name->line;
+    } else {
+      name_known_ = filename_known && !element_.was_meant("name");
+      module_.name = model::file_stem(module_.filename);
+    }
+  }
+
+  std::optional<Nanoseconds> read_time(const char* name, int& line) {
+    const auto given = element_.child_text(name);
+    if (!given) return std::nullopt;
+    line = given->line;
+    const auto ns = read_number(*given, {.from = 1}, kNs, report_);
+    return ns ? Nanoseconds{*ns} : kStandIn;
+  }
+
+  void read_times() {
+    module_.period = read_time("period", module_.lines.period);
+    module_.deadline = read_time("deadline", module_.lines.deadline);
+    module_.budget = read_time("budget", module_.lines.budget);
+    if (!operation_known_) {
+      // Nobody can tell which of the times are right: stand in for a module that may have none.
+      module_.operation = Operation::non_real;
+      module_.period.reset();
+      module_.deadline.reset();
+      module_.budget.reset();
+    } else if (module_.operation == Operation::periodic && !module_.period && element_.was_meant("period")) {
+      module_.period = kStandIn;
+    } else if (module_.operation == Operation::sporadic && !module_.deadline &&
+               element_.was_meant("deadline")) {
+      module_.deadline = kStandIn;
+    }
+  }
+
+  void read_priority() {
+    using Limits = std::numeric_limits<int>;
+    if (const auto given = element_.child_text("priority")) {
+      const auto number = read_number(*given, {Limits::min(), Limits::max()}, "", report_);
+      if (number) module_.priority = static_cast<int>(*number);
+    } else if (module_.operation != Operation::non_real && !element_.was_meant("priority")) {
+      report_.add(module_.line,
+                  std::string{to_text(module_.operation)} + " module " + in_quotes(module_.name) +
+                      " has no <priority>",
+                  "give it one: a whole number, the lowest is the highest priority");
+    }
+  }
+
+  void read_executor(const std::vector<model::Executor>& executors) {
+    const auto given = element_.child_text("executor");
+    if (!operation_known_) return;
+    if (given) {
+      module_.executor = given->unread ? "" : given->trimmed();
+      module_.lines.executor = given->line;
+      if (!module_.executor.empty()) return;
+      if (!given->unread)
+        report_.add(given->line, given->what + " is empty", "name an executor of the device, or remove it");
+    }
+    const bool stands_in = given || element_.was_meant("executor");
+    const bool scheduled = module_.operation != Operation::non_real;
+    if (scheduled && (stands_in || executors.size() == 1)) module_.executor = executors.front().name;
+  }
+
+  void read_recovery() {
+    const auto* xml = element_.child("recovery");
+    if (xml == nullptr) return;
+    const Element element{*xml, kRecovery, report_};
+    model::Recovery& recovery = module_.recovery;
+    if (const auto given = element.attribute("attempts")) {
+      const auto number = read_number(*given, {0, model::kMaxAttempts}, "", report_);
+      if (number) recovery.attempts = static_cast<int>(*number);
+    }
+    if (const auto given = element.attribute("backoff")) {
+      const auto number = read_number(*given, {0, model::kMaxBackoff.count()}, kNs, report_);
+      if (number) recovery.backoff = Nanoseconds{*number};
+    }
+    if (const auto given = element.attribute("then")) {
+      const auto choice = read_choice(*given, {"destruct", "stop-device"}, report_);
+      if (choice) recovery.then = *choice == 0 ? model::GiveUp::destruct : model::GiveUp::stop_device;
+    }
+  }
+
+  void read_properties() {
+    const auto* xml = element_.child("property");
+    if (xml == nullptr) return;
+    const Element property{*xml, kProperty, report_};
+    for (const auto* child : property.children("value")) {
+      const Element value{*child, kValue, report_};
+      const auto name = value.required_attribute("name");
+      if (name) module_.properties.push_back({name->trimmed(), value.text(), value.line()});
+    }
+  }
+
+  Element element_;
+  Report& report_;
+  model::Module module_;
+  bool operation_known_ = false;
+  bool name_known_ = true;
+};
+
+}  // namespace
+
+ModuleReading read_module(const tinyxml2::XMLElement& xml, const std::vector<model::Executor>& executors,
+                          Report& report) {
+  return ModuleReader{xml, report}.read(executors);
+}
+
+}  // namespace takt::descriptor

@@ -1,0 +1,24 @@
+// What a module looks like in XML.
+#pragma once
+
+#include <vector>
+
+#include <takt/descriptor/report.hpp>
+#include <takt/model/cell.hpp>
+
+namespace tinyxml2 {
+class XMLElement;
+}
+
+namespace takt::descriptor {
+
+struct ModuleReading {
+  model::Module module;
+  bool name_known = true;  ///< false: its name could not be read
+};
+
+/// `executors` are those of its device, never empty: a module that names none belongs to the only one.
+ModuleReading read_module(const tinyxml2::XMLElement& xml, const std::vector<model::Executor>& executors,
+                          Report& report);
+
+}  // namespace takt::descriptor

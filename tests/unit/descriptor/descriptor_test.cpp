@@ -1,0 +1,247 @@
+#include <takt/descriptor/descriptor.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include <takt/descriptor/read_cell.hpp>
+#include <takt/descriptor/well_formed.hpp>
+
+namespace takt::descriptor {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string module(const std::string& name, const std::string& rest = "") {
+  return "<module><filename>" + name +
+         ".so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>"
+         "<period>1000000</period><priority>1</priority>" +
+         rest + "</module>\n";
+}
+
+Problems problems_of(const std::string& xml) {
+  const auto cell = parse(xml, "f.xml");
+  return cell ? Problems{} : cell.problems();
+}
+
+std::vector<std::string> texts_of(const std::string& xml) {
+  std::vector<std::string> texts;
+  for (const Problem& problem : problems_of(xml)) texts.push_back(to_text(problem));
+  return texts;
+}
+
+TEST(Descriptor, TellsEveryMistakeInOneRun) {
+  const std::string xml = R"(<cell name="c" domain="900">
+  <device name="robot">
+    <executor name="fast" priority="100"/>
+    <module>
+      <filename>a.so</filename>
+      <moduletype>tread</moduletype>
+      <operationtype>periodic</operationtype>
+      <perod>1000</perod>
+      <priority>x</priority>
+      <budget>0</budget>
+      <executor>fsat</executor>
+    </module>
+    <module>
+      <name>a.b</name>
+      <moduletype>process</moduletype>
+      <operationtype>sporadic</operationtype>
+      <period>5</period>
+      <recovery atempts="3" then="stop"/>
+    </module>
+  </device>
+  <connection from="robt.a.out" to="robot.c.in" depth="3"/>
+</cell>)";
+  EXPECT_THAT(
+      texts_of(xml),
+      ElementsAre(
+          HasSubstr("f.xml:1: error: attribute domain is out of range: '900'"),
+          HasSubstr("f.xml:3: error: attribute priority is out of range: '100'"),
+          HasSubstr("f.xml:6: error: unknown value 'tread' of <moduletype>; did you mean thread?"),
+          HasSubstr("f.xml:8: error: unknown element <perod> in <module>; did you mean <period>?"),
+          HasSubstr("f.xml:9: error: <priority> is not a whole number: 'x'"),
+          HasSubstr("f.xml:10: error: <budget> is out of range: '0'"),
+          HasSubstr("f.xml:11: error: unknown executor 'fsat' of module 'a'; did you mean fast?"),
+          HasSubstr("f.xml:13: error: a module has no <filename>"),
+          HasSubstr("f.xml:13: error: sporadic module 'a.b' has no <priority>"),
+          HasSubstr("f.xml:13: error: sporadic module 'a.b' has no <deadline>"),
+          HasSubstr("f.xml:14: error: 'a.b' is not a valid module name"),
+          HasSubstr("f.xml:17: error: sporadic module 'a.b' has a <period>"),
+          HasSubstr("f.xml:18: error: unknown attribute atempts of <recovery>; did you mean attempts?"),
+          HasSubstr("f.xml:18: error: unknown value 'stop' of attribute then"),
+          HasSubstr("f.xml:21: error: a connection of kind latest has a depth"),
+          HasSubstr("f.xml:21: error: from names the unknown device 'robt'; did you mean robot?")));
+}
+
+TEST(Descriptor, SaysNothingThatOnlyFollowsFromAMistake) {
+  // The executor, the module and the device are there, their names could not be read.
+  EXPECT_THAT(
+      texts_of("<root><executor nam=\"fast\"/>" + module("a", "<executor>fast</executor>") + "</root>"),
+      ElementsAre(HasSubstr("unknown attribute nam")));
+  EXPECT_THAT(texts_of("<cell name='c'><device name='d'>" + module("a") + module("a", "<nam>b</nam>") +
+                       "</device>\n<connection from='d.a.x' to='d.b.x'/></cell>"),
+              ElementsAre(HasSubstr("unknown element <nam>")));
+  EXPECT_THAT(texts_of("<cell name='c'><device nme='d'>" + module("a") +
+                       "</device><connection from='d.a.x' to='d.a.y'/></cell>"),
+              ElementsAre(HasSubstr("unknown attribute nme")));
+  EXPECT_THAT(
+      texts_of(
+          "<cell name='c'><device name='d'><modul/></device><connection from='d.a.x' to='d.a.y'/></cell>"),
+      ElementsAre(HasSubstr("unknown element <modul>")));
+  EXPECT_THAT(texts_of("<cell name='c'><devise/></cell>"),
+              ElementsAre(HasSubstr("unknown element <devise>")));
+  EXPECT_THAT(texts_of("<cell name='c'><device name='d'>" + module("a") +
+                       "</device><connection from='d.a.x' ot='d.a.y'/></cell>"),
+              ElementsAre(HasSubstr("unknown attribute ot")));
+  EXPECT_THAT(texts_of("<rot/>"), ElementsAre(HasSubstr("unknown root element <rot>")));
+  EXPECT_THAT(
+      texts_of(
+          "<root><module><filename>a.so</filename><moduletype>thread</moduletype>"
+          "<operationtype>cyclic</operationtype><deadline>5</deadline><budget>5</budget></module></root>"),
+      ElementsAre(HasSubstr("unknown value 'cyclic'")));
+}
+
+TEST(Descriptor, TellsAThousandProblemsAndThatThereAreMore) {
+  std::string xml = "<root>";
+  for (int i = 0; i < 999; ++i) xml += "<x/>\n";
+  EXPECT_EQ(problems_of(xml + module("a") + "</root>").size(), 999U);
+  for (int i = 0; i < 100; ++i) xml += "<x/>\n";
+  const Problems problems = problems_of(xml + module("a") + "</root>");
+  ASSERT_EQ(problems.size(), 1000U);
+  EXPECT_THAT(problems.back().what, HasSubstr("too many problems"));
+
+  std::string values;
+  for (int i = 0; i < 2000; ++i) values += "<value/>";
+  EXPECT_EQ(problems_of("<root>" + module("a", "<property>" + values + "</property>") + "</root>").size(),
+            1000U);
+}
+
+TEST(Descriptor, ShowsWhatWasWrittenOnOneLineAndNotAllOfIt) {
+  const auto texts = texts_of(
+      "<root>" + module("a", "<executor>" + std::string(100000, 'x') + "\n&#x85;</executor>") + "</root>");
+  ASSERT_EQ(texts.size(), 1U);
+  EXPECT_LT(texts[0].size(), 400U);
+  EXPECT_EQ(texts[0].find('\n'), std::string::npos);
+  EXPECT_THAT(texts[0], HasSubstr("...xxx"));
+}
+
+// tinyxml2 drops white space between two marks when there is nothing else between them.
+TEST(Descriptor, KeepsThePropertyAsItIsWrittenButForWhiteSpaceOnItsOwn) {
+  const auto cell = parse(
+      "<root>" +
+          module("a", "<property><value name=' x '> 5 &lt;<!-- - --><![CDATA[&]]>\n</value></property>") +
+          "</root>",
+      "f.xml");
+  ASSERT_TRUE(cell) << to_text(cell.problems());
+  const auto& property = cell->devices[0].modules[0].properties.at(0);
+  EXPECT_EQ(property.name, "x");
+  EXPECT_EQ(property.value, " 5 <&");
+}
+
+TEST(Descriptor, AcceptsAByteOrderMark) {
+  EXPECT_TRUE(parse("\xef\xbb\xbf<root>" + module("a") + "</root>", "f.xml"));
+}
+
+TEST(Descriptor, NamesThePlaceEvenWithoutAFile) {
+  const auto cell = parse("<root>\n<x/>" + module("a") + "</root>", "");
+  ASSERT_FALSE(cell);
+  EXPECT_EQ(cell.problems()[0].where, "line 2");
+}
+
+TEST(Descriptor, IsNamedAfterItsFile) {
+  EXPECT_EQ(name_after("deploy/module.xml"), "module");
+  EXPECT_EQ(name_after("my cell (2).xml"), "my_cell__2_");
+  EXPECT_EQ(name_after("7.xml"), "_");
+  EXPECT_EQ(name_after("a-7.b.xml"), "a-7_b");
+  EXPECT_EQ(name_after(""), "cell");
+  EXPECT_EQ(name_after(std::string(100, 'x') + ".xml").size(), model::kMaxNameLength);
+  EXPECT_TRUE(model::is_valid_name(name_after("\xff\n\xc3\xa9")));
+}
+
+TEST(DescriptorText, IsRefusedWithTheLineOfTheFault) {
+  const std::vector<std::pair<std::string, std::pair<int, std::string>>> faults{
+      {"", {1, "the file is empty"}},
+      {"\n\n", {1, "the file is empty"}},
+      {"<!-- x -->\n", {2, "the file has no element"}},
+      {"<root>\n\xff</root>", {2, "not UTF-8: there is a byte '\\xff'"}},
+      {"<root>\n\n\xed\xa0\x80</root>", {3, "not UTF-8"}},
+      {"\xff\xfe<", {1, "UTF-16"}},
+      {std::string("<root>\n\0</root>", 15), {2, "a zero byte"}},
+      {"<root>\n\x1b</root>", {2, "a control character '\\x1b'"}},
+      {"<?xml version=\"1.0\" encoding=\"latin1\"?><root/>", {1, "encoding 'latin1'"}},
+      {"<?xml version=\"1.1\"?><root/>", {1, "XML version '1.1'"}},
+      {"\n<?xml version=\"1.0\"?><root/>", {2, "a processing instruction"}},
+      {"<root>\n&#0;</root>", {2, "'&#0;' is no character"}},
+      {"<root>\n&#xD800;</root>", {2, "is no character"}},
+      {"<root>\n&#99999999999999;</root>", {2, "is no character"}},
+      {"<root>\n&#X41;</root>", {2, "is no character"}},
+      {"<root>\n]]></root>", {2, "]]> in a text"}},
+      {"<root>\n<!-- a\nb", {2, "a comment is not closed"}},
+      {"<root>\n<!-- a\n -- b --></root>", {3, "-- inside a comment"}},
+      {"<root>\n<![CDATA[ </root>", {2, "a CDATA section is not closed"}},
+      {"<root>\n<module\n", {2, "the tag <module is not closed"}},
+      {"<root>\n</rot>", {2, "</rot> does not close <root> of line 1"}},
+      {"<root/>\n</root>", {2, "</root> closes nothing"}},
+      {"<root a=\"1\"\n a=\"2\"/>", {2, "duplicate attribute a"}},
+      {"<root a=\"1\"b=\"2\"/>", {1, "found 'b' in the tag <root"}},
+      {"<root a='1\n<module/>'/>", {1, "does not end, or has a <"}},
+  };
+  for (const auto& [xml, expected] : faults) {
+    const auto texts = texts_of(xml);
+    ASSERT_EQ(texts.size(), 1U) << xml;
+    EXPECT_THAT(texts[0], testing::StartsWith("f.xml:" + std::to_string(expected.first) + ": error: "));
+    EXPECT_THAT(texts[0], HasSubstr(expected.second));
+  }
+}
+
+TEST(DescriptorText, IsRefusedWhenNestedTooDeep) {
+  const auto nested = [](std::size_t depth) {
+    std::string xml;
+    for (std::size_t i = 0; i < depth; ++i) xml += "<root>\n";
+    for (std::size_t i = 0; i < depth; ++i) xml += "</root>";
+    return xml;
+  };
+  EXPECT_FALSE(find_fault(nested(kMaxDepth)));
+  const auto fault = find_fault(nested(kMaxDepth + 1));
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->line, static_cast<int>(kMaxDepth) + 1);
+  EXPECT_THAT(fault->what, HasSubstr("nested"));
+  EXPECT_TRUE(find_fault(nested(1'000'000)));
+}
+
+TEST(DescriptorText, IsRefusedWhenTooLarge) {
+  EXPECT_THAT(texts_of(std::string(kMaxBytes + 1, ' ')),
+              ElementsAre(HasSubstr("f.xml:1: error: the file is larger than 16 MiB")));
+  EXPECT_THAT(texts_of(std::string(kMaxBytes, ' ')), ElementsAre(HasSubstr("the file is empty")));
+}
+
+TEST(DescriptorFile, IsRefusedWhenItCannotBeRead) {
+  for (const std::string file : {"/nowhere/module.xml", "/tmp", ""}) {
+    const auto cell = load(file);
+    ASSERT_FALSE(cell) << file;
+    EXPECT_THAT(cell.problems()[0].what, HasSubstr("cannot be read"));
+    EXPECT_FALSE(cell.problems()[0].fix.empty());
+  }
+}
+
+TEST(DescriptorFile, ThatNeverEndsIsRefused) {
+  const auto cell = load("/dev/zero");
+  ASSERT_FALSE(cell);
+  EXPECT_THAT(cell.problems()[0].what, HasSubstr("larger than"));
+}
+
+TEST(DescriptorFile, ThatIsEmptyIsSaidToBeEmpty) {
+  const auto file = std::filesystem::temp_directory_path() / "takt_descriptor_test_empty.xml";
+  std::ofstream{file};
+  const auto cell = load(file.string());
+  std::filesystem::remove(file);
+  ASSERT_FALSE(cell);
+  EXPECT_THAT(cell.problems()[0].what, HasSubstr("the file is empty"));
+}
+
+}  // namespace
+}  // namespace takt::descriptor

@@ -1,0 +1,109 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <takt/descriptor/descriptor.hpp>
+
+namespace takt::descriptor {
+namespace {
+
+using model::ModuleType;
+using model::Operation;
+using namespace std::chrono_literals;
+
+// Figure 1 of the paper, written a second time.
+struct Expected {
+  const char* name;
+  const char* filename;
+  ModuleType type;
+  Operation operation;
+  std::optional<Nanoseconds> period;
+  std::optional<Nanoseconds> deadline;
+  int priority;
+  int line;
+};
+
+const Expected kFigure1[] = {
+    {"controller1", "build/controller1.so", ModuleType::thread, Operation::periodic, 600us, {}, 3, 10},
+    {"control2", "./control2.so", ModuleType::thread, Operation::periodic, 100us, {}, 2, 20},
+    {"control3", "./control3.so", ModuleType::thread, Operation::periodic, 100us, {}, 1, 27},
+    {"control4", "./control4.exe", ModuleType::process, Operation::periodic, 300us, {}, 4, 34},
+    {"emergency", "./emergency.so", ModuleType::thread, Operation::sporadic, {}, 100us, 1, 41},
+    {"vision", "./vision.exe", ModuleType::process, Operation::sporadic, {}, 10ms, 2, 48},
+    {"monitoring", "./monitoring.exe", ModuleType::process, Operation::non_real, {}, {}, 0, 55},
+};
+
+TEST(PaperDescriptor, GivesTheSevenModulesOfFigure1) {
+  const auto cell = load(TAKT_SOURCE_DIR "/deploy/module.xml");
+  ASSERT_TRUE(cell) << to_text(cell.problems());
+  EXPECT_EQ(cell->name, "module");
+  EXPECT_FALSE(cell->domain_given);
+  EXPECT_TRUE(cell->connections.empty());
+  ASSERT_EQ(cell->devices.size(), 1U);
+  const model::Device& device = cell->devices[0];
+  EXPECT_EQ(device.name, "module");
+  ASSERT_EQ(device.executors.size(), 1U);
+  EXPECT_EQ(device.executors[0].name, "main");
+  EXPECT_EQ(device.executors[0].priority, 80);
+  EXPECT_EQ(device.executors[0].wakeup, model::Wakeup::hybrid);
+
+  ASSERT_EQ(device.modules.size(), std::size(kFigure1));
+  for (std::size_t i = 0; i < std::size(kFigure1); ++i) {
+    const model::Module& module = device.modules[i];
+    const Expected& expected = kFigure1[i];
+    SCOPED_TRACE(expected.name);
+    EXPECT_EQ(module.name, expected.name);
+    EXPECT_EQ(module.filename, expected.filename);
+    EXPECT_EQ(module.type, expected.type);
+    EXPECT_EQ(module.operation, expected.operation);
+    EXPECT_EQ(module.period, expected.period);
+    EXPECT_EQ(module.deadline, expected.deadline);
+    EXPECT_EQ(module.priority, expected.priority);
+    EXPECT_EQ(module.line, expected.line);
+    EXPECT_EQ(module.executor, expected.operation == Operation::non_real ? "" : "main");
+    EXPECT_FALSE(module.budget);
+  }
+  ASSERT_EQ(device.modules[0].properties.size(), 1U);
+  EXPECT_EQ(device.modules[0].properties[0].name, "counter");
+  EXPECT_EQ(device.modules[0].properties[0].value, "5");
+}
+
+TEST(CellDescriptor, GivesEverythingTheDesignShows) {
+  const auto cell = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/cell.xml");
+  ASSERT_TRUE(cell) << to_text(cell.problems());
+  EXPECT_EQ(cell->name, "palletizing");
+  EXPECT_EQ(cell->domain, 7);
+  EXPECT_TRUE(cell->domain_given);
+  ASSERT_EQ(cell->devices.size(), 2U);
+
+  const model::Device& robot = cell->devices[0];
+  EXPECT_EQ(robot.name, "robot");
+  ASSERT_EQ(robot.executors.size(), 1U);
+  EXPECT_EQ(robot.executors[0].name, "motion");
+  EXPECT_EQ(robot.executors[0].cpu, 1);
+  EXPECT_EQ(robot.executors[0].priority, 80);
+  EXPECT_EQ(robot.executors[0].wakeup, model::Wakeup::hybrid);
+  ASSERT_EQ(robot.modules.size(), 1U);
+  const model::Module& trajectory = robot.modules[0];
+  EXPECT_EQ(trajectory.name, "trajectory");
+  EXPECT_EQ(trajectory.period, 1ms);
+  EXPECT_EQ(trajectory.budget, 200us);
+  EXPECT_EQ(trajectory.executor, "motion");
+  EXPECT_EQ(trajectory.recovery.attempts, 3);
+  EXPECT_EQ(trajectory.recovery.backoff, 100ms);
+  EXPECT_EQ(trajectory.recovery.then, model::GiveUp::destruct);
+  ASSERT_EQ(trajectory.properties.size(), 1U);
+  EXPECT_EQ(trajectory.properties[0].value, "0.5");
+
+  EXPECT_EQ(cell->devices[1].modules.at(0).executor, "main");
+  ASSERT_EQ(cell->connections.size(), 1U);
+  const model::Connection& connection = cell->connections[0];
+  EXPECT_EQ(connection.from.device, "robot");
+  EXPECT_EQ(connection.from.module, "trajectory");
+  EXPECT_EQ(connection.from.port, "setpoint");
+  EXPECT_EQ(connection.to.module, "conveyor");
+  EXPECT_EQ(connection.kind, model::ConnectionKind::latest);
+  EXPECT_EQ(connection.deadline, 20ms);
+  EXPECT_EQ(connection.stale, model::Stale::error);
+}
+
+}  // namespace
+}  // namespace takt::descriptor
