@@ -1,0 +1,392 @@
+// Takes two descriptors that are right and breaks them in every place in every way that is certain to be
+// wrong. None may be accepted, none may crash the parser, and each must be told with a line.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <takt/descriptor/descriptor.hpp>
+
+namespace takt::descriptor {
+namespace {
+
+std::string content_of(const std::string& file) {
+  std::ostringstream content;
+  content << std::ifstream{file, std::ios::binary}.rdbuf();
+  return content.str();
+}
+
+struct Span {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+struct Attribute {
+  std::string name;
+  Span whole;  // name="value"
+  Span value;  // without the quotes
+};
+
+/// An element of a document that is right: where its tags lie.
+struct Element {
+  std::string name;
+  std::string parent;
+  std::size_t parent_end = 0;  // past the parent's closing tag; 0 for the root
+  Span start;                  // <name ...>
+  Span end;                    // </name>; empty for <name/>
+  std::vector<Attribute> attributes;
+
+  [[nodiscard]] bool closes_itself() const { return end.begin == end.end; }
+  [[nodiscard]] std::size_t past() const { return closes_itself() ? start.end : end.end; }
+};
+
+/// A parser of its own for plain documents, so that the test does not ask the one under test where to break
+/// them.
+std::vector<Element> elements_of(const std::string& xml) {
+  std::vector<Element> all;
+  std::vector<std::size_t> open;
+  std::vector<std::size_t> parents;
+  for (std::size_t at = xml.find('<'); at != std::string::npos; at = xml.find('<', at + 1)) {
+    if (xml.compare(at, 4, "<!--") == 0) {
+      at = xml.find("-->", at);
+    } else if (xml[at + 1] == '/') {
+      all[open.back()].end = {at, xml.find('>', at) + 1};
+      open.pop_back();
+    } else if (xml[at + 1] != '?') {
+      Element element;
+      element.start = {at, xml.find('>', at) + 1};
+      element.name = xml.substr(at + 1, xml.find_first_of(" />", at) - at - 1);
+      if (!open.empty()) element.parent = all[open.back()].name;
+      for (std::size_t eq = xml.find('=', at); eq < element.start.end; eq = xml.find('=', eq + 1)) {
+        const std::size_t name = xml.rfind(' ', eq) + 1;
+        const std::size_t quote = xml.find('"', eq + 2);
+        element.attributes.push_back({xml.substr(name, eq - name), {name, quote + 1}, {eq + 2, quote}});
+      }
+      parents.push_back(open.empty() ? all.size() : open.back());
+      if (xml[element.start.end - 2] != '/') open.push_back(all.size());
+      all.push_back(element);
+    }
+  }
+  for (std::size_t i = 1; i < all.size(); ++i) all[i].parent_end = all[parents[i]].past();
+  return all;
+}
+
+std::string replaced(const std::string& xml, Span span, const std::string& by) {
+  return xml.substr(0, span.begin) + by + xml.substr(span.end);
+}
+std::string inserted(const std::string& xml, std::size_t at, const std::string& text) {
+  return replaced(xml, {at, at}, text);
+}
+std::string part(const std::string& xml, Span span) { return xml.substr(span.begin, span.end - span.begin); }
+
+int line_of(const std::string& xml, std::size_t at) {
+  return 1 + static_cast<int>(std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+}
+
+class Mutations {
+ public:
+  explicit Mutations(std::string xml) : xml_(std::move(xml)) {}
+
+  /// Refuses the mutated text; if a line is given, one problem must be there.
+  void expect_refused(const std::string& mutation, const std::string& xml, int line = 0) {
+    SCOPED_TRACE(mutation);
+    if (!seen_.insert(xml).second) return;
+    const auto cell = parse(xml, "base.xml");
+    ASSERT_FALSE(cell) << xml;
+    bool there = line == 0;
+    const int last = line_of(xml, xml.size());
+    for (const Problem& problem : cell.problems()) {
+      ASSERT_EQ(problem.where.substr(0, 9), "base.xml:") << problem.where;
+      const int where = std::stoi(problem.where.substr(9));
+      EXPECT_GE(where, 1);
+      EXPECT_LE(where, last);
+      EXPECT_FALSE(problem.what.empty());
+      EXPECT_FALSE(problem.fix.empty()) << problem.what;
+      EXPECT_EQ(to_text(problem).find('\n'), std::string::npos);
+      there = there || where == line;
+    }
+    EXPECT_TRUE(there) << "nothing on line " << line << ":\n" << to_text(cell.problems());
+  }
+
+  void break_markup(const Element& e);
+  void break_structure(const Element& e);
+  void break_text(const Element& e);
+  void break_attributes(const Element& e);
+  void break_document();
+
+  /// Mutated texts that differ from each other.
+  [[nodiscard]] std::size_t count() const { return seen_.size(); }
+
+ private:
+  std::string xml_;
+  std::set<std::string> seen_;
+};
+
+const std::set<std::string> kTextElements{"name",     "filename", "moduletype", "operationtype", "period",
+                                          "deadline", "priority", "executor",   "budget",        "value"};
+
+/// Breaks what XML asks of a tag: each of these is not well-formed.
+void Mutations::break_markup(const Element& e) {
+  const int line = line_of(xml_, e.start.begin);
+  const std::string tag = "<" + e.name + ">";
+  expect_refused("no < of " + tag, replaced(xml_, {e.start.begin, e.start.begin + 1}, ""));
+  expect_refused("no > of " + tag, replaced(xml_, {e.start.end - 1, e.start.end}, ""));
+  expect_refused("blank after < of " + tag, inserted(xml_, e.start.begin + 1, " "), line);
+  expect_refused("digit after < of " + tag, inserted(xml_, e.start.begin + 1, "1"), line);
+  expect_refused("&-sign before " + tag, inserted(xml_, e.start.begin, "&"));
+  expect_refused("entity before " + tag, inserted(xml_, e.start.begin, "&none;"));
+  expect_refused("zero byte in " + tag, inserted(xml_, e.start.begin + 2, std::string(1, '\0')), line);
+  expect_refused("control byte in " + tag, inserted(xml_, e.start.begin + 2, "\x01"), line);
+  expect_refused("byte that is not UTF-8 in " + tag, inserted(xml_, e.start.begin + 2, "\xff"), line);
+  expect_refused("overlong character in " + tag, inserted(xml_, e.start.begin + 2, "\xc0\xaf"), line);
+  expect_refused("comment that is not closed before " + tag, inserted(xml_, e.start.begin, "<!--"));
+  expect_refused("cdata that is not closed before " + tag, inserted(xml_, e.start.begin, "<![CDATA["));
+  expect_refused("entity declaration before " + tag, inserted(xml_, e.start.begin, "<!ENTITY x 'y'>"), line);
+  expect_refused("instruction before " + tag, inserted(xml_, e.start.begin, "<?php go() ?>"), line);
+  expect_refused("cut before " + tag, xml_.substr(0, e.start.begin));
+  expect_refused("cut in " + tag, xml_.substr(0, e.start.begin + 2));
+  expect_refused("cut in the end of " + tag, xml_.substr(0, e.start.end - 1));
+  if (e.closes_itself()) return;
+  expect_refused("no " + tag, replaced(xml_, e.start, ""));
+  expect_refused("no closing of " + tag, replaced(xml_, e.end, ""));
+  expect_refused("two closings of " + tag, inserted(xml_, e.end.end, part(xml_, e.end)));
+  expect_refused("closed by itself and again " + tag, inserted(xml_, e.start.end - 1, "/"));
+  expect_refused("no slash in closing of " + tag, replaced(xml_, {e.end.begin + 1, e.end.begin + 2}, ""));
+  expect_refused("other name in closing of " + tag, inserted(xml_, e.end.begin + 3, "x"),
+                 line_of(xml_, e.end.begin));
+  expect_refused("attribute of closing of " + tag, inserted(xml_, e.end.end - 1, " a=\"1\""),
+                 line_of(xml_, e.end.begin));
+  expect_refused("cut after " + tag, xml_.substr(0, e.start.end));
+  expect_refused("cut in closing of " + tag, xml_.substr(0, e.end.begin + 2));
+}
+
+/// Well-formed, but an element stands where it may not, twice, or not at all.
+void Mutations::break_structure(const Element& e) {
+  const int line = line_of(xml_, e.start.begin);
+  const std::string tag = "<" + e.name + ">";
+  const std::string whole = part(xml_, {e.start.begin, e.past()});
+  const auto renamed = [&](const std::string& name) {
+    std::string xml = xml_;
+    if (!e.closes_itself()) xml.replace(e.end.begin + 2, e.name.size(), name);
+    return xml.replace(e.start.begin + 1, e.name.size(), name);
+  };
+  expect_refused("slip in the name of " + tag, renamed(e.name + e.name.back()), line);
+  expect_refused("other case of " + tag,
+                 renamed(std::string(1, static_cast<char>(e.name[0] - 'a' + 'A')) + e.name.substr(1)), line);
+  expect_refused("other name for " + tag, renamed("nonsense"), line);
+  expect_refused("prefix on " + tag, renamed("x:" + e.name), line);
+
+  // Each element may stand once in its place, or has a name or ends that may not come again.
+  expect_refused("twice " + tag, inserted(xml_, e.past(), whole));
+  expect_refused("wrapped " + tag, replaced(xml_, {e.start.begin, e.past()}, "<wrap>" + whole + "</wrap>"),
+                 line);
+  // No element may stand where its parent stands.
+  if (e.parent_end != 0) {
+    expect_refused("out of its parent " + tag,
+                   replaced(inserted(xml_, e.parent_end, whole), {e.start.begin, e.past()}, ""));
+  }
+  // Not these: a name may be taken from the file, and of what is named nowhere there may be none.
+  static const std::set<std::string> kOptional{"name",     "budget", "recovery",
+                                               "property", "value",  "connection"};
+  const bool one_of_many = e.name == "module" && e.parent == "root";
+  const bool only_executor = e.name == "executor" && e.parent == "module";
+  if (kOptional.count(e.name) == 0 && !one_of_many && !only_executor) {
+    expect_refused("without " + tag, replaced(xml_, {e.start.begin, e.past()}, ""));
+  }
+  if (e.closes_itself()) return;
+  expect_refused("unknown element in " + tag, inserted(xml_, e.start.end, "<nonsense/>"), line);
+  expect_refused("itself in " + tag, inserted(xml_, e.start.end, whole), line);
+  if (kTextElements.count(e.name) == 0) {
+    expect_refused("text in " + tag, inserted(xml_, e.start.end, "stray"), line);
+    expect_refused("cdata in " + tag, inserted(xml_, e.start.end, "<![CDATA[stray]]>"), line);
+  }
+}
+
+void Mutations::break_text(const Element& e) {
+  static const std::vector<std::string> kNoNumber{"",
+                                                  " ",
+                                                  "-1",
+                                                  "+1",
+                                                  "1.5",
+                                                  "1,5",
+                                                  "0x1F",
+                                                  "1e3",
+                                                  "1 2",
+                                                  "five",
+                                                  "1ns",
+                                                  "--1",
+                                                  "1_000",
+                                                  "NaN",
+                                                  "99999999999999999999",
+                                                  "9223372036854775808",
+                                                  "\u0661"};
+  static const std::vector<std::string> kNoWord{"",      "x",       "Thread",  "PERIODIC", "thread process",
+                                                "tread", "perodic", "nonreal", "0"};
+  static const std::vector<std::string> kNoName{
+      "", "7x", "a.b", "a b", "-a", "gr\u00f6\u00dfe", "a/b", std::string(64, 'x')};
+  // A priority may be negative.
+  const bool priority = e.name == "priority";
+  const bool number = priority || e.name == "period" || e.name == "deadline" || e.name == "budget";
+  std::vector<std::string> wrong;
+  if (number) wrong = kNoNumber;
+  if (number && !priority) wrong.emplace_back("0");
+  if (priority) wrong.insert(wrong.end(), {"2147483648", "-2147483649"});
+  if (e.name == "moduletype" || e.name == "operationtype") wrong = kNoWord;
+  // A name that is none, and for an executor no other name either: the device has only one.
+  if (e.name == "name" || (e.name == "executor" && e.parent == "module")) wrong = kNoName;
+  if (e.name == "executor" && e.parent == "module") wrong.emplace_back("nobody");
+  if (e.name == "filename") wrong = {"", " \n ", std::string(4097, 'x')};
+  for (const std::string& text : wrong) {
+    if (priority && text == "-1") continue;
+    expect_refused("<" + e.name + "> is '" + text + "'", replaced(xml_, {e.start.end, e.end.begin}, text),
+                   line_of(xml_, e.start.begin));
+  }
+  if (e.name != "operationtype") return;
+  // What the other kinds need is not there; what they may not have is.
+  const std::string is = part(xml_, {e.start.end, e.end.begin});
+  const std::string module =
+      xml_.substr(xml_.rfind("<module>", e.start.begin),
+                  xml_.find("</module>", e.start.begin) - xml_.rfind("<module>", e.start.begin));
+  const bool thread = module.find("thread") != std::string::npos;
+  const bool plain =
+      module.find("<executor>") == std::string::npos && module.find("<budget>") == std::string::npos;
+  for (const std::string kind : {"periodic", "sporadic", "non-real"}) {
+    if (kind == is) continue;
+    // The one change of kind that is right.
+    if (is == "periodic" && kind == "non-real" && thread && plain) continue;
+    expect_refused(is + " becomes " + kind, replaced(xml_, {e.start.end, e.end.begin}, kind));
+  }
+}
+
+void Mutations::break_attributes(const Element& e) {
+  const int line = line_of(xml_, e.start.begin);
+  const std::size_t at = e.start.begin + 1 + e.name.size();
+  expect_refused("unknown attribute of <" + e.name + ">", inserted(xml_, at, " nonsense=\"1\""), line);
+  expect_refused("attribute without value of <" + e.name + ">", inserted(xml_, at, " nonsense"), line);
+
+  static const std::map<std::string, std::vector<std::string>> kWrong{
+      {"domain", {"-1", "233", "7x", "1.0"}},
+      {"cpu", {"-1", "1024", "one", "0x1"}},
+      {"priority", {"0", "1", "99", "-80", "high"}},
+      {"wakeup", {"Hybrid", "hybird", "busy"}},
+      {"attempts", {"-1", "1001", "three"}},
+      {"backoff", {"-1", "3600000000001", "100ms"}},
+      {"then", {"stop", "Destruct", "stop_device"}},
+      {"from",
+       {"robot", "robot.trajectory", "robot.trajectory.setpoint.x", "nobody.trajectory.x", "robot.nobody.x",
+        "..", "robot..x"}},
+      {"to",
+       {"line", "line.conveyor", ".conveyor.x", "nobody.conveyor.x", "line.nobody.x",
+        "robot.trajectory.setpoint"}},
+      {"kind", {"newest", "Latest", "queues"}},
+      {"deadline", {"0", "-1", "20ms", "2e7"}},
+      {"stale", {"drop", "Error"}},
+      {"name", {"7x", "a.b", "a b", "gr\u00f6\u00dfe", std::string(64, 'x')}},
+  };
+  static const std::set<std::string> kOptional{"domain",  "cpu",  "priority", "wakeup", "attempts",
+                                               "backoff", "then", "kind",     "stale"};
+
+  for (const Attribute& a : e.attributes) {
+    const std::string what = e.name + "/" + a.name;
+    const std::string value = part(xml_, a.value);
+    expect_refused("twice " + what, inserted(xml_, a.whole.end, " " + part(xml_, a.whole)), line);
+    expect_refused("slip in " + what, inserted(xml_, a.whole.begin + 1, "x"), line);
+    expect_refused("other case of " + what, replaced(xml_, {a.whole.begin, a.whole.begin + 1}, "X"), line);
+    expect_refused("empty " + what, replaced(xml_, a.value, ""), line);
+    expect_refused("no = in " + what, replaced(xml_, {a.value.begin - 2, a.value.begin - 1}, ""), line);
+    expect_refused("no quotes in " + what, replaced(xml_, {a.value.begin - 1, a.value.end + 1}, value), line);
+    expect_refused("no second quote in " + what, replaced(xml_, {a.value.end, a.value.end + 1}, ""));
+    expect_refused("< in " + what, inserted(xml_, a.value.begin, "<"), line);
+    expect_refused("& in " + what, inserted(xml_, a.value.begin, "&"), line);
+    expect_refused("line feed in " + what,
+                   inserted(xml_, a.value.begin + 1, value.size() > 1 ? "\n" : "\nx"));
+    expect_refused("cut in " + what, xml_.substr(0, a.value.begin + 1));
+    if (kOptional.count(a.name) == 0) expect_refused("without " + what, replaced(xml_, a.whole, ""), line);
+    const auto wrong = kWrong.find(a.name);
+    ASSERT_NE(wrong, kWrong.end()) << what;
+    for (const std::string& text : wrong->second) {
+      expect_refused(what + " is " + text, replaced(xml_, a.value, text), line);
+    }
+  }
+}
+
+void Mutations::break_document() {
+  const std::string body = xml_.substr(xml_.find("?>") + 2);
+  expect_refused("nothing", "");
+  expect_refused("blanks", " \n\t ");
+  expect_refused("comment only", "<!-- nothing -->");
+  expect_refused("declaration only", "<?xml version=\"1.0\"?>");
+  expect_refused("text only", "takt");
+  expect_refused("document type", "<!DOCTYPE root>" + body);
+  expect_refused("entity", "<!DOCTYPE root [<!ENTITY a 'b'>]>" + body);
+  expect_refused("instruction", "<?xml-stylesheet href='a'?>" + body);
+  expect_refused("declaration after a blank", " " + xml_);
+  expect_refused("declaration twice", "<?xml version=\"1.0\"?>" + xml_);
+  expect_refused("declaration at the end", xml_ + "<?xml version=\"1.0\"?>");
+  expect_refused("XML 1.1", "<?xml version=\"1.1\"?>" + body);
+  expect_refused("no version", "<?xml encoding=\"UTF-8\"?>" + body);
+  expect_refused("Latin 1", "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>" + body);
+  expect_refused("UTF-16 that is none", "<?xml version=\"1.0\" encoding=\"UTF-16\"?>" + body);
+  expect_refused("standalone maybe", "<?xml version=\"1.0\" standalone=\"maybe\"?>" + body);
+  expect_refused("no quotes", "<?xml version=1.0?>" + body);
+  expect_refused("no end of declaration", "<?xml version=\"1.0\">" + body);
+  expect_refused("unknown in declaration", "<?xml version=\"1.0\" a=\"b\"?>" + body);
+  expect_refused("UTF-16 mark", "\xff\xfe" + xml_);
+  expect_refused("byte mark twice", "\xef\xbb\xbf\xef\xbb\xbf" + body);
+  expect_refused("text after", xml_ + "x");
+  expect_refused("element after", xml_ + "<root/>");
+  expect_refused("the whole twice", xml_ + body);
+  expect_refused("closing after", xml_ + "</root>");
+  expect_refused("cdata after", xml_ + "<![CDATA[]]>");
+  expect_refused("zero byte after", xml_ + std::string(1, '\0'));
+  expect_refused("surrogate after", xml_ + "<!-- \xed\xa0\x80 -->");
+  expect_refused("noncharacter after", xml_ + "<!-- \xef\xbf\xbf -->");
+  expect_refused("dashes in comment", xml_ + "<!-- a -- b -->");
+}
+
+std::size_t break_everywhere(const std::string& file) {
+  const std::string xml = content_of(file);
+  EXPECT_TRUE(parse(xml, "base.xml")) << file << " is no base to break";
+  Mutations mutations{xml};
+  for (const Element& element : elements_of(xml)) {
+    mutations.break_markup(element);
+    mutations.break_structure(element);
+    mutations.break_text(element);
+    mutations.break_attributes(element);
+  }
+  mutations.break_document();
+  return mutations.count();
+}
+
+TEST(DescriptorMutations, AreAllRefusedWithALine) {
+  const std::size_t paper = break_everywhere(TAKT_SOURCE_DIR "/deploy/module.xml");
+  const std::size_t cell = break_everywhere(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/cell.xml");
+  RecordProperty("mutations", static_cast<int>(paper + cell));
+  EXPECT_GE(paper, 300U);
+  EXPECT_GE(cell, 300U);
+}
+
+// So that the test above cannot pass because everything is refused.
+TEST(DescriptorMutations, ThatChangeNothingAreRead) {
+  for (const std::string file : {"/deploy/module.xml", "/tests/unit/descriptor/cases/good/cell.xml"}) {
+    const std::string xml = content_of(TAKT_SOURCE_DIR + file);
+    for (const Element& element : elements_of(xml)) {
+      SCOPED_TRACE(file + " <" + element.name + ">");
+      EXPECT_TRUE(parse(inserted(xml, element.start.begin, "<!-- so -->"), "base.xml"));
+      EXPECT_TRUE(parse(inserted(xml, element.start.begin, " \n\t"), "base.xml"));
+      EXPECT_TRUE(parse(inserted(xml, element.start.end, "\n"), "base.xml"));
+      EXPECT_TRUE(parse(inserted(xml, element.start.begin + 1 + element.name.size(), "\n"), "base.xml"));
+      if (element.closes_itself()) continue;
+      EXPECT_TRUE(parse(inserted(xml, element.end.end - 1, " "), "base.xml"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace takt::descriptor
