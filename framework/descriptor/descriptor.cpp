@@ -16,7 +16,7 @@ namespace takt::descriptor {
 namespace {
 
 Problem too_large(const std::string& file) {
-  return {place(file, 1), "the file is larger than " + std::to_string(kMaxBytes / (1024 * 1024)) + " MiB",
+  return {place(file, 1), "the file is larger than " + std::to_string(kMaxBytes >> 20U) + " MiB",
           "a descriptor is far smaller: is this the right file?"};
 }
 

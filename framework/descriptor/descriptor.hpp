@@ -10,7 +10,7 @@
 namespace takt::descriptor {
 
 /// A larger file is refused before it is parsed.
-inline constexpr std::size_t kMaxBytes = 16 * 1024 * 1024;
+inline constexpr std::size_t kMaxBytes = std::size_t{16} * 1024 * 1024;
 
 /// Every mistake of the file at once, each with `file:line`: what XML says is wrong, what an element may not
 /// have, and what model::validate finds. Nothing is ignored. `file` is named in messages; of a module.xml,

@@ -148,7 +148,10 @@ std::optional<std::int64_t> read_number(const Given& given, Range range, const c
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const bool whole = error != std::errc::invalid_argument && end == text.data() + text.size();
-  if (whole && error == std::errc{} && number >= range.from && number <= range.to) return number;
+  // -0 is in a range that begins with 0, and still has a sign.
+  const bool sign_allowed = range.from < 0 || !text.starts_with('-');
+  if (whole && sign_allowed && error == std::errc{} && number >= range.from && number <= range.to)
+    return number;
   const bool open_ended = range.to == std::numeric_limits<std::int64_t>::max();
   const std::string bounds = open_ended
                                  ? ", at least " + std::to_string(range.from)

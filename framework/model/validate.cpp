@@ -18,6 +18,7 @@ constexpr const char* kNameRule =
 template <class Named>
 std::vector<std::string_view> names_of(const std::vector<Named>& all) {
   std::vector<std::string_view> names;
+  names.reserve(all.size());
   for (const Named& one : all) names.emplace_back(one.name);
   return names;
 }

@@ -271,12 +271,12 @@ void Mutations::break_attributes(const Element& e) {
   expect_refused("attribute without value of <" + e.name + ">", inserted(xml_, at, " nonsense"), line);
 
   static const std::map<std::string, std::vector<std::string>> kWrong{
-      {"domain", {"-1", "233", "7x", "1.0"}},
-      {"cpu", {"-1", "1024", "one", "0x1"}},
+      {"domain", {"-1", "-0", "233", "7x", "1.0"}},
+      {"cpu", {"-1", "-0", "1024", "one", "0x1"}},
       {"priority", {"0", "1", "99", "-80", "high"}},
       {"wakeup", {"Hybrid", "hybird", "busy"}},
-      {"attempts", {"-1", "1001", "three"}},
-      {"backoff", {"-1", "3600000000001", "100ms"}},
+      {"attempts", {"-1", "-0", "1001", "three"}},
+      {"backoff", {"-1", "-0", "3600000000001", "100ms"}},
       {"then", {"stop", "Destruct", "stop_device"}},
       {"from",
        {"robot", "robot.trajectory", "robot.trajectory.setpoint.x", "nobody.trajectory.x", "robot.nobody.x",
