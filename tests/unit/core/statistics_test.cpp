@@ -85,12 +85,12 @@ TEST(Statistics, IsReadWholeWhileItIsWritten) {
   std::thread writer{[&] {
     while (!end) {
       statistics->record(1000);
-      for (int i = 0; i < 5000; ++i) std::atomic_signal_fence(std::memory_order_seq_cst);
+      for (int i = 0; i < 100000; ++i) std::atomic_signal_fence(std::memory_order_seq_cst);
     }
   }};
   const std::size_t bucket = HistogramScale::bucket(1000);
   std::uint64_t last = 0;
-  while (last < 2000) {
+  while (last < 500) {
     const StatisticsSnapshot s = statistics->read();
     if (s.count == 0) continue;
     ASSERT_EQ(s.mean, 1000);
