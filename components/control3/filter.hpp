@@ -83,8 +83,8 @@ struct Oscillator {
 /// number of its periods.
 struct Detector {
   double in_phase = 0, quadrature = 0;
-  double amplitude = 0;         ///< of the last full window
-  std::uint64_t window = 1000;  ///< steps
+  double amplitude = 0;          ///< of the last full window
+  std::uint64_t window = 10000;  ///< steps
   std::uint64_t step_number = 0;
 
   void step(double signal, const Oscillator& reference) noexcept {

@@ -5,7 +5,7 @@
 
 int main(int argc, char* argv[]) {
   long after = (long)argument_number(argc, argv, "after", 100, 0, 1e9);
-  int* volatile nowhere = NULL;
+  volatile int* volatile nowhere = NULL;
   initPeriodExe();
   while (after-- > 0) waitPeriod();
   *nowhere = 1;

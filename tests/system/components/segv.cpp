@@ -1,11 +1,11 @@
 // Writes to address 0. `where`: run (in its `after`-th run, 100), initialize, start, error, recover or
-// destruct; the three last are reached by a failure in that run, or by the end.
+// destruct; error and recover are reached by a failure in that run.
 #include <takt/module.h>
 
 static std::string where;
 static long long after = 100;
 static long long runs = 0;
-static int* volatile nowhere = nullptr;
+static volatile int* volatile nowhere = nullptr;
 
 static void crash_in(const char* hook) {
   if (where == hook) *nowhere = 1;
@@ -21,7 +21,7 @@ void start(void) { crash_in("start"); }
 void run(void) {
   if (++runs != after) return;
   crash_in("run");
-  takt_fail("to reach error() and recover()");
+  if (where == "error" || where == "recover") takt_fail("to reach error() and recover()");
 }
 void error(int) { crash_in("error"); }
 void recover(void) { crash_in("recover"); }

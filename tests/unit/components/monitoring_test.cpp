@@ -13,6 +13,7 @@ TEST(Machine, MemoryIsFoundByItsWholeName) {
   EXPECT_EQ(machine_memory_kib(text, "MemTotal"), 8000000);
   EXPECT_EQ(machine_memory_kib(text, "MemAvailable"), 4000000);
   EXPECT_LT(machine_memory_kib(text, "Mem"), 0);
+  EXPECT_EQ(machine_memory_kib("MemTotal: 8 kB\nMem: 5 kB\n", "Mem"), 5);
   EXPECT_LT(machine_memory_kib(text, "SwapTotal"), 0);
   EXPECT_LT(machine_memory_kib("", "MemTotal"), 0);
 }
