@@ -76,8 +76,13 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       else lose(member, failure);
       break;
     case Doing::initialize:
-      if (ok) apply(member, Event::initialize);
-      else lose(member, failure);
+      if (!ok) {
+        lose(member, failure);
+        break;
+      }
+      apply(member, Event::initialize);
+      // While the device is prepared, all are initialised before the first is started; one that comes back waits for nobody.
+      if (phase_ == Phase::ready || phase_ == Phase::running) ask(member, Doing::start);
       break;
     case Doing::start:
       if (ok && member.state() == State::recover) recovered(member);
