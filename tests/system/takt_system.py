@@ -28,10 +28,10 @@ LIFE = ["IDLE", "INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"]
 NEVER_RAN = ["IDLE", "INITIALIZE", "START", "DESTRUCT"]
 MARK = "TAKT_TEST_RUN"
 
-Line = namedtuple("Line", "at device module text")  # `at` by our monotonic clock, when it arrived
+Line = namedtuple("Line", "at device module text")  # `at` as the node wrote it, in seconds of the day
 Step = namedtuple("Step", "at source target text")
 
-_LINE = re.compile(r"^\d\d:\d\d:\d\d\.\d{3} ([\w-]+)(?:\.([\w-]+|\(host\)))?: (.*)$")
+_LINE = re.compile(r"^(\d\d):(\d\d):(\d\d\.\d{3}) ([\w-]+)(?:\.([\w-]+|\(host\)))?: (.*)$")
 _STEP = re.compile(r"^(%s) -> (%s)(?: \((.*)\))?$" % ("|".join(STATES), "|".join(STATES)))
 
 
@@ -106,7 +106,7 @@ class Run:
                                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                          start_new_session=True, preexec_fn=become)
         self.pid = self._process.pid
-        self.raw = []  # lines of standard error, as (when, text)
+        self.raw = []  # lines of standard error
         self._out = b""
         self._readers = [threading.Thread(target=read, daemon=True) for read in (self._read_out, self._read_err)]
         for reader in self._readers:
@@ -117,7 +117,7 @@ class Run:
 
     def _read_err(self):
         for line in self._process.stderr:
-            self.raw.append((time.monotonic(), line.decode(errors="replace").rstrip("\n")))
+            self.raw.append(line.decode(errors="replace").rstrip("\n"))
 
     # While it runs
 
@@ -148,7 +148,7 @@ class Run:
         expression = re.compile(pattern)
 
         def find():
-            for _, text in self.raw[after:]:
+            for text in self.raw[after:]:
                 if expression.search(text):
                     return text
             if self._process.poll() is not None and not self._readers[1].is_alive():
@@ -198,7 +198,7 @@ class Run:
 
     @property
     def err(self):
-        return "\n".join(text for _, text in self.raw)
+        return "\n".join(self.raw)
 
     @property
     def report(self):
@@ -219,16 +219,17 @@ class Run:
     def lines(self):
         """Of the nodes, one for each event."""
         found = []
-        for at, text in list(self.raw):
+        for text in list(self.raw):
             match = _LINE.match(text)
             if match:
-                found.append(Line(at, match[1], match[2] or "", match[3]))
+                at = int(match[1]) * 3600 + int(match[2]) * 60 + float(match[3])
+                found.append(Line(at, match[4], match[5] or "", match[6]))
         return found
 
     @property
     def other_lines(self):
         """Of standard error, those that no node wrote: the reasons at the end."""
-        return [text for _, text in list(self.raw) if not _LINE.match(text)]
+        return [text for text in list(self.raw) if not _LINE.match(text)]
 
     def said(self, module, device=None):
         return [line for line in self.lines if line.module == module and device in (None, line.device)]
