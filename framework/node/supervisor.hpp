@@ -116,7 +116,11 @@ class Supervisor {
   bool background_begun_ = false;
   bool halted_ = false;
   bool halt_asked_ = false;
-  std::optional<std::uint32_t> hung_;  // the module for which the host was killed
+  struct Hang {
+    std::uint32_t module;
+    channel::Doing doing;
+  };
+  std::optional<Hang> hung_;           // for which the host was killed
   std::vector<Instant> restarts_;      // of the host, without a culprit
   std::optional<Instant> t0_;
   Instant asked_at_{};   // preparing: when it began; stopping: when the present part of it began

@@ -137,9 +137,7 @@ void Supervisor::watch_host(Instant now) {
     for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
       const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
       if (busy == 0 || since(*activity) < stuck_after(members_.at(busy - 1)->model)) continue;
-      log(*members_[busy - 1], std::string{channel::to_text(activity->doing.load())} + " did not return within " +
-                                   to_text(stuck_after(members_[busy - 1]->model)) + "; the host is ended");
-      hung_ = busy - 1;
+      hung_ = {.module = busy - 1, .doing = activity->doing.load()};
       host_.kill();
       return;
     }
@@ -152,13 +150,14 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
   std::string text = "the host " + end.text();
   Member* culprit = nullptr;
   if (hung_) {
-    culprit = members_[*hung_].get();
-    text = "never came back, so the host was ended";
+    culprit = members_[hung_->module].get();
+    text = std::string{channel::to_text(hung_->doing)} + " did not return within " + to_text(stuck_after(culprit->model)) +
+           ", so the host was ended";
   } else if (end.signalled && block.crash.signal.load() == end.code && block.crash.module.load() != 0) {
     culprit = members_.at(block.crash.module.load() - 1).get();
     text += std::string{" in "} + channel::to_text(block.crash.doing.load());
   }
-  log(culprit == nullptr ? text : text + " of module " + culprit->model.name);
+  log(culprit == nullptr ? text : "module " + culprit->model.name + ": " + text);
   hung_.reset();
 
   // Nobody writes the channel now. What the dead threads were doing is over.
