@@ -92,6 +92,7 @@ class Supervisor {
   void recovered(Member& member);
   void not_recovered(Member& member, const std::string& text);
   void give_up(Member& member);
+  std::uint64_t cycles_of(const Member& member) const;
   void put_in_tables(Member& member);
   void take_from_tables(Member& member);
   void prepare_step();
