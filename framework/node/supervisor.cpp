@@ -202,11 +202,11 @@ void Supervisor::running_step(Instant now) {
 }
 
 // The module is out of its table, by the executor or by us.
-void Supervisor::raise(Member& member, ErrorType type, const std::string& text) {
+void Supervisor::raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since) {
   take_from_tables(member);
   member.why = std::string{takt::to_text(type)} + ": " + text;
   if (!apply(member, Event::error, member.why)) return;
-  member.recovery.failed(os::now());
+  member.recovery.failed(os::now(), since);
   if (member.is_thread()) ask(member, Doing::error, type);
 }
 

@@ -86,7 +86,7 @@ class Supervisor {
   void log(const Member& member, const std::string& text) const;
   void log(const std::string& text) const;
   void fail_device(Problem problem);
-  void raise(Member& member, ErrorType type, const std::string& text);
+  void raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since = std::nullopt);
   void lose(Member& member, const std::string& text);
   void attempt_recovery(Member& member);
   void recovered(Member& member);

@@ -164,7 +164,11 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
         break;
       }
       ++member.errors;
-      raise(member, member.killed_for_hanging ? ErrorType::hang : ErrorType::crash, text);
+      if (member.killed_for_hanging) {
+        raise(member, ErrorType::hang, text, from_ns(member.seat->release_ns.load(std::memory_order_relaxed)));
+      } else {
+        raise(member, ErrorType::crash, text);
+      }
       break;
     case State::destruct: break;
   }
