@@ -100,6 +100,10 @@ void Supervisor::process_ready(Member& member) {
 void Supervisor::watch_process(Member& member, Instant now) {
   if (const auto end = member.child.poll()) {
     forward_output();
+    // It may have come further than we have looked.
+    if (member.state() == State::idle && member.seat->phase.load(std::memory_order_acquire) != channel::SeatPhase::empty) {
+      apply(member, Event::initialize);
+    }
     process_ended(member, *end);
     return;
   }
