@@ -61,6 +61,12 @@ class Supervisor {
   [[nodiscard]] nlohmann::ordered_json report() const;
 
  private:
+  struct Hang {
+    std::uint32_t module;
+    channel::Doing doing;
+    Nanoseconds limit;
+  };
+
   // The host (supervisor_host.cpp)
   Result<void> start_host();
   void ask(Member& member, channel::Doing hook, ErrorType type = ErrorType::none);
@@ -69,6 +75,7 @@ class Supervisor {
   void begin_rows();
   void host_ended(const os::ProcessEnd& end);
   void watch_host(Instant now);
+  std::optional<Hang> never_halts() const;
   void bring_back(Member& member);
 
   // Programs (supervisor_process.cpp)
@@ -117,10 +124,6 @@ class Supervisor {
   bool background_begun_ = false;
   bool halted_ = false;
   bool halt_asked_ = false;
-  struct Hang {
-    std::uint32_t module;
-    channel::Doing doing;
-  };
   std::optional<Hang> hung_;           // for which the host was killed
   std::vector<Instant> restarts_;      // of the host, without a culprit
   std::optional<Instant> t0_;

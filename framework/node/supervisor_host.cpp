@@ -137,11 +137,26 @@ void Supervisor::watch_host(Instant now) {
     for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
       const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
       if (busy == 0 || since(*activity) < stuck_after(members_.at(busy - 1)->model)) continue;
-      hung_ = {.module = busy - 1, .doing = activity->doing.load()};
+      hung_ = {.module = busy - 1, .doing = activity->doing.load(), .limit = stuck_after(members_[busy - 1]->model)};
       host_.kill();
       return;
     }
   }
+}
+
+// The module that keeps a thread of the host, long after all were told to halt.
+std::optional<Supervisor::Hang> Supervisor::never_halts() const {
+  std::vector<const channel::Activity*> activities;
+  for (std::size_t e = 0; e < channel_.executors(); ++e) {
+    activities.push_back(&channel_.executor(e).row);
+    activities.push_back(&channel_.executor(e).sporadic);
+  }
+  for (const auto& member : members_) activities.push_back(&member->block.background);
+  for (const channel::Activity* activity : activities) {
+    const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
+    if (busy != 0) return Hang{.module = busy - 1, .doing = activity->doing.load(), .limit = kHaltLimit};
+  }
+  return std::nullopt;
 }
 
 void Supervisor::host_ended(const os::ProcessEnd& end) {
@@ -151,8 +166,7 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
   Member* culprit = nullptr;
   if (hung_) {
     culprit = members_[hung_->module].get();
-    text = std::string{channel::to_text(hung_->doing)} + " did not return within " + to_text(stuck_after(culprit->model)) +
-           ", so the host was ended";
+    text = std::string{channel::to_text(hung_->doing)} + " did not return within " + to_text(hung_->limit) + ", so the host was ended";
   } else if (end.signalled && block.crash.signal.load() == end.code && block.crash.module.load() != 0) {
     culprit = members_.at(block.crash.module.load() - 1).get();
     text += std::string{" in "} + channel::to_text(block.crash.doing.load());
