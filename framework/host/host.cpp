@@ -19,6 +19,7 @@
 #include <takt/os/futex.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
+#include <takt/os/signals.hpp>
 
 namespace takt::host {
 
@@ -271,6 +272,7 @@ void Host::serve() {
 }  // namespace
 
 int run_host() {
+  os::survive_broken_pipes();  // when our node dies, hooks that print are still to be called
   os::MessageSocket node{os::take_fd_from_environment("TAKT_NODE_FD")};
   os::Fd memory = os::take_fd_from_environment("TAKT_CHANNEL_FD");
   if (!node.fd() || !memory) {

@@ -78,6 +78,7 @@ void serve(Supervisor& device, os::MessageSocket& control, const os::SignalQueue
 
 int run_node(const NodeOptions& options) {
   if (options.quiet) log_nothing();
+  os::survive_broken_pipes();  // whoever reads our log may go; the device stays
   os::MessageSocket control{os::take_fd_from_environment(kControlFd)};
   auto signals = os::SignalQueue::of_requests_to_end();
   const auto refuse = [&](const Problems& problems) {

@@ -137,6 +137,7 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
     sigset_t none;
     ::sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
+    ::signal(SIGPIPE, SIG_DFL);  // what is ignored would stay so in the new program
     ::execve(options.program.c_str(), argv.data(), envp.data());
     give_up();
   }

@@ -42,6 +42,8 @@ std::optional<int> SignalQueue::next() const {
   return static_cast<int>(info.ssi_signo);
 }
 
+void survive_broken_pipes() { ::signal(SIGPIPE, SIG_IGN); }
+
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms) {
   std::vector<pollfd> wanted;
   wanted.reserve(fds.size());

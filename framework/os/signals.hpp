@@ -22,6 +22,10 @@ class SignalQueue {
   Fd fd_;
 };
 
+/// A write to a pipe whose reader is gone fails from now on, instead of ending this program. Programs that it starts are ended
+/// as usual.
+void survive_broken_pipes();
+
 /// Waits until one of the descriptors can be read or its other end is gone, at most `limit_ms`; false when none.
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms);
 

@@ -28,8 +28,7 @@ int check(const CheckOptions& options) {
   }
   const std::string text = options.json ? check_json(loaded->cell, loaded->plans).dump() + "\n"
                                         : check_text(loaded->cell, loaded->plans, terminal_style());
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  return 0;
+  return print(text) ? 0 : 1;
 }
 
 }  // namespace takt::tool

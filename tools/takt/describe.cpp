@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "load.hpp"
+#include "terminal.hpp"
 
 namespace takt::tool {
 
@@ -52,8 +53,7 @@ int describe(const DescribeOptions& options) {
     return 1;
   }
   const std::string text = options.json ? as_json(*component) : as_text(*path, *component);
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  return 0;
+  return print(text) ? 0 : 1;
 }
 
 }  // namespace takt::tool

@@ -168,6 +168,7 @@ int run(const RunOptions& options) {
     complain(loaded.problems());
     return 1;
   }
+  os::survive_broken_pipes();
   const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) {
     complain(signals.problems());
@@ -182,11 +183,10 @@ int run(const RunOptions& options) {
 
   const json report = cell.report(loaded->cell.name);
   const std::string text = options.json ? report.dump() + "\n" : run_text(report, terminal_style());
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  std::fflush(stdout);
+  const bool printed = print(text);
   const auto failures = cell.failures();
   for (const std::string& failure : failures) std::fprintf(stderr, "%s\n", failure.c_str());
-  return failures.empty() ? 0 : 1;
+  return failures.empty() && printed ? 0 : 1;
 }
 
 }  // namespace takt::tool

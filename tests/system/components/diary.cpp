@@ -1,10 +1,11 @@
-// Writes a line into `file` for each hook but run() and condition(): "initialize", "start", "error 2", "recover",
+// Prints a line, then writes it into `file`, for each hook but run() and condition(): "initialize", "start", "error 2", "recover",
 // "destruct". Fails when it is told to: start() its first `bad_starts` times (0), and run() or condition() in its
 // `after`-th run or check (never) since it last recovered, in the way of `how`: throw, say, slow (run() spins for `ns`,
 // 2000000) or condition (which throws).
 #include <takt/module.h>
 
 #include <chrono>
+#include <cstdio>
 #include <fstream>
 
 static std::string file;
@@ -16,6 +17,7 @@ static long long runs = 0;
 static long long checks = 0;
 
 static void write(const std::string& line) {
+  std::fprintf(stderr, "diary: %s\n", line.c_str());
   if (!file.empty()) std::ofstream(file, std::ios::app) << line << '\n';
 }
 

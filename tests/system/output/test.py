@@ -1,3 +1,4 @@
+import json
 import os
 import sys
 
@@ -33,10 +34,22 @@ class Output(takt_system.Case):
         for module in ("prints", "brief", "other"):
             self.assertRegex(run.out, r"(?m)^ +%s +DESTRUCT +\d+" % module)
 
-    def test_a_reader_that_goes_away_costs_the_report_and_nothing_else(self):
-        run = self.start("run", "cell.xml", before=["/bin/sh", "-c", 'exec "$0" "$@" --for 0.2 --json >/dev/full'])
-        run.wait(10)
+    def test_a_report_that_cannot_be_written_is_a_failure(self):
+        run = self.takt("run", "cell.xml", "--for", "0.3", "--json", before=["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'])
+        self.assertEqual(1, run.status)
         self.assertIn("brief: START -> DESTRUCT", run.err)
+        self.assertEqual(["error: the report cannot be written to standard output"], run.other_lines)
+        run = self.takt("check", "cell.xml", before=["/bin/sh", "-c", 'exec "$0" "$@" >/dev/full'])
+        self.assertEqual((1, "error: the report cannot be written to standard output"), (run.status, run.err))
+
+    def test_the_device_runs_on_when_nobody_reads_its_lines(self):
+        run = self.takt("run", "cell.xml", "--for", "0.5", "--json",
+                        before=["/bin/sh", "-c", '"$0" "$@" 2>&1 >report | head -1'])
+        self.assertEqual(1, len(run.out.splitlines()))
+        device = json.loads(self.read("report"))["devices"][0]
+        self.assertTrue(device["alive"])
+        self.assertGreater(device["executors"][0]["cycles"] + device["executors"][0]["missed"], 200)
+        self.assertEqual({"DESTRUCT"}, {m["state"] for m in device["modules"]})
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import takt_system
 from takt_system import LIFE, wait_until
 
-MODULES = ["fine", "program", "sporadic", "sporadic_program", "monitoring"]
+MODULES = ["fine", "program", "sporadic", "sporadic_program", "diary", "monitoring"]
 PROGRAMS = ["fine.exe", "fine_sporadic.exe", "monitoring.exe"]
 
 
@@ -87,6 +87,8 @@ class StartStop(takt_system.Case):
         device = run.device()
         self.assertEqual(("cell", False, [], []), (device["name"], device["alive"], device["executors"], device["modules"]))
         self.assert_nothing_left(run)
+        # The host takes its modules down in order, though nobody reads any more what they print.
+        self.assertEqual(["initialize", "start", "destruct"], self.read("diary").splitlines())
 
     def test_killed_host_is_started_again_and_the_others_live_on(self):
         run = self.running()
@@ -97,7 +99,7 @@ class StartStop(takt_system.Case):
         begun = len(run.raw)
         host.kill()
         run.wait_for_line("the host is started again")
-        for module in ("fine", "sporadic"):
+        for module in ("fine", "sporadic", "diary"):
             run.wait_for_line(r"\.%s: START -> EXECUTING" % module, after=begun)
         self.assertNotEqual(host.pid, run.one("takt-host").pid)
         self.assertEqual(node, run.one("takt-node").pid)
@@ -109,7 +111,7 @@ class StartStop(takt_system.Case):
         self.assertRegex(run.err, "the host was killed by SIGKILL")
         for module in ("program", "sporadic_program", "monitoring"):
             self.assertEqual(LIFE, run.states(module))
-        for module in ("fine", "sporadic"):
+        for module in ("fine", "sporadic", "diary"):
             self.assertEqual(LIFE[:4] + ["DESTRUCT"] + LIFE, run.states(module))
         # The grid was kept: the rows that nobody walked are missed, and the program missed its share.
         self.assertGreater(run.executor()["missed"], 0)
