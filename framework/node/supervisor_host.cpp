@@ -187,6 +187,7 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
   for (auto& member : members_) {
     member->block.background.end();
     if (member->is_thread()) take_from_tables(*member);
+    member->pending.reset();  // nobody will answer
   }
 
   if (culprit != nullptr) {
