@@ -1,5 +1,7 @@
 import os
+import signal
 import sys
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
@@ -23,6 +25,24 @@ class Hangs(takt_system.Case):
                 # The hooks of the next module in the file were called all the same.
                 self.assertEqual("destruct", self.read("after").splitlines()[-1])
                 os.remove(os.path.join(self.folder, "after"))
+
+    def test_asked_to_end_while_a_hook_hangs_it_ends_when_the_hook_is_given_up(self):
+        run = self.start("run", "initialize.xml", "--json")
+        run.wait_for_state("program", "INITIALIZE")
+        run.signal(signal.SIGINT)
+        run.wait(8)
+        self.assertIn("module initialize.culprit: error: %s; mend the module" % reason("initialize"), run.other_lines)
+        self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
+
+    def test_asked_twice_it_ends_at_once(self):
+        run = self.start("run", "initialize.xml", "--json")
+        run.wait_for_state("program", "INITIALIZE")
+        run.signal(signal.SIGINT)
+        time.sleep(0.2)
+        run.signal(signal.SIGINT)
+        run.wait(3)
+        self.assertEqual(1, run.status)
+        self.assertIn("device initialize: error: its node was killed by SIGKILL (Killed)", run.other_lines)
 
     def test_while_it_runs_and_at_its_end(self):
         run = self.start("run", "running.xml", "--for", "11.5", "--json")
