@@ -104,6 +104,7 @@ void Supervisor::watch_process(Member& member, Instant now) {
     if (member.state() == State::idle && member.seat->phase.load(std::memory_order_acquire) != channel::SeatPhase::empty) {
       apply(member, Event::initialize);
     }
+    if (member.state() == State::start && member.in_tables() && cycles_of(member) != member.seen_cycles) apply(member, Event::run);
     process_ended(member, *end);
     return;
   }

@@ -35,10 +35,12 @@ class Processes(takt_system.Case):
         self.assert_recovered_then_given_up(run, "crashes", "crash: the process was killed by SIGSEGV (Segmentation fault)", 2)
         # A status of 0 is no better for one that is to be released.
         self.assert_recovered_then_given_up(run, "leaves", "crash: the process ended with status 0", 0)
-        for module, lives in (("exits", 3), ("crashes", 3), ("leaves", 1)):
-            # Each life begins with a release and ends by itself after fifty; at most one more meets its end.
-            self.assertIn(modules[module]["cycles"] - 50 * lives, range(lives + 1), module)
-        self.assertEqual(3, len(run.other_lines), run.other_lines)
+        # One that ends in its first release has been EXECUTING, however soon that was.
+        self.assert_recovered_then_given_up(run, "first_row", "crash: the process ended with status 0", 3)
+        for module, releases, lives in (("exits", 50, 3), ("crashes", 50, 3), ("leaves", 50, 1), ("first_row", 1, 4)):
+            # Each life ends by itself after so many releases; at most one more meets its end.
+            self.assertIn(modules[module]["cycles"] - releases * lives, range(lives + 1), module)
+        self.assertEqual(4, len(run.other_lines), run.other_lines)
         self.assert_others_unaffected(run)
 
     def test_one_that_is_late_is_counted_and_goes_on(self):
