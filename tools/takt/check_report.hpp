@@ -1,4 +1,4 @@
-// What `takt check` says about a cell that is in order: for a person and for a program.
+// What `takt check` says about a cell that is in order: for a person, for a program, and as a picture.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace takt::tool {
 
-/// Both take the plans of the cell's devices, in their order, as schedule::plan(cell) gives them.
+/// All three take the plans of the cell's devices, in their order, as schedule::plan(cell) gives them.
 
 /// Periods, tables and predicted load of each executor. No line is wider than 100 columns, and a table has at
 /// most kTextRows lines: rows that follow each other and are equal share one, and what is left out is
@@ -23,5 +23,11 @@ inline constexpr std::size_t kTextRows = 40;
 
 /// The object that `takt check --json` prints, with every row. Its keys and their order are the contract.
 nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans);
+
+/// One panel an executor: a lane for each module over the rows of one macro period. Draws the first kSvgRows
+/// rows and the first kSvgLanes modules of each kind, and says so where there are more.
+std::string check_svg(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans);
+inline constexpr std::size_t kSvgRows = 64;
+inline constexpr std::size_t kSvgLanes = 100;
 
 }  // namespace takt::tool
