@@ -69,6 +69,11 @@ TEST(CheckText, ShowsFigure3WithEqualRowsInOneLine) {
 )"));
 }
 
+TEST(CheckText, KeepsRowsApartThatOnlyHaveAsManyModules) {
+  EXPECT_THAT(text(cell("c", {device("d", {periodic("a", 2ms), periodic("b", 3ms)})})),
+              HasSubstr("    2    2 ms    a\n    3    3 ms    b\n    4    4 ms    a\n    5    5 ms    -\n"));
+}
+
 TEST(CheckText, ShowsFigure4WithDeadlines) {
   EXPECT_THAT(text(figure1()), HasSubstr(R"(
     sporadic   type     deadline  priority  budget
