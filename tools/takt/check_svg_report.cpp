@@ -1,0 +1,479 @@
+// The table as a picture. Nobody can measure text here, so every text is given room for the widest letters of
+// a monospaced font, and the picture is made as large as what was drawn on it.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <numeric>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include <takt/core/check.hpp>
+
+#include "check_report.hpp"
+
+namespace takt::tool {
+namespace {
+
+using model::Device;
+using model::Module;
+using model::ModuleType;
+using schedule::DevicePlan;
+using schedule::ExecutorPlan;
+
+// Pixels. A letter of the monospaced fonts in use is 0.55 to 0.61 of its size wide.
+constexpr double kLetter = 0.63;
+constexpr double kSmall = 10;
+constexpr double kNormal = 12;
+constexpr double kLarge = 14;
+constexpr double kMargin = 20;
+constexpr double kLane = 32;
+constexpr double kBadge = 15;  // height of a release mark
+constexpr double kStrip = 44;  // height of the load
+constexpr double kPlot = 960;  // width of the rows, unless they need more
+
+double width_of(std::string_view text, double size) {
+  return static_cast<double>(text.size()) * size * kLetter;
+}
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
+  }
+  return result;
+}
+
+/// Remembers how far the drawing reaches.
+class Canvas {
+ public:
+  void text(double x, double y, double size, std::string_view classes, std::string_view text) {
+    put(x, y, size, classes, "start", text);
+    reach(x + width_of(text, size), y);
+  }
+  void centred(double x, double y, double size, std::string_view classes, std::string_view text) {
+    put(x, y, size, classes, "middle", text);
+    reach(x + width_of(text, size) / 2, y);
+  }
+  void rectangle(double x, double y, double width, double height, std::string_view classes,
+                 double radius = 0) {
+    append(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" rx="{:.0f}" class="{}"/>)", x, y,
+           width, height, radius, classes);
+    reach(x + width, y + height);
+  }
+  void line(double x1, double y1, double x2, double y2, std::string_view classes) {
+    append(R"(<line x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}" class="{}"/>)", x1, y1, x2, y2, classes);
+    reach(std::max(x1, x2), std::max(y1, y2));
+  }
+  void diamond(double x, double y, double size, std::string_view classes) {
+    append(R"(<path d="M{:.1f} {:.1f}l{} {}l-{} {}l-{} -{}z" class="{}"/>)", x, y - size, size, size, size,
+           size, size, size, classes);
+    reach(x + size, y + size);
+  }
+  void open_group(std::string_view title) { append("<g><title>{}</title>", escaped(title)); }
+  void close_group() { append("</g>"); }
+
+  [[nodiscard]] double width() const { return width_; }
+  [[nodiscard]] double height() const { return height_; }
+  [[nodiscard]] const std::string& body() const { return body_; }
+
+ private:
+  template <class... Arguments>
+  void append(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(body_), format, std::forward<Arguments>(arguments)...);
+    body_ += '\n';
+  }
+  void put(double x, double y, double size, std::string_view classes, std::string_view anchor,
+           std::string_view text) {
+    append(R"(<text x="{:.1f}" y="{:.1f}" font-size="{}" text-anchor="{}" class="{}">{}</text>)", x, y, size,
+           anchor, classes, escaped(text));
+  }
+  void reach(double x, double y) {
+    width_ = std::max(width_, x);
+    height_ = std::max(height_, y);
+  }
+
+  std::string body_;
+  double width_ = 0;
+  double height_ = 0;
+};
+
+constexpr std::string_view kColours = R"(
+svg { background: #ffffff; }
+text { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; fill: #1f2933; }
+.title { font-weight: bold; }
+.faint { fill: #5c6773; }
+.on { fill: #ffffff; }
+.page { fill: #ffffff; }
+.panel { fill: #f5f7f9; }
+.odd { fill: #e9edf1; }
+.grid { stroke: #c3ccd5; stroke-width: 1; }
+.lane { stroke: #dde3e9; stroke-width: 1; }
+.thread { fill: #1d5fa8; }
+.process { fill: #8a4a00; }
+.thread-budget { fill: #6da5e0; }
+.process-budget { fill: #dfa254; }
+.deadline { stroke: #b3261e; stroke-width: 1.5; stroke-dasharray: 4 3; }
+.end { stroke: #b3261e; stroke-width: 2; }
+.low { fill: #4b9e6a; }
+.high { fill: #d08a1d; }
+.full { fill: #c8372d; }
+)";
+
+constexpr std::string_view kDarkColours = R"(
+svg { background: #14181d; }
+text { fill: #e4e9ee; }
+.faint { fill: #9aa6b2; }
+.on { fill: #0d1116; }
+.page { fill: #14181d; }
+.panel { fill: #1c2229; }
+.odd { fill: #252c35; }
+.grid { stroke: #3d4854; }
+.lane { stroke: #2c343d; }
+.thread { fill: #7db4f0; }
+.process { fill: #f0b060; }
+.thread-budget { fill: #3f76b5; }
+.process-budget { fill: #99631f; }
+.deadline, .end { stroke: #ff8a80; }
+.low { fill: #56b37a; }
+.high { fill: #e0a040; }
+.full { fill: #f0685e; }
+)";
+
+double ratio(Nanoseconds part, Nanoseconds whole) {
+  return static_cast<double>(part.count()) / static_cast<double>(whole.count());
+}
+
+std::string number(std::size_t value) { return std::to_string(value); }
+
+/// "thread, every 1 ms, priority 2, budget 200 us"
+std::string described(const Module& module) {
+  std::string text = model::to_text(module.type);
+  if (module.period) text += ", every " + to_text(*module.period);
+  if (module.deadline) text += ", deadline " + to_text(*module.deadline);
+  text += ", priority " + std::to_string(module.priority);
+  if (module.budget) text += ", budget " + to_text(*module.budget);
+  return text;
+}
+
+std::string kind(const Module& module) { return module.type == ModuleType::thread ? "thread" : "process"; }
+
+/// One executor's rows.
+class Panel {
+ public:
+  Panel(Canvas& canvas, const Device& device, const ExecutorPlan& plan, double y, double label)
+      : canvas_{canvas}, device_{device}, plan_{plan}, y_{y}, left_{kMargin + label} {
+    shown_ = std::min(plan.rows(), kSvgRows);
+    // Wide enough for the number in a release mark.
+    std::size_t longest = 1;
+    for (std::size_t row = 0; row < shown_; ++row) longest = std::max(longest, plan_.row(row).size());
+    badge_ = width_of(number(longest), kSmall) + 8;
+    if (shown_ > 0) column_ = std::clamp(kPlot / static_cast<double>(shown_), badge_ + 3, 240.0);
+    right_ = left_ + column_ * static_cast<double>(shown_);
+  }
+
+  /// Returns where the next thing may begin.
+  double draw() {
+    const model::Executor& executor = device_.executors[plan_.executor];
+    y_ += 30;
+    canvas_.text(kMargin, y_, kLarge, "title", device_.name + ", executor " + executor.name);
+    y_ += 18;
+    canvas_.text(kMargin, y_, kNormal, "faint", summary(executor));
+    if (plan_.rows() == 0) return y_ + 12;
+    if (shown_ < plan_.rows()) {
+      y_ += 16;
+      canvas_.text(kMargin, y_, kNormal, "faint",
+                   "only rows 0 to " + number(shown_ - 1) + " of " + number(plan_.rows()) +
+                       " are drawn; takt check --json has them all");
+    }
+    y_ += 22;
+    background();
+    const std::vector<std::uint32_t> tasks = by_priority();
+    for (std::size_t i = 0; i < std::min(tasks.size(), kSvgLanes); ++i) periodic_lane(tasks[i]);
+    left_out(plan_.periodic.size(), "periodic");
+    for (std::size_t i = 0; i < std::min(plan_.sporadic.size(), kSvgLanes); ++i)
+      sporadic_lane(plan_.sporadic[i]);
+    left_out(plan_.sporadic.size(), "sporadic");
+    if (!plan_.periodic.empty()) load_strip();
+    axis();
+    return y_;
+  }
+
+ private:
+  [[nodiscard]] double at(std::size_t row) const { return left_ + column_ * static_cast<double>(row); }
+
+  [[nodiscard]] std::string summary(const model::Executor& executor) const {
+    const std::string how = (executor.cpu ? "cpu " + std::to_string(*executor.cpu) : "any cpu") +
+                            ", priority " + std::to_string(executor.priority) + ", wakeup " +
+                            model::to_text(executor.wakeup);
+    if (plan_.rows() == 0) return "no modules; " + how;
+    return "basic period " + to_text(plan_.basic_period) + ", macro period " + to_text(plan_.macro_period) +
+           ", " + number(plan_.rows()) + (plan_.rows() == 1 ? " row; " : " rows; ") + how;
+  }
+
+  [[nodiscard]] double lanes_height() const {
+    const auto lanes = [](std::size_t modules) {
+      return static_cast<double>(std::min(modules, kSvgLanes) + (modules > kSvgLanes ? 1 : 0));
+    };
+    return kLane * (lanes(plan_.periodic.size()) + lanes(plan_.sporadic.size())) +
+           (plan_.periodic.empty() ? 0 : kStrip);
+  }
+
+  /// Row numbers on top, then the grid of basic periods.
+  void background() {
+    const double height = lanes_height();
+    canvas_.text(kMargin, y_, kSmall, "faint", "row");
+    const auto every = step(width_of(number(shown_), kSmall) + 6);
+    for (std::size_t row = 0; row < shown_; row += every) {
+      canvas_.centred(at(row) + column_ / 2, y_, kSmall, "faint", number(row));
+    }
+    y_ += 6;
+    canvas_.rectangle(kMargin, y_, right_ - kMargin, height, "panel");
+    for (std::size_t row = 0; row < shown_; row += 2) canvas_.rectangle(at(row), y_, column_, height, "odd");
+    for (std::size_t row = 0; row <= shown_; ++row) canvas_.line(at(row), y_, at(row), y_ + height, "grid");
+  }
+
+  /// From the first in a row to the last, so that what runs later is further down.
+  [[nodiscard]] std::vector<std::uint32_t> by_priority() const {
+    std::vector<std::uint32_t> tasks(plan_.periodic.size());
+    std::iota(tasks.begin(), tasks.end(), 0U);
+    std::stable_sort(tasks.begin(), tasks.end(), [&](auto a, auto b) {
+      return device_.modules[plan_.periodic[a]].priority < device_.modules[plan_.periodic[b]].priority;
+    });
+    return tasks;
+  }
+
+  /// Every how many rows something of this width has room.
+  [[nodiscard]] std::size_t step(double width) const {
+    return static_cast<std::size_t>(std::max(1.0, std::ceil(width / column_)));
+  }
+
+  void label(const Module& module) {
+    canvas_.line(kMargin, y_ + kLane, right_, y_ + kLane, "lane");
+    canvas_.text(kMargin + 6, y_ + 14, kNormal, "", module.name);
+    canvas_.text(kMargin + 6, y_ + 26, kSmall, "faint", described(module));
+  }
+
+  void periodic_lane(std::uint32_t task) {
+    const Module& module = device_.modules[plan_.periodic[task]];
+    canvas_.open_group(module.name + ": " + described(module));
+    label(module);
+    for (std::size_t row = 0; row < shown_; ++row) {
+      // Process modules run beside the row, thread modules after those before them.
+      double before = 0;
+      std::size_t order = 0;
+      bool due = false;
+      for (const auto other : plan_.table.row(row)) {
+        ++order;
+        due = other == task;
+        if (due) break;
+        const Module& earlier = device_.modules[plan_.periodic[other]];
+        if (earlier.type == ModuleType::thread && earlier.budget)
+          before += ratio(*earlier.budget, plan_.basic_period);
+      }
+      if (!due) continue;
+      if (module.budget) {
+        const double begin = at(row) + column_ * (module.type == ModuleType::thread ? before : 0);
+        const double end = std::min(begin + column_ * ratio(*module.budget, plan_.basic_period), right_);
+        canvas_.rectangle(begin, y_ + 23, std::max(end - begin, 1.0), 6, kind(module) + "-budget");
+      }
+      canvas_.rectangle(at(row) + 1, y_ + 5, badge_, kBadge, kind(module), 3);
+      canvas_.centred(at(row) + 1 + badge_ / 2, y_ + 5 + kBadge - 4, kSmall, "on", number(order));
+    }
+    canvas_.close_group();
+    y_ += kLane;
+  }
+
+  /// The condition is looked at when the thread modules of the row have run.
+  [[nodiscard]] double look(std::size_t row) const {
+    const double load = ratio(plan_.load(device_, row).budget, plan_.basic_period);
+    return at(row) +
+           std::clamp(column_ * load, std::min(badge_, column_ / 2), std::max(column_ - 7, column_ / 2));
+  }
+
+  void sporadic_lane(std::uint32_t index) {
+    const Module& module = device_.modules[index];
+    canvas_.open_group(module.name + ": " + described(module));
+    label(module);
+    const double middle = y_ + kLane / 2;
+    const double end = look(0) + column_ * ratio(*module.deadline, plan_.basic_period);
+    canvas_.line(look(0), middle, std::min(end, right_), middle, "deadline");
+    for (std::size_t row = 0; row < shown_; ++row) canvas_.diamond(look(row), middle, 5, kind(module));
+    if (end < right_) canvas_.line(end, middle - 9, end, middle + 9, "end");
+    canvas_.close_group();
+    y_ += kLane;
+  }
+
+  void left_out(std::size_t modules, std::string_view what) {
+    if (modules <= kSvgLanes) return;
+    canvas_.text(kMargin + 6, y_ + 20, kNormal, "faint",
+                 "and " + number(modules - kSvgLanes) + " more " + std::string{what} + " modules");
+    y_ += kLane;
+  }
+
+  void load_strip() {
+    canvas_.text(kMargin + 6, y_ + 18, kNormal, "", "load");
+    bool stated = false;
+    bool complete = true;
+    const double tall = kStrip - 18;
+    for (std::size_t row = 0; row < shown_; ++row) {
+      const auto load = plan_.load(device_, row);
+      complete = complete && load.complete;
+      if (load.budget == Nanoseconds{}) continue;
+      stated = true;
+      const double share = ratio(load.budget, plan_.basic_period);
+      const double height = std::max(1.0, tall * share);
+      canvas_.rectangle(at(row) + 2, y_ + kStrip - height, column_ - 4, height,
+                        share > 0.9   ? "full"
+                        : share > 0.7 ? "high"
+                                      : "low");
+      const std::string text = fmt::format("{}{:.0f}%", load.complete ? "" : ">", 100 * share);
+      if (width_of(text, kSmall) <= column_ - 2) {
+        canvas_.centred(at(row) + column_ / 2, y_ + kStrip - height - 3, kSmall, "", text);
+      }
+    }
+    canvas_.text(kMargin + 6, y_ + 32, kSmall, "faint",
+                 !stated    ? "no budgets are stated"
+                 : complete ? "budgets of the row's threads"
+                            : "at least: some state no budget");
+    y_ += kStrip;
+  }
+
+  /// Times under the grid; the last is always there.
+  void axis() {
+    canvas_.line(left_, y_, right_, y_, "grid");
+    const auto time = [&](std::size_t row) {
+      return to_text(plan_.basic_period * static_cast<std::int64_t>(row));
+    };
+    double widest = 0;
+    for (std::size_t row = 0; row <= shown_; ++row)
+      widest = std::max(widest, width_of(time(row), kSmall) + 12);
+    const auto every = step(widest);
+    for (std::size_t row = 0; row <= shown_; row += every) {
+      if (row != shown_ && at(row) + widest > right_) continue;
+      canvas_.line(at(row), y_, at(row), y_ + 4, "grid");
+      canvas_.centred(at(row), y_ + 15, kSmall, "faint", time(row));
+    }
+    if (shown_ % every != 0) {
+      canvas_.line(right_, y_, right_, y_ + 4, "grid");
+      canvas_.centred(right_, y_ + 15, kSmall, "faint", time(shown_));
+    }
+    y_ += 26;
+  }
+
+  Canvas& canvas_;
+  const Device& device_;
+  const ExecutorPlan& plan_;
+  double y_;
+  double left_;
+  double right_ = 0;
+  double column_ = 0;
+  double badge_ = 0;
+  std::size_t shown_ = 0;
+};
+
+/// What stands left of the rows of all panels, so that they begin in one line.
+double label_width(const model::Cell& cell) {
+  double widest = width_of("at least: some state no budget", kSmall);
+  for (const Device& device : cell.devices) {
+    for (const Module& module : device.modules) {
+      if (module.operation == model::Operation::non_real) continue;
+      widest = std::max({widest, width_of(module.name, kNormal), width_of(described(module), kSmall)});
+    }
+  }
+  return widest + 20;
+}
+
+/// As many a line as the width allows.
+double names_below(Canvas& canvas, double y, const Device& device,
+                   const std::vector<std::uint32_t>& modules) {
+  std::string line = device.name + ", not real-time:";
+  const auto flush = [&] {
+    y += 16;
+    canvas.text(kMargin, y, kNormal, "faint", line);
+  };
+  for (std::size_t i = 0; i < modules.size(); ++i) {
+    const Module& module = device.modules[modules[i]];
+    const std::string word =
+        " " + module.name + " (" + kind(module) + ")" + (i + 1 < modules.size() ? "," : "");
+    if (width_of(line + word, kNormal) > kPlot) {
+      flush();
+      line = "   ";
+    }
+    line += word;
+  }
+  flush();
+  return y + 8;
+}
+
+double legend(Canvas& canvas, double y) {
+  const double sample = kMargin + 6;
+  const double words = kMargin + 52;
+  const auto entry = [&](std::string_view text) {
+    canvas.text(words, y + 12, kSmall, "faint", text);
+    y += 20;
+  };
+  y += 16;
+  canvas.rectangle(sample, y, 15, kBadge, "thread", 3);
+  canvas.centred(sample + 7.5, y + kBadge - 4, kSmall, "on", "1");
+  entry("release of a thread module; the number is its place in the row");
+  canvas.rectangle(sample, y, 15, kBadge, "process", 3);
+  canvas.centred(sample + 7.5, y + kBadge - 4, kSmall, "on", "2");
+  entry("release of a process module, which runs on another core");
+  canvas.rectangle(sample, y + 2, 36, 5, "thread-budget");
+  canvas.rectangle(sample, y + 9, 36, 5, "process-budget");
+  entry("budget, to the scale of time; a thread begins when those before it have used theirs");
+  canvas.diamond(sample + 6, y + 8, 5, "thread");
+  canvas.diamond(sample + 24, y + 8, 5, "process");
+  entry("after the row: the condition of a sporadic thread is looked at, a sporadic process is released");
+  canvas.line(sample, y + 8, sample + 34, y + 8, "deadline");
+  canvas.line(sample + 34, y + 2, sample + 34, y + 14, "end");
+  entry("deadline of a sporadic module that is ready in the first row; without an end it lies outside");
+  return y;
+}
+
+}  // namespace
+
+std::string check_svg(const model::Cell& cell, const std::vector<DevicePlan>& plans) {
+  TAKT_CHECK(plans.size() == cell.devices.size());
+  Canvas canvas;
+  double y = kMargin + 14;
+  canvas.text(kMargin, y, kLarge + 4, "title", cell.name);
+  const double label = label_width(cell);
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    for (const ExecutorPlan& plan : plans[i].executors)
+      y = Panel{canvas, cell.devices[i], plan, y, label}.draw() + 8;
+    if (!plans[i].non_realtime.empty()) y = names_below(canvas, y, cell.devices[i], plans[i].non_realtime);
+  }
+  legend(canvas, y);
+
+  const double width = std::ceil(canvas.width() + kMargin);
+  const double height = std::ceil(canvas.height() + kMargin);
+  return fmt::format(
+      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0:.0f} {1:.0f}" width="{0:.0f}" height="{1:.0f}" role="img">
+<title>The schedule of {2}</title>
+<style>{3}@media (prefers-color-scheme: dark) {{{4}}}
+</style>
+<rect x="0" y="0" width="{0:.0f}" height="{1:.0f}" class="page"/>
+{5}</svg>
+)",
+      width, height, escaped(cell.name), kColours, kDarkColours, canvas.body());
+}
+
+}  // namespace takt::tool
