@@ -185,7 +185,7 @@ void Host::start_background() {
 
 // A non-real-time module: run() again and again, at its period if it has one.
 void Host::run_background(std::uint32_t index) {
-  static_cast<void>(os::make_idle());
+  static_cast<void>(os::make_background());
   channel::ModuleBlock& block = channel_.module(index);
   report_crashes_as(&block.background);
   const Nanoseconds period = module(index).period.value_or(Nanoseconds{0});
