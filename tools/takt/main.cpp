@@ -7,6 +7,18 @@
 #define TAKT_VERSION "unknown"
 #endif
 
+namespace {
+
+const CLI::Validator a_duration{[](const std::string& text) -> std::string {
+                                  double seconds = 0;
+                                  const bool number = CLI::detail::lexical_cast(text, seconds);
+                                  if (number && seconds > 0 && seconds <= 1e9) return {};
+                                  return "'" + text + "' is no number of seconds; write one above 0, as in --for 10";
+                                },
+                                ""};
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace takt::tool;
   CLI::App app{"Takt: real-time component middleware for industrial cells.", "takt"};
@@ -25,7 +37,7 @@ int main(int argc, char** argv) {
   double seconds = 0;
   auto* run_command = app.add_subcommand("run", "Run a descriptor on this machine, one takt-node for each device, until Ctrl-C");
   run_command->add_option("FILE", run_options.file, "a cell, or a module.xml")->required();
-  auto* for_option = run_command->add_option("--for", seconds, "end after this long")->type_name("SECONDS")->check(CLI::PositiveNumber);
+  auto* for_option = run_command->add_option("--for", seconds, "end after this long")->type_name("SECONDS")->check(a_duration);
   run_command->add_flag("--json", run_options.json, "print the closing report as one JSON object");
   run_command->add_flag("--require-realtime", run_options.require_real_time,
                         "refuse to run where the system refuses real-time scheduling");
