@@ -115,7 +115,7 @@ Result<void> Host::prepare() {
 
 void Host::answer(const Answer& answer) {
   const std::lock_guard lock{sending_};
-  node_.send(encode(answer));
+  node_.send_wait(encode(answer));
 }
 
 // On the hook thread.

@@ -94,6 +94,7 @@ Result<void> Supervisor::prepare() {
 
 void Supervisor::step() {
   const Instant now = os::now();
+  host_.flush();
   forward_output();
   take_answers();
   if (auto end = host_.ended()) {
