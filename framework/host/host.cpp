@@ -193,7 +193,7 @@ void Host::run_background(std::uint32_t index) {
   constexpr auto relaxed = std::memory_order_relaxed;
   while (halt_background_.load(relaxed) == 0) {
     const Instant start = os::now();
-    block.background.begin(index, Doing::run, to_ns(start));  // before the tables are asked: SYNC: in tables
+    block.background.announce(index, Doing::run, to_ns(start));  // before the tables are asked: SYNC: in tables
     if (block.in_tables.load(std::memory_order_seq_cst) != 0) {
       if (period == Nanoseconds{0}) cycle.time = start;
       const char* failure = modules_[index]->run(cycle);

@@ -101,3 +101,4 @@ BENCHMARK(PlanOfAThousandModulesWithBudgets)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace takt::schedule
+BENCHMARK_MAIN();
