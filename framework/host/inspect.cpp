@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -56,10 +57,16 @@ struct Use {
 
 json check_uses(const std::string& path, const model::Cell& cell, const std::vector<Use>& uses) {
   json answer = json::array();
+  std::set<std::size_t> devices;  // whose host has loaded the file already
   for (const Use& use : uses) {
     const model::Module& wanted = cell.devices[use.device].modules[use.module];
+    const bool sporadic = wanted.operation == model::Operation::sporadic;
     ThreadModule module;
-    Result<void> result = module.load(path, os::Library::Globals::shared, wanted.operation == model::Operation::sporadic);
+    Result<void> result = module.load(path, os::Library::Globals::shared, sporadic);
+    const bool again = !devices.insert(use.device).second;
+    if (result && again && module.component() == nullptr) {
+      result = module.load(path, os::Library::Globals::own, sporadic);  // as the host will
+    }
     if (result) {
       irp::Property::Values values;
       for (const model::PropertyValue& property : wanted.properties) values.emplace_back(property.name, property.value);

@@ -4,9 +4,9 @@
 
 namespace takt::lifecycle {
 
-void Recovery::failed(Instant now) noexcept {
+void Recovery::failed(Instant now, std::optional<Instant> since) noexcept {
   const Nanoseconds lasting = std::max<Nanoseconds>(std::chrono::seconds{1}, 10 * policy_.backoff);
-  if (running_ && now - recovered_at_ >= lasting) made_ = 0;
+  if (running_ && since.value_or(now) - recovered_at_ >= lasting) made_ = 0;
   running_ = false;
   not_before_ = now + policy_.backoff;
 }

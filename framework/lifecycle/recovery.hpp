@@ -5,6 +5,8 @@
 // has run without an error for ten back-offs, at least a second.
 #pragma once
 
+#include <optional>
+
 #include <takt/core/time.hpp>
 
 namespace takt::lifecycle {
@@ -21,8 +23,9 @@ class Recovery {
 
   explicit Recovery(RecoveryPolicy policy) : policy_(policy) {}
 
-  /// The module went to RECOVER.
-  void failed(Instant now) noexcept;
+  /// The module went to RECOVER. `since`: when it went wrong, if that was seen late, as with what does not come back: the
+  /// time until then is no time without an error.
+  void failed(Instant now, std::optional<Instant> since = std::nullopt) noexcept;
   /// An attempt ended: it is EXECUTING or START again, or still in RECOVER.
   void attempted(Instant now, bool recovered) noexcept;
   /// What to do now with a module that is in RECOVER. `attempt` counts it.

@@ -143,8 +143,15 @@ void Supervisor::go(Instant t0) {
   begin_rows();
 }
 
+// What grows when a row names the module: a periodic one is called or released, a sporadic one is asked for its condition.
+std::uint64_t Supervisor::cycles_of(const Member& member) const {
+  const bool sporadic = member.model.operation == model::Operation::sporadic;
+  const auto& cycles = sporadic ? channel_.executor(executor_of(member)).cycles : member.block.cycles;
+  return cycles.load(std::memory_order_relaxed);
+}
+
 void Supervisor::put_in_tables(Member& member) {
-  member.seen_cycles = member.block.cycles.load(std::memory_order_relaxed);
+  member.seen_cycles = cycles_of(member);
   member.block.in_tables.store(1, std::memory_order_seq_cst);  // SYNC: in tables
 }
 
@@ -193,10 +200,8 @@ void Supervisor::running_step(Instant now) {
       raise(member, static_cast<ErrorType>(type), text);
     }
     if (member.state() == State::start && member.in_tables() && rows_begun_) {
-      const bool named = member.model.operation == model::Operation::sporadic
-                             ? channel_.executor(executor_of(member)).cycles.load(std::memory_order_relaxed) > 0
-                             : member.block.cycles.load(std::memory_order_relaxed) != member.seen_cycles ||
-                                   member.block.background.module.load(std::memory_order_relaxed) != 0;
+      const bool named = cycles_of(member) != member.seen_cycles ||
+                         member.block.background.module.load(std::memory_order_relaxed) != 0;
       if (named) apply(member, Event::run);
     }
     if (member.state() == State::recover && !member.pending) attempt_recovery(member);
@@ -204,11 +209,11 @@ void Supervisor::running_step(Instant now) {
 }
 
 // The module is out of its table, by the executor or by us.
-void Supervisor::raise(Member& member, ErrorType type, const std::string& text) {
+void Supervisor::raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since) {
   take_from_tables(member);
   member.why = std::string{takt::to_text(type)} + ": " + text;
   if (!apply(member, Event::error, member.why)) return;
-  member.recovery.failed(os::now());
+  member.recovery.failed(os::now(), since);
   if (member.is_thread()) ask(member, Doing::error, type);
 }
 
@@ -268,7 +273,7 @@ void Supervisor::lose(Member& member, const std::string& text) {
   const bool starting = phase_ == Phase::preparing;
   if (member.machine.accepts(Event::error)) apply(member, Event::error, text);
   if (member.machine.accepts(Event::give_up)) {
-    apply(member, Event::give_up);
+    apply(member, Event::give_up, text);  // again: who joins later is shown the last step only
   } else if (member.machine.accepts(Event::destruct)) {
     apply(member, Event::destruct, text);
   }

@@ -61,6 +61,12 @@ class Supervisor {
   [[nodiscard]] nlohmann::ordered_json report() const;
 
  private:
+  struct Hang {
+    std::uint32_t module;
+    channel::Doing doing;
+    Nanoseconds limit;
+  };
+
   // The host (supervisor_host.cpp)
   Result<void> start_host();
   void ask(Member& member, channel::Doing hook, ErrorType type = ErrorType::none);
@@ -69,6 +75,7 @@ class Supervisor {
   void begin_rows();
   void host_ended(const os::ProcessEnd& end);
   void watch_host(Instant now);
+  std::optional<Hang> never_halts() const;
   void bring_back(Member& member);
 
   // Programs (supervisor_process.cpp)
@@ -86,12 +93,13 @@ class Supervisor {
   void log(const Member& member, const std::string& text) const;
   void log(const std::string& text) const;
   void fail_device(Problem problem);
-  void raise(Member& member, ErrorType type, const std::string& text);
+  void raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since = std::nullopt);
   void lose(Member& member, const std::string& text);
   void attempt_recovery(Member& member);
   void recovered(Member& member);
   void not_recovered(Member& member, const std::string& text);
   void give_up(Member& member);
+  std::uint64_t cycles_of(const Member& member) const;
   void put_in_tables(Member& member);
   void take_from_tables(Member& member);
   void prepare_step();
@@ -116,7 +124,7 @@ class Supervisor {
   bool background_begun_ = false;
   bool halted_ = false;
   bool halt_asked_ = false;
-  std::optional<std::uint32_t> hung_;  // the module for which the host was killed
+  std::optional<Hang> hung_;           // for which the host was killed
   std::vector<Instant> restarts_;      // of the host, without a culprit
   std::optional<Instant> t0_;
   Instant asked_at_{};   // preparing: when it began; stopping: when the present part of it began

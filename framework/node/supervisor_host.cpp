@@ -76,8 +76,13 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       else lose(member, failure);
       break;
     case Doing::initialize:
-      if (ok) apply(member, Event::initialize);
-      else lose(member, failure);
+      if (!ok) {
+        lose(member, failure);
+        break;
+      }
+      apply(member, Event::initialize);
+      // While the device is prepared, all are initialised before the first is started; one that comes back waits for nobody.
+      if (phase_ == Phase::ready || phase_ == Phase::running) ask(member, Doing::start);
       break;
     case Doing::start:
       if (ok && member.state() == State::recover) recovered(member);
@@ -132,13 +137,26 @@ void Supervisor::watch_host(Instant now) {
     for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
       const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
       if (busy == 0 || since(*activity) < stuck_after(members_.at(busy - 1)->model)) continue;
-      log(*members_[busy - 1], std::string{channel::to_text(activity->doing.load())} + " did not return within " +
-                                   to_text(stuck_after(members_[busy - 1]->model)) + "; the host is ended");
-      hung_ = busy - 1;
+      hung_ = {.module = busy - 1, .doing = activity->doing.load(), .limit = stuck_after(members_[busy - 1]->model)};
       host_.kill();
       return;
     }
   }
+}
+
+// The module that keeps a thread of the host, long after all were told to halt.
+std::optional<Supervisor::Hang> Supervisor::never_halts() const {
+  std::vector<const channel::Activity*> activities;
+  for (std::size_t e = 0; e < channel_.executors(); ++e) {
+    activities.push_back(&channel_.executor(e).row);
+    activities.push_back(&channel_.executor(e).sporadic);
+  }
+  for (const auto& member : members_) activities.push_back(&member->block.background);
+  for (const channel::Activity* activity : activities) {
+    const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
+    if (busy != 0) return Hang{.module = busy - 1, .doing = activity->doing.load(), .limit = kHaltLimit};
+  }
+  return std::nullopt;
 }
 
 void Supervisor::host_ended(const os::ProcessEnd& end) {
@@ -147,13 +165,13 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
   std::string text = "the host " + end.text();
   Member* culprit = nullptr;
   if (hung_) {
-    culprit = members_[*hung_].get();
-    text = "never came back, so the host was ended";
+    culprit = members_[hung_->module].get();
+    text = std::string{channel::to_text(hung_->doing)} + " did not return within " + to_text(hung_->limit) + ", so the host was ended";
   } else if (end.signalled && block.crash.signal.load() == end.code && block.crash.module.load() != 0) {
     culprit = members_.at(block.crash.module.load() - 1).get();
     text += std::string{" in "} + channel::to_text(block.crash.doing.load());
   }
-  log(culprit == nullptr ? text : text + " of module " + culprit->model.name);
+  log(culprit == nullptr ? text : "module " + culprit->model.name + ": " + text);
   hung_.reset();
 
   // Nobody writes the channel now. What the dead threads were doing is over.

@@ -100,6 +100,10 @@ void Supervisor::process_ready(Member& member) {
 void Supervisor::watch_process(Member& member, Instant now) {
   if (const auto end = member.child.poll()) {
     forward_output();
+    // It may have come further than we have looked.
+    if (member.state() == State::idle && member.seat->phase.load(std::memory_order_acquire) != channel::SeatPhase::empty) {
+      apply(member, Event::initialize);
+    }
     process_ended(member, *end);
     return;
   }
@@ -164,7 +168,11 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
         break;
       }
       ++member.errors;
-      raise(member, member.killed_for_hanging ? ErrorType::hang : ErrorType::crash, text);
+      if (member.killed_for_hanging) {
+        raise(member, ErrorType::hang, text, from_ns(member.seat->release_ns.load(std::memory_order_relaxed)));
+      } else {
+        raise(member, ErrorType::crash, text);
+      }
       break;
     case State::destruct: break;
   }

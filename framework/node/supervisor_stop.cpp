@@ -23,7 +23,8 @@ void Supervisor::stop() {
 void Supervisor::stopping_step(Instant now) {
   if (!halted_) {
     if (now - asked_at_ > kHaltLimit && host_.running() && !hung_) {
-      log("the executors did not halt within " + to_text(kHaltLimit) + "; the host is ended");
+      hung_ = never_halts();
+      if (!hung_) log("the executors did not halt within " + to_text(kHaltLimit) + "; the host is ended");
       host_.kill();
     }
     return;

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <takt/os/error.hpp>
 
@@ -75,6 +76,21 @@ std::string shared_variable(const Fd& fd) {
   return found;
 }
 
+// A path of the copy that no loaded object has. The loader takes an object of the same path for the same object, and the
+// number of a descriptor is used again.
+Result<std::string> path_of_its_own(Fd& copy) {
+  std::vector<Fd> taken;
+  while (true) {
+    const std::string path = "/proc/self/fd/" + std::to_string(copy.get());
+    void* other = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD);
+    if (other == nullptr) return path;
+    ::dlclose(other);
+    taken.push_back(std::move(copy));
+    copy = Fd{::fcntl(taken.back().get(), F_DUPFD_CLOEXEC, 0)};
+    if (!copy) return errno_problem("a descriptor for a copy of a module", "free file descriptors");
+  }
+}
+
 }  // namespace
 
 Library::Library(Library&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
@@ -99,7 +115,9 @@ Result<Library> Library::open(const std::string& path, Globals globals) {
       return fail(path + " cannot have globals of its own for a second module: the loader would share " + variable,
                   "compile it with -fno-gnu-unique, or make it a takt::Component");
     }
-    file = "/proc/self/fd/" + std::to_string(copy.get());
+    auto own = path_of_its_own(copy);
+    if (!own) return own.problems();
+    file = std::move(*own);
   }
   Library library;
   library.handle_ = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

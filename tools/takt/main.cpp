@@ -1,4 +1,7 @@
 // The command line.
+#include <cstdlib>
+#include <string>
+
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
@@ -9,13 +12,14 @@
 
 namespace {
 
-const CLI::Validator a_duration{[](const std::string& text) -> std::string {
-                                  double seconds = 0;
-                                  const bool number = CLI::detail::lexical_cast(text, seconds);
-                                  if (number && seconds > 0 && seconds <= 1e9) return {};
-                                  return "'" + text + "' is no number of seconds; write one above 0, as in --for 10";
-                                },
-                                ""};
+// CLI::PositiveNumber takes inf, and says its range with 308 digits.
+std::string positive_seconds(const std::string& text) {
+  constexpr double kLongest = 1e9;
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool number = end != text.c_str() && *end == '\0';
+  return number && value > 0 && value <= kLongest ? "" : "'" + text + "' is no number of seconds above 0 and up to 1e9";
+}
 
 }  // namespace
 
@@ -37,7 +41,7 @@ int main(int argc, char** argv) {
   double seconds = 0;
   auto* run_command = app.add_subcommand("run", "Run a descriptor on this machine, one takt-node for each device, until Ctrl-C");
   run_command->add_option("FILE", run_options.file, "a cell, or a module.xml")->required();
-  auto* for_option = run_command->add_option("--for", seconds, "end after this long")->type_name("SECONDS")->check(a_duration);
+  auto* for_option = run_command->add_option("--for", seconds, "end after this long")->type_name("SECONDS")->check(positive_seconds);
   run_command->add_flag("--json", run_options.json, "print the closing report as one JSON object");
   run_command->add_flag("--require-realtime", run_options.require_real_time,
                         "refuse to run where the system refuses real-time scheduling");

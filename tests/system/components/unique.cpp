@@ -1,15 +1,15 @@
-// As counter, in C++, with the count in an inline variable that was compiled to be one for the whole program
+// As counter, with the count in an inline variable that was compiled to be one for the whole program
 // (STB_GNU_UNIQUE): the one thing of which two copies of an object cannot each have their own.
 #include "count_file.hpp"
 
-#include <takt/component.hpp>
+#include <takt/module.h>
 
 inline int shared_count = 0;
 
-class Unique : public takt::Component {
-  takt::Property<std::string> file{*this, "file", "", {.text = "Where the count goes at the end."}};
+static std::string file;
 
-  void run(const takt::Cycle&) noexcept override { ++shared_count; }
-  void destruct() override { write_count(file, shared_count); }
-};
-TAKT_COMPONENT(Unique)
+extern "C" {
+void initialize(irp::Property const& property) { file = property.get("file", ""); }
+void run(void) { ++shared_count; }
+void destruct(void) { write_count(file, shared_count); }
+}

@@ -54,5 +54,14 @@ TEST(Recovery, ForgetsAfterALastingSuccess) {
   }
 }
 
+TEST(Recovery, TimeThatItHungIsNoLastingSuccess) {
+  Recovery recovery{{.attempts = 1, .backoff = 10ms}};
+  recovery.failed(at(5s));
+  ASSERT_EQ(recovery.next(at(6s)), Step::attempt);
+  recovery.attempted(at(6s), true);
+  recovery.failed(at(9s), at(6s + 100ms));
+  EXPECT_EQ(recovery.next(at(10s)), Step::give_up);
+}
+
 }  // namespace
 }  // namespace takt::lifecycle

@@ -1,0 +1,54 @@
+// Writes a line into `file` for each hook but run() and condition(): "initialize", "start", "error 2", "recover",
+// "destruct". Fails when it is told to: start() its first `bad_starts` times (0), and run() or condition() in its
+// `after`-th run or check (never) since it last recovered, in the way of `how`: throw, say, slow (run() spins for `ns`,
+// 2000000) or condition (which throws).
+#include <takt/module.h>
+
+#include <chrono>
+#include <fstream>
+
+static std::string file;
+static std::string how;
+static long long after = 0;
+static long long bad_starts = 0;
+static std::chrono::nanoseconds length{};
+static long long runs = 0;
+static long long checks = 0;
+
+static void write(const std::string& line) {
+  if (!file.empty()) std::ofstream(file, std::ios::app) << line << '\n';
+}
+
+extern "C" {
+void initialize(irp::Property const& property) {
+  file = property.get("file", "");
+  how = property.get("how", "throw");
+  after = property.get("after", 0LL, 0, 1000000000);
+  bad_starts = property.get("bad_starts", 0LL, 0, 1000);
+  length = std::chrono::nanoseconds{property.get("ns", 2000000LL, 0, 60000000000)};
+  write("initialize");
+}
+void start(void) {
+  write("start");
+  if (bad_starts-- > 0) throw std::runtime_error("start() threw as it was asked to");
+}
+void run(void) {
+  if (++runs != after) return;
+  if (how == "throw") throw std::runtime_error("run() threw as it was asked to");
+  if (how == "say") takt_fail("run() failed as it was asked to");
+  if (how != "slow") return;
+  const auto end = std::chrono::steady_clock::now() + length;
+  while (std::chrono::steady_clock::now() < end) {
+  }
+}
+int condition(void) {
+  if (++checks == after && how == "condition") throw std::runtime_error("condition() threw as it was asked to");
+  return TRUE;
+}
+void error(int type) { write("error " + std::to_string(type)); }
+void recover(void) {
+  write("recover");
+  runs = checks = 0;
+}
+void destruct(void) { write("destruct"); }
+}

@@ -1,0 +1,18 @@
+/* A plain program for a non-real-time module: says when it was started, and returns from main with `status` (0)
+ * after `ms` milliseconds (100). It calls nothing of Takt. */
+#define _POSIX_C_SOURCE 200809L
+#include <time.h>
+
+#include "../../../components/common/argument.h"
+
+int main(int argc, char* argv[]) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  printf("started %lld\n", (long long)now.tv_sec * 1000000000 + now.tv_nsec);
+  fflush(stdout);
+  const long ms = (long)argument_number(argc, argv, "ms", 100, 0, 1e6);
+  const int status = (int)argument_number(argc, argv, "status", 0, 0, 255);
+  const struct timespec pause = {ms / 1000, ms % 1000 * 1000000};
+  nanosleep(&pause, NULL);
+  return status;
+}

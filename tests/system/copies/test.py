@@ -1,0 +1,46 @@
+import os
+import re
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE
+
+
+class Copies(takt_system.Case):
+    def test_each_module_counts_for_itself(self):
+        run = self.start("run", "counters.xml", "--for", "0.5", "--json")
+        run.wait_for_state("program_two", "EXECUTING")
+        self.assertEqual(2, len(run.processes("fine.exe")))
+        run.wait()
+        self.assertEqual(0, run.status, run.err)
+        modules = run.modules()
+        for module in modules:
+            self.assertEqual(LIFE, run.states(module))
+        for module, every in (("one", 1), ("two", 2), ("three", 5), ("four", 10)):
+            self.assert_grid(run, module, every=every)
+            self.assertEqual(modules[module]["cycles"], int(self.read(module)), module)
+        for module in ("sporadic_one", "sporadic_two"):
+            self.assertEqual(modules[module]["cycles"], int(self.read(module)), module)
+        for module, every in (("program_one", 2), ("program_two", 5)):
+            self.assert_grid(run, module, every=every)
+            counted = int(re.search(r"released (\d+) times", " ".join(run.printed(module)))[1])
+            self.assertIn(modules[module]["cycles"] - counted, (0, 1), module)
+        self.assertNotEqual(modules["program_one"]["pid"], modules["program_two"]["pid"])
+
+    def test_copies_that_would_share_a_variable_are_refused(self):
+        for command in (["check"], ["run", "--for", "1"]):
+            run = self.takt(command[0], "unique.xml", *command[1:])
+            self.assert_refused(run, r"\S*unique\.xml:7: error: module two: .*/unique\.so cannot have globals of its own for a "
+                                     r"second module: the loader would share \w*shared_count\w*; compile it with "
+                                     r"-fno-gnu-unique, or make it a takt::Component")
+            self.assertEqual(1, len(run.err.splitlines()), run.err)
+
+    def test_one_of_them_is_no_copy(self):
+        run = self.takt("run", "unique_once.xml", "--for", "0.2", "--json")
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(run.modules()["one"]["cycles"], int(self.read("one")))
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,118 @@
+import os
+import re
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE
+
+STARTED = LIFE[:4]
+SEGV = r"the host was killed by SIGSEGV \(Segmentation fault\) in %s\(\)"
+
+
+class Crashes(takt_system.Case):
+    def crash(self, descriptor, reason, seconds="1", culprits=("culprit",)):
+        """Runs it, and checks all that holds whatever the crash was."""
+        run = self.start("run", descriptor + ".xml", "--for", seconds, "--json")
+        run.wait_for_state("program", "EXECUTING")
+        node, program = run.one("takt-node").pid, run.one("grid.exe").pid
+        begun = len(run.raw)
+        run.wait_for_line("the host is started again")
+        self.assertEqual(node, run.one("takt-node").pid)
+        self.assertEqual(program, run.one("grid.exe").pid)
+        run.wait_for_line(r"\.grid: START -> EXECUTING", after=begun)
+        run.wait()
+
+        self.assertEqual(1, run.status, run.err)
+        self.assertRegex(run.other_lines[0], r"^module %s\.%s: error: %s; mend the module$" % (descriptor, culprits[0], reason))
+        self.assertEqual(len(culprits), len(run.other_lines), run.other_lines)
+        modules = run.modules()
+        self.assertEqual({"grid", "slower", "program", "sporadic"} | set(culprits), set(modules))
+        for name, module in modules.items():
+            self.assertEqual("DESTRUCT", module["state"], name)
+        for culprit in culprits:
+            self.assertGreaterEqual(modules[culprit]["errors"], 1)
+            self.assertEqual("DESTRUCT", run.states(culprit)[-1])
+        self.assertRegex(run.steps(culprits[0])[-2].text + run.steps(culprits[0])[-1].text, reason)
+        for module in ("grid", "slower", "sporadic"):
+            self.assertEqual(STARTED + (["DESTRUCT"] + STARTED) * len(culprits) + LIFE[4:], run.states(module))
+            self.assertEqual(0, modules[module]["errors"])
+        self.assertEqual(LIFE, run.states("program"))
+
+        # The program was always in the table. The others missed what passed while they were loaded.
+        restarts = len(culprits)
+        self.assert_grid(run, "program", every=2, broken_rows=restarts)
+        rows = run.executor()
+        self.assertGreater(rows["missed"], 0)
+        for module, every in (("grid", 1), ("slower", 5)):
+            cycles = modules[module]["cycles"]
+            self.assertLessEqual(cycles, min(-(-(rows["cycles"] + rows["missed"]) // every), rows["cycles"] + restarts))
+            self.assertGreater(cycles, 100 // every)
+
+        # One grid from the first release to the last, over the restart.
+        t0, runs, strayed = map(int, self.read("grid").split())
+        self.assertGreater(runs, 0, "it ran in the last host")
+        said = re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program")))
+        self.assertEqual((0, 0), (strayed, int(said[3])))
+        self.assertEqual(t0, int(said[1]))
+        self.assertIn(modules["program"]["cycles"] - int(said[2]), (0, 1))
+        return run
+
+    def test_segmentation_fault(self):
+        run = self.crash("segv", SEGV % "run")
+        self.assertEqual(99, run.modules()["culprit"]["cycles"])
+        self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("culprit"))
+
+    def test_abort(self):
+        run = self.crash("abort", r"the host was killed by SIGABRT \(Aborted\) in run\(\)")
+        self.assertEqual(99, run.modules()["culprit"]["cycles"])
+
+    def test_stack_overflow(self):
+        self.crash("overflow", SEGV % "run")
+
+    def test_endless_loop(self):
+        run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the host was ended", seconds="2.5")
+        self.assertGreaterEqual(run.executor()["missed"], 1000, "nobody walked the rows while it spun")
+
+    def test_in_error_and_recover(self):
+        for hook in ("error", "recover"):
+            with self.subTest(hook=hook):
+                run = self.crash("segv_in_" + hook, SEGV % hook)
+                self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("culprit"))
+                self.assertEqual((100, 2), (run.modules()["culprit"]["cycles"], run.modules()["culprit"]["errors"]))
+
+    def test_in_the_background(self):
+        self.crash("background", SEGV % "run")
+
+    def test_one_after_the_other(self):
+        self.crash("two", SEGV % "run", seconds="1.5", culprits=("first", "second"))
+
+    def test_in_initialize_and_start_refuses_the_device(self):
+        for hook in ("initialize", "start"):
+            with self.subTest(hook=hook):
+                run = self.takt("run", "segv_in_%s.xml" % hook, "--for", "5", "--json", limit=15)
+                self.assert_refused(run, "(?m)^module segv_in_%s.culprit: error: %s; " % (hook, SEGV % hook))
+                self.assertEqual(0, run.executor()["cycles"])
+                self.assertNotIn("started again", run.err)
+                self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
+
+    def test_in_destruct_is_reported(self):
+        run = self.takt("run", "segv_in_destruct.xml", "--for", "0.3", "--json", limit=15)
+        self.assertEqual(1, run.status)
+        self.assertRegex(run.err, "(?m)^module segv_in_destruct.culprit: error: %s; " % (SEGV % "destruct"))
+        self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
+        self.assertEqual(LIFE, run.states("program"))
+        self.assertEqual(LIFE, run.states("grid"))
+
+    def test_a_module_that_the_device_cannot_do_without_ends_it(self):
+        run = self.takt("run", "stop_device.xml", "--for", "30", "--json", limit=15)
+        self.assertEqual(1, run.status)
+        self.assertEqual(1, len(run.other_lines), run.other_lines)
+        self.assertRegex(run.err, "(?m)^module stop_device.culprit: error: %s; " % (SEGV % "run"))
+        self.assertEqual(LIFE, run.states("program"))
+        self.assertEqual(LIFE, run.states("grid"))
+        self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
+
+
+if __name__ == "__main__":
+    takt_system.main()

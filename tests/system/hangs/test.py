@@ -1,0 +1,54 @@
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, NEVER_RAN
+
+
+def reason(hook):
+    return "%s() did not return within 5 s" % hook
+
+
+class Hangs(takt_system.Case):
+    def test_in_initialize_and_start_refuses_the_device(self):
+        for hook, last in (("initialize", ["IDLE", "DESTRUCT"]), ("start", ["IDLE", "INITIALIZE", "RECOVER", "DESTRUCT"])):
+            with self.subTest(hook=hook):
+                run = self.takt("run", hook + ".xml", "--for", "5", "--json", limit=20)
+                self.assert_refused(run)
+                self.assertEqual(["module %s.culprit: error: %s; mend the module" % (hook, reason(hook))], run.other_lines)
+                self.assertEqual(last, run.states("culprit"))
+                self.assertEqual(0, run.executor()["cycles"])
+                self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
+                # The hooks of the next module in the file were called all the same.
+                self.assertEqual("destruct", self.read("after").splitlines()[-1])
+                os.remove(os.path.join(self.folder, "after"))
+
+    def test_while_it_runs_and_at_its_end(self):
+        run = self.start("run", "running.xml", "--for", "11.5", "--json")
+        run.wait_for_line("after: recovery, attempt 1")
+        host = run.one("takt-host")
+        run.wait_for_line(r"in_recover: RECOVER -> DESTRUCT")
+        self.assertEqual(host.pid, run.one("takt-host").pid)
+        run.wait(40)
+        self.assertEqual(1, run.status)
+        for module, hook in (("in_error", "error"), ("in_recover", "recover"), ("in_destruct", "destruct")):
+            self.assertIn("module running.%s: error: %s; mend the module" % (module, reason(hook)), run.other_lines)
+            self.assertEqual(reason(hook), run.steps(module)[-1].text)
+            self.assertEqual("DESTRUCT", run.states(module)[-1])
+        for module in ("in_error", "in_recover"):
+            self.assertEqual(LIFE[:4] + ["RECOVER", "DESTRUCT"], run.states(module))
+            self.assertEqual(50, run.modules()[module]["cycles"])
+        # Its hooks waited for those of the others, and were called: each attempt, and the end.
+        diary = self.read("after").splitlines()
+        self.assertEqual(["initialize", "start"] + ["error 1", "recover"] * 3 + ["error 1", "destruct"], diary)
+        # Nobody in the tables noticed.
+        for module, every in (("steady", 1), ("program", 2)):
+            self.assertEqual(LIFE, run.states(module))
+            self.assert_grid(run, module, every=every)
+        self.assertEqual(run.executor()["cycles"], run.modules()["steady"]["cycles"])
+        self.assertEqual(run.executor()["cycles"], run.modules()["in_destruct"]["cycles"])
+
+
+if __name__ == "__main__":
+    takt_system.main()

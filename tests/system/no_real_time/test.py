@@ -1,0 +1,91 @@
+import os
+import resource
+import shutil
+import sys
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import BIN, LIFE
+
+NOBODY = 65534
+MODULES = ["steady", "program", "sporadic", "background"]
+
+
+def become_unprivileged():
+    """In the child: no rights, and no limit that would stand for one."""
+    for limit in (resource.RLIMIT_RTPRIO, resource.RLIMIT_MEMLOCK):
+        resource.setrlimit(limit, (0, 0))
+    if os.getuid() == 0:
+        os.setgroups([])
+        os.setgid(NOBODY)
+        os.setuid(NOBODY)
+
+
+class NoRealTime(takt_system.Case):
+    def setUp(self):
+        super().setUp()
+        os.chmod(self.folder, 0o755)
+        # What it runs, where everybody may read it.
+        self.bin = os.path.join(self.folder, "bin")
+        components = os.path.join(self.folder, "components")
+        shutil.copytree(BIN, self.bin, ignore=lambda folder, names: [n for n in names if not n.startswith("takt")])
+        os.mkdir(components)
+        for name in ("fine.so", "fine.exe", "fine_sporadic.so"):
+            for folder in os.environ["TAKT_COMPONENT_PATH"].split(":"):
+                if os.path.exists(os.path.join(folder, name)):
+                    shutil.copy(os.path.join(folder, name), components)
+        libraries = os.path.join(self.folder, "lib")
+        shutil.copytree(os.path.join(os.path.dirname(BIN), "lib"), libraries)
+        self.descriptor = shutil.copy(self.beside("cell.xml"), self.folder)
+        self.options = dict(programs=self.bin, become=become_unprivileged,
+                            environment={"TAKT_COMPONENT_PATH": components, "LD_LIBRARY_PATH": libraries})
+
+    def assert_ran(self, run):
+        self.assertEqual(0, run.status, run.err)
+        for module in MODULES:
+            self.assertEqual(LIFE, run.states(module))
+        self.assert_grid(run, "steady")
+        self.assert_grid(run, "program", every=2)
+        self.assertEqual(run.executor()["cycles"], run.modules()["steady"]["cycles"])
+        self.assertGreater(run.modules()["background"]["cycles"], 0)
+
+    def test_it_is_said_loudly_and_works_all_the_same(self):
+        run = self.takt("run", self.descriptor, "--for", "1", "--json", **self.options)
+        self.assert_ran(run)
+        self.assertIs(False, run.device()["real_time"])
+        warnings = [line.text for line in run.lines if line.text.startswith("WARNING: not real-time: ")]
+        self.assertTrue([w for w in warnings if "SCHED_FIFO" in w and "is refused" in w and "CAP_SYS_NICE" in w], run.err)
+        self.assertTrue([w for w in warnings if "mlockall is refused" in w and "memlock" in w], run.err)
+
+    def test_the_text_report_says_so_too(self):
+        run = self.takt("run", self.descriptor, "--for", "0.2", **self.options)
+        self.assertEqual(0, run.status, run.err)
+        self.assertRegex(run.out, r"(?m)^device cell +NOT REAL-TIME$")
+
+    def test_require_realtime_starts_nothing(self):
+        run = self.takt("run", self.descriptor, "--for", "5", "--json", "--require-realtime", limit=15, **self.options)
+        self.assert_refused(run, r"(?m)^device cell: error: SCHED_FIFO .* is refused: .*; run as root, or give ",
+                            r"(?m)^device cell: error: mlockall is refused: ")
+        self.assertNotIn("INITIALIZE", run.err)
+        self.assertNotIn("WARNING", run.err)
+
+    @unittest.skipUnless(shutil.which("taskset"), "no taskset")
+    def test_one_processor_and_no_rights(self):
+        run = self.takt("run", self.descriptor, "--for", "1", "--json", before=["taskset", "-c", self.a_processor()], **self.options)
+        self.assert_ran(run)
+        self.assertRegex(run.err, "no processor is left beside the executors'")
+
+    @unittest.skipUnless(shutil.which("taskset"), "no taskset")
+    def test_one_processor(self):
+        run = self.takt("run", "cell.xml", "--for", "1", "--json", before=["taskset", "-c", self.a_processor()])
+        self.assert_ran(run)
+        self.assertRegex(run.err, "no processor is left beside the executors'")
+
+    @staticmethod
+    def a_processor():
+        return str(min(os.sched_getaffinity(0)))
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,43 @@
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+
+
+class Output(takt_system.Case):
+    def test_lines_are_shown_with_the_name_of_their_module(self):
+        run = self.takt("run", "cell.xml", "--for", "0.5", "--json")
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual("cell", run.report["cell"])
+        self.assertEqual(1, len(run.out.splitlines()))
+        self.assertEqual([], run.other_lines)
+        for module, lines, letters in (("prints", 50, 5000), ("other", 3, 2000)):
+            printed = run.printed(module)
+            self.assertTrue(all(len(line) <= 2004 for line in printed))
+            for side in ("out", "err"):
+                own = [line for line in printed if line.startswith(side)]
+                self.assertEqual([side + ": before it attaches"] + ["%s: line %d" % (side, i + 1) for i in range(lines)] +
+                                 [side + ": a partial last line"], own)
+            cut = [line for line in printed if line.startswith("x")]
+            self.assertEqual(2 * letters, sum(line.count("x") for line in cut))
+            pieces = ["x" * 2000 + " ..."] * ((letters - 1) // 2000) + ["x" * ((letters - 1) % 2000 + 1)]
+            self.assertEqual(sorted(pieces * 2), sorted(cut))
+        self.assertEqual(1, len(run.printed("brief")))
+        self.assertRegex(run.printed("brief")[0], r"^released \d+ times$")
+
+    def test_quiet_says_nothing_but_the_report(self):
+        run = self.takt("run", "cell.xml", "--for", "0.2", "--quiet")
+        self.assertEqual((0, ""), (run.status, run.err))
+        self.assertIn("cell cell", run.out)
+        for module in ("prints", "brief", "other"):
+            self.assertRegex(run.out, r"(?m)^ +%s +DESTRUCT +\d+" % module)
+
+    def test_a_reader_that_goes_away_costs_the_report_and_nothing_else(self):
+        run = self.start("run", "cell.xml", before=["/bin/sh", "-c", 'exec "$0" "$@" --for 0.2 --json >/dev/full'])
+        run.wait(10)
+        self.assertIn("brief: START -> DESTRUCT", run.err)
+
+
+if __name__ == "__main__":
+    takt_system.main()

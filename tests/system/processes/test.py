@@ -1,0 +1,107 @@
+import os
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+STARTED = LIFE[:4]
+AGAIN = ["RECOVER", "EXECUTING"]
+HUNG = "hang: the process did not come back to waitPeriod() within 1.02 s and was ended"
+
+
+class Processes(takt_system.Case):
+    def assert_others_unaffected(self, run):
+        for module, every in (("steady", 1), ("program", 2)):
+            self.assertEqual(LIFE, run.states(module))
+            self.assert_grid(run, module, every=every)
+
+    def assert_recovered_then_given_up(self, run, module, reason, attempts):
+        self.assertEqual(STARTED + AGAIN * attempts + ["RECOVER", "DESTRUCT"], run.states(module))
+        reasons = {step.text for step in run.steps(module) if step.target == "RECOVER"}
+        self.assertEqual({reason}, reasons)
+        self.assertEqual(attempts + 1, run.modules()[module]["errors"])
+        device = run.device()["name"]
+        self.assertEqual(1, sum(line.startswith("module %s.%s: error: was given up: %s; " % (device, module, reason))
+                                for line in run.other_lines), run.other_lines)
+
+    def test_one_that_ends_is_started_again_then_given_up(self):
+        run = self.takt("run", "ends.xml", "--for", "1", "--json")
+        self.assertEqual(1, run.status)
+        modules = run.modules()
+        self.assert_recovered_then_given_up(run, "exits", "crash: the process ended with status 3", 2)
+        self.assert_recovered_then_given_up(run, "crashes", "crash: the process was killed by SIGSEGV (Segmentation fault)", 2)
+        # A status of 0 is no better for one that is to be released.
+        self.assert_recovered_then_given_up(run, "leaves", "crash: the process ended with status 0", 0)
+        for module, lives in (("exits", 3), ("crashes", 3), ("leaves", 1)):
+            # Each life begins with a release and ends by itself after fifty; at most one more meets its end.
+            self.assertIn(modules[module]["cycles"] - 50 * lives, range(lives + 1), module)
+        self.assertEqual(3, len(run.other_lines), run.other_lines)
+        self.assert_others_unaffected(run)
+
+    def test_one_that_is_late_is_counted_and_goes_on(self):
+        run = self.takt("run", "late.xml", "--for", "1", "--json")
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(LIFE, run.states("late"))
+        late = run.modules()["late"]
+        self.assertEqual(0, late["errors"])
+        # Each tenth body is one and a half periods long, so it is met by the next row, save the last.
+        self.assertGreaterEqual(late["overruns"], late["cycles"] // 10 - 1)
+        self.assert_grid(run, "late", every=5)
+        self.assertEqual(LIFE, run.states("steady"))
+        self.assert_grid(run, "steady")
+
+    def test_one_that_does_not_come_up_refuses_the_device(self):
+        reasons = {
+            "never_attaches": "did not call initPeriodExe() within 5 s",
+            "never_waits": "did not call waitPeriod() within 5 s",
+            "exits_at_once": "was given up: the process ended with status 7",
+            "crashes_at_once": "was given up: the process was killed by SIGSEGV (Segmentation fault)",
+            "wrong_kind": "the process ended with status 1; its last line was: takt: initSporadicExe(): the descriptor says "
+                          "periodic; use initPeriodExe() and waitPeriod(); it had not called initPeriodExe()",
+        }
+        runs = {name: self.start("run", name + ".xml", "--for", "5", "--json") for name in reasons}  # all at once: none runs
+        for name, run in runs.items():
+            with self.subTest(descriptor=name):
+                run.wait(20)
+                self.assert_refused(run)
+                self.assertEqual(1, len(run.other_lines), run.other_lines)
+                self.assertIn("module %s.culprit: error: %s; mend the module" % (name, reasons[name]), run.other_lines[0])
+                self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
+                self.assertEqual(0, run.executor()["cycles"])
+
+    def test_one_that_stays_in_its_body_is_ended_and_started_again_then_given_up(self):
+        run = self.start("run", "stuck.xml", "--for", "4", "--json")
+        pids = set()
+        wait_until(lambda: pids.update(p.pid for p in run.processes("stuck.exe")) or len(pids) == 2, 10)
+        run.wait()
+        self.assertEqual(1, run.status)
+        self.assert_recovered_then_given_up(run, "stuck", HUNG, 1)
+        self.assert_recovered_then_given_up(run, "deaf", HUNG, 0)
+        modules = run.modules()
+        self.assertEqual((100, 50), (modules["stuck"]["cycles"], modules["deaf"]["cycles"]))
+        self.assertGreater(modules["stuck"]["overruns"], 0)
+        self.assertIn(modules["stuck"]["pid"], pids)
+        self.assert_others_unaffected(run)
+
+    def test_one_that_does_not_end_is_made_to(self):
+        run = self.start("run", "stuck_at_the_end.xml", "--json")
+        for module in ("stuck", "deaf"):
+            run.wait_for_state(module, "EXECUTING")
+        time.sleep(0.4)  # a hundred releases: they are in their bodies for good
+        run.signal(signal.SIGTERM)
+        run.wait(10)
+        self.assertEqual("was killed by SIGTERM (Terminated)", run.steps("stuck")[-1].text)
+        self.assertEqual("was killed by SIGKILL (Killed)", run.steps("deaf")[-1].text)
+        for module in ("stuck", "deaf"):
+            self.assertEqual(LIFE, run.states(module))
+            self.assertIn("does not come to its wait; SIGTERM", [line.text for line in run.said(module)])
+            self.assertEqual(100, run.modules()[module]["cycles"])
+        self.assertIn("does not end on SIGTERM; SIGKILL", [line.text for line in run.said("deaf")])
+        self.assert_others_unaffected(run)
+
+
+if __name__ == "__main__":
+    takt_system.main()

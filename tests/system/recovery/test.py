@@ -1,0 +1,103 @@
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE
+
+STARTED = ["IDLE", "INITIALIZE", "START", "EXECUTING"]
+AGAIN = ["RECOVER", "EXECUTING"]
+
+
+class Recovery(takt_system.Case):
+    def diary(self, name):
+        return self.read(name).splitlines()
+
+    def attempts(self, run, module):
+        return [line for line in run.said(module) if line.text.startswith("recovery, attempt")]
+
+    def assert_others_unaffected(self, run):
+        for module, every in (("steady", 1), ("program", 2)):
+            self.assertEqual(LIFE, run.states(module))
+            self.assert_grid(run, module, every=every)
+
+    def assert_backoff(self, run, module, seconds):
+        """Each attempt comes so long after what it answers: the step to RECOVER, or the attempt before it."""
+        before = None
+        for line in run.said(module):
+            if "-> RECOVER" in line.text or line.text.startswith("could not recover"):
+                before = line.at
+            elif line.text.startswith("recovery, attempt"):
+                self.assertGreaterEqual((line.at - before) % 86400, seconds - 0.0015, line)  # the times are cut to 1 ms
+
+    def test_a_module_recovers_and_runs_again(self):
+        run = self.takt("run", "recovers.xml", "--for", "1.2", "--json")
+        modules = run.modules()
+        # Why, and the number that error() is told.
+        reasons = {
+            "throws": ("failure: run() threw as it was asked to", 1),
+            "says": ("failure: run() failed as it was asked to", 1),
+            "budget": ("budget: one run() took longer than its budget", 2),
+            "condition": ("failure: condition() threw as it was asked to", 1),
+        }
+        for module, (reason, number) in reasons.items():
+            diary = self.diary(module)
+            errors = modules[module]["errors"]
+            self.assertGreaterEqual(errors, 1, module)
+            self.assertEqual(errors, diary.count("error %d" % number), module)
+            recovered = diary.count("recover")
+            self.assertEqual(["initialize", "start"] + ["error %d" % number, "recover"] * recovered +
+                             ["error %d" % number] * (errors - recovered) + ["destruct"], diary)
+            for step in run.steps(module):
+                if step.target == "RECOVER":
+                    self.assertEqual(reason, step.text)
+            self.assertEqual(STARTED + AGAIN * recovered, run.states(module)[:4 + 2 * recovered], module)
+            self.assertEqual(["recovery, attempt %d of %d" % (i + 1, 2 if module == "throws" else 3) for i in range(recovered)],
+                             [line.text for line in self.attempts(run, module)])
+            self.assert_backoff(run, module, 0.05)
+            self.assertEqual("DESTRUCT", modules[module]["state"])
+        self.assert_others_unaffected(run)
+
+        # Twice is all that it may: 0.1 s, three times, and two back-offs are over long before the end.
+        self.assertEqual(STARTED + AGAIN * 2 + ["RECOVER", "DESTRUCT"], run.states("throws"))
+        self.assertEqual("after 2 attempts", run.steps("throws")[-1].text)
+        self.assertEqual(3, modules["throws"]["errors"])
+        self.assertLessEqual(modules["throws"]["cycles"], 300)
+        self.assertEqual(1, run.status)
+        self.assertIn("module recovers.throws: error: was given up: failure: run() threw as it was asked to; mend the module, "
+                      "or give it more attempts in <recovery>", run.other_lines)
+
+    def test_a_module_that_cannot_recover_is_given_up(self):
+        run = self.takt("run", "gives_up.xml", "--for", "1", "--json")
+        self.assertEqual(1, run.status)
+        modules = run.modules()
+        threw = "recover() failed: recover() failed as it was asked to"
+        for module, attempts, backoff, reason in (("throws", 2, 0.05, threw), ("says", 1, 0, threw),
+                                                  ("in_c", 3, 0.05, "recover() failed: threw: recover() threw as it was asked to")):
+            self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states(module))
+            self.assertEqual(attempts, len(self.attempts(run, module)))
+            self.assertEqual(attempts, [line.text for line in run.said(module)].count("could not recover: " + reason))
+            self.assert_backoff(run, module, backoff)
+            self.assertEqual("after %d attempts" % attempts, run.steps(module)[-1].text)
+            self.assertEqual((100, 1), (modules[module]["cycles"], modules[module]["errors"]))
+            self.assertRegex("\n".join(run.other_lines), r"module gives_up\.%s: error: was given up: " % module)
+        # It recovers each time, and fails each time before that counts as lasting.
+        self.assertEqual(STARTED + AGAIN * 3 + ["RECOVER", "DESTRUCT"], run.states("again"))
+        self.assertEqual((40, 4), (modules["again"]["cycles"], modules["again"]["errors"]))
+        # With no attempt, an error is the end; the module is still told of both.
+        self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("at_once"))
+        self.assertEqual(["initialize", "start", "error 1", "destruct"], self.diary("at_once"))
+        self.assertEqual(5, len(run.other_lines), run.other_lines)
+        self.assert_others_unaffected(run)
+
+    def test_a_module_that_the_device_cannot_do_without_ends_it(self):
+        run = self.takt("run", "stop_device.xml", "--for", "60", "--json", limit=20)
+        self.assertEqual(1, run.status)
+        self.assertEqual(STARTED + AGAIN + ["RECOVER", "DESTRUCT"], run.states("needed"))
+        self.assertEqual(1, len(run.other_lines), run.other_lines)
+        self.assertRegex(run.other_lines[0], "^module stop_device.needed: error: was given up: failure: run\\(\\) threw")
+        self.assert_others_unaffected(run)
+
+
+if __name__ == "__main__":
+    takt_system.main()

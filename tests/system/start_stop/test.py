@@ -1,0 +1,152 @@
+import os
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+MODULES = ["fine", "program", "sporadic", "sporadic_program", "monitoring"]
+PROGRAMS = ["fine.exe", "fine_sporadic.exe", "monitoring.exe"]
+
+
+class StartStop(takt_system.Case):
+    def running(self, *options):
+        """A run in which every module is EXECUTING."""
+        run = self.start("run", "cell.xml", "--json", *options)
+        for module in MODULES:
+            run.wait_for_state(module, "EXECUTING")
+        return run
+
+    def assert_ended_well(self, run):
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual([], run.other_lines)
+        for module in MODULES:
+            self.assertEqual(LIFE, run.states(module))
+
+    def test_fifty_times_in_a_row(self):
+        for _ in range(50):
+            run = self.takt("run", "cell.xml", "--for", "0.2", "--json")
+            self.assert_ended_well(run)
+            self.assert_nothing_left(run)
+            self.assert_grid(run, "fine")
+            self.assert_grid(run, "program", every=2)
+            self.runs.remove(run)
+
+    def test_a_request_to_end_is_an_orderly_end(self):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            with self.subTest(signal=number):
+                run = self.running()
+                run.signal(number)
+                self.assert_ended_well(run.wait(5))
+
+    def test_ctrl_c_at_a_terminal_reaches_the_whole_group(self):
+        run = self.running()
+        os.killpg(run.pid, signal.SIGINT)
+        self.assert_ended_well(run.wait(5))
+
+    def test_a_node_that_is_asked_to_end_ends_its_device(self):
+        run = self.running()
+        run.one("takt-node").kill(signal.SIGTERM)
+        self.assert_ended_well(run.wait(5))
+
+    def test_a_request_to_end_at_any_moment_of_the_start(self):
+        for step in range(16):
+            run = self.start("run", "cell.xml")
+            time.sleep(0.01 * step)
+            number = signal.SIGTERM if step % 2 else signal.SIGINT
+            run.signal(number)
+            run.wait(5)
+            # Before takt can be asked, the signal itself ends it; nothing has been started then.
+            self.assertIn(run.status, (0, -number), run.err)
+            self.assert_nothing_left(run)
+
+    def test_killed_at_any_moment_of_the_start(self):
+        for step in range(10):
+            run = self.start("run", "cell.xml")
+            time.sleep(0.015 * step)
+            run.signal(signal.SIGKILL)
+            run.wait(5)
+            self.assert_nothing_left(run)
+
+    def test_killed_takt_leaves_nothing(self):
+        run = self.running()
+        run.signal(signal.SIGKILL)
+        run.wait(5)
+        for module in MODULES:
+            self.assertEqual(LIFE, run.states(module), "the node ends in order")
+        self.assert_nothing_left(run)
+
+    def test_killed_node_leaves_nothing_and_is_reported(self):
+        run = self.running()
+        run.one("takt-node").kill()
+        run.wait(5)
+        self.assertEqual(1, run.status)
+        self.assertRegex(run.err, r"device cell: error: its node was killed by SIGKILL")
+        device = run.device()
+        self.assertEqual(("cell", False, [], []), (device["name"], device["alive"], device["executors"], device["modules"]))
+        self.assert_nothing_left(run)
+
+    def test_killed_host_is_started_again_and_the_others_live_on(self):
+        run = self.running()
+        node = run.one("takt-node").pid
+        programs = [run.one(program).pid for program in PROGRAMS]
+        host = run.one("takt-host")
+        held = len(run.one("takt-node").memories())
+        begun = len(run.raw)
+        host.kill()
+        run.wait_for_line("the host is started again")
+        for module in ("fine", "sporadic"):
+            run.wait_for_line(r"\.%s: START -> EXECUTING" % module, after=begun)
+        self.assertNotEqual(host.pid, run.one("takt-host").pid)
+        self.assertEqual(node, run.one("takt-node").pid)
+        self.assertEqual(programs, [run.one(program).pid for program in PROGRAMS])
+        self.assertEqual(held, len(run.one("takt-node").memories()), "the channel is the same")
+        run.signal(signal.SIGINT)
+        run.wait(5)
+        self.assertEqual(0, run.status, run.err)
+        self.assertRegex(run.err, "the host was killed by SIGKILL")
+        for module in ("program", "sporadic_program", "monitoring"):
+            self.assertEqual(LIFE, run.states(module))
+        for module in ("fine", "sporadic"):
+            self.assertEqual(LIFE[:4] + ["DESTRUCT"] + LIFE, run.states(module))
+        # The grid was kept: the rows that nobody walked are missed, and the program missed its share.
+        self.assertGreater(run.executor()["missed"], 0)
+        self.assert_grid(run, "program", every=2)
+
+    def test_a_host_that_is_killed_again_and_again_ends_the_device(self):
+        run = self.running()
+        for _ in range(4):
+            host = run.one("takt-host")
+            host.kill()
+            wait_until(lambda: run.status is not None or [p for p in run.processes("takt-host") if p.pid != host.pid], 5)
+        run.wait(10)
+        self.assertEqual(1, run.status, run.err)
+        self.assertRegex(run.err, "it has been restarted 3 times")
+        self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
+
+    def test_killed_process_modules_are_started_again(self):
+        run = self.running()
+        before = {program: run.one(program).pid for program in PROGRAMS}
+        host = run.one("takt-host").pid
+        for program in PROGRAMS:
+            os.kill(before[program], signal.SIGKILL)
+        for module in ("program", "sporadic_program", "monitoring"):
+            run.wait_for_line(r"\.%s: RECOVER -> EXECUTING" % module)
+        after = {program: run.one(program).pid for program in PROGRAMS}
+        self.assertFalse(set(before.values()) & set(after.values()))
+        self.assertEqual(host, run.one("takt-host").pid)
+        run.signal(signal.SIGINT)
+        run.wait(5)
+        self.assertEqual(0, run.status, run.err)
+        self.assert_grid(run, "fine")
+        modules = run.modules()
+        for module, program in zip(("program", "sporadic_program", "monitoring"), PROGRAMS):
+            self.assertEqual(LIFE[:4] + ["RECOVER", "EXECUTING"] + LIFE[4:], run.states(module))
+            self.assertEqual(1, modules[module]["errors"])
+            self.assertEqual(after[program], modules[module]["pid"])
+
+
+if __name__ == "__main__":
+    takt_system.main()

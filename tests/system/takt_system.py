@@ -1,0 +1,338 @@
+"""For tests that run the real programs: starts takt, reads what it says, and looks in /proc at what it did.
+
+A test derives from Case. Whatever it starts carries a mark of its own in the environment, which children inherit, so that
+the processes of one run are found whoever their parent is by now, and never those of another run on the same machine.
+
+TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them.
+"""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+import uuid
+from collections import namedtuple
+
+BIN = os.environ.get("TAKT_BIN", "")
+SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+STATES = ("IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT")
+# A whole life without an error.
+LIFE = ["IDLE", "INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"]
+# The life of a module whose device was refused after it had been started.
+NEVER_RAN = ["IDLE", "INITIALIZE", "START", "DESTRUCT"]
+MARK = "TAKT_TEST_RUN"
+
+Line = namedtuple("Line", "at device module text")  # `at` as the node wrote it, in seconds of the day
+Step = namedtuple("Step", "at source target text")
+
+_LINE = re.compile(r"^(\d\d):(\d\d):(\d\d\.\d{3}) ([\w-]+)(?:\.([\w-]+|\(host\)))?: (.*)$")
+_STEP = re.compile(r"^(%s) -> (%s)(?: \((.*)\))?$" % ("|".join(STATES), "|".join(STATES)))
+
+
+class Process(namedtuple("Process", "pid program arguments")):
+    """One process, as /proc shows it. `program` is the file's name: takt, takt-node, takt-host, fine.exe."""
+
+    @property
+    def alive(self):
+        return _read(self.pid, "cmdline") != b""  # a zombie has none
+
+    def threads(self):
+        try:
+            return len(os.listdir("/proc/%d/task" % self.pid))
+        except OSError:
+            return 0
+
+    def memories(self):
+        """The shared memories of Takt that it holds: pairs of name and inode."""
+        found = set()
+        try:
+            for fd in os.listdir("/proc/%d/fd" % self.pid):
+                path = "/proc/%d/fd/%s" % (self.pid, fd)
+                try:
+                    name = os.readlink(path)
+                    if name.startswith("/memfd:takt-"):
+                        found.add((name.split()[0][7:], os.stat(path).st_ino))
+                except OSError:
+                    pass
+        except OSError:
+            pass
+        return found
+
+    def kill(self, number=signal.SIGKILL):
+        os.kill(self.pid, number)
+
+
+def _read(pid, what):
+    try:
+        with open("/proc/%d/%s" % (pid, what), "rb") as file:
+            return file.read()
+    except OSError:
+        return b""
+
+
+def _pids():
+    return [int(entry) for entry in os.listdir("/proc") if entry.isdigit()]
+
+
+def wait_until(condition, limit=10.0, what="the condition"):
+    """What `condition` returns once that is true. Fails after `limit` seconds."""
+    end = time.monotonic() + limit
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > end:
+            raise AssertionError("%s did not come about within %g s" % (what, limit))
+        time.sleep(0.01)
+
+
+class Run:
+    """One run of a program. Reads both outputs as they come."""
+
+    def __init__(self, arguments, folder, environment=None, before=(), become=None):
+        self.mark = uuid.uuid4().hex
+        self.began = time.monotonic()
+        self._seen = set()  # memories
+        everything = dict(os.environ, **(environment or {}))
+        everything[MARK] = self.mark
+        everything.setdefault("NO_COLOR", "1")
+        self._process = subprocess.Popen(list(before) + list(arguments), cwd=folder, env=everything,
+                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                         start_new_session=True, preexec_fn=become)
+        self.pid = self._process.pid
+        self.raw = []  # lines of standard error
+        self._out = b""
+        self._readers = [threading.Thread(target=read, daemon=True) for read in (self._read_out, self._read_err)]
+        for reader in self._readers:
+            reader.start()
+
+    def _read_out(self):
+        self._out = self._process.stdout.read()
+
+    def _read_err(self):
+        for line in self._process.stderr:
+            self.raw.append(line.decode(errors="replace").rstrip("\n"))
+
+    # While it runs
+
+    def processes(self, program=None):
+        """Of this run, whoever their parent is. Never a zombie."""
+        wanted = ("%s=%s" % (MARK, self.mark)).encode()
+        found = []
+        for pid in _pids():
+            if wanted not in _read(pid, "environ").split(b"\0"):
+                continue
+            arguments = [a.decode(errors="replace") for a in _read(pid, "cmdline").split(b"\0")[:-1]]
+            if not arguments:
+                continue
+            process = Process(pid, os.path.basename(arguments[0]), arguments[1:])
+            if program is None or process.program == program:
+                found.append(process)
+                self._seen |= process.memories()
+        return sorted(found)
+
+    def one(self, program):
+        """The only process of this program."""
+        found = self.processes(program)
+        assert len(found) == 1, "there are %d processes %s" % (len(found), program)
+        return found[0]
+
+    def wait_for_line(self, pattern, limit=15.0, after=0):
+        """The first line of standard error from index `after` on that `pattern` is found in."""
+        expression = re.compile(pattern)
+
+        def find():
+            for text in self.raw[after:]:
+                if expression.search(text):
+                    return text
+            if self._process.poll() is not None and not self._readers[1].is_alive():
+                raise AssertionError("it ended without a line %r; it said:\n%s" % (pattern, self.err))
+            return None
+
+        return wait_until(find, limit, "a line %r" % pattern)
+
+    def wait_for_state(self, module, state, limit=15.0, device=r"[\w-]+"):
+        return self.wait_for_line(r" %s\.%s: \w+ -> %s\b" % (device, re.escape(module), state), limit)
+
+    def signal(self, number):
+        os.kill(self.pid, number)
+
+    def wait(self, limit=60.0):
+        """Until it has ended and both outputs are closed, by its children too."""
+        try:
+            self._process.wait(limit)
+        except subprocess.TimeoutExpired:
+            said = self.err
+            self.kill_all()
+            raise AssertionError("it did not end within %g s; it said:\n%s" % (limit, said)) from None
+        for reader in self._readers:
+            reader.join(max(0.0, self.began + limit - time.monotonic()))
+        self._process.stdout.close()
+        self._process.stderr.close()
+        return self
+
+    def kill_all(self):
+        for process in self.processes():
+            try:
+                process.kill()
+            except OSError:
+                pass
+        self._process.wait(10)
+
+    # What it said
+
+    @property
+    def status(self):
+        """The exit status; minus the signal that ended it; none while it runs."""
+        return self._process.poll()
+
+    @property
+    def out(self):
+        return self._out.decode()
+
+    @property
+    def err(self):
+        return "\n".join(self.raw)
+
+    @property
+    def report(self):
+        """The object on standard output, which has nothing else on it."""
+        return json.loads(self.out)
+
+    def device(self, name=None):
+        devices = self.report["devices"]
+        return devices[0] if name is None else next(d for d in devices if d["name"] == name)
+
+    def modules(self, device=None):
+        return {m["name"]: m for m in self.device(device)["modules"]}
+
+    def executor(self, name="main", device=None):
+        return next(e for e in self.device(device)["executors"] if e["name"] == name)
+
+    @property
+    def lines(self):
+        """Of the nodes, one for each event."""
+        found = []
+        for text in list(self.raw):
+            match = _LINE.match(text)
+            if match:
+                at = int(match[1]) * 3600 + int(match[2]) * 60 + float(match[3])
+                found.append(Line(at, match[4], match[5] or "", match[6]))
+        return found
+
+    @property
+    def other_lines(self):
+        """Of standard error, those that no node wrote: the reasons at the end."""
+        return [text for text in list(self.raw) if not _LINE.match(text)]
+
+    def said(self, module, device=None):
+        return [line for line in self.lines if line.module == module and device in (None, line.device)]
+
+    def printed(self, module):
+        """What the program of a process module printed, line by line."""
+        return [line.text[2:] for line in self.said(module) if line.text.startswith("| ")]
+
+    def steps(self, module, device=None):
+        found = []
+        for line in self.said(module, device):
+            match = _STEP.match(line.text)
+            if match:
+                found.append(Step(line.at, match[1], match[2], match[3] or ""))
+        return found
+
+    def states(self, module, device=None):
+        """Every state that the module went through, in order. Fails when a step does not begin where the last one ended."""
+        states = ["IDLE"]
+        for step in self.steps(module, device):
+            assert step.source == states[-1], "%s: a step from %s in state %s" % (module, step.source, states[-1])
+            states.append(step.target)
+        return states
+
+
+class Case(unittest.TestCase):
+    """Each test works in a folder of its own, and leaves nothing behind."""
+
+    def setUp(self):
+        self.assertTrue(os.path.exists(os.path.join(BIN, "takt")), "set TAKT_BIN to the folder of the programs")
+        self.folder = tempfile.mkdtemp(prefix="takt-system-")
+        self.runs = []
+        self._shared_before = set(os.listdir("/dev/shm"))
+
+    def tearDown(self):
+        try:
+            for run in self.runs:
+                if run.status is not None:  # else the test has failed, and its end is in no order
+                    self.assert_nothing_left(run)
+        finally:
+            for run in self.runs:
+                run.kill_all()
+            shutil.rmtree(self.folder, ignore_errors=True)
+
+    def beside(self, name):
+        """A file of the test's own folder."""
+        import sys
+        return os.path.join(os.path.dirname(os.path.abspath(sys.modules[type(self).__module__].__file__)), name)
+
+    def start(self, *arguments, **options):
+        """takt with these arguments; a descriptor is named as it lies beside the test. Does not wait."""
+        arguments = [self.beside(a) if a.endswith(".xml") and not os.path.isabs(a) else a for a in arguments]
+        run = Run([os.path.join(options.pop("programs", BIN), "takt")] + arguments, self.folder, **options)
+        self.runs.append(run)
+        return run
+
+    def takt(self, *arguments, limit=60.0, **options):
+        return self.start(*arguments, **options).wait(limit)
+
+    def read(self, name):
+        """A file that a module wrote."""
+        with open(os.path.join(self.folder, name)) as file:
+            return file.read()
+
+    def write(self, name, text):
+        path = os.path.join(self.folder, name)
+        with open(path, "w") as file:
+            file.write(text)
+        return path
+
+    def assert_nothing_left(self, run, limit=3.0):
+        """No process of the run, hence no thread; nobody at all who holds its memories; no name in /dev/shm."""
+        def left():
+            return [p for p in run.processes() if p.alive]
+        try:
+            wait_until(lambda: not left(), limit)
+        except AssertionError:
+            self.fail("left behind: %s" % left())
+        if run._seen:
+            holders = [p for p in _pids() if Process(p, "", []).memories() & run._seen]
+            self.assertEqual([], holders, "processes that hold shared memory of a run that is over")
+        new = {name for name in os.listdir("/dev/shm") if "takt" in name} - self._shared_before
+        self.assertEqual(set(), new, "left in /dev/shm")
+
+    def assert_grid(self, run, module, every=1, executor="main", device=None, broken_rows=0):
+        """A periodic module that was in the tables from the first row to the last: it was called, or found busy, in each row
+        that is its, save those that the executor missed. `every`: its period in rows. `broken_rows`: in which the host ended,
+        so that the executor did not count them."""
+        rows = run.executor(executor, device)
+        m = run.modules(device)[module]
+        due = -(-(rows["cycles"] + rows["missed"]) // every)
+        met = m["cycles"] + (m["overruns"] if m["type"] == "process" else 0)
+        self.assertGreater(met, 0, module)
+        self.assertLessEqual(met, min(due, rows["cycles"] + broken_rows), module)
+        self.assertGreaterEqual(met, due - rows["missed"], module)
+
+    def assert_refused(self, run, *patterns):
+        """Status 1, nothing ran, and standard error has a line for each pattern."""
+        self.assertEqual(1, run.status, run.err)
+        self.assertNotIn("EXECUTING", run.err)
+        for pattern in patterns:
+            self.assertRegex(run.err, pattern)
+
+
+def main():
+    unittest.main(verbosity=2)

@@ -1,0 +1,73 @@
+import os
+import re
+import signal
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+DEVICES = {"robot": ["grid", "program"], "line": ["grid", "sporadic"], "station": ["grid", "slow", "monitoring"]}
+
+
+class ThreeDevices(takt_system.Case):
+    def test_all_run_from_one_instant(self):
+        run = self.start("run", "cell.xml", "--for", "1", "--json")
+        run.wait_for_state("monitoring", "EXECUTING")
+        nodes = run.processes("takt-node")
+        self.assertEqual(sorted(DEVICES), sorted(node.arguments[node.arguments.index("--device") + 1] for node in nodes))
+        self.assertEqual(3, len(run.processes("takt-host")))
+        run.wait()
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(list(DEVICES), [d["name"] for d in run.report["devices"]])
+        self.assertEqual("cell", run.report["cell"])
+        for device, modules in DEVICES.items():
+            self.assertEqual(modules, list(run.modules(device)))
+            for module in modules:
+                self.assertEqual(LIFE, run.states(module, device))
+        # All are ready before the first runs.
+        texts = [(line.device, line.text) for line in run.lines]
+        first_run = min(i for i, (_, text) in enumerate(texts) if text == "START -> EXECUTING")
+        last_start = max(i for i, (_, text) in enumerate(texts) if text == "INITIALIZE -> START")
+        self.assertLess(last_start, first_run)
+
+        grids = [self.read(name).split() for name in ("robot", "line", "fast", "slow")]
+        grids.append(re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program"))).groups())
+        self.assertEqual(1, len({t0 for t0, _, _ in grids}), grids)
+        self.assertEqual({"0"}, {strayed for _, _, strayed in grids})
+        for module, device, every, executor in (("grid", "robot", 1, "main"), ("program", "robot", 2, "main"),
+                                                ("grid", "line", 1, "main"), ("grid", "station", 1, "fast"),
+                                                ("slow", "station", 1, "slow")):
+            self.assert_grid(run, module, every=every, executor=executor, device=device)
+
+    def test_if_one_refuses_none_runs(self):
+        run = self.takt("run", "one_refuses.xml", "--for", "5", "--json", limit=15)
+        self.assert_refused(run)
+        self.assertEqual(["module line.bad: error: initialize() failed: threw: initialize() threw as it was asked to; mend the "
+                          "module"], run.other_lines)
+        for device in run.report["devices"]:
+            self.assertTrue(device["alive"])
+            for executor in device["executors"]:
+                self.assertEqual(0, executor["cycles"])
+            self.assertEqual({"DESTRUCT"}, {m["state"] for m in device["modules"]})
+
+    def test_a_node_that_dies_leaves_the_other_devices_running(self):
+        run = self.start("run", "cell.xml", "--json")
+        run.wait_for_state("monitoring", "EXECUTING")
+        line = next(node for node in run.processes("takt-node") if "line" in node.arguments)
+        line.kill()
+        wait_until(lambda: len(run.processes("takt-host")) == 2, 5, "the end of its host")
+        self.assertEqual(2, len(run.processes("takt-node")))
+        self.assertIsNone(run.status)
+        run.signal(signal.SIGINT)
+        run.wait(10)
+        self.assertEqual(1, run.status)
+        self.assertEqual(["device line: error: its node was killed by SIGKILL (Killed)"], run.other_lines)
+        self.assertEqual([True, False, True], [d["alive"] for d in run.report["devices"]])
+        for device in ("robot", "station"):
+            for module in DEVICES[device]:
+                self.assertEqual(LIFE, run.states(module, device))
+
+
+if __name__ == "__main__":
+    takt_system.main()
