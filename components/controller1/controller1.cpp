@@ -1,4 +1,4 @@
-// A thread module in the form of the paper's Figure 8: the position loop of an axis, 600 us.
+// A thread module in the form of the paper's Figure 8: the position loop of an axis, at the period of the descriptor.
 #include <takt/module.h>
 
 #include <cstdio>
@@ -6,8 +6,6 @@
 #include "position_loop.hpp"
 
 namespace {
-
-constexpr double kPeriod = 600e-6;  // the interface of Figure 8 does not hand over the period
 
 controller1::Shuttle shuttle;
 int errors = 0;
@@ -28,7 +26,7 @@ void initialize(irp::Property const& property) {
 
 void start(void) { shuttle.begin(); }
 
-void run(void) { shuttle.step(kPeriod); }
+void run(void) { shuttle.step(static_cast<double>(takt_period_ns()) * 1e-9); }
 
 void error(int) { ++errors; }
 

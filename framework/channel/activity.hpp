@@ -21,7 +21,13 @@ struct Activity {
   void begin(std::uint32_t index, Doing what, std::int64_t now_ns) noexcept {
     since_ns.store(now_ns, std::memory_order_relaxed);
     doing.store(what, std::memory_order_relaxed);
-    module.store(index + 1, std::memory_order_seq_cst);  // SYNC: activity
+    module.store(index + 1, std::memory_order_release);  // SYNC: activity
+  }
+  /// As begin(), for a thread that asks afterwards whether the module is in the tables: who takes it out either sees this
+  /// activity, or is seen. A row needs no such fence a module; it has one a row. SYNC: in tables
+  void announce(std::uint32_t index, Doing what, std::int64_t now_ns) noexcept {
+    begin(index, what, now_ns);
+    module.store(index + 1, std::memory_order_seq_cst);
   }
   void end() noexcept { module.store(0, std::memory_order_release); }
 };

@@ -21,7 +21,7 @@ const char* to_text(Doing doing) noexcept {
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0001;  // "takt", layout 1
+constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0002;  // "takt", layout 2
 
 struct alignas(64) Header {
   std::uint64_t magic;

@@ -13,10 +13,9 @@ namespace takt::channel {
 
 using Name = FixedText<64>;
 
-/// Written by the executor that the module belongs to, unless said otherwise.
+/// Written by the executor that the module belongs to, unless said otherwise. What it touches each release comes first in as
+/// few cache lines as that takes: after a sleep they are no longer in its caches, and each is waited for.
 struct alignas(64) ModuleBlock {
-  Name name;
-
   /// Whether the executor may call or release it. Set and cleared by the node; cleared by the executor when it raises an
   /// error. Who clears it and must know that the module is not running any more waits for the row to end and for the
   /// activities that name it. SYNC: in tables
@@ -24,17 +23,24 @@ struct alignas(64) ModuleBlock {
   /// An ErrorType that waits for the supervisor, which sets it back to 0. SYNC: error raised, publishes error_text.
   std::atomic<std::uint32_t> error;
   std::atomic<std::uint64_t> error_cycle;
-  FixedText<256> error_text;
-
   std::atomic<std::uint64_t> cycles;    ///< times it was called or released
   std::atomic<std::uint64_t> missed;    ///< releases in rows that were skipped while it was in the tables
   std::atomic<std::uint64_t> overruns;  ///< not done by its next release, or by its deadline
   std::atomic<std::uint64_t> errors;    ///< raised by the executor
 
-  Statistics jitter;  ///< Eq. (1), P_n - T_n; of thread modules
-  Statistics run;     ///< of thread modules
+  alignas(64) Statistics jitter;  ///< Eq. (1), P_n - T_n; of thread modules
+  alignas(64) Statistics run;     ///< of thread modules
 
   Activity background;  ///< of the thread of a non-real-time thread module
+  Name name;
+  FixedText<256> error_text;
+
+  /// Real-time. Asks for the lines that the next release will touch, while something else is done.
+  void prefetch() const noexcept {
+    for (const void* line : {static_cast<const void*>(this), static_cast<const void*>(&jitter), static_cast<const void*>(&run)}) {
+      __builtin_prefetch(line, 1);
+    }
+  }
 };
 
 struct alignas(64) ExecutorBlock {

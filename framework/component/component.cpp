@@ -1,5 +1,6 @@
 #include <takt/component/component.hpp>
 
+#include <takt/component/current_cycle.hpp>
 #include <takt/component/failure.hpp>
 #include <takt/component/module.h>
 #include <takt/core/fixed_text.hpp>
@@ -22,6 +23,7 @@ namespace {
 // The host links with this library, so its thread-local storage is in place before any thread starts.
 thread_local FixedText<kFailureText> said [[gnu::tls_model("initial-exec")]];
 thread_local bool has_said [[gnu::tls_model("initial-exec")]] = false;
+thread_local const Cycle* served [[gnu::tls_model("initial-exec")]] = nullptr;
 }  // namespace
 
 void say_failure(std::string_view text) noexcept {
@@ -35,8 +37,17 @@ const char* take_failure() noexcept {
   return said.c_str();
 }
 
+void serve_cycle(const Cycle* cycle) noexcept { served = cycle; }
+
 void Component::fail(const char* text) noexcept { say_failure(text); }
 
 }  // namespace takt
 
-extern "C" void takt_fail(const char* text) { takt::say_failure(text == nullptr ? "" : text); }
+extern "C" {
+
+void takt_fail(const char* text) { takt::say_failure(text == nullptr ? "" : text); }
+
+uint64_t takt_cycle(void) { return takt::served == nullptr ? 0 : takt::served->number; }
+int64_t takt_release_ns(void) { return takt::served == nullptr ? 0 : takt::to_ns(takt::served->time); }
+int64_t takt_period_ns(void) { return takt::served == nullptr ? 0 : takt::served->period.count(); }
+}

@@ -14,6 +14,8 @@
 #ifndef TAKT_MODULE_H
 #define TAKT_MODULE_H
 
+#include <stdint.h>
+
 #ifndef TRUE
 #define TRUE 1
 #endif
@@ -37,6 +39,13 @@ extern "C" {
 /* Says that the hook which calls it failed, and why (at most 255 bytes are kept). Returns; the hook ends by itself. From any
  * hook, also from a real-time one: no lock, no allocation. Links with libtakt_component, which the host has loaded. */
 void takt_fail(const char* text);
+
+/* The release that run() serves: its place in the module's grid, counting from 0 with gaps where releases were missed; its
+ * instant in nanoseconds of CLOCK_MONOTONIC, P_n of the paper's Eq. (1); the period in nanoseconds (of the executor's rows for
+ * a sporadic module). Only in run(), on its thread; 0 elsewhere. Real-time. */
+uint64_t takt_cycle(void);
+int64_t takt_release_ns(void);
+int64_t takt_period_ns(void);
 
 #ifdef __cplusplus
 }

@@ -36,7 +36,9 @@ struct HookCaller::Shared {
       if (generation != mine) return;
       activity.end();
       busy = false;
+      lock.unlock();  // whoever is told may wait for somebody who enqueues
       done(request, result);
+      lock.lock();
     }
   }
 };

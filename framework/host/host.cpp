@@ -116,7 +116,7 @@ Result<void> Host::prepare() {
 
 void Host::answer(const Answer& answer) {
   const std::lock_guard lock{sending_};
-  node_.send(encode(answer));
+  node_.send_wait(encode(answer));
 }
 
 // On the hook thread.
@@ -186,7 +186,7 @@ void Host::start_background() {
 
 // A non-real-time module: run() again and again, at its period if it has one.
 void Host::run_background(std::uint32_t index) {
-  static_cast<void>(os::make_idle());
+  static_cast<void>(os::make_background());
   channel::ModuleBlock& block = channel_.module(index);
   report_crashes_as(&block.background);
   const Nanoseconds period = module(index).period.value_or(Nanoseconds{0});
@@ -194,7 +194,7 @@ void Host::run_background(std::uint32_t index) {
   constexpr auto relaxed = std::memory_order_relaxed;
   while (halt_background_.load(relaxed) == 0) {
     const Instant start = os::now();
-    block.background.begin(index, Doing::run, to_ns(start));  // before the tables are asked: SYNC: in tables
+    block.background.announce(index, Doing::run, to_ns(start));  // before the tables are asked: SYNC: in tables
     if (block.in_tables.load(std::memory_order_seq_cst) != 0) {
       if (period == Nanoseconds{0}) cycle.time = start;
       const char* failure = modules_[index]->run(cycle);

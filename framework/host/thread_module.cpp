@@ -4,6 +4,7 @@
 #include <exception>
 #include <utility>
 
+#include <takt/component/current_cycle.hpp>
 #include <takt/component/failure.hpp>
 
 namespace takt::host {
@@ -154,6 +155,7 @@ const char* ThreadModule::run(const Cycle& cycle) noexcept {
     if (component_ != nullptr) {
       component_->run(cycle);
     } else {
+      serve_cycle(&cycle);
       run_();
     }
   } catch (const std::exception& exception) {
@@ -161,6 +163,7 @@ const char* ThreadModule::run(const Cycle& cycle) noexcept {
   } catch (...) {
     say_failure("threw something that is no std::exception");
   }
+  serve_cycle(nullptr);
   return take_failure();
 }
 

@@ -95,7 +95,7 @@ int run_node(const NodeOptions& options) {
   json failures = json::array();
   for (const Problem& problem : device.failures()) failures.push_back(to_text(problem));
   if (control.fd()) {
-    control.send(dump({{"event", "ended"}, {"report", device.report()}, {"failures", failures}}));
+    control.send_wait(dump({{"event", "ended"}, {"report", device.report()}, {"failures", failures}}));
   } else {
     for (const Problem& problem : device.failures()) std::fprintf(stderr, "%s\n", to_text(problem).c_str());
   }

@@ -18,8 +18,9 @@ class HostLink {
   /// Starts takt-host, which lies beside this program, and sends it its setup.
   Result<void> start(const channel::Channel& channel, const host::Setup& setup, const std::vector<const os::Fd*>& inherit);
 
-  /// False when the host is gone.
+  /// Never waits, as long as flush() is called now and then. False when the host is gone.
   bool ask(const host::Request& request) { return socket_.send(host::encode(request)); }
+  void flush() { socket_.flush(); }
   /// The next answer that has arrived; does not wait.
   std::optional<host::Answer> answer();
   /// How it ended; once.

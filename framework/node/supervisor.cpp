@@ -53,6 +53,12 @@ Result<void> Supervisor::prepare() {
   }
   placement_ = place(device().executors, os::allowed_cpus());
   for (const std::string& warning : placement_.warnings) log("warning: " + warning);
+  for (const auto& executor : device().executors) {
+    if (executor.wakeup != model::Wakeup::spin || !real_time_ || os::throttled_share() == 0) continue;
+    log("warning: executor " + executor.name + " never sleeps, so the kernel interrupts it for " +
+        std::to_string(static_cast<int>(os::throttled_share() * 1000)) +
+        " ms of each second (real-time throttling); use wakeup=\"hybrid\", or write -1 to /proc/sys/kernel/sched_rt_runtime_us");
+  }
 
   std::vector<std::string> executors;
   std::vector<std::string> modules;
@@ -88,6 +94,7 @@ Result<void> Supervisor::prepare() {
 
 void Supervisor::step() {
   const Instant now = os::now();
+  host_.flush();
   forward_output();
   take_answers();
   if (auto end = host_.ended()) {

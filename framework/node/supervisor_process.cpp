@@ -82,7 +82,7 @@ Result<void> Supervisor::spawn(Member& member) {
   member.spawned = os::now();
   member.killed_for_hanging = false;
   static_cast<void>(os::pin(member.child.pid(), placement_.background));
-  if (!member.scheduled()) static_cast<void>(os::make_idle(member.child.pid()));
+  if (!member.scheduled()) static_cast<void>(os::make_background(member.child.pid()));
   return {};
 }
 

@@ -27,15 +27,31 @@ Result<std::pair<MessageSocket, MessageSocket>> MessageSocket::pair() {
 
 bool MessageSocket::send(const std::string& message) {
   const auto length = static_cast<Length>(message.size());
-  std::string bytes(sizeof length, '\0');
-  std::memcpy(bytes.data(), &length, sizeof length);
-  bytes += message;
+  to_send_.append(reinterpret_cast<const char*>(&length), sizeof length);
+  to_send_ += message;
+  return flush();
+}
+
+bool MessageSocket::flush() {
   std::size_t sent = 0;
-  while (sent < bytes.size()) {
-    const ssize_t n = ::send(fd_.get(), bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+  bool gone = false;
+  while (sent < to_send_.size()) {
+    const ssize_t n = ::send(fd_.get(), to_send_.data() + sent, to_send_.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
+    gone = n < 0 && errno != EAGAIN;
+    if (n <= 0) break;
     sent += static_cast<std::size_t>(n);
+  }
+  to_send_.erase(0, sent);
+  return !gone;
+}
+
+bool MessageSocket::send_wait(const std::string& message) {
+  if (!send(message)) return false;
+  while (!to_send_.empty()) {
+    pollfd wanted{.fd = fd_.get(), .events = POLLOUT, .revents = 0};
+    ::poll(&wanted, 1, -1);
+    if (!flush()) return false;
   }
   return true;
 }

@@ -18,8 +18,12 @@ class MessageSocket {
   /// Two connected ends.
   static Result<std::pair<MessageSocket, MessageSocket>> pair();
 
-  /// False when the other end is gone. Waits while the other end is slow to read.
+  /// Sends what the other end takes now and keeps the rest for flush(); never waits. False when the other end is gone.
   bool send(const std::string& message);
+  /// Sends more of what send() kept. False when the other end is gone.
+  bool flush();
+  /// The same as send(), but waits until the other end has taken everything.
+  bool send_wait(const std::string& message);
   /// The next whole message if it has arrived; does not wait. Sets closed() when the other end is gone.
   std::optional<std::string> receive();
   /// Waits for the next message; none when the other end is gone.
@@ -34,6 +38,7 @@ class MessageSocket {
 
   Fd fd_;
   std::string received_;
+  std::string to_send_;
   bool closed_ = false;
 };
 

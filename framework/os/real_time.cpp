@@ -6,6 +6,7 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <utility>
 
@@ -66,10 +68,20 @@ Result<void> make_real_time(int tid, int priority) {
   return {};
 }
 
-Result<void> make_idle(int tid) {
+Result<void> make_background(int tid) {
+  constexpr int kLowest = 19;
   const sched_param parameter{.sched_priority = 0};
-  if (::sched_setscheduler(tid, SCHED_IDLE, &parameter) != 0) return errno_problem("SCHED_IDLE is refused");
+  if (::sched_setscheduler(tid, SCHED_OTHER, &parameter) != 0) return errno_problem("SCHED_OTHER is refused");
+  if (::setpriority(PRIO_PROCESS, static_cast<id_t>(tid), kLowest) != 0) return errno_problem("nice 19 is refused");
   return {};
+}
+
+double throttled_share() {
+  double runtime = -1;
+  double period = 1;
+  std::ifstream{"/proc/sys/kernel/sched_rt_runtime_us"} >> runtime;
+  std::ifstream{"/proc/sys/kernel/sched_rt_period_us"} >> period;
+  return runtime < 0 || period <= 0 ? 0 : 1 - runtime / period;
 }
 
 Result<void> pin(int tid, const std::vector<int>& cpus) {

@@ -17,10 +17,14 @@ std::vector<int> allowed_cpus();
 
 /// SCHED_FIFO for a thread of any process (0: the caller), priority 1 to 99.
 Result<void> make_real_time(int tid, int priority);
-/// SCHED_IDLE for a thread of any process (0: the caller): it runs when nobody else wants to.
-Result<void> make_idle(int tid = 0);
+/// SCHED_OTHER at the lowest priority (nice 19) for a thread of any process (0: the caller).
+Result<void> make_background(int tid = 0);
 /// Restricts a thread (0: the caller) to these processors; an empty list changes nothing.
 Result<void> pin(int tid, const std::vector<int>& cpus);
+
+/// The share of each second that the kernel keeps from real-time threads that never sleep (real-time throttling), 0 to 1; 0 when
+/// it is off. Such threads are interrupted for that long.
+double throttled_share();
 
 /// Keeps all memory of this process, present and future, in RAM, and keeps the heap from giving pages back.
 Result<void> lock_memory();

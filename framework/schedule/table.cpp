@@ -103,14 +103,17 @@ PeriodPair longest_pair(std::span<const Task> tasks) {
                           [&](auto a, auto b) { return tasks[a].period == tasks[b].period; }),
               order.end());
 
-  // From the longest on, so that the product, which no least common multiple exceeds, soon ends each search.
+  // From the longest on, so that a bound that no least common multiple exceeds soon ends each search: the
+  // product, without what all periods have in common.
+  std::uint64_t common = 0;
+  for (const auto index : order) common = std::gcd(common, period_of(tasks[index]));
   PeriodPair best{};
   Wide largest = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::uint64_t high = period_of(tasks[order[i]]);
     for (std::size_t j = i + 1; j < order.size(); ++j) {
       const std::uint64_t low = period_of(tasks[order[j]]);
-      if (Wide{high} * low < largest) break;
+      if (Wide{high} * (low / common) < largest) break;
       const Wide multiple = least_common_multiple(high, low);
       if (multiple < largest) continue;
       if (multiple == largest && tasks[order[j]].period >= tasks[best.shorter].period) continue;

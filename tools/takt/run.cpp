@@ -1,4 +1,5 @@
 // Runs a descriptor on this machine: one takt-node for each device, all from one instant.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -48,6 +49,10 @@ class Cell {
   void take_messages(Node& node);
   void watch_end(Node& node);
   void stop();
+  [[nodiscard]] int milliseconds_left() const {
+    if (!end_at_ || stopping_) return 20;
+    return static_cast<int>(std::min<std::int64_t>((*end_at_ - os::now()) / std::chrono::milliseconds{1}, 20));
+  }
   bool all(bool Node::*flag) const {
     for (const auto& node : nodes_) {
       if (!((*node).*flag)) return false;
@@ -91,7 +96,7 @@ void Cell::serve(const os::SignalQueue& signals) {
     for (const auto& node : nodes_) {
       if (!node->control.closed()) fds.push_back(&node->control.fd());
     }
-    os::wait_readable(fds, 20);
+    os::wait_readable(fds, std::clamp(milliseconds_left(), 0, 20));
 
     while (signals.next()) {
       if (stopping_) {

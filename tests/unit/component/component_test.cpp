@@ -6,6 +6,7 @@
 #include <thread>
 
 #include <takt/module.h>
+#include <takt/component/current_cycle.hpp>
 #include <takt/component/failure.hpp>
 
 #include <gtest/gtest.h>
@@ -103,6 +104,18 @@ TEST(Failure, IsCutToItsBound) {
 TEST(Failure, BelongsToItsThread) {
   std::thread([] { say_failure("of another thread"); }).join();
   EXPECT_EQ(take_failure(), nullptr);
+}
+
+TEST(CurrentCycle, IsTheServedOneAndZeroOutside) {
+  EXPECT_EQ(takt_period_ns(), 0);
+  const Cycle cycle{.number = 7, .time = from_ns(5'000), .period = Nanoseconds{600'000}};
+  serve_cycle(&cycle);
+  EXPECT_EQ(takt_cycle(), 7U);
+  EXPECT_EQ(takt_release_ns(), 5'000);
+  EXPECT_EQ(takt_period_ns(), 600'000);
+  std::thread([] { EXPECT_EQ(takt_cycle(), 0U); }).join();
+  serve_cycle(nullptr);
+  EXPECT_EQ(takt_cycle(), 0U);
 }
 
 TEST(ErrorType, HasTheNumbersOfTheCInterface) {

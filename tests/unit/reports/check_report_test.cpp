@@ -1,8 +1,13 @@
 #include "check_report.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -62,6 +67,11 @@ TEST(CheckText, ShowsFigure3WithEqualRowsInOneLine) {
     3    300 us  control3, control2, control4 (process)
     4-5  400 us  control3, control2
 )"));
+}
+
+TEST(CheckText, KeepsRowsApartThatOnlyHaveAsManyModules) {
+  EXPECT_THAT(text(cell("c", {device("d", {periodic("a", 2ms), periodic("b", 3ms)})})),
+              HasSubstr("    2    2 ms    a\n    3    3 ms    b\n    4    4 ms    a\n    5    5 ms    -\n"));
 }
 
 TEST(CheckText, ShowsFigure4WithDeadlines) {
@@ -182,6 +192,160 @@ TEST(CheckJson, HasArraysEvenWhereThereIsNothing) {
 TEST(CheckJson, HasEveryRowOfALongTable) {
   const model::Cell cell = cells::cell("c", {device("d", {periodic("a", 1us), periodic("b", 100ms)})});
   EXPECT_EQ(check_json(cell, plans(cell))["devices"][0]["executors"][0]["rows"].size(), 100'000U);
+}
+
+// ---- as a picture
+
+std::string svg(const model::Cell& cell) { return check_svg(cell, plans(cell)); }
+
+std::size_t occurrences(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+/// All that a picture shows of a text: where it is and how far it reaches in a wide font.
+struct Label {
+  double left = 0;
+  double right = 0;
+  double baseline = 0;
+  double size = 0;
+  std::string words;
+};
+
+std::vector<Label> labels(const std::string& picture) {
+  static const std::regex kText{
+      R"re(<text x="([-0-9.]+)" y="([-0-9.]+)" font-size="([0-9.]+)" text-anchor="(\w+)" class="[^"]*">([^<]*)</text>)re"};
+  std::vector<Label> found;
+  for (std::sregex_iterator at{picture.begin(), picture.end(), kText}, end; at != end; ++at) {
+    Label label{.baseline = std::stod((*at)[2]), .size = std::stod((*at)[3]), .words = (*at)[5]};
+    const double width = static_cast<double>(label.words.size()) * label.size * 0.61;
+    label.left = std::stod((*at)[1]) - ((*at)[4] == "middle" ? width / 2 : 0);
+    label.right = label.left + width;
+    found.push_back(std::move(label));
+  }
+  return found;
+}
+
+bool overlap(const Label& a, const Label& b) {
+  return a.left < b.right && b.left < a.right && a.baseline - 0.75 * a.size < b.baseline + 0.2 * b.size &&
+         b.baseline - 0.75 * b.size < a.baseline + 0.2 * a.size;
+}
+
+model::Cell crowded_cell() {
+  std::vector<model::Module> modules;
+  for (int i = 0; i < 150; ++i) {
+    modules.push_back(with_budget(
+        periodic(long_name('a').substr(4) + std::to_string(1000 + i), 1ms * (1 + i % 2), i), 2us));
+    modules.push_back(sporadic("s" + std::to_string(i), 3ms));
+    modules.push_back(non_real("n" + std::to_string(i)));
+  }
+  modules.push_back(process(with_budget(periodic("slow", 2s), 1s)));
+  return cell("crowded", {device("d", modules)});
+}
+
+class Picture : public testing::TestWithParam<int> {
+ protected:
+  static model::Cell drawn() {
+    switch (GetParam()) {
+      case 0:
+        return cell("none", {});
+      case 1:
+        return figure1();
+      case 2:
+        return palletizing();
+      case 3:
+        return widest_cell();
+      case 4:
+        return crowded_cell();
+      default:
+        return cell("long", {device("d", {with_budget(periodic("a", 2ms), 300us), periodic("b", 7919ms)})});
+    }
+  }
+};
+
+TEST_P(Picture, IsWellFormed) {
+  const auto file = std::filesystem::path{testing::TempDir()} /
+                    ("takt_check_" + std::to_string(::getpid()) + "_" + std::to_string(GetParam()) + ".svg");
+  std::ofstream{file} << svg(drawn());
+  EXPECT_EQ(std::system(("xmllint --noout " + file.string()).c_str()), 0);
+  std::filesystem::remove(file);
+}
+
+TEST_P(Picture, CutsNoTextOffAndPutsNoneOnAnother) {
+  const std::string picture = svg(drawn());
+  std::smatch box;
+  ASSERT_TRUE(std::regex_search(picture, box, std::regex{R"re(viewBox="0 0 (\d+) (\d+)")re"}));
+  const auto all = labels(picture);
+  ASSERT_EQ(all.size(), occurrences(picture, "<text "));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_GE(all[i].left, 0) << all[i].words;
+    EXPECT_LE(all[i].right, std::stod(box[1])) << all[i].words;
+    EXPECT_LE(all[i].baseline, std::stod(box[2])) << all[i].words;
+    for (std::size_t j = i + 1; j < all.size(); ++j) {
+      EXPECT_FALSE(overlap(all[i], all[j])) << all[i].words << " and " << all[j].words;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(CheckSvg, Picture, testing::Range(0, 6));
+
+TEST(CheckSvg, NumbersEachReleaseByItsPlaceInTheRow) {
+  const std::string picture = svg(figure1());
+  EXPECT_EQ(occurrences(picture, R"(class="on">1</text>)"), 6U + 1);  // and one in the legend
+  EXPECT_EQ(occurrences(picture, R"(class="on">2</text>)"), 6U + 1);
+  EXPECT_EQ(occurrences(picture, R"(class="on">3</text>)"), 2U);
+  EXPECT_EQ(occurrences(picture, R"(class="on">4</text>)"), 1U);
+}
+
+TEST(CheckSvg, ShowsPeriodsModulesAndDeadlines) {
+  EXPECT_THAT(
+      svg(figure1()),
+      AllOf(
+          HasSubstr("basic period 100 us, macro period 600 us, 6 rows; any cpu, priority 80, wakeup hybrid"),
+          HasSubstr(">controller1<"), HasSubstr("thread, every 600 us, priority 3"),
+          HasSubstr("process, deadline 10 ms, priority 2"), HasSubstr(">600 us<"),
+          HasSubstr("not real-time: monitoring (process)"), HasSubstr("no budgets are stated"),
+          HasSubstr("prefers-color-scheme: dark")));
+}
+
+TEST(CheckSvg, DrawsBudgetsToTheScaleOfTime) {
+  // One row of 240: the second thread begins where the first has used its budget, the process at the release.
+  const std::string picture = svg(cell(
+      "c", {device("d", {with_budget(periodic("a", 1ms, 1), 250us), with_budget(periodic("b", 1ms, 2), 500us),
+                         process(with_budget(periodic("p", 1ms, 3), 750us))})}));
+  const std::regex bar{
+      R"re(<rect x="([0-9.]+)" y="[0-9.]+" width="([0-9.]+)" height="6.0" rx="0" class="(\w+)-budget")re"};
+  std::vector<std::array<double, 2>> bars;
+  for (std::sregex_iterator at{picture.begin(), picture.end(), bar}, end; at != end; ++at) {
+    bars.push_back({std::stod((*at)[1]), std::stod((*at)[2])});
+  }
+  ASSERT_EQ(bars.size(), 3U);
+  EXPECT_NEAR(bars[0][1], 60, 0.2);
+  EXPECT_NEAR(bars[1][0], bars[0][0] + 60, 0.2);
+  EXPECT_NEAR(bars[1][1], 120, 0.2);
+  EXPECT_NEAR(bars[2][0], bars[0][0], 0.2);
+  EXPECT_NEAR(bars[2][1], 180, 0.2);
+  EXPECT_THAT(picture, HasSubstr(">75%<"));
+}
+
+TEST(CheckSvg, SaysWhatItLeavesOut) {
+  EXPECT_THAT(svg(cell("long", {device("d", {periodic("a", 2ms), periodic("b", 7919ms)})})),
+              HasSubstr("only rows 0 to 63 of 15838 are drawn"));
+  EXPECT_THAT(svg(crowded_cell()),
+              AllOf(HasSubstr("and 51 more periodic modules"), HasSubstr("and 50 more sporadic modules")));
+  EXPECT_THAT(svg(figure1()), Not(HasSubstr("are drawn")));
+}
+
+TEST(CheckSvg, EscapesNames) {
+  EXPECT_THAT(svg(cell("a<b>&\"c\"", {})),
+              AllOf(HasSubstr("a&lt;b&gt;&amp;&quot;c&quot;"), Not(HasSubstr("a<b>"))));
+}
+
+TEST(CheckSvg, NeedsNothingFromElsewhere) {
+  const std::string picture = svg(palletizing());
+  EXPECT_EQ(occurrences(picture, "http"), 1U) << "the namespace";
+  EXPECT_THAT(picture, AllOf(Not(HasSubstr("href")), Not(HasSubstr("@import")), Not(HasSubstr("<script"))));
 }
 
 }  // namespace

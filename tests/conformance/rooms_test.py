@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""A wrong include does not compile: each room sees the rooms above it and no library of another room.
+
+Usage: rooms_test.py BUILD_DIRECTORY. Takes the compile command of one source of each room, as the build has it, and gives it
+another source with one include."""
+import json
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+
+build = sys.argv[1]
+commands = json.load(open(os.path.join(build, "compile_commands.json")))
+
+# room: (includes that must compile, includes that must not)
+CASES = {
+    "core": (["takt/core/result.hpp", "mutex", "thread"],
+             ["takt/model/cell.hpp", "takt/os/fd.hpp", "unistd.h", "sys/mman.h", "tinyxml2.h"]),
+    "model": (["takt/core/result.hpp"], ["takt/schedule/table.hpp", "tinyxml2.h", "fcntl.h"]),
+    "schedule": (["takt/model/cell.hpp"], ["takt/executor/executor.hpp", "takt/os/clock.hpp", "pthread.h", "sched.h"]),
+    "lifecycle": (["takt/core/time.hpp"], ["takt/model/cell.hpp", "takt/host/host.hpp", "signal.h"]),
+    "descriptor": (["takt/model/cell.hpp", "tinyxml2.h"], ["takt/os/fd.hpp", "takt/host/inspect.hpp", "unistd.h"]),
+    "os": (["sys/mman.h", "linux/futex.h", "takt/model/cell.hpp"], ["takt/channel/seat.hpp", "takt/executor/executor.hpp", "tinyxml2.h"]),
+    "channel": (["takt/os/shared_memory.hpp"], ["takt/executor/executor.hpp", "takt/host/host.hpp", "sys/mman.h"]),
+    "component": (["takt/core/result.hpp"], ["takt/os/fd.hpp", "takt/channel/seat.hpp", "takt/executor/body.hpp", "unistd.h"]),
+    "executor": (["takt/schedule/plan.hpp", "takt/channel/seat.hpp"], ["takt/host/host.hpp", "takt/node/supervisor.hpp", "sys/syscall.h"]),
+    "host": (["takt/executor/executor.hpp"], ["takt/descriptor/descriptor.hpp", "takt/node/supervisor.hpp", "dlfcn.h", "tinyxml2.h"]),
+    "node": (["takt/host/inspect.hpp", "takt/descriptor/descriptor.hpp"], ["sys/wait.h", "poll.h", "tinyxml2.h"]),
+}
+
+failures = []
+
+
+def compiles(room, include):
+    entry = next(c for c in commands if f"/rooms/{room}/alone/" in c["file"])
+    arguments = shlex.split(entry["command"])
+    if "ccache" in os.path.basename(arguments[0]):
+        arguments = arguments[1:]
+    keep = [a for a in arguments[1:] if a.startswith(("-I", "-D", "-std", "-f", "-W", "-isystem"))]
+    with tempfile.NamedTemporaryFile("w", suffix=".cpp") as source:
+        source.write(f"#include <{include}>\n")
+        source.flush()
+        return subprocess.run([arguments[0], *keep, "-fsyntax-only", source.name], capture_output=True).returncode == 0
+
+
+for room, (right, wrong) in CASES.items():
+    for include in right:
+        if not compiles(room, include):
+            failures.append(f"{room}: <{include}> should compile and does not")
+    for include in wrong:
+        if compiles(room, include):
+            failures.append(f"{room}: <{include}> should not compile and does")
+
+# A path around the include roots would not be stopped by them.
+source = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+for folder, _, names in os.walk(os.path.join(source, "framework")):
+    for name in names:
+        for number, line in enumerate(open(os.path.join(folder, name), encoding="utf-8"), 1):
+            if line.startswith("#include") and ".." in line:
+                failures.append(f"{folder}/{name}:{number}: an include goes by a relative path")
+
+rooms = {d.name for d in os.scandir(os.path.join(source, "framework")) if d.is_dir()}
+if rooms != set(CASES):
+    failures.append(f"rooms without a case here: {sorted(rooms ^ set(CASES))}")
+
+print("\n".join(failures) or f"{sum(len(r) + len(w) for r, w in CASES.values())} includes are as they should be")
+sys.exit(1 if failures else 0)

@@ -1,0 +1,37 @@
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE
+
+MODULE = ("<module><name>%s</name><filename>%s</filename><moduletype>%s</moduletype><operationtype>periodic</operationtype>"
+          "<period>%d</period><priority>%d</priority></module>\n")
+
+
+class Many(takt_system.Case):
+    def test_a_thousand_modules_run_in_every_row(self):
+        threads = ["m%d" % i for i in range(1000)]
+        copies = ["c%d" % i for i in range(50)]
+        programs = ["p%d" % i for i in range(30)]
+        modules = "".join(MODULE % (name, "cpp_properties.so", "thread", 1000000, i % 7) for i, name in enumerate(threads))
+        modules += "".join(MODULE % (name, "fine.so", "thread", 10000000, 8) for name in copies)
+        modules += "".join(MODULE % (name, "fine.exe", "process", 50000000, 9) for name in programs)
+        file = self.write("many.xml", '<cell name="many"><device name="d">\n%s</device></cell>\n' % modules)
+
+        run = self.takt("run", file, "--for", "2", "--json")
+        self.assertEqual(0, run.status, run.err[-2000:])
+        rows = run.executor()["cycles"]
+        report = run.modules()
+        for name in threads:
+            self.assertEqual(LIFE, run.states(name))
+            self.assertEqual(rows, report[name]["cycles"], name)
+        for name in copies:
+            self.assert_grid(run, name, every=10)
+        for name in programs:
+            self.assertEqual(LIFE, run.states(name))
+            self.assert_grid(run, name, every=50)
+
+
+if __name__ == "__main__":
+    takt_system.main()

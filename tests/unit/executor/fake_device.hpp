@@ -1,0 +1,138 @@
+// A device on virtual time: one executor, bodies that do what the test says, and programs that are only their
+// seats.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <takt/channel/layout.hpp>
+#include <takt/channel/seat.hpp>
+#include <takt/executor/executor.hpp>
+#include <takt/model/cell.hpp>
+#include <takt/schedule/plan.hpp>
+
+namespace takt::executor {
+
+class VirtualClock final : public Clock {
+ public:
+  Instant now() noexcept override { return time; }
+  Instant time = from_ns(1'000'000'000);
+};
+
+class Script final : public Body {
+ public:
+  const char* run(const Cycle& cycle) noexcept override { return on_run ? on_run(cycle) : nullptr; }
+  const char* condition(bool* ready) noexcept override {
+    ++asked;
+    return on_condition ? on_condition(ready) : nullptr;
+  }
+
+  std::function<const char*(const Cycle&)> on_run;
+  std::function<const char*(bool*)> on_condition;
+  int asked = 0;
+};
+
+inline model::Module periodic(model::ModuleType type, Nanoseconds period, int priority = 0) {
+  model::Module module;
+  module.type = type;
+  module.operation = model::Operation::periodic;
+  module.period = period;
+  module.priority = priority;
+  module.executor = "main";
+  return module;
+}
+inline model::Module thread(Nanoseconds period, int priority = 0) {
+  return periodic(model::ModuleType::thread, period, priority);
+}
+inline model::Module process(Nanoseconds period, int priority = 0) {
+  return periodic(model::ModuleType::process, period, priority);
+}
+inline model::Module sporadic(model::ModuleType type, Nanoseconds deadline, int priority = 0) {
+  model::Module module;
+  module.type = type;
+  module.operation = model::Operation::sporadic;
+  module.deadline = deadline;
+  module.priority = priority;
+  module.executor = "main";
+  return module;
+}
+
+/// Everything the executor needs, with each module's block, body and seat by its index in `modules`. All are
+/// in the tables, and all programs wait.
+class FakeDevice {
+ public:
+  explicit FakeDevice(std::vector<model::Module> modules)
+      : count(modules.size()),
+        block(std::make_unique<channel::ExecutorBlock>()),
+        blocks(std::make_unique<channel::ModuleBlock[]>(count)),
+        bodies(std::make_unique<Script[]>(count)),
+        seats(std::make_unique<channel::Seat[]>(count)) {
+    model::Device device;
+    device.executors.emplace_back();
+    device.modules = std::move(modules);
+    for (std::size_t i = 0; i < count; ++i) device.modules[i].name = "m" + std::to_string(i);
+    plan = *schedule::plan(model::Cell{}, device);
+
+    const auto select = [&](const std::vector<std::uint32_t>& indices) {
+      std::vector<Unit> units;
+      for (const std::uint32_t i : indices) {
+        const model::Module& m = device.modules[i];
+        Unit unit{.index = i,
+                  .block = &blocks[i],
+                  .period = m.period.value_or(Nanoseconds{0}),
+                  .deadline = m.deadline.value_or(Nanoseconds{0}),
+                  .budget = m.budget.value_or(Nanoseconds{0})};
+        if (m.type == model::ModuleType::thread) {
+          unit.body = &bodies[i];
+        } else {
+          unit.seat = &seats[i];
+          seats[i].bell_bit = channel::bell_bit(i);
+          seats[i].phase.store(channel::SeatPhase::ready);
+        }
+        blocks[i].in_tables.store(1);
+        units.push_back(unit);
+      }
+      return units;
+    };
+    const schedule::ExecutorPlan& mine = plan.executors[0];
+    periodic_units = select(mine.periodic);
+    sporadic_units = select(mine.sporadic);
+    make_executor();
+  }
+
+  /// As after a restart of the host: the blocks stay.
+  void make_executor() {
+    executor = std::make_unique<Executor>(plan.executors[0], periodic_units, sporadic_units, *block, clock);
+  }
+
+  /// Puts the executor on the grid from the clock's time on; T0 is `later` than that.
+  void join(Nanoseconds later = Nanoseconds{0}) {
+    t0 = clock.time + later;
+    executor->join_grid(t0, clock.time);
+  }
+
+  /// Waits for the next release, wakes up `delay` after it, and walks the row.
+  std::uint32_t cycle(Nanoseconds delay = Nanoseconds{0}) {
+    clock.time = std::max(clock.time, executor->next_release()) + delay;
+    return executor->run_cycle(clock.time);
+  }
+
+  std::size_t count;
+  VirtualClock clock;
+  std::unique_ptr<channel::ExecutorBlock> block;
+  std::unique_ptr<channel::ModuleBlock[]> blocks;
+  std::unique_ptr<Script[]> bodies;
+  std::unique_ptr<channel::Seat[]> seats;
+  schedule::DevicePlan plan;
+  std::vector<Unit> periodic_units;
+  std::vector<Unit> sporadic_units;
+  std::unique_ptr<Executor> executor;
+  Instant t0{};
+};
+
+}  // namespace takt::executor

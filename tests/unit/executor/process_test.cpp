@@ -1,0 +1,133 @@
+// Process units. The program is a thread here, but it and the executor share nothing but the seat and the
+// bell.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <random>
+#include <thread>
+
+#include <takt/os/futex.hpp>
+
+#include "fake_device.hpp"
+
+namespace takt::executor {
+namespace {
+
+using std::chrono::milliseconds;
+
+TEST(ProcessUnit, IsReleasedWithItsCycleAndInstant) {
+  FakeDevice device{{process(milliseconds{2}), thread(milliseconds{1})}};
+  device.join();
+  device.cycle();
+  channel::Seat& seat = device.seats[0];
+  EXPECT_EQ(seat.released.load(), 1U);
+  EXPECT_EQ(seat.cycle.load(), 0U);
+  EXPECT_EQ(seat.release_ns.load(), to_ns(device.t0));
+  seat.done.store(1);
+  device.cycle();
+  EXPECT_EQ(seat.released.load(), 1U) << "not due";
+  device.cycle();
+  EXPECT_EQ(seat.released.load(), 2U);
+  EXPECT_EQ(seat.cycle.load(), 1U);
+  EXPECT_EQ(seat.release_ns.load(), to_ns(device.t0 + milliseconds{2}));
+  EXPECT_EQ(device.blocks[0].cycles.load(), 2U);
+}
+
+TEST(ProcessUnit, StillInItsBodyIsAnOverrunAndNoRelease) {
+  FakeDevice device{{process(milliseconds{1})}};
+  device.join();
+  for (int i = 0; i < 4; ++i) device.cycle();
+  EXPECT_EQ(device.seats[0].released.load(), 1U);
+  EXPECT_EQ(device.blocks[0].cycles.load(), 1U);
+  EXPECT_EQ(device.blocks[0].overruns.load(), 3U);
+  device.seats[0].done.store(1);
+  device.cycle();
+  EXPECT_EQ(device.seats[0].cycle.load(), 4U) << "a gap for every release missed";
+}
+
+TEST(ProcessUnit, NotYetAtItsFirstWaitIsNotReleased) {
+  FakeDevice device{{process(milliseconds{1})}};
+  device.seats[0].phase.store(channel::SeatPhase::attached);
+  device.join();
+  device.cycle();
+  EXPECT_EQ(device.seats[0].released.load(), 0U);
+  EXPECT_EQ(device.blocks[0].cycles.load(), 0U);
+}
+
+TEST(ProcessUnit, OutOfTheTablesIsNotReleased) {
+  FakeDevice device{{process(milliseconds{1})}};
+  device.blocks[0].in_tables.store(0);
+  device.join();
+  device.cycle();
+  device.cycle(milliseconds{7});
+  EXPECT_EQ(device.seats[0].released.load(), 0U);
+  EXPECT_EQ(device.blocks[0].overruns.load(), 0U);
+  EXPECT_EQ(device.blocks[0].missed.load(), 0U);
+}
+
+TEST(ProcessUnit, ThatSleepsIsRungForOnce) {
+  FakeDevice device{{process(milliseconds{1}), process(milliseconds{1}), process(milliseconds{1})}};
+  device.seats[0].sleeping.store(1);
+  device.seats[2].sleeping.store(1);
+  device.join();
+  EXPECT_EQ(device.cycle(), channel::bell_bit(0) | channel::bell_bit(2));
+  EXPECT_EQ(device.cycle(), 0U) << "it was told; it has not even woken up";
+  EXPECT_EQ(device.blocks[0].cycles.load(), 1U);
+  EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
+}
+
+// Each side at its own speed, with the words that libtakt_process uses.
+TEST(ProcessUnit, ServesEachReleaseOnceWhateverTheProgramDoes) {
+  constexpr std::uint64_t kReleases = 20'000;
+  FakeDevice device{{process(milliseconds{1})}};
+  channel::Seat& seat = device.seats[0];
+  channel::Bell bell{};
+  std::atomic<std::uint64_t> sum{0};
+  std::thread program{[&] {
+    std::mt19937 random{3};
+    std::uint32_t taken = 0;
+    while (true) {
+      seat.done.store(taken, std::memory_order_release);
+      for (std::uint64_t i = random() % 300; i > 0 && seat.released.load(std::memory_order_acquire) == taken;
+           --i) {
+      }
+      while (seat.released.load(std::memory_order_acquire) == taken) {
+        if (seat.end.load(std::memory_order_acquire) != 0) return;
+        const std::uint32_t rings = bell.rings.load();
+        seat.sleeping.store(1);
+        if (seat.released.load() == taken && seat.end.load() == 0)
+          os::futex_wait(bell.rings, rings, seat.bell_bit);
+        seat.sleeping.store(0);
+      }
+      EXPECT_EQ(seat.released.load(std::memory_order_acquire), taken + 1);
+      taken = seat.released.load(std::memory_order_acquire);
+      sum += seat.cycle.load(std::memory_order_relaxed);
+    }
+  }};
+  device.join();
+  std::uint64_t expected = 0;
+  std::uint64_t rings = 0;
+  while (device.blocks[0].cycles.load() < kReleases) {
+    const std::uint64_t row = device.executor->next_row();
+    const std::uint64_t before = device.blocks[0].cycles.load();
+    const std::uint32_t wake = device.cycle();
+    if (device.blocks[0].cycles.load() != before) expected += row;
+    if (wake != 0) {
+      ++rings;
+      bell.rings.fetch_add(1);
+      os::futex_wake(bell.rings, wake);
+    }
+    std::this_thread::yield();
+  }
+  while (!seat.waiting()) std::this_thread::yield();
+  seat.end.store(1);
+  bell.rings.fetch_add(1);
+  os::futex_wake(bell.rings, ~0U);
+  program.join();
+  EXPECT_EQ(sum.load(), expected);
+  EXPECT_EQ(device.block->cycles.load(), device.blocks[0].cycles.load() + device.blocks[0].overruns.load());
+  EXPECT_LE(rings, kReleases);
+}
+
+}  // namespace
+}  // namespace takt::executor

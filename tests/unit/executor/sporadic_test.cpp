@@ -1,0 +1,257 @@
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "fake_device.hpp"
+
+namespace takt::executor {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+constexpr auto kThread = model::ModuleType::thread;
+constexpr auto kProcess = model::ModuleType::process;
+
+const char* hold(bool* ready) {
+  *ready = true;
+  return nullptr;
+}
+
+class Sporadic : public testing::Test {
+ protected:
+  /// A thread module each, beside a periodic one of 1 ms, which is module 0.
+  void make(const std::vector<Nanoseconds>& deadlines) {
+    std::vector<model::Module> modules{thread(milliseconds{1})};
+    for (const Nanoseconds deadline : deadlines) modules.push_back(sporadic(kThread, deadline));
+    device = std::make_unique<FakeDevice>(modules);
+    for (std::size_t i = 0; i < modules.size(); ++i) {
+      device->bodies[i].on_run = [this, i](const Cycle&) {
+        ran += std::to_string(i) + " ";
+        return nullptr;
+      };
+    }
+    device->join();
+  }
+  void run_all() {
+    while (device->executor->run_sporadic()) {
+    }
+  }
+
+  std::unique_ptr<FakeDevice> device;
+  std::string ran;
+};
+
+TEST_F(Sporadic, IsNotRunWithoutItsCondition) {
+  make({milliseconds{5}});
+  EXPECT_EQ(device->cycle(), 0U);
+  EXPECT_FALSE(device->executor->run_sporadic());
+  EXPECT_EQ(device->bodies[1].asked, 1);
+  EXPECT_EQ(ran, "0 ");
+}
+
+TEST_F(Sporadic, IsAskedAtTheEndOfARowAndOnlyThere) {
+  make({milliseconds{5}});
+  device->bodies[1].on_condition = [this](bool* ready) {
+    ran += "? ";
+    *ready = true;
+    return nullptr;
+  };
+  EXPECT_FALSE(device->executor->run_sporadic());
+  EXPECT_EQ(device->cycle(), channel::kSporadicBit);
+  EXPECT_EQ(ran, "0 ? ") << "it is run by its own thread, not in the row";
+  EXPECT_TRUE(device->executor->run_sporadic());
+  EXPECT_FALSE(device->executor->run_sporadic());
+  EXPECT_EQ(ran, "0 ? 1 ");
+  EXPECT_EQ(device->blocks[1].cycles.load(), 1U);
+}
+
+TEST_F(Sporadic, IsToldTheRowThatReleasedIt) {
+  make({milliseconds{5}});
+  Cycle told;
+  device->bodies[1].on_condition = hold;
+  device->bodies[1].on_run = [&told](const Cycle& cycle) {
+    told = cycle;
+    return nullptr;
+  };
+  device->cycle();
+  run_all();
+  device->cycle(microseconds{10});
+  device->clock.time += milliseconds{3};
+  run_all();
+  EXPECT_EQ(told.number, 1U);
+  EXPECT_EQ(told.time, device->t0 + milliseconds{1});
+  EXPECT_EQ(told.period, milliseconds{1});
+}
+
+TEST_F(Sporadic, TheEarliestAbsoluteDeadlineGoesFirst) {
+  make({milliseconds{9}, milliseconds{3}, milliseconds{6}});
+  device->bodies[1].on_condition = hold;
+  device->cycle();  // 1 is due at 9 ms
+  device->cycle();
+  device->cycle();
+  device->cycle();
+  device->bodies[2].on_condition = hold;
+  device->bodies[3].on_condition = hold;
+  device->cycle();  // released at 4 ms: 2 at 7, 3 at 10 ms
+  ran.clear();
+  while (device->executor->run_sporadic()) {
+    device->bodies[2].on_condition = nullptr;
+  }
+  EXPECT_EQ(ran, "2 1 3 ");
+}
+
+TEST_F(Sporadic, EqualDeadlinesGoInTheOrderOfTheTable) {
+  std::vector<model::Module> modules{thread(milliseconds{1}), sporadic(kThread, milliseconds{5}, 7),
+                                     sporadic(kThread, milliseconds{5}, 3),
+                                     sporadic(kThread, milliseconds{5}, 7)};
+  FakeDevice fake{modules};
+  for (std::size_t i = 1; i < 4; ++i) {
+    fake.bodies[i].on_condition = hold;
+    fake.bodies[i].on_run = [this, i](const Cycle&) {
+      ran += std::to_string(i) + " ";
+      return nullptr;
+    };
+  }
+  fake.join();
+  fake.cycle();
+  while (fake.executor->run_sporadic()) {
+  }
+  EXPECT_EQ(ran, "2 1 3 ") << "by priority, then by the place in the file";
+}
+
+TEST_F(Sporadic, ThatIsReadyIsNotAskedAgain) {
+  make({milliseconds{5}});
+  device->bodies[1].on_condition = hold;
+  EXPECT_EQ(device->cycle(), channel::kSporadicBit);
+  EXPECT_EQ(device->cycle(), 0U) << "the bell is rung once";
+  device->cycle();
+  EXPECT_EQ(device->bodies[1].asked, 1);
+  run_all();
+  EXPECT_EQ(device->cycle(), channel::kSporadicBit);
+  EXPECT_EQ(device->bodies[1].asked, 2);
+  EXPECT_EQ(device->blocks[1].cycles.load(), 1U);
+}
+
+TEST_F(Sporadic, ThatRunsIsNotAskedByTheRowThatPreemptsIt) {
+  make({milliseconds{5}});
+  device->bodies[1].on_condition = hold;
+  device->bodies[1].on_run = [this](const Cycle&) {
+    device->clock.time += milliseconds{1};
+    EXPECT_EQ(device->cycle(), 0U);  // the row that preempts it
+    return nullptr;
+  };
+  device->cycle();
+  run_all();
+  EXPECT_EQ(device->bodies[1].asked, 1);
+  EXPECT_EQ(device->blocks[0].cycles.load(), 2U);
+  EXPECT_EQ(device->block->sporadic.module.load(), 0U);
+}
+
+TEST_F(Sporadic, PastItsDeadlineCountsAnOverrun) {
+  make({milliseconds{5}});
+  device->bodies[1].on_condition = hold;
+  Nanoseconds takes = milliseconds{5} - microseconds{20};
+  device->bodies[1].on_run = [&](const Cycle&) {
+    device->clock.time += takes;
+    return nullptr;
+  };
+  device->cycle(microseconds{20});
+  run_all();  // ends at its deadline, which counts from the release
+  EXPECT_EQ(device->blocks[1].overruns.load(), 0U);
+
+  takes += Nanoseconds{1};
+  device->cycle(microseconds{20});
+  run_all();
+  EXPECT_EQ(device->blocks[1].overruns.load(), 1U);
+  EXPECT_EQ(device->blocks[1].cycles.load(), 2U);
+  EXPECT_EQ(device->blocks[1].errors.load(), 0U);
+}
+
+TEST_F(Sporadic, AnErrorInItsConditionTakesItOutOfTheTables) {
+  make({milliseconds{5}, milliseconds{5}});
+  device->bodies[1].on_condition = [](bool* ready) {
+    *ready = true;
+    return "the sensor is gone";
+  };
+  device->bodies[2].on_condition = hold;
+  device->cycle();
+  device->cycle();
+  run_all();
+  EXPECT_EQ(ran, "0 0 2 ");
+  const channel::ModuleBlock& block = device->blocks[1];
+  EXPECT_EQ(device->bodies[1].asked, 1);
+  EXPECT_EQ(block.in_tables.load(), 0U);
+  EXPECT_EQ(block.error.load(), static_cast<std::uint32_t>(ErrorType::failure));
+  EXPECT_EQ(block.error_text.view(), "the sensor is gone");
+  EXPECT_EQ(block.error_cycle.load(), 0U);
+  EXPECT_EQ(block.errors.load(), 1U);
+}
+
+TEST_F(Sporadic, IsNotRunWhenItWasTakenFromTheTablesInBetween) {
+  make({milliseconds{5}});
+  device->bodies[1].on_condition = hold;
+  device->cycle();
+  device->blocks[1].in_tables.store(0);
+  EXPECT_TRUE(device->executor->run_sporadic()) << "it was ready";
+  EXPECT_EQ(ran, "0 ");
+  EXPECT_EQ(device->blocks[1].cycles.load(), 0U);
+  device->cycle();
+  EXPECT_EQ(device->bodies[1].asked, 1) << "what is out of the tables is not asked";
+
+  device->blocks[1].in_tables.store(1);
+  device->cycle();
+  run_all();
+  EXPECT_EQ(ran, "0 0 0 1 ");
+}
+
+TEST_F(Sporadic, PastItsBudgetIsTakenOut) {
+  model::Module module = sporadic(kThread, milliseconds{5});
+  module.budget = microseconds{100};
+  FakeDevice fake{{thread(milliseconds{1}), module}};
+  fake.bodies[1].on_condition = hold;
+  fake.bodies[1].on_run = [&fake](const Cycle&) {
+    fake.clock.time += microseconds{101};
+    return nullptr;
+  };
+  fake.join();
+  fake.cycle();
+  fake.executor->run_sporadic();
+  EXPECT_EQ(fake.blocks[1].error.load(), static_cast<std::uint32_t>(ErrorType::budget));
+  EXPECT_EQ(fake.blocks[1].in_tables.load(), 0U);
+}
+
+TEST_F(Sporadic, AProgramIsReleasedEachRowThatFindsItWaiting) {
+  FakeDevice fake{{sporadic(kProcess, milliseconds{10})}};
+  channel::Seat& seat = fake.seats[0];
+  fake.join();
+  fake.cycle();
+  EXPECT_EQ(seat.released.load(), 1U);
+  EXPECT_EQ(seat.cycle.load(), 0U);
+  fake.cycle();  // in its body
+  EXPECT_EQ(seat.released.load(), 1U);
+  seat.done.store(1);
+  fake.cycle();
+  EXPECT_EQ(seat.released.load(), 2U);
+  EXPECT_EQ(seat.cycle.load(), 2U);
+  EXPECT_EQ(fake.blocks[0].cycles.load(), 2U);
+  EXPECT_EQ(fake.blocks[0].overruns.load(), 0U);
+}
+
+TEST_F(Sporadic, AProgramPastItsDeadlineCountsOneOverrun) {
+  FakeDevice fake{{sporadic(kProcess, milliseconds{10})}};  // a row lasts 5 ms
+  fake.join();
+  fake.cycle();
+  fake.cycle();
+  fake.cycle();  // 10 ms: the deadline is not over
+  EXPECT_EQ(fake.blocks[0].overruns.load(), 0U);
+  fake.cycle();
+  fake.cycle();
+  EXPECT_EQ(fake.blocks[0].overruns.load(), 1U) << "once for one release";
+  fake.seats[0].done.store(1);
+  for (int i = 0; i < 4; ++i) fake.cycle();
+  EXPECT_EQ(fake.blocks[0].overruns.load(), 2U);
+}
+
+}  // namespace
+}  // namespace takt::executor

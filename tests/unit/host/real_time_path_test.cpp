@@ -1,0 +1,377 @@
+// The promise of real-time code, held to on the thread that runs it: no lock, no allocation, and no system
+// call but its sleep and one ring of the bell a cycle. The product knows nothing of the traps; a module's
+// run() sets them.
+#include <gtest/gtest.h>
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <takt/channel/layout.hpp>
+#include <takt/channel/seat.hpp>
+#include <takt/host/executor_threads.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/futex.hpp>
+#include <takt/schedule/plan.hpp>
+
+#include "system_call_trap.hpp"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TAKT_SANITIZED 1
+#else
+#define TAKT_SANITIZED 0
+#endif
+
+namespace {
+/// Of the threads that are watched.
+std::atomic<std::uint64_t> allocations{0};
+std::atomic<std::uint64_t> frees{0};
+std::atomic<std::uint64_t> locks{0};
+std::atomic<std::uint64_t> waits{0};
+thread_local bool watched [[gnu::tls_model("initial-exec")]] = false;
+
+void count(std::atomic<std::uint64_t>& counter) noexcept {
+  if (watched) counter.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+#if !TAKT_SANITIZED
+#include <dlfcn.h>
+#include <pthread.h>
+
+// In front of the C library's. operator new and delete come here too.
+extern "C" {
+void* __libc_malloc(std::size_t size) noexcept;
+void* __libc_calloc(std::size_t n, std::size_t size) noexcept;
+void* __libc_realloc(void* block, std::size_t size) noexcept;
+void* __libc_memalign(std::size_t alignment, std::size_t size) noexcept;
+void __libc_free(void* block) noexcept;
+
+void* malloc(std::size_t size) noexcept {
+  count(allocations);
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t n, std::size_t size) noexcept {
+  count(allocations);
+  return __libc_calloc(n, size);
+}
+void* realloc(void* block, std::size_t size) noexcept {
+  count(allocations);
+  return __libc_realloc(block, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
+  count(allocations);
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  count(allocations);
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** block, std::size_t alignment, std::size_t size) noexcept {
+  count(allocations);
+  *block = __libc_memalign(alignment, size);
+  return *block == nullptr ? ENOMEM : 0;
+}
+void free(void* block) noexcept {
+  count(frees);
+  __libc_free(block);
+}
+
+#define TAKT_FORWARD(counter, version, name, parameters, ...)                                             \
+  int name parameters noexcept(noexcept(::name(__VA_ARGS__))) {                                           \
+    static std::atomic<int(*) parameters> real{nullptr};                                                  \
+    auto* function = real.load(std::memory_order_relaxed);                                                \
+    if (function == nullptr) {                                                                            \
+      function = reinterpret_cast<int(*) parameters>(::dlvsym(RTLD_NEXT, #name, version));                \
+      if (function == nullptr) function = reinterpret_cast<int(*) parameters>(::dlsym(RTLD_NEXT, #name)); \
+      real.store(function, std::memory_order_relaxed);                                                    \
+    }                                                                                                     \
+    count(counter);                                                                                       \
+    return function(__VA_ARGS__);                                                                         \
+  }
+TAKT_FORWARD(locks, "GLIBC_2.2.5", pthread_mutex_lock, (pthread_mutex_t * mutex), mutex)
+TAKT_FORWARD(locks, "GLIBC_2.2.5", pthread_mutex_trylock, (pthread_mutex_t * mutex), mutex)
+TAKT_FORWARD(locks, "GLIBC_2.2.5", pthread_mutex_unlock, (pthread_mutex_t * mutex), mutex)
+TAKT_FORWARD(locks, "GLIBC_2.2.5", pthread_rwlock_rdlock, (pthread_rwlock_t * lock), lock)
+TAKT_FORWARD(locks, "GLIBC_2.2.5", pthread_rwlock_wrlock, (pthread_rwlock_t * lock), lock)
+TAKT_FORWARD(waits, "GLIBC_2.3.2", pthread_cond_wait, (pthread_cond_t * condition, pthread_mutex_t* mutex),
+             condition, mutex)
+TAKT_FORWARD(waits, "GLIBC_2.3.2", pthread_cond_timedwait,
+             (pthread_cond_t * condition, pthread_mutex_t* mutex, const timespec* until), condition, mutex,
+             until)
+TAKT_FORWARD(waits, "GLIBC_2.30", pthread_cond_clockwait,
+             (pthread_cond_t * condition, pthread_mutex_t* mutex, clockid_t clock, const timespec* until),
+             condition, mutex, clock, until)
+#undef TAKT_FORWARD
+}
+#endif
+
+namespace takt::host {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+class Script final : public executor::Body {
+ public:
+  const char* run(const Cycle& cycle) noexcept override {
+    if (on_run) on_run(cycle);
+    return nullptr;
+  }
+  const char* condition(bool* ready) noexcept override {
+    *ready = ++asked % 3 == 0;
+    return nullptr;
+  }
+  std::function<void(const Cycle&)> on_run;
+  std::uint64_t asked = 0;
+};
+
+/// A device that runs for real: three thread modules, a sporadic one, and a program that sleeps on the bell
+/// after each body.
+class RealTimePath : public testing::Test {
+ protected:
+  static constexpr auto kPeriod = microseconds{500};
+  static constexpr std::size_t kSporadic = 3;
+  static constexpr std::size_t kProgram = 4;
+
+  void SetUp() override {
+    if (TAKT_SANITIZED != 0)
+      GTEST_SKIP() << "the sanitizer's own allocator, locks and system calls would be counted";
+    for (auto* counter : {&allocations, &frees, &locks, &waits}) counter->store(0);
+    model::Device device;
+    device.executors.emplace_back();
+    for (std::size_t i = 0; i < 5; ++i) {
+      model::Module module;
+      module.name = "m" + std::to_string(i);
+      module.executor = "main";
+      module.type = i == kProgram ? model::ModuleType::process : model::ModuleType::thread;
+      module.operation = i == kSporadic ? model::Operation::sporadic : model::Operation::periodic;
+      if (i == kSporadic) {
+        module.deadline = milliseconds{10};
+      } else {
+        module.period = i == 2 ? kPeriod * 3 : kPeriod;
+      }
+      device.modules.push_back(module);
+      blocks[i].in_tables.store(1);
+    }
+    const auto plan = *schedule::plan(model::Cell{}, device);
+    seat.bell_bit = channel::bell_bit(0);
+    seat.phase.store(channel::SeatPhase::ready);
+    std::vector<executor::Unit> periodic;
+    for (const std::uint32_t i : plan.executors[0].periodic) {
+      periodic.push_back({.index = i,
+                          .body = i == kProgram ? nullptr : &bodies[i],
+                          .seat = i == kProgram ? &seat : nullptr,
+                          .block = &blocks[i],
+                          .period = *device.modules[i].period});
+    }
+    std::vector<executor::Unit> sporadic{{.index = kSporadic,
+                                          .body = &bodies[kSporadic],
+                                          .block = &blocks[kSporadic],
+                                          .deadline = milliseconds{10}}};
+    threads = std::make_unique<ExecutorThreads>(device.executors[0], plan.executors[0], periodic, sporadic,
+                                                *block, bell);
+    row_trap = std::make_unique<SystemCallTrap>([this] { return block->cycles.load(); });
+    sporadic_trap = std::make_unique<SystemCallTrap>([this] { return blocks[kSporadic].cycles.load(); });
+    set_at_first_run(0, *row_trap);
+    set_at_first_run(kSporadic, *sporadic_trap);
+  }
+
+  /// From the module's first run() on, its thread is watched.
+  void set_at_first_run(std::size_t module, SystemCallTrap& trap) {
+    bodies[module].on_run = [this, &trap](const Cycle&) {
+      if (watched) return;
+      if (const int error = trap.arm(); error != 0) refused = error;
+      watched = true;
+    };
+  }
+
+  /// Runs the device until it has made this many cycles, and takes away what was seen until then.
+  void run(std::uint64_t cycles) {
+    std::thread program{[this] { serve(); }};
+    Problems problems;
+    const auto begun = threads->begin(os::now() + milliseconds{20}, {os::allowed_cpus().back()}, &problems);
+    EXPECT_TRUE(begun.ok());
+    for (const Problem& problem : problems) GTEST_LOG_(WARNING) << to_text(problem);
+    const Instant limit = os::now() + std::chrono::seconds{60};
+    while (block->cycles.load() < cycles && refused == 0 && os::now() < limit) {
+      std::this_thread::sleep_for(milliseconds{10});
+    }
+    row_calls = row_trap->calls();
+    sporadic_calls = sporadic_trap->calls();
+    seen = {{"allocations", allocations}, {"frees", frees}, {"locks", locks}, {"waits", waits}};
+    threads->ask_to_halt();
+    threads->join();
+    seat.end.store(1);
+    bell.rings.fetch_add(1);
+    os::futex_wake(bell.rings, ~0U);
+    program.join();
+    ASSERT_EQ(refused, 0)
+        << "seccomp user notification is refused here (" << std::strerror(refused)
+        << "), so nothing is proved; allow seccomp(SECCOMP_SET_MODE_FILTER) with a listener";
+    ASSERT_GE(block->cycles.load(), cycles);
+  }
+
+  void serve() {
+    std::uint32_t taken = 0;
+    while (seat.end.load() == 0) {
+      seat.done.store(taken);
+      const std::uint32_t rings = bell.rings.load();
+      seat.sleeping.store(1);
+      if (seat.released.load() == taken && seat.end.load() == 0)
+        os::futex_wait(bell.rings, rings, seat.bell_bit);
+      seat.sleeping.store(0);
+      taken = seat.released.load();
+    }
+  }
+
+  static bool is_futex(const SystemCall& call, int operation, const void* from, std::size_t size) {
+    const auto first = reinterpret_cast<std::uintptr_t>(from);
+    return call.number == SYS_futex && (static_cast<int>(call.arguments[1]) & FUTEX_CMD_MASK) == operation &&
+           call.arguments[0] >= first && call.arguments[0] < first + size;
+  }
+
+  std::array<Script, 5> bodies;
+  std::array<channel::ModuleBlock, 5> blocks{};
+  std::unique_ptr<channel::ExecutorBlock> block = std::make_unique<channel::ExecutorBlock>();
+  channel::Seat seat{};
+  channel::Bell bell{};
+  std::unique_ptr<SystemCallTrap> row_trap;
+  std::unique_ptr<SystemCallTrap> sporadic_trap;
+  std::unique_ptr<ExecutorThreads> threads;  // ends before the traps of its threads do
+  std::atomic<int> refused{0};
+  std::vector<SystemCall> row_calls;
+  std::vector<SystemCall> sporadic_calls;
+  std::map<std::string, std::uint64_t> seen;
+};
+
+TEST_F(RealTimePath, MakesNoSystemCallButItsSleepAndOneRingACycle) {
+  run(4000);
+  ASSERT_FALSE(row_calls.empty());
+  std::map<std::uint64_t, int> sleeps;  // by cycle
+  std::map<std::uint64_t, int> rings;
+  for (const SystemCall& call : row_calls) {
+    if (is_futex(call, FUTEX_WAIT_BITSET, threads.get(), sizeof *threads)) {
+      ++sleeps[call.stamp];
+    } else if (is_futex(call, FUTEX_WAKE_BITSET, &bell, sizeof bell)) {
+      ++rings[call.stamp];
+    } else {
+      ADD_FAILURE() << "system call " << call.number << " in cycle " << call.stamp;
+    }
+  }
+  for (const auto& [cycle, n] : sleeps) EXPECT_EQ(n, 1) << "sleeps before cycle " << cycle;
+  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
+  EXPECT_GT(rings.size(), 1000U) << "the program was to sleep";
+
+  ASSERT_FALSE(sporadic_calls.empty());
+  for (const SystemCall& call : sporadic_calls) {
+    EXPECT_TRUE(is_futex(call, FUTEX_WAIT_BITSET, &bell, sizeof bell)) << "system call " << call.number;
+    EXPECT_EQ(call.arguments[5], channel::kSporadicBit);
+  }
+  EXPECT_GT(blocks[kSporadic].cycles.load(), 500U);
+  EXPECT_GT(blocks[kProgram].cycles.load(), 1000U);
+  RecordProperty("row_calls", static_cast<int>(row_calls.size()));
+}
+
+TEST_F(RealTimePath, AllocatesAndLocksNothing) {
+  run(2000);
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  EXPECT_GT(blocks[kSporadic].cycles.load(), 200U);
+}
+
+// The traps work: what a module must not do is seen.
+
+TEST_F(RealTimePath, AModuleThatMakesASystemCallIsSeen) {
+  bodies[1].on_run = [](const Cycle& cycle) {
+    if (cycle.number == 100) static_cast<void>(::syscall(SYS_getpid));
+  };
+  run(200);
+  const auto others = std::count_if(row_calls.begin(), row_calls.end(),
+                                    [](const SystemCall& call) { return call.number != SYS_futex; });
+  EXPECT_EQ(others, 1);
+  EXPECT_EQ(std::count_if(row_calls.begin(), row_calls.end(),
+                          [](const SystemCall& call) { return call.number == SYS_getpid; }),
+            1);
+}
+
+TEST_F(RealTimePath, ASporadicModuleThatMakesASystemCallIsSeen) {
+  bodies[kSporadic].on_run = [this, next = bodies[kSporadic].on_run](const Cycle& cycle) {
+    next(cycle);
+    if (blocks[kSporadic].cycles.load() == 20) static_cast<void>(::syscall(SYS_getpid));
+  };
+  run(200);
+  EXPECT_EQ(std::count_if(sporadic_calls.begin(), sporadic_calls.end(),
+                          [](const SystemCall& call) { return call.number == SYS_getpid; }),
+            1);
+}
+
+TEST_F(RealTimePath, AModuleThatAllocatesIsSeen) {
+  bodies[1].on_run = [](const Cycle& cycle) {
+    if (cycle.number != 100) return;
+    const std::string text(100, 'x');
+    asm volatile("" : : "r"(text.data()) : "memory");
+  };
+  run(200);
+  EXPECT_EQ(seen["allocations"], 1U);
+  EXPECT_EQ(seen["frees"], 1U);
+}
+
+TEST_F(RealTimePath, AModuleThatLocksIsSeen) {
+  std::mutex mutex;
+  bodies[1].on_run = [&mutex](const Cycle& cycle) {
+    if (cycle.number == 100) const std::lock_guard lock{mutex};
+  };
+  run(200);
+  EXPECT_EQ(seen["locks"], 2U);
+}
+
+TEST_F(RealTimePath, AModuleThatWaitsForAConditionIsSeen) {
+  std::mutex mutex;
+  std::condition_variable condition;
+  bodies[1].on_run = [&](const Cycle& cycle) {
+    if (cycle.number != 100) return;
+    std::unique_lock lock{mutex};
+    condition.wait_for(lock, microseconds{1});
+  };
+  run(200);
+  EXPECT_EQ(seen["waits"], 1U);
+}
+
+TEST(Clock, MakesNoSystemCall) {
+  if (TAKT_SANITIZED != 0) GTEST_SKIP() << "the sanitizer makes system calls of its own";
+  SystemCallTrap trap;
+  std::vector<SystemCall> calls;
+  int refused = 0;
+  os::MonotonicClock clock;
+  std::thread reader{[&] {
+    refused = trap.arm();
+    Instant last{};
+    for (int i = 0; i < 10'000; ++i) {
+      const Instant now = clock.now();
+      if (now < last) refused = -1;
+      last = now;
+    }
+    calls = trap.calls();
+  }};
+  reader.join();
+  ASSERT_EQ(refused, 0) << std::strerror(refused);
+  EXPECT_TRUE(calls.empty()) << "system call " << calls.front().number << ": the clock source is no TSC, see "
+                             << "/sys/devices/system/clocksource/clocksource0/current_clocksource";
+}
+
+}  // namespace
+}  // namespace takt::host
