@@ -8,6 +8,8 @@
 #include <sys/sendfile.h>
 #include <sys/stat.h>
 
+#include <atomic>
+#include <cstdint>
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -31,6 +33,15 @@ Result<Fd> copy_of(const std::string& path) {
     }
   }
   return to;
+}
+
+// A path to the copy that was never used before. The loader takes an object of the same name for the same object, and the
+// number of a descriptor comes again, so the way to it is spelt anew each time: the bits of a count as "./" and ".//".
+std::string new_path(const Fd& copy) {
+  static std::atomic<std::uint64_t> copies{0};
+  std::string path = "/proc/self/fd/";
+  for (std::uint64_t n = copies.fetch_add(1, std::memory_order_relaxed); n != 0; n /= 2) path += n % 2 == 0 ? "./" : ".//";
+  return path + std::to_string(copy.get());
 }
 
 // The loader binds a GNU_UNIQUE symbol to one address in the whole process, whatever object asks for it. Those of the C++
@@ -99,7 +110,7 @@ Result<Library> Library::open(const std::string& path, Globals globals) {
       return fail(path + " cannot have globals of its own for a second module: the loader would share " + variable,
                   "compile it with -fno-gnu-unique, or make it a takt::Component");
     }
-    file = "/proc/self/fd/" + std::to_string(copy.get());
+    file = new_path(copy);
   }
   Library library;
   library.handle_ = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
