@@ -65,7 +65,10 @@ Result<Channel> Channel::attach(os::Fd fd) {
   const auto& header = at<Header>(channel.memory_, 0);
   channel.executors_ = header.executors;
   channel.modules_ = header.modules;
-  if (header.magic != kMagic || channel.memory_.size() != size_of(header.executors, header.modules)) {
+  const std::size_t size = channel.memory_.size();
+  // Neither is more than the bytes there are, so that their size is no number that has gone round.
+  if (header.magic != kMagic || header.executors > size || header.modules > size ||
+      size != size_of(header.executors, header.modules)) {
     return fail("the channel was laid out by another version", "install takt-node and takt-host of one version");
   }
   return channel;

@@ -58,6 +58,7 @@ Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodi
 }
 
 void Executor::join_grid(Instant t0, Instant now) noexcept {
+  TAKT_CHECK(basic_ > Nanoseconds{0});
   row_ = block_.next_row.load(relaxed);
   table_row_ = rows_in_table_ == 0 ? 0 : row_ % rows_in_table_;
   release_ = t0 + basic_ * static_cast<std::int64_t>(row_);

@@ -37,7 +37,7 @@ class Executor {
            channel::ExecutorBlock& block, Clock& clock);
 
   /// Puts the executor on its grid T0 + n x basic period, at the first release that is not before `now`. What lies between
-  /// block.next_row and that (a restart of the host) is counted as missed.
+  /// block.next_row and that (a restart of the host) is counted as missed. An executor without modules has no grid to join.
   void join_grid(Instant t0, Instant now) noexcept;
 
   /// When the next row is due. Never leaves the grid.

@@ -30,10 +30,10 @@ extern const int kTerminate;
 extern const int kKill;
 
 struct SpawnOptions {
-  std::string program;                 ///< a path; no search
-  std::vector<std::string> arguments;  ///< without the program's own name
-  std::vector<std::pair<std::string, std::string>> environment;  ///< added to ours
-  std::vector<const Fd*> inherit;      ///< descriptors that the program gets under the same number
+  std::string program{};                 ///< a path; no search
+  std::vector<std::string> arguments{};  ///< without the program's own name
+  std::vector<std::pair<std::string, std::string>> environment{};  ///< added to ours
+  std::vector<const Fd*> inherit{};      ///< descriptors that the program gets under the same number
   bool capture_output = false;         ///< standard output and error come back through pipes
   bool new_group = true;               ///< not reached by the terminal's Ctrl-C
   bool dies_with_parent = true;        ///< SIGKILL when the thread that started it ends

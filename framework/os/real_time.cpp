@@ -10,6 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdint>
@@ -27,8 +28,21 @@ namespace {
 constexpr const char* kFifoCure = "run as root, or give the program CAP_SYS_NICE or an rtprio limit (ulimit -r)";
 constexpr const char* kLockCure = "run as root, or raise the memlock limit (ulimit -l unlimited)";
 
-// The pages of a thread's stack, touched before it matters. Half of it: the rest is for what calls us.
-[[gnu::noinline]] void touch_stack(std::size_t bytes) {
+// What is left of the calling thread's stack. Of what was asked for, the loader has taken the thread-local variables of all
+// libraries, which may be most of it.
+std::size_t stack_left() {
+  pthread_attr_t attributes;
+  if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return 0;
+  void* lowest = nullptr;
+  std::size_t size = 0;
+  ::pthread_attr_getstack(&attributes, &lowest, &size);
+  ::pthread_attr_destroy(&attributes);
+  return reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0)) - reinterpret_cast<std::uintptr_t>(lowest);
+}
+
+// The pages of a thread's stack, touched before it matters. Half of what is left of it: the rest is for what calls us.
+[[gnu::noinline]] void touch_stack(std::size_t asked_for) {
+  const std::size_t bytes = std::min(asked_for, stack_left()) / 2;
   auto* stack = static_cast<volatile char*>(__builtin_alloca(bytes));
   for (std::size_t i = 0; i < bytes; i += 4096) stack[i] = 0;
 }
@@ -42,7 +56,7 @@ void* run_thread(void* argument) {
   const std::unique_ptr<Start> start{static_cast<Start*>(argument)};
   ::prctl(PR_SET_NAME, start->options.name.substr(0, 15).c_str());
   ::prctl(PR_SET_TIMERSLACK, 1UL);
-  touch_stack(start->options.stack_bytes / 2);
+  touch_stack(start->options.stack_bytes);
   start->body();
   return nullptr;
 }

@@ -289,6 +289,12 @@ TEST(Executor, WalksRowsOfConditionsOnly) {
   EXPECT_EQ(device.executor->next_release(), device.t0 + milliseconds{30});
 }
 
+TEST(ExecutorDeathTest, WithoutModulesHasNoGrid) {
+  FakeDevice device{{}};
+  EXPECT_EQ(device.executor->basic_period(), Nanoseconds{0});
+  EXPECT_DEATH(device.join(), "basic_ > Nanoseconds");
+}
+
 TEST(Executor, WalksAThousandModulesInOneRow) {
   std::vector<model::Module> modules;
   for (int i = 0; i < 1000; ++i) modules.push_back(thread(milliseconds{1}, -i));

@@ -44,7 +44,7 @@ std::atomic<std::uint64_t> locks{0};
 std::atomic<std::uint64_t> waits{0};
 thread_local bool watched [[gnu::tls_model("initial-exec")]] = false;
 
-void count(std::atomic<std::uint64_t>& counter) noexcept {
+[[maybe_unused]] void count(std::atomic<std::uint64_t>& counter) noexcept {
   if (watched) counter.fetch_add(1, std::memory_order_relaxed);
 }
 }  // namespace

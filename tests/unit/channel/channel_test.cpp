@@ -1,0 +1,104 @@
+#include <takt/channel/channel.hpp>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+namespace takt::channel {
+namespace {
+
+/// A second descriptor of the same memory, as another process would hold.
+os::Fd again(const os::Fd& fd) { return os::Fd{::dup(fd.get())}; }
+
+TEST(Channel, IsAllZeroWhenCreatedButForTheNames) {
+  const auto channel = Channel::create({"main", "motion"}, {"a", "b", "c"});
+  ASSERT_TRUE(channel.ok());
+  EXPECT_EQ(channel->executors(), 2U);
+  EXPECT_EQ(channel->modules(), 3U);
+  EXPECT_EQ(channel->executor(1).name.view(), "motion");
+  EXPECT_EQ(channel->module(2).name.view(), "c");
+  EXPECT_EQ(channel->host().t0_ns.load(), 0);
+  EXPECT_EQ(channel->module(0).in_tables.load(), 0U);
+  EXPECT_EQ(channel->module(0).jitter.read().count, 0U);
+  EXPECT_EQ(channel->executor(0).row.module.load(), 0U);
+}
+
+TEST(Channel, IsOneMemoryForAllWhoAttach) {
+  const auto mine = Channel::create({"main"}, {"a", "b"});
+  const auto theirs = Channel::attach(again(mine->fd()));
+  ASSERT_TRUE(theirs.ok()) << to_text(theirs.problems());
+  EXPECT_EQ(theirs->modules(), 2U);
+  EXPECT_EQ(theirs->module(1).name.view(), "b");
+  mine->module(1).cycles.store(7);
+  theirs->executor(0).next_row.store(9);
+  theirs->host().t0_ns.store(11);
+  EXPECT_EQ(theirs->module(1).cycles.load(), 7U);
+  EXPECT_EQ(mine->executor(0).next_row.load(), 9U);
+  EXPECT_EQ(mine->host().t0_ns.load(), 11);
+}
+
+TEST(Channel, OfNothingIsAChannelToo) {
+  const auto mine = Channel::create({}, {});
+  ASSERT_TRUE(mine.ok());
+  EXPECT_TRUE(Channel::attach(again(mine->fd())).ok());
+}
+
+TEST(Channel, OutlivesWhoCreatedIt) {
+  Channel theirs;
+  {
+    const auto mine = Channel::create({"main"}, {"a"});
+    mine->module(0).cycles.store(3);
+    theirs = std::move(Channel::attach(again(mine->fd())).value());
+  }
+  EXPECT_EQ(theirs.module(0).cycles.load(), 3U);
+}
+
+TEST(Channel, BlocksDoNotShareCacheLines) {
+  const auto channel = Channel::create({"main", "other"}, {"a", "b"});
+  for (const void* block :
+       {static_cast<const void*>(&channel->host()), static_cast<const void*>(&channel->executor(1)),
+        static_cast<const void*>(&channel->module(1))}) {
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(block) % 64, 0U);
+  }
+}
+
+TEST(Channel, OfAnotherVersionIsRefused) {
+  const auto mine = Channel::create({"main"}, {"a"});
+  auto view = os::SharedMemory::attach(again(mine->fd()));
+  std::uint64_t magic = 0;
+  std::memcpy(&magic, view->data(), sizeof magic);
+  magic += 1;
+  std::memcpy(view->data(), &magic, sizeof magic);
+  const auto theirs = Channel::attach(again(mine->fd()));
+  ASSERT_FALSE(theirs.ok());
+  EXPECT_EQ(theirs.problems()[0].what, "the channel was laid out by another version");
+  EXPECT_EQ(theirs.problems()[0].fix, "install takt-node and takt-host of one version");
+}
+
+TEST(Channel, ThatHoldsOtherNumbersThanItSaysIsRefused) {
+  const auto mine = Channel::create({"main"}, {"a"});
+  auto view = os::SharedMemory::attach(again(mine->fd()));
+  // Also numbers whose size passes what 64 bits hold.
+  for (const std::uint64_t modules :
+       {std::uint64_t{0}, std::uint64_t{2}, ~std::uint64_t{0}, (std::uint64_t{1} << 60) + 1}) {
+    std::memcpy(view->data() + 16, &modules, sizeof modules);
+    EXPECT_FALSE(Channel::attach(again(mine->fd())).ok()) << modules;
+  }
+}
+
+TEST(Channel, TooSmallIsRefused) {
+  auto memory = os::SharedMemory::create("small", 64);
+  const auto theirs = Channel::attach(again(memory->fd()));
+  ASSERT_FALSE(theirs.ok());
+  EXPECT_EQ(theirs.problems()[0].what, "this is no channel");
+  EXPECT_FALSE(Channel::attach(os::Fd{}).ok());
+  auto nothing = os::SharedMemory::create("empty", 4096);
+  EXPECT_FALSE(Channel::attach(again(nothing->fd())).ok());
+}
+
+}  // namespace
+}  // namespace takt::channel

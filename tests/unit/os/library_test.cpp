@@ -1,0 +1,88 @@
+#include <takt/os/library.hpp>
+
+#include <gmock/gmock.h>
+
+#include <string>
+
+namespace takt::os {
+namespace {
+
+using testing::HasSubstr;
+const std::string kPlain = TAKT_TEST_OBJECTS "/plain.so";
+const std::string kUnique = TAKT_TEST_OBJECTS "/unique.so";
+
+int count_up(const Library& library) {
+  return reinterpret_cast<int (*)()>(library.own_function("count_up"))();
+}
+
+TEST(Library, FindsWhatTheObjectDefines) {
+  const auto library = Library::open(kPlain, Library::Globals::shared);
+  ASSERT_TRUE(library.ok()) << to_text(library.problems());
+  EXPECT_NE(library->own_function("count_up"), nullptr);
+  EXPECT_EQ(library->own_function("count_down"), nullptr);
+}
+
+TEST(Library, DoesNotTakeTheFunctionsOfTheCLibraryForTheObjectsOwn) {
+  const auto library = Library::open(kPlain, Library::Globals::shared);
+  ASSERT_TRUE(library.ok());
+  EXPECT_EQ(library->own_function("error"), nullptr);
+  EXPECT_EQ(library->own_function("malloc"), nullptr);
+}
+
+TEST(Library, LoadedTwiceIsOneObject) {
+  const auto first = Library::open(kPlain, Library::Globals::shared);
+  const auto second = Library::open(kPlain, Library::Globals::shared);
+  const int before = count_up(*first);
+  EXPECT_EQ(count_up(*second), before + 1);
+}
+
+TEST(Library, WithGlobalsOfItsOwnIsACopy) {
+  const auto shared = Library::open(kPlain, Library::Globals::shared);
+  const auto first = Library::open(kPlain, Library::Globals::own);
+  const auto second = Library::open(kPlain, Library::Globals::own);
+  ASSERT_TRUE(first.ok()) << to_text(first.problems());
+  ASSERT_TRUE(second.ok()) << to_text(second.problems());
+  EXPECT_EQ(count_up(*first), 1);
+  EXPECT_EQ(count_up(*first), 2);
+  EXPECT_EQ(count_up(*second), 1);
+  EXPECT_EQ(second->own_function("error"), nullptr);
+}
+
+TEST(Library, LoadedAfreshBeginsAnew) {
+  for (int i = 0; i < 20; ++i) {
+    auto library = Library::open(kPlain, Library::Globals::own);
+    ASSERT_TRUE(library.ok()) << to_text(library.problems());
+    EXPECT_EQ(count_up(*library), 1);
+    if (i % 2 == 0) library->abandon();  // it stays in memory
+  }
+}
+
+TEST(Library, WithVariablesTheLoaderWouldShareCannotBeACopy) {
+#if defined(__clang__)
+  GTEST_SKIP() << "this compiler does not make such symbols";
+#endif
+  EXPECT_TRUE(Library::open(kUnique, Library::Globals::shared).ok());
+  const auto copy = Library::open(kUnique, Library::Globals::own);
+  ASSERT_FALSE(copy.ok());
+  EXPECT_THAT(copy.problems()[0].what, HasSubstr("shared_count"));
+  EXPECT_THAT(copy.problems()[0].fix, HasSubstr("-fno-gnu-unique"));
+}
+
+TEST(Library, ThatIsNotThereIsRefusedWithItsName) {
+  for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
+    const auto library = Library::open("/nowhere/at.so", globals);
+    ASSERT_FALSE(library.ok());
+    EXPECT_THAT(library.problems()[0].what, HasSubstr("/nowhere/at.so"));
+  }
+}
+
+TEST(Library, ThatIsTextIsRefusedWithTheLoadersReason) {
+  for (const auto globals : {Library::Globals::shared, Library::Globals::own}) {
+    const auto library = Library::open(TAKT_SOURCE_DIR "/CMakeLists.txt", globals);
+    ASSERT_FALSE(library.ok());
+    EXPECT_THAT(library.problems()[0].what, HasSubstr("CMakeLists.txt"));
+  }
+}
+
+}  // namespace
+}  // namespace takt::os

@@ -1,0 +1,87 @@
+#include <takt/os/message_socket.hpp>
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace takt::os {
+namespace {
+
+class TwoEnds : public testing::Test {
+ protected:
+  TwoEnds() {
+    auto ends = std::move(MessageSocket::pair().value());
+    mine = std::move(ends.first);
+    theirs = std::move(ends.second);
+  }
+  MessageSocket mine;
+  MessageSocket theirs;
+};
+
+TEST_F(TwoEnds, PassWholeMessagesInOrder) {
+  EXPECT_TRUE(mine.send("first"));
+  EXPECT_TRUE(mine.send(""));
+  EXPECT_TRUE(mine.send(std::string{"\0\n\xff", 3}));
+  EXPECT_EQ(theirs.receive(), "first");
+  EXPECT_EQ(theirs.receive(), "");
+  EXPECT_EQ(theirs.receive(), (std::string{"\0\n\xff", 3}));
+  EXPECT_EQ(theirs.receive(), std::nullopt);
+  EXPECT_FALSE(theirs.closed());
+}
+
+TEST_F(TwoEnds, PassAMessageThatIsLargerThanWhatTheKernelKeeps) {
+  std::string large(20'000'000, ' ');
+  for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>(i * 31 >> 3);
+  std::thread sender{[&] {
+    EXPECT_TRUE(mine.send(large));
+    EXPECT_TRUE(mine.send("after"));
+  }};
+  const auto received = theirs.receive_wait();
+  EXPECT_TRUE(received == large);
+  EXPECT_EQ(theirs.receive_wait(), "after");
+  sender.join();
+}
+
+TEST_F(TwoEnds, GiveOutWhatWasSentBeforeTheOtherWasGone) {
+  mine.send("last words");
+  mine.close();
+  EXPECT_EQ(theirs.receive_wait(), "last words");
+  EXPECT_FALSE(theirs.closed());
+  EXPECT_EQ(theirs.receive_wait(), std::nullopt);
+  EXPECT_TRUE(theirs.closed());
+  EXPECT_EQ(theirs.receive(), std::nullopt);
+}
+
+TEST_F(TwoEnds, SayThatTheOtherIsGoneAndSendNothing) {
+  theirs.close();
+  EXPECT_FALSE(mine.send("hello"));
+  EXPECT_EQ(mine.receive(), std::nullopt);
+  EXPECT_TRUE(mine.closed());
+}
+
+TEST_F(TwoEnds, ForgetAMessageThatWasCutOff) {
+  const std::uint32_t length = 100;
+  ::send(mine.fd().get(), &length, sizeof length, 0);
+  ::send(mine.fd().get(), "half", 4, 0);
+  EXPECT_EQ(theirs.receive(), std::nullopt);
+  EXPECT_FALSE(theirs.closed());
+  mine.close();
+  EXPECT_EQ(theirs.receive_wait(), std::nullopt);
+  EXPECT_TRUE(theirs.closed());
+}
+
+TEST_F(TwoEnds, DoNotBelieveALengthThatCannotBe) {
+  const std::uint32_t length = ~0U;
+  ::send(mine.fd().get(), &length, sizeof length, 0);
+  EXPECT_EQ(theirs.receive_wait(), std::nullopt);
+  EXPECT_TRUE(theirs.closed());
+}
+
+}  // namespace
+}  // namespace takt::os

@@ -1,0 +1,192 @@
+#include <takt/os/process.hpp>
+
+#include <gmock/gmock.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <takt/os/clock.hpp>
+#include <takt/os/message_socket.hpp>
+#include <takt/os/shared_memory.hpp>
+
+namespace takt::os {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+SpawnOptions shell(const std::string& script) { return {.program = "/bin/sh", .arguments = {"-c", script}}; }
+
+std::string read_all(const Fd& fd) {
+  std::string text;
+  for (bool end = false; !end;) {
+    pollfd wanted{.fd = fd.get(), .events = POLLIN, .revents = 0};
+    ::poll(&wanted, 1, -1);
+    text += read_available(fd, &end);
+  }
+  return text;
+}
+
+TEST(Child, TellsItsExitStatus) {
+  auto child = Child::spawn(shell("exit 3"));
+  ASSERT_TRUE(child.ok());
+  const ProcessEnd end = child->wait();
+  EXPECT_FALSE(end.signalled);
+  EXPECT_EQ(end.code, 3);
+  EXPECT_EQ(end.text(), "ended with status 3");
+  EXPECT_FALSE(child->running());
+}
+
+TEST(Child, TellsTheSignalThatKilledIt) {
+  auto child = Child::spawn(shell("kill -SEGV $$"));
+  const ProcessEnd end = child->wait();
+  EXPECT_TRUE(end.signalled);
+  EXPECT_EQ(end.code, SIGSEGV);
+  EXPECT_EQ(end.text(), "was killed by SIGSEGV (Segmentation fault)");
+}
+
+TEST(Child, SaysItsEndOnce) {
+  auto child = Child::spawn({.program = "/bin/sleep", .arguments = {"100"}});
+  EXPECT_EQ(child->poll(), std::nullopt);
+  EXPECT_TRUE(child->running());
+  child->signal(kTerminate);
+  std::optional<ProcessEnd> end;
+  while (!end) {
+    end = child->poll();
+    sleep_until(now() + milliseconds{1});
+  }
+  EXPECT_EQ(end->code, SIGTERM);
+  EXPECT_EQ(child->poll(), std::nullopt);
+  EXPECT_FALSE(child->running());
+}
+
+TEST(Child, ThatCannotBeExecutedIsRefusedWithTheReason) {
+  const auto missing = Child::spawn({.program = "/nowhere/program"});
+  ASSERT_FALSE(missing.ok());
+  EXPECT_EQ(missing.problems()[0].what, "/nowhere/program: No such file or directory");
+  const auto no_program = Child::spawn({.program = TAKT_SOURCE_DIR "/CMakeLists.txt"});
+  ASSERT_FALSE(no_program.ok());
+  EXPECT_THAT(no_program.problems()[0].what, HasSubstr("Permission denied"));
+  errno = 0;
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "no process is left";
+  EXPECT_EQ(errno, ECHILD);
+}
+
+TEST(Child, IsReadThroughPipes) {
+  SpawnOptions options = shell("echo out; echo err >&2; cat; echo \"$TAKT_TEST\"");
+  options.capture_output = true;
+  options.environment = {{"TAKT_TEST", "told"}};
+  auto child = Child::spawn(options);
+  ASSERT_TRUE(child.ok());
+  EXPECT_EQ(read_all(child->output), "out\ntold\n") << "it has nothing to read";
+  EXPECT_EQ(read_all(child->error), "err\n");
+  EXPECT_EQ(child->wait().code, 0);
+}
+
+TEST(Child, GetsTheDescriptorsThatItIsHandedAndNoOthers) {
+  const auto handed = SharedMemory::create("handed", 4096);
+  const auto kept = SharedMemory::create("kept", 4096);
+  SpawnOptions options = shell("test -e /proc/self/fd/" + std::to_string(handed->fd().get()) +
+                               " && ! test -e /proc/self/fd/" + std::to_string(kept->fd().get()));
+  options.inherit = {&handed->fd()};
+  auto child = Child::spawn(options);
+  EXPECT_EQ(child->wait().code, 0);
+}
+
+TEST(Child, IsKilledWhenItsOwnerForgetsIt) {
+  int pid = 0;
+  {
+    auto child = Child::spawn({.program = "/bin/sleep", .arguments = {"100"}});
+    pid = child->pid();
+    EXPECT_EQ(::kill(pid, 0), 0);
+  }
+  EXPECT_NE(::kill(pid, 0), 0);
+}
+
+TEST(Child, DiesWithItsParent) {
+  auto ends = MessageSocket::pair();
+  const int parent = ::fork();
+  if (parent == 0) {
+    auto child = Child::spawn({.program = "/bin/sleep", .arguments = {"100"}});
+    ends->second.send(std::to_string(child->pid()));
+    ::pause();
+    ::_exit(0);
+  }
+  const int pid = std::stoi(ends->first.receive_wait().value());
+  ::kill(parent, SIGKILL);
+  ::waitpid(parent, nullptr, 0);
+  // Whoever adopts it may be slow to reap it; a zombie is dead.
+  const auto dead = [pid] {
+    if (::kill(pid, 0) != 0) return true;
+    std::string path = "/proc/" + std::to_string(pid) + "/stat";
+    FILE* file = std::fopen(path.c_str(), "r");
+    if (file == nullptr) return true;
+    char state = 0;
+    const int n = std::fscanf(file, "%*d %*s %c", &state);
+    std::fclose(file);
+    return n != 1 || state == 'Z' || state == 'X';
+  };
+  const Instant limit = now() + seconds{10};
+  while (!dead() && now() < limit) sleep_until(now() + milliseconds{1});
+  EXPECT_TRUE(dead());
+}
+
+TEST(InChild, ReturnsWhatTheWorkReturned) {
+  EXPECT_EQ(in_child(
+                "it", [] { return std::string{"result"}; }, seconds{30})
+                .value(),
+            "result");
+  const std::string large(1'000'000, 'x');
+  EXPECT_TRUE(in_child(
+                  "it", [&large] { return large; }, seconds{30})
+                  .value() == large);
+  EXPECT_EQ(in_child(
+                "it", [] { return std::string{}; }, seconds{30})
+                .value(),
+            "");
+}
+
+TEST(InChild, ACrashCostsTheChildAndNotUs) {
+  const auto result = in_child(
+      "loading it",
+      []() -> std::string {
+        ::signal(SIGSEGV, SIG_DFL);
+        ::raise(SIGSEGV);
+        return "not reached";
+      },
+      seconds{30});
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.problems()[0].what, "loading it was killed by SIGSEGV (Segmentation fault)");
+}
+
+TEST(InChild, AHangIsEnded) {
+  const auto result = in_child(
+      "loading it",
+      []() -> std::string {
+        while (true) ::pause();
+      },
+      milliseconds{50});
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.problems()[0].what, "loading it did not end within 50 ms");
+}
+
+TEST(InChild, AnExitIsNoResult) {
+  const auto result = in_child(
+      "loading it", []() -> std::string { ::_exit(0); }, seconds{30});
+  EXPECT_TRUE(!result.ok() || result->empty());
+  const auto other = in_child(
+      "loading it", []() -> std::string { ::_exit(4); }, seconds{30});
+  ASSERT_FALSE(other.ok());
+  EXPECT_EQ(other.problems()[0].what, "loading it ended with status 4");
+}
+
+}  // namespace
+}  // namespace takt::os

@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <string>
+#include <utility>
+
+#include <takt/os/real_time.hpp>
+
+namespace takt::os {
+namespace {
+
+TEST(Thread, HasItsNameCutToWhatLinuxShows) {
+  std::array<char, 16> name{};
+  auto thread = Thread::start(
+      {.name = "a name of more than fifteen"},
+      [&name] { ::pthread_getname_np(::pthread_self(), name.data(), name.size()); }, nullptr);
+  ASSERT_TRUE(thread.ok());
+  thread->join();
+  EXPECT_EQ(std::string{name.data()}, "a name of more ");
+  EXPECT_FALSE(thread->running());
+}
+
+TEST(Thread, HasItsStack) {
+  std::size_t size = 0;
+  auto thread = Thread::start(
+      {.name = "t", .stack_bytes = 2 * 1024 * 1024},
+      [&size] {
+        pthread_attr_t attributes;
+        ::pthread_getattr_np(::pthread_self(), &attributes);
+        ::pthread_attr_getstacksize(&attributes, &size);
+        ::pthread_attr_destroy(&attributes);
+      },
+      nullptr);
+  thread->join();
+  EXPECT_GE(size, 2U * 1024 * 1024) << "the C library may give it a larger one that another thread left";
+}
+
+// glibc takes thread-local variables out of the stack; with these, less than half of a small one is left.
+thread_local std::array<char, 300 * 1024> large{};
+
+TEST(Thread, RunsThoughThreadLocalVariablesTookMostOfItsStack) {
+  std::atomic<bool> ran{false};
+  auto thread = Thread::start(
+      {.name = "t", .stack_bytes = 448 * 1024},
+      [&ran] {
+        asm volatile("" : : "r"(large.data()) : "memory");
+        ran = true;
+      },
+      nullptr);
+  if (!thread) GTEST_SKIP() << to_text(thread.problems());
+  thread->join();
+  EXPECT_TRUE(ran);
+}
+
+TEST(Thread, RunsWhereItIsTold) {
+  const int cpu = allowed_cpus().back();
+  Problems refused;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  auto thread = Thread::start(
+      {.name = "t", .cpus = {cpu}}, [&set] { ::sched_getaffinity(0, sizeof set, &set); }, &refused);
+  thread->join();
+  EXPECT_TRUE(refused.empty());
+  EXPECT_EQ(CPU_COUNT(&set), 1);
+  EXPECT_TRUE(CPU_ISSET(static_cast<unsigned>(cpu), &set));
+}
+
+TEST(Thread, RunsWithoutAProcessorThatTheMachineDoesNotHaveAndSaysSo) {
+  Problems refused;
+  std::atomic<bool> ran{false};
+  auto thread = Thread::start(
+      {.name = "t", .cpus = {1000}}, [&ran] { ran = true; }, &refused);
+  ASSERT_TRUE(thread.ok());
+  ASSERT_EQ(refused.size(), 1U) << "it is known when start() returns";
+  EXPECT_EQ(refused[0].where, "thread t");
+  EXPECT_NE(refused[0].what.find("processor 1000 is refused"), std::string::npos);
+  thread->join();
+  EXPECT_TRUE(ran);
+}
+
+TEST(Thread, RunsWithoutAPriorityThatIsRefusedAndSaysSo) {
+  Problems refused;
+  int policy = -1;
+  auto thread = Thread::start(
+      {.name = "t", .priority = 1000}, [&policy] { policy = ::sched_getscheduler(0); }, &refused);
+  ASSERT_TRUE(thread.ok());
+  thread->join();
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_NE(refused[0].what.find("SCHED_FIFO 1000 is refused"), std::string::npos);
+  EXPECT_FALSE(refused[0].fix.empty());
+  EXPECT_EQ(policy, SCHED_OTHER);
+}
+
+TEST(Thread, HasItsPriorityWhereTheSystemAllows) {
+  if (const auto may = may_be_real_time(); !may) GTEST_SKIP() << to_text(may.problems());
+  Problems refused;
+  int policy = -1;
+  sched_param parameter{};
+  auto thread = Thread::start(
+      {.name = "t", .priority = 7},
+      [&] {
+        policy = ::sched_getscheduler(0) & ~SCHED_RESET_ON_FORK;
+        ::sched_getparam(0, &parameter);
+      },
+      &refused);
+  thread->join();
+  EXPECT_TRUE(refused.empty());
+  EXPECT_EQ(policy, SCHED_FIFO);
+  EXPECT_EQ(parameter.sched_priority, 7);
+}
+
+TEST(Thread, IsJoinedByWhoeverHoldsItLast) {
+  std::atomic<int> ran{0};
+  {
+    auto first = Thread::start(
+        {.name = "t"}, [&ran] { ++ran; }, nullptr);
+    Thread second{std::move(*first)};
+    EXPECT_TRUE(second.running());
+    EXPECT_FALSE(first->running());
+    auto third = Thread::start(
+        {.name = "t"}, [&ran] { ++ran; }, nullptr);
+    second = std::move(*third);  // joins the first
+    EXPECT_GE(ran, 1);
+  }
+  EXPECT_EQ(ran, 2);
+}
+
+TEST(AllowedCpus, AreAtLeastOneAndAscend) {
+  const auto cpus = allowed_cpus();
+  ASSERT_FALSE(cpus.empty());
+  EXPECT_TRUE(std::is_sorted(cpus.begin(), cpus.end()));
+}
+
+}  // namespace
+}  // namespace takt::os
