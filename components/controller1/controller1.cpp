@@ -1,4 +1,5 @@
-// A thread module in the form of the paper's Figure 8: the position loop of an axis, at the period of the descriptor.
+// A thread module in the form of the paper's Figure 8: the position loop of an axis, at the period of the
+// descriptor.
 #include <takt/module.h>
 
 #include <cstdio>

@@ -1,4 +1,5 @@
-// What a thread of the host is doing right now, for whoever must name the culprit when it crashes or never comes back.
+// What a thread of the host is doing right now, for whoever must name the culprit when it crashes or never
+// comes back.
 #pragma once
 
 #include <atomic>
@@ -6,7 +7,17 @@
 
 namespace takt::channel {
 
-enum class Doing : std::uint32_t { nothing, run, condition, initialize, start, error, recover, destruct, load };
+enum class Doing : std::uint32_t {
+  nothing,
+  run,
+  condition,
+  initialize,
+  start,
+  error,
+  recover,
+  destruct,
+  load
+};
 /// "run()", "initialize()", ...
 const char* to_text(Doing doing) noexcept;
 
@@ -23,8 +34,9 @@ struct Activity {
     doing.store(what, std::memory_order_relaxed);
     module.store(index + 1, std::memory_order_release);  // SYNC: activity
   }
-  /// As begin(), for a thread that asks afterwards whether the module is in the tables: who takes it out either sees this
-  /// activity, or is seen. A row needs no such fence a module; it has one a row. SYNC: in tables
+  /// As begin(), for a thread that asks afterwards whether the module is in the tables: who takes it out
+  /// either sees this activity, or is seen. A row needs no such fence a module; it has one a row. SYNC: in
+  /// tables
   void announce(std::uint32_t index, Doing what, std::int64_t now_ns) noexcept {
     begin(index, what, now_ns);
     module.store(index + 1, std::memory_order_seq_cst);

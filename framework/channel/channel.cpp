@@ -6,15 +6,24 @@ namespace takt::channel {
 
 const char* to_text(Doing doing) noexcept {
   switch (doing) {
-    case Doing::nothing: return "nothing";
-    case Doing::run: return "run()";
-    case Doing::condition: return "condition()";
-    case Doing::initialize: return "initialize()";
-    case Doing::start: return "start()";
-    case Doing::error: return "error()";
-    case Doing::recover: return "recover()";
-    case Doing::destruct: return "destruct()";
-    case Doing::load: return "its loading";
+    case Doing::nothing:
+      return "nothing";
+    case Doing::run:
+      return "run()";
+    case Doing::condition:
+      return "condition()";
+    case Doing::initialize:
+      return "initialize()";
+    case Doing::start:
+      return "start()";
+    case Doing::error:
+      return "error()";
+    case Doing::recover:
+      return "recover()";
+    case Doing::destruct:
+      return "destruct()";
+    case Doing::load:
+      return "its loading";
   }
   return "?";
 }
@@ -43,7 +52,8 @@ T& at(const os::SharedMemory& memory, std::size_t offset) {
 
 }  // namespace
 
-Result<Channel> Channel::create(const std::vector<std::string>& executors, const std::vector<std::string>& modules) {
+Result<Channel> Channel::create(const std::vector<std::string>& executors,
+                                const std::vector<std::string>& modules) {
   auto memory = os::SharedMemory::create("takt-channel", size_of(executors.size(), modules.size()));
   if (!memory) return memory.problems();
   at<Header>(*memory, 0) = {.magic = kMagic, .executors = executors.size(), .modules = modules.size()};
@@ -69,7 +79,8 @@ Result<Channel> Channel::attach(os::Fd fd) {
   // Neither is more than the bytes there are, so that their size is no number that has gone round.
   if (header.magic != kMagic || header.executors > size || header.modules > size ||
       size != size_of(header.executors, header.modules)) {
-    return fail("the channel was laid out by another version", "install takt-node and takt-host of one version");
+    return fail("the channel was laid out by another version",
+                "install takt-node and takt-host of one version");
   }
   return channel;
 }
@@ -81,7 +92,8 @@ ExecutorBlock& Channel::executor(std::size_t index) const noexcept {
 }
 
 ModuleBlock& Channel::module(std::size_t index) const noexcept {
-  return at<ModuleBlock>(memory_, kExecutorsAt + executors_ * sizeof(ExecutorBlock) + index * sizeof(ModuleBlock));
+  return at<ModuleBlock>(memory_,
+                         kExecutorsAt + executors_ * sizeof(ExecutorBlock) + index * sizeof(ModuleBlock));
 }
 
 }  // namespace takt::channel

@@ -1,5 +1,5 @@
-// The channel of one device: one block for the host, one for each executor, one for each module, in one piece of shared
-// memory. The node creates it and keeps it over restarts of the host; counters go on.
+// The channel of one device: one block for the host, one for each executor, one for each module, in one piece
+// of shared memory. The node creates it and keeps it over restarts of the host; counters go on.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@ namespace takt::channel {
 class Channel {
  public:
   Channel() = default;
-  static Result<Channel> create(const std::vector<std::string>& executors, const std::vector<std::string>& modules);
+  static Result<Channel> create(const std::vector<std::string>& executors,
+                                const std::vector<std::string>& modules);
   /// Fails when the memory was laid out by another version.
   static Result<Channel> attach(os::Fd fd);
 

@@ -1,5 +1,5 @@
-// The shared memory between a node and its host: what the executors publish and the node supervises. All zero is its
-// initial state; every field has one writer at a time.
+// The shared memory between a node and its host: what the executors publish and the node supervises. All zero
+// is its initial state; every field has one writer at a time.
 #pragma once
 
 #include <atomic>
@@ -13,14 +13,16 @@ namespace takt::channel {
 
 using Name = FixedText<64>;
 
-/// Written by the executor that the module belongs to, unless said otherwise. What it touches each release comes first in as
-/// few cache lines as that takes: after a sleep they are no longer in its caches, and each is waited for.
+/// Written by the executor that the module belongs to, unless said otherwise. What it touches each release
+/// comes first in as few cache lines as that takes: after a sleep they are no longer in its caches, and each
+/// is waited for.
 struct alignas(64) ModuleBlock {
-  /// Whether the executor may call or release it. Set and cleared by the node; cleared by the executor when it raises an
-  /// error. Who clears it and must know that the module is not running any more waits for the row to end and for the
-  /// activities that name it. SYNC: in tables
+  /// Whether the executor may call or release it. Set and cleared by the node; cleared by the executor when
+  /// it raises an error. Who clears it and must know that the module is not running any more waits for the
+  /// row to end and for the activities that name it. SYNC: in tables
   std::atomic<std::uint32_t> in_tables;
-  /// An ErrorType that waits for the supervisor, which sets it back to 0. SYNC: error raised, publishes error_text.
+  /// An ErrorType that waits for the supervisor, which sets it back to 0. SYNC: error raised, publishes
+  /// error_text.
   std::atomic<std::uint32_t> error;
   std::atomic<std::uint64_t> error_cycle;
   std::atomic<std::uint64_t> cycles;    ///< times it was called or released
@@ -37,7 +39,8 @@ struct alignas(64) ModuleBlock {
 
   /// Real-time. Asks for the lines that the next release will touch, while something else is done.
   void prefetch() const noexcept {
-    for (const void* line : {static_cast<const void*>(this), static_cast<const void*>(&jitter), static_cast<const void*>(&run)}) {
+    for (const void* line : {static_cast<const void*>(this), static_cast<const void*>(&jitter),
+                             static_cast<const void*>(&run)}) {
       __builtin_prefetch(line, 1);
     }
   }
@@ -49,7 +52,8 @@ struct alignas(64) ExecutorBlock {
   std::atomic<std::uint64_t> missed;    ///< rows skipped
   std::atomic<std::uint64_t> late;      ///< rows that ended after the next release
   std::atomic<std::uint64_t> next_row;  ///< counted from T0, with a gap for every row missed
-  /// Odd while a row is walked. SYNC: row. Who takes a module out of the tables waits for it to be even or to change.
+  /// Odd while a row is walked. SYNC: row. Who takes a module out of the tables waits for it to be even or to
+  /// change.
   std::atomic<std::uint64_t> row_sequence;
   std::atomic<std::int64_t> margin_ns;  ///< of the wake-up, as learned
   Activity row;                         ///< of the executor's thread

@@ -1,8 +1,10 @@
-// How a process module is released. Each has a seat: shared memory of its own, so that a program that writes where it should
-// not harms no other. The scheduler releases it with one store; the program answers with another when its body is done.
+// How a process module is released. Each has a seat: shared memory of its own, so that a program that writes
+// where it should not harms no other. The scheduler releases it with one store; the program answers with
+// another when its body is done.
 //
-// A program that finds no release where it expects one sleeps on the bell, a word that all programs of the device share, each
-// with a bit of its own: so the scheduler needs one wake-up call a cycle, however many sleep.
+// A program that finds no release where it expects one sleeps on the bell, a word that all programs of the
+// device share, each with a bit of its own: so the scheduler needs one wake-up call a cycle, however many
+// sleep.
 #pragma once
 
 #include <atomic>
@@ -41,7 +43,8 @@ struct alignas(64) Seat {
   std::uint32_t lock_memory;
 
   // Written by the scheduler.
-  alignas(64) std::atomic<std::uint32_t> released;  ///< releases so far. SYNC: released, publishes the two below
+  alignas(
+      64) std::atomic<std::uint32_t> released;  ///< releases so far. SYNC: released, publishes the two below
   std::atomic<std::uint64_t> cycle;
   std::atomic<std::int64_t> release_ns;
   std::atomic<std::uint32_t> end;  ///< by the node: the program is to end
@@ -72,8 +75,9 @@ inline Release release(Seat& seat, std::uint64_t cycle, std::int64_t release_ns)
   if (!seat.waiting()) return Release::busy;
   seat.cycle.store(cycle, std::memory_order_relaxed);
   seat.release_ns.store(release_ns, std::memory_order_relaxed);
-  // SYNC: released and sleeping. Each side stores its own word and then loads the other's, in one total order: either the
-  // scheduler sees that the program sleeps, or the program sees the release before it sleeps.
+  // SYNC: released and sleeping. Each side stores its own word and then loads the other's, in one total
+  // order: either the scheduler sees that the program sleeps, or the program sees the release before it
+  // sleeps.
   seat.released.store(seat.released.load(std::memory_order_relaxed) + 1, std::memory_order_seq_cst);
   return seat.sleeping.load(std::memory_order_seq_cst) != 0 ? Release::wake : Release::given;
 }

@@ -1,20 +1,26 @@
 #include <takt/component/component.hpp>
 
+#include <takt/component/module.h>
 #include <takt/component/current_cycle.hpp>
 #include <takt/component/failure.hpp>
-#include <takt/component/module.h>
 #include <takt/core/fixed_text.hpp>
 
 namespace takt {
 
 const char* to_text(ErrorType type) noexcept {
   switch (type) {
-    case ErrorType::none: return "none";
-    case ErrorType::failure: return "failure";
-    case ErrorType::budget: return "budget";
-    case ErrorType::start: return "start";
-    case ErrorType::crash: return "crash";
-    case ErrorType::hang: return "hang";
+    case ErrorType::none:
+      return "none";
+    case ErrorType::failure:
+      return "failure";
+    case ErrorType::budget:
+      return "budget";
+    case ErrorType::start:
+      return "start";
+    case ErrorType::crash:
+      return "crash";
+    case ErrorType::hang:
+      return "hang";
   }
   return "?";
 }

@@ -1,23 +1,24 @@
 // What the author of a component in C++ includes. A component is one class:
 //
 //   class Ramp : public takt::Component {
-//     takt::Property<double> slope{*this, "slope", 1.0, {.unit = "1/s", .min = 0.0, .text = "How fast it rises."}};
-//     double value_ = 0;
+//     takt::Property<double> slope{*this, "slope", 1.0, {.unit = "1/s", .min = 0.0, .text = "How fast it
+//     rises."}}; double value_ = 0;
 //
 //     void run(const takt::Cycle& cycle) noexcept override { value_ += slope * cycle.seconds(); }
 //   };
 //   TAKT_COMPONENT(Ramp)
 //
-// built with takt_add_component(ramp ramp.cpp). Several modules may be made of one component: each is an object of its own.
+// built with takt_add_component(ramp ramp.cpp). Several modules may be made of one component: each is an
+// object of its own.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include <takt/component/property.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
-#include <takt/component/property.hpp>
 
 namespace takt {
 
@@ -42,8 +43,8 @@ enum class ErrorType : int {
 /// "failure", "budget", ...
 const char* to_text(ErrorType type) noexcept;
 
-/// The base of every component. run() and condition() are called by a real-time thread, all other hooks by a thread that is
-/// not real-time, with the module out of the tables; never two at once.
+/// The base of every component. run() and condition() are called by a real-time thread, all other hooks by a
+/// thread that is not real-time, with the module out of the tables; never two at once.
 class Component {
  public:
   Component() = default;
@@ -69,8 +70,8 @@ class Component {
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const noexcept { return properties_; }
 
  protected:
-  /// From run() or condition(): takes the module out of its table after this call, with this reason (255 bytes are kept).
-  /// Real-time.
+  /// From run() or condition(): takes the module out of its table after this call, with this reason (255
+  /// bytes are kept). Real-time.
   static void fail(const char* text) noexcept;
 
  private:
@@ -91,11 +92,13 @@ struct ComponentFactory {
 }  // namespace takt
 
 /// Once in each component's source, outside any namespace.
-#define TAKT_COMPONENT(Type)                                                                                   \
-  extern "C" __attribute__((visibility("default"))) const ::takt::ComponentFactory* takt_component_factory();  \
-  extern "C" const ::takt::ComponentFactory* takt_component_factory() {                                        \
-    static constexpr ::takt::ComponentFactory factory{                                                         \
-        ::takt::ComponentFactory::kAbi, sizeof(::takt::Component), #Type,                                      \
-        []() -> ::takt::Component* { return new Type; }, [](::takt::Component* component) { delete component; }}; \
-    return &factory;                                                                                           \
+#define TAKT_COMPONENT(Type)                                                        \
+  extern "C" __attribute__((visibility("default"))) const ::takt::ComponentFactory* \
+  takt_component_factory();                                                         \
+  extern "C" const ::takt::ComponentFactory* takt_component_factory() {             \
+    static constexpr ::takt::ComponentFactory factory{                              \
+        ::takt::ComponentFactory::kAbi, sizeof(::takt::Component), #Type,           \
+        []() -> ::takt::Component* { return new Type; },                            \
+        [](::takt::Component* component) { delete component; }};                    \
+    return &factory;                                                                \
   }

@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include <takt/channel/seat.hpp>
 #include <takt/component/process.h>
+#include <takt/channel/seat.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
@@ -25,7 +25,9 @@ class Guest {
 
  private:
   [[noreturn]] static void refuse(const char* function, const char* what);
-  bool released() const { return seat_->released.load(std::memory_order_acquire) != taken_; }  // SYNC: released
+  bool released() const {
+    return seat_->released.load(std::memory_order_acquire) != taken_;
+  }  // SYNC: released
   void spin_until_release();
   void sleep_on_bell();
   void end_if_told() const;
@@ -50,7 +52,8 @@ void Guest::attach(channel::SeatKind kind, const char* function) {
   if (seat_ != nullptr) refuse(function, "called twice; call it once, before the first wait");
   os::Fd seat = os::take_fd_from_environment("TAKT_SEAT_FD");
   os::Fd bell = os::take_fd_from_environment("TAKT_BELL_FD");
-  if (!seat || !bell) refuse(function, "this program was not started by takt-node; name it in a descriptor and run that");
+  if (!seat || !bell)
+    refuse(function, "this program was not started by takt-node; name it in a descriptor and run that");
   auto seat_memory = os::SharedMemory::attach(std::move(seat));
   auto bell_memory = os::SharedMemory::attach(std::move(bell));
   if (!seat_memory || !bell_memory) refuse(function, "the memory shared with takt-node cannot be mapped");
@@ -78,8 +81,9 @@ void Guest::end_if_told() const {
   if (seat_->end.load(std::memory_order_acquire) != 0) std::exit(0);
 }
 
-// The release is expected one period after the last. It comes a little later than its instant, after the modules before it in
-// the row, so the spin goes on for as long behind the instant as the margin may be before it.
+// The release is expected one period after the last. It comes a little later than its instant, after the
+// modules before it in the row, so the spin goes on for as long behind the instant as the margin may be
+// before it.
 void Guest::spin_until_release() {
   const Instant expected = from_ns(seat_->release_ns.load(std::memory_order_relaxed) + seat_->period_ns);
   const Instant wake = expected - margin_.value();
@@ -100,7 +104,8 @@ void Guest::spin_until_release() {
 void Guest::sleep_on_bell() {
   const std::uint32_t rings = bell_->rings.load(std::memory_order_seq_cst);
   seat_->sleeping.store(1, std::memory_order_seq_cst);  // SYNC: sleeping
-  if (seat_->released.load(std::memory_order_seq_cst) == taken_ && seat_->end.load(std::memory_order_seq_cst) == 0) {
+  if (seat_->released.load(std::memory_order_seq_cst) == taken_ &&
+      seat_->end.load(std::memory_order_seq_cst) == 0) {
     os::futex_wait(bell_->rings, rings, seat_->bell_bit);
   }
   seat_->sleeping.store(0, std::memory_order_seq_cst);
@@ -134,7 +139,11 @@ void initSporadicExe(void) { guest.attach(channel::SeatKind::sporadic, "initSpor
 void waitPeriod(void) { guest.wait("waitPeriod"); }
 void waitSporadic(void) { guest.wait("waitSporadic"); }
 
-uint64_t takt_cycle(void) { return guest.seat() == nullptr ? 0 : guest.seat()->cycle.load(std::memory_order_relaxed); }
-int64_t takt_release_ns(void) { return guest.seat() == nullptr ? 0 : guest.seat()->release_ns.load(std::memory_order_relaxed); }
+uint64_t takt_cycle(void) {
+  return guest.seat() == nullptr ? 0 : guest.seat()->cycle.load(std::memory_order_relaxed);
+}
+int64_t takt_release_ns(void) {
+  return guest.seat() == nullptr ? 0 : guest.seat()->release_ns.load(std::memory_order_relaxed);
+}
 int64_t takt_period_ns(void) { return guest.seat() == nullptr ? 0 : guest.seat()->period_ns; }
 }

@@ -10,10 +10,14 @@ namespace takt {
 
 const char* to_text(PropertyType type) noexcept {
   switch (type) {
-    case PropertyType::boolean: return "bool";
-    case PropertyType::integer: return "integer";
-    case PropertyType::number: return "double";
-    case PropertyType::text: return "string";
+    case PropertyType::boolean:
+      return "bool";
+    case PropertyType::integer:
+      return "integer";
+    case PropertyType::number:
+      return "double";
+    case PropertyType::text:
+      return "string";
   }
   return "?";
 }
@@ -26,10 +30,18 @@ PropertyBase::PropertyBase(Component& owner, std::string name, std::string unit,
 Problem PropertyBase::refusal(std::string_view given) const {
   std::string takes;
   switch (type()) {
-    case PropertyType::boolean: takes = "true or false"; break;
-    case PropertyType::integer: takes = "a whole number"; break;
-    case PropertyType::number: takes = "a number"; break;
-    case PropertyType::text: takes = "text"; break;
+    case PropertyType::boolean:
+      takes = "true or false";
+      break;
+    case PropertyType::integer:
+      takes = "a whole number";
+      break;
+    case PropertyType::number:
+      takes = "a number";
+      break;
+    case PropertyType::text:
+      takes = "text";
+      break;
   }
   if (const std::string range = range_text(); !range.empty()) takes += ", " + range;
   if (!unit_.empty()) takes += ", in " + unit_;
@@ -55,7 +67,9 @@ std::optional<T> parse_whole(std::string_view text) noexcept {
 }
 }  // namespace
 
-std::optional<std::int64_t> parse_integer(std::string_view text) noexcept { return parse_whole<std::int64_t>(text); }
+std::optional<std::int64_t> parse_integer(std::string_view text) noexcept {
+  return parse_whole<std::int64_t>(text);
+}
 
 std::optional<double> parse_number(std::string_view text) noexcept {
   const auto value = parse_whole<double>(text);

@@ -59,33 +59,39 @@ std::string number_text(float value);
 }  // namespace detail
 
 template <class T>
-concept PropertyValueType =
-    std::same_as<T, bool> || std::same_as<T, std::string> || std::same_as<T, float> ||
+concept PropertyValueType = std::same_as<T, bool> || std::same_as<T, std::string> || std::same_as<T, float> ||
     std::same_as<T, double> || std::signed_integral<T>;
 
-/// bool, a signed integer, float or double, or std::string. Reading is for every hook, also on the real-time thread.
+/// bool, a signed integer, float or double, or std::string. Reading is for every hook, also on the real-time
+/// thread.
 template <PropertyValueType T>
 class Property final : public PropertyBase {
  public:
   struct Options {
-    std::string unit{};       ///< "mm/s"
-    std::optional<T> min{};   ///< inclusive; numbers only
-    std::optional<T> max{};   ///< inclusive; numbers only
-    std::string text{};       ///< one sentence for `takt describe`
+    std::string unit{};      ///< "mm/s"
+    std::optional<T> min{};  ///< inclusive; numbers only
+    std::optional<T> max{};  ///< inclusive; numbers only
+    std::string text{};      ///< one sentence for `takt describe`
   };
 
   Property(Component& owner, std::string name, T value, Options options = {})
       : PropertyBase(owner, std::move(name), std::move(options.unit), std::move(options.text)),
-        value_(std::move(value)), min_(options.min), max_(options.max) {}
+        value_(std::move(value)),
+        min_(options.min),
+        max_(options.max) {}
 
   operator const T&() const noexcept { return value_; }  // NOLINT(google-explicit-constructor)
   [[nodiscard]] const T& value() const noexcept { return value_; }
 
   [[nodiscard]] PropertyType type() const noexcept override {
-    if constexpr (std::is_same_v<T, bool>) return PropertyType::boolean;
-    else if constexpr (std::is_integral_v<T>) return PropertyType::integer;
-    else if constexpr (std::is_floating_point_v<T>) return PropertyType::number;
-    else return PropertyType::text;
+    if constexpr (std::is_same_v<T, bool>)
+      return PropertyType::boolean;
+    else if constexpr (std::is_integral_v<T>)
+      return PropertyType::integer;
+    else if constexpr (std::is_floating_point_v<T>)
+      return PropertyType::number;
+    else
+      return PropertyType::text;
   }
   [[nodiscard]] std::string value_text() const override { return in_words(value_); }
   [[nodiscard]] std::string range_text() const override {
@@ -108,14 +114,19 @@ class Property final : public PropertyBase {
 
  private:
   static std::string in_words(const T& value) {
-    if constexpr (std::is_same_v<T, bool>) return value ? "true" : "false";
-    else if constexpr (std::is_integral_v<T>) return std::to_string(value);
-    else if constexpr (std::is_floating_point_v<T>) return detail::number_text(value);
-    else return value;
+    if constexpr (std::is_same_v<T, bool>)
+      return value ? "true" : "false";
+    else if constexpr (std::is_integral_v<T>)
+      return std::to_string(value);
+    else if constexpr (std::is_floating_point_v<T>)
+      return detail::number_text(value);
+    else
+      return value;
   }
 
   static std::optional<T> parse(std::string_view text) {
-    if constexpr (std::is_same_v<T, bool>) return detail::parse_bool(text);
+    if constexpr (std::is_same_v<T, bool>)
+      return detail::parse_bool(text);
     else if constexpr (std::is_integral_v<T>) {
       const auto value = detail::parse_integer(text);
       return value && std::in_range<T>(*value) ? std::optional<T>(static_cast<T>(*value)) : std::nullopt;

@@ -21,7 +21,9 @@ class FixedText {
     bytes_[length] = '\0';
   }
 
-  [[nodiscard]] std::string_view view() const noexcept { return {bytes_.data(), ::strnlen(bytes_.data(), N)}; }
+  [[nodiscard]] std::string_view view() const noexcept {
+    return {bytes_.data(), ::strnlen(bytes_.data(), N)};
+  }
   [[nodiscard]] const char* c_str() const noexcept { return bytes_.data(); }
   [[nodiscard]] bool empty() const noexcept { return bytes_[0] == '\0'; }
 

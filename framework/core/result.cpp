@@ -2,10 +2,22 @@
 
 namespace takt {
 
-std::string to_text(const Problem& problem) {
+namespace {
+
+std::string joined(const Problem& problem, const char* kind) {
   std::string text = problem.where.empty() ? "" : problem.where + ": ";
-  text += "error: " + problem.what;
+  text += kind + problem.what;
   if (!problem.fix.empty()) text += "; " + problem.fix;
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const Problem& problem) { return joined(problem, "error: "); }
+
+std::string in_words(const Problems& problems) {
+  std::string text;
+  for (const Problem& problem : problems) text += (text.empty() ? "" : ". ") + joined(problem, "");
   return text;
 }
 

@@ -1,5 +1,5 @@
-// What a call returns that can fail for a reason of the world: a value, or everything that is wrong. A caller with a
-// descriptor of a hundred mistakes wants all hundred, so a failure is a list.
+// What a call returns that can fail for a reason of the world: a value, or everything that is wrong. A caller
+// with a descriptor of a hundred mistakes wants all hundred, so a failure is a list.
 #pragma once
 
 #include <string>
@@ -26,22 +26,35 @@ using Problems = std::vector<Problem>;
 std::string to_text(const Problem& problem);
 /// The same for each problem, one a line.
 std::string to_text(const Problems& problems);
+/// "WHERE: WHAT; FIX", for use within a sentence: one problem after the other, in one line.
+std::string in_words(const Problems& problems);
 
 /// A value or problems. Not for real-time threads: problems allocate.
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : outcome_(std::move(value)) {}                                           // NOLINT(google-explicit-constructor)
-  Result(Problems problems) : outcome_(std::move(problems)) { TAKT_CHECK(!this->problems().empty()); }  // NOLINT
-  Result(Problem problem) : outcome_(Problems{std::move(problem)}) {}                       // NOLINT
+  Result(T value) : outcome_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  Result(Problems problems) : outcome_(std::move(problems)) {
+    TAKT_CHECK(!this->problems().empty());
+  }                                                                    // NOLINT
+  Result(Problem problem) : outcome_(Problems{std::move(problem)}) {}  // NOLINT
 
   [[nodiscard]] bool ok() const noexcept { return outcome_.index() == 0; }
   explicit operator bool() const noexcept { return ok(); }
 
   /// Only when ok().
-  T& value() & { TAKT_CHECK(ok()); return std::get<0>(outcome_); }
-  const T& value() const& { TAKT_CHECK(ok()); return std::get<0>(outcome_); }
-  T&& value() && { TAKT_CHECK(ok()); return std::get<0>(std::move(outcome_)); }
+  T& value() & {
+    TAKT_CHECK(ok());
+    return std::get<0>(outcome_);
+  }
+  const T& value() const& {
+    TAKT_CHECK(ok());
+    return std::get<0>(outcome_);
+  }
+  T&& value() && {
+    TAKT_CHECK(ok());
+    return std::get<0>(std::move(outcome_));
+  }
   T& operator*() { return value(); }
   const T& operator*() const { return value(); }
   T* operator->() { return &value(); }

@@ -1,8 +1,8 @@
 // How long things took, gathered by one thread while others look on.
 //
-// A real-time thread must record without locking, and an operator must be able to read at any time, from another process,
-// numbers that belong together. So the values lie in one record of fixed size that has a single writer, and a sequence
-// number tells a reader that it read between two updates.
+// A real-time thread must record without locking, and an operator must be able to read at any time, from
+// another process, numbers that belong together. So the values lie in one record of fixed size that has a
+// single writer, and a sequence number tells a reader that it read between two updates.
 #pragma once
 
 #include <array>
@@ -12,7 +12,8 @@
 
 namespace takt {
 
-/// Where a value falls in a histogram: exact up to 31 ns, then 16 steps an octave (at most 6 % wide), up to 2^40 ns.
+/// Where a value falls in a histogram: exact up to 31 ns, then 16 steps an octave (at most 6 % wide), up to
+/// 2^40 ns.
 struct HistogramScale {
   static constexpr std::size_t kBuckets = 32 + 16 * 35;
 
@@ -25,25 +26,26 @@ struct HistogramScale {
 /// What a reader takes away: plain values, in nanoseconds.
 struct StatisticsSnapshot {
   std::uint64_t count = 0;
-  double mean = 0;      ///< of the signed values
-  double variance = 0;  ///< of the signed values, in ns^2
+  double mean = 0;       ///< of the signed values
+  double variance = 0;   ///< of the signed values, in ns^2
   std::int64_t min = 0;  ///< of the absolute values, as all below
   std::int64_t max = 0;
   std::array<std::uint64_t, HistogramScale::kBuckets> buckets{};
 
-  /// The value below which a share `q` (0 to 1) of the absolute values lies; within a bucket, linear. 0 when empty.
+  /// The value below which a share `q` (0 to 1) of the absolute values lies; within a bucket, linear. 0 when
+  /// empty.
   [[nodiscard]] double quantile(double q) const noexcept;
 };
 
-/// A streaming mean, variance and histogram of durations in nanoseconds. Lies in shared memory: standard layout, valid when
-/// all bytes are zero, no pointers. One writer, any number of readers.
+/// A streaming mean, variance and histogram of durations in nanoseconds. Lies in shared memory: standard
+/// layout, valid when all bytes are zero, no pointers. One writer, any number of readers.
 class Statistics {
  public:
   /// Real-time: no lock, no allocation, no system call. Only one thread at a time may record.
   void record(std::int64_t value_ns) noexcept;
 
-  /// Any thread of any process. Reads again when the writer was just at it; after many tries (a writer that died in the
-  /// middle) returns what is there, which is then off by at most one value.
+  /// Any thread of any process. Reads again when the writer was just at it; after many tries (a writer that
+  /// died in the middle) returns what is there, which is then off by at most one value.
   [[nodiscard]] StatisticsSnapshot read() const noexcept;
 
   /// Only where the writer calls it or has ended.

@@ -9,7 +9,8 @@ namespace takt::executor {
 class Body {
  public:
   virtual ~Body() = default;
-  /// One run(). Null when it went well; else why not, in a text that is valid until the next call on this thread.
+  /// One run(). Null when it went well; else why not, in a text that is valid until the next call on this
+  /// thread.
   virtual const char* run(const Cycle& cycle) noexcept = 0;
   /// Whether a sporadic module is to run. Null and false in `*ready` when not; a text when it failed.
   virtual const char* condition(bool* ready) noexcept = 0;

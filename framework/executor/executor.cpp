@@ -12,7 +12,9 @@ namespace {
 constexpr auto relaxed = std::memory_order_relaxed;
 
 // Counters have one writer, so no read-modify-write is needed.
-void add(std::atomic<std::uint64_t>& counter, std::uint64_t n = 1) noexcept { counter.store(counter.load(relaxed) + n, relaxed); }
+void add(std::atomic<std::uint64_t>& counter, std::uint64_t n = 1) noexcept {
+  counter.store(counter.load(relaxed) + n, relaxed);
+}
 
 bool in_tables(const Unit& unit) noexcept {
   return unit.block->in_tables.load(std::memory_order_seq_cst) != 0;  // SYNC: in tables
@@ -51,7 +53,8 @@ Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodi
     strides_.push_back(static_cast<std::uint64_t>(unit.period / basic_));
   }
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
-    TAKT_CHECK(sporadic[i].block != nullptr && (sporadic[i].body == nullptr) != (sporadic[i].seat == nullptr));
+    TAKT_CHECK(sporadic[i].block != nullptr &&
+               (sporadic[i].body == nullptr) != (sporadic[i].seat == nullptr));
     sporadic_[i].unit = sporadic[i];
     sporadic_[i].unit.period = basic_;  // what run() is told: its conditions are checked each row
   }
@@ -99,9 +102,15 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
         continue;
       }
       switch (channel::release(*unit.seat, number, to_ns(release))) {
-        case channel::Release::wake: wake |= unit.seat->bell_bit; [[fallthrough]];
-        case channel::Release::given: add(unit.block->cycles); break;
-        case channel::Release::busy: add(unit.block->overruns); break;
+        case channel::Release::wake:
+          wake |= unit.seat->bell_bit;
+          [[fallthrough]];
+        case channel::Release::given:
+          add(unit.block->cycles);
+          break;
+        case channel::Release::busy:
+          add(unit.block->overruns);
+          break;
       }
     }
   }
@@ -147,7 +156,9 @@ std::uint32_t Executor::check_conditions(Instant release) noexcept {
     if (unit.seat != nullptr) {
       // The program checks its own condition; a row that finds it in its body leaves it there.
       switch (channel::release(*unit.seat, row_, to_ns(release))) {
-        case channel::Release::wake: wake |= unit.seat->bell_bit; [[fallthrough]];
+        case channel::Release::wake:
+          wake |= unit.seat->bell_bit;
+          [[fallthrough]];
         case channel::Release::given:
           add(unit.block->cycles);
           sporadic.deadline_ns = to_ns(release + unit.deadline);
@@ -191,7 +202,8 @@ bool Executor::run_sporadic() noexcept {
 
   const Unit& unit = first->unit;
   const Instant start = clock_.now();
-  block_.sporadic.announce(unit.index, channel::Doing::run, to_ns(start));  // before the tables are asked: SYNC: in tables
+  block_.sporadic.announce(unit.index, channel::Doing::run,
+                           to_ns(start));  // before the tables are asked: SYNC: in tables
   if (in_tables(unit)) {
     call(unit, block_.sporadic, first->cycle, from_ns(first->release_ns), unit.deadline, start);
   }

@@ -1,7 +1,8 @@
-// The heart: each basic period, walk one row of the periodic table, then check the conditions of the sporadic modules.
+// The heart: each basic period, walk one row of the periodic table, then check the conditions of the sporadic
+// modules.
 //
-// An executor owns no thread and no clock. It is told the time, so that a test or a simulation runs a million cycles in a
-// second with the code that runs in the cell.
+// An executor owns no thread and no clock. It is told the time, so that a test or a simulation runs a million
+// cycles in a second with the code that runs in the cell.
 #pragma once
 
 #include <atomic>
@@ -20,24 +21,25 @@ namespace takt::executor {
 
 /// A module in the tables: what to call or release, and where to keep count.
 struct Unit {
-  std::uint32_t index = 0;                  ///< of the module on its device
-  Body* body = nullptr;                     ///< of a thread module
-  channel::Seat* seat = nullptr;            ///< of a process module
-  channel::ModuleBlock* block = nullptr;    ///< never null
-  Nanoseconds period{};                     ///< of a periodic module
-  Nanoseconds deadline{};                   ///< of a sporadic module, from its release
-  Nanoseconds budget{};                     ///< 0: none
+  std::uint32_t index = 0;                ///< of the module on its device
+  Body* body = nullptr;                   ///< of a thread module
+  channel::Seat* seat = nullptr;          ///< of a process module
+  channel::ModuleBlock* block = nullptr;  ///< never null
+  Nanoseconds period{};                   ///< of a periodic module
+  Nanoseconds deadline{};                 ///< of a sporadic module, from its release
+  Nanoseconds budget{};                   ///< 0: none
 };
 
 class Executor {
  public:
-  /// `periodic` and `sporadic` are in the order of the plan's lists; the plan is copied. Allocates; nothing after this does.
-  /// `clock` and the blocks outlive the executor.
+  /// `periodic` and `sporadic` are in the order of the plan's lists; the plan is copied. Allocates; nothing
+  /// after this does. `clock` and the blocks outlive the executor.
   Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodic, std::vector<Unit> sporadic,
            channel::ExecutorBlock& block, Clock& clock);
 
-  /// Puts the executor on its grid T0 + n x basic period, at the first release that is not before `now`. What lies between
-  /// block.next_row and that (a restart of the host) is counted as missed. An executor without modules has no grid to join.
+  /// Puts the executor on its grid T0 + n x basic period, at the first release that is not before `now`. What
+  /// lies between block.next_row and that (a restart of the host) is counted as missed. An executor without
+  /// modules has no grid to join.
   void join_grid(Instant t0, Instant now) noexcept;
 
   /// When the next row is due. Never leaves the grid.
@@ -46,13 +48,14 @@ class Executor {
   /// The row that is due next, counted from T0.
   [[nodiscard]] std::uint64_t next_row() const noexcept { return row_; }
 
-  /// Real-time. Walks the row that is due at `now` (not before next_release()): if whole slots have passed, their rows are
-  /// skipped and counted as missed, and the row of the slot that `now` lies in runs, late. Then the conditions. Returns the
-  /// bits of the bell that must be rung: for programs that sleep, and for the sporadic thread.
+  /// Real-time. Walks the row that is due at `now` (not before next_release()): if whole slots have passed,
+  /// their rows are skipped and counted as missed, and the row of the slot that `now` lies in runs, late.
+  /// Then the conditions. Returns the bits of the bell that must be rung: for programs that sleep, and for
+  /// the sporadic thread.
   std::uint32_t run_cycle(Instant now) noexcept;
 
-  /// Real-time, on the thread of the sporadic modules (which may be another than run_cycle's). Runs the ready module with the
-  /// earliest absolute deadline, ties by the order of the table; false when none is ready.
+  /// Real-time, on the thread of the sporadic modules (which may be another than run_cycle's). Runs the ready
+  /// module with the earliest absolute deadline, ties by the order of the table; false when none is ready.
   bool run_sporadic() noexcept;
 
  private:
@@ -69,8 +72,8 @@ class Executor {
   void skip(std::uint64_t rows) noexcept;
   std::uint32_t check_conditions(Instant release) noexcept;
   /// Calls a thread module that was released at `release`; returns the time after it.
-  Instant call(const Unit& unit, channel::Activity& activity, std::uint64_t number, Instant release, Nanoseconds allowed,
-               Instant start) noexcept;
+  Instant call(const Unit& unit, channel::Activity& activity, std::uint64_t number, Instant release,
+               Nanoseconds allowed, Instant start) noexcept;
   void raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept;
 
   schedule::Table table_;

@@ -18,7 +18,7 @@ std::vector<std::string> component_folders() {
     path = colon == std::string::npos ? "" : path.substr(colon + 1);
   }
   const fs::path programs = os::program_directory();
-  folders.push_back((programs.parent_path() / "components").string());                 // as built
+  folders.push_back((programs.parent_path() / "components").string());                   // as built
   folders.push_back((programs.parent_path() / "lib" / "takt" / "components").string());  // as installed
   return folders;
 }
@@ -42,7 +42,8 @@ Result<std::string> find_component(const std::string& filename, const std::strin
     if (fs::is_regular_file(path, error)) return fs::absolute(path, error).string();
     const std::string folder = path.parent_path().string();
     if (fs::exists(path, error)) return fail(path.string() + " is not a file", "name a component's file");
-    if (("," + tried + ",").find(" " + folder + ",") == std::string::npos) tried += (tried.empty() ? " " : ", ") + folder;
+    if (("," + tried + ",").find(" " + folder + ",") == std::string::npos)
+      tried += (tried.empty() ? " " : ", ") + folder;
   }
   return fail("there is no file " + filename + " (looked in" + tried + ")",
               "build it, correct the name, or add its folder to TAKT_COMPONENT_PATH");

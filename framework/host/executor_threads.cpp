@@ -58,13 +58,15 @@ ExecutorThreads::~ExecutorThreads() {
 Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Problems* refused) {
   if (!has_rows_) return {};
   if (has_sporadic_) {
-    auto thread = os::Thread::start({.name = settings_.name + "/s", .priority = settings_.priority - 1, .cpus = cpus},
-                                    [this] { serve_sporadic(); }, refused);
+    auto thread = os::Thread::start(
+        {.name = settings_.name + "/s", .priority = settings_.priority - 1, .cpus = cpus},
+        [this] { serve_sporadic(); }, refused);
     if (!thread) return thread.problems();
     sporadic_ = std::move(*thread);
   }
-  auto thread = os::Thread::start({.name = settings_.name, .priority = settings_.priority, .cpus = cpus},
-                                  [this, t0] { walk_rows(t0); }, has_sporadic_ ? nullptr : refused);
+  auto thread = os::Thread::start(
+      {.name = settings_.name, .priority = settings_.priority, .cpus = cpus}, [this, t0] { walk_rows(t0); },
+      has_sporadic_ ? nullptr : refused);
   if (!thread) return thread.problems();
   rows_ = std::move(*thread);
   return {};

@@ -1,5 +1,5 @@
-// The threads that an executor runs on: one that walks its rows on absolute time, and one for its sporadic modules, one
-// priority lower on the same processor, so that the next row preempts them.
+// The threads that an executor runs on: one that walks its rows on absolute time, and one for its sporadic
+// modules, one priority lower on the same processor, so that the next row preempts them.
 #pragma once
 
 #include <atomic>
@@ -21,13 +21,14 @@ namespace takt::host {
 class ExecutorThreads {
  public:
   /// Allocates everything that the threads will use.
-  ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan, std::vector<executor::Unit> periodic,
-                  std::vector<executor::Unit> sporadic, channel::ExecutorBlock& block, channel::Bell& bell);
+  ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan,
+                  std::vector<executor::Unit> periodic, std::vector<executor::Unit> sporadic,
+                  channel::ExecutorBlock& block, channel::Bell& bell);
   /// Halts.
   ~ExecutorThreads();
 
-  /// Starts on the grid of T0. What the system refuses (priority, processor) is added to `refused`; the threads run all the
-  /// same. Fails when a thread cannot be created.
+  /// Starts on the grid of T0. What the system refuses (priority, processor) is added to `refused`; the
+  /// threads run all the same. Fails when a thread cannot be created.
   Result<void> begin(Instant t0, const std::vector<int>& cpus, Problems* refused);
   /// Tells the threads to end, after the row or the module that they are in.
   void ask_to_halt() noexcept;

@@ -61,8 +61,9 @@ HookCaller::~HookCaller() {
 }
 
 void HookCaller::start_thread() {
-  auto thread = os::Thread::start({.name = "takt-hooks", .cpus = cpus_, .stack_bytes = 8 * 1024 * 1024},
-                                  [shared = shared_, mine = shared_->generation] { shared->serve(mine); }, nullptr);
+  auto thread = os::Thread::start(
+      {.name = "takt-hooks", .cpus = cpus_, .stack_bytes = 8 * 1024 * 1024},
+      [shared = shared_, mine = shared_->generation] { shared->serve(mine); }, nullptr);
   TAKT_CHECK(thread.ok());
   thread_ = std::move(*thread);
 }

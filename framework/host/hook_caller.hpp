@@ -1,6 +1,6 @@
-// The thread that calls hooks. A hook is foreign code and may never return; then its module is lost, but the hooks of all
-// others must go on being called. So the thread can be given up, with the module that it is stuck in, and a new one goes on
-// with what was waiting.
+// The thread that calls hooks. A hook is foreign code and may never return; then its module is lost, but the
+// hooks of all others must go on being called. So the thread can be given up, with the module that it is
+// stuck in, and a new one goes on with what was waiting.
 #pragma once
 
 #include <condition_variable>
@@ -28,7 +28,8 @@ class HookCaller {
   ~HookCaller();
 
   void enqueue(const Request& request);
-  /// Leaves the thread in its hook; if it ever returns, nobody is told. The next request is served by a new thread.
+  /// Leaves the thread in its hook; if it ever returns, nobody is told. The next request is served by a new
+  /// thread.
   void give_up();
 
  private:

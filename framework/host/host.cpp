@@ -44,7 +44,6 @@ class Host {
   void halt();
   void farewell();
   void answer(const Answer& answer);
-  void complain(const char* what, const Result<void>& result, Answer& answer) const;
   const model::Module& module(std::uint32_t index) const { return setup_.device.modules[index]; }
 
   os::MessageSocket node_;
@@ -58,6 +57,7 @@ class Host {
   std::map<std::string, int> loads_;                    // of each path, so far
   std::mutex loading_;
   os::NoDeepIdle no_deep_idle_;
+  Result<void> memory_locked_;
   std::vector<std::unique_ptr<ExecutorThreads>> executors_;
   std::atomic<std::uint32_t> halt_background_{0};
   std::vector<os::Thread> background_;
@@ -68,6 +68,7 @@ Host::Host(os::MessageSocket node, channel::Channel channel, Setup setup)
     : node_(std::move(node)), channel_(std::move(channel)), setup_(std::move(setup)) {}
 
 Result<void> Host::prepare() {
+  memory_locked_ = os::lock_memory();  // what is loaded later is locked as it comes
   auto bell = os::SharedMemory::attach(os::Fd{setup_.bell_fd});
   if (!bell) return bell.problems();
   bell_memory_ = std::move(*bell);
@@ -101,15 +102,19 @@ Result<void> Host::prepare() {
   };
   for (std::size_t e = 0; e < plan->executors.size(); ++e) {
     const schedule::ExecutorPlan& mine = plan->executors[e];
-    executors_.push_back(std::make_unique<ExecutorThreads>(setup_.device.executors[e], mine, select(mine.periodic),
-                                                           select(mine.sporadic), channel_.executor(e), *bell_));
+    executors_.push_back(std::make_unique<ExecutorThreads>(setup_.device.executors[e], mine,
+                                                           select(mine.periodic), select(mine.sporadic),
+                                                           channel_.executor(e), *bell_));
   }
   report_crashes_to(channel_.host().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));
   hooks_ = std::make_unique<HookCaller>(
       channel_.host().hooks, setup_.background_cpus, [this](const Request& request) { return call(request); },
       [this](const Request& request, const Result<void>& result) {
-        answer({.request = request, .ok = result.ok(), .text = result ? "" : to_text(result.problems()), .warnings = {}});
+        answer({.request = request,
+                .ok = result.ok(),
+                .text = result ? "" : in_words(result.problems()),
+                .warnings = {}});
       });
   return {};
 }
@@ -131,8 +136,10 @@ Result<void> Host::call(const Request& request) {
         const std::lock_guard lock{loading_};
         again = loads_[path]++ > 0;
       }
-      auto loaded = instance.load(path, os::Library::Globals::shared, m.operation == model::Operation::sporadic);
-      // Objects of a C++ component share nothing but what its author made static; a C module's variables are its state.
+      auto loaded =
+          instance.load(path, os::Library::Globals::shared, m.operation == model::Operation::sporadic);
+      // Objects of a C++ component share nothing but what its author made static; a C module's variables are
+      // its state.
       if (loaded && again && instance.component() == nullptr) {
         loaded = instance.load(path, os::Library::Globals::own, m.operation == model::Operation::sporadic);
       }
@@ -140,36 +147,37 @@ Result<void> Host::call(const Request& request) {
     }
     case Doing::initialize: {
       irp::Property::Values values;
-      for (const model::PropertyValue& property : m.properties) values.emplace_back(property.name, property.value);
+      for (const model::PropertyValue& property : m.properties)
+        values.emplace_back(property.name, property.value);
       return instance.initialize(irp::Property{std::move(values)});
     }
-    case Doing::start: return instance.start();
-    case Doing::error: return instance.error(static_cast<ErrorType>(request.error_type));
-    case Doing::recover: return instance.recover();
-    case Doing::destruct: return instance.destruct();
+    case Doing::start:
+      return instance.start();
+    case Doing::error:
+      return instance.error(static_cast<ErrorType>(request.error_type));
+    case Doing::recover:
+      return instance.recover();
+    case Doing::destruct:
+      return instance.destruct();
     case Doing::nothing:
     case Doing::run:
-    case Doing::condition: break;
+    case Doing::condition:
+      break;
   }
   return fail("a host does not call that on request");
 }
 
-void Host::complain(const char* what, const Result<void>& result, Answer& answer) const {
-  if (result) return;
-  for (const Problem& problem : result.problems()) answer.warnings.push_back(std::string{what} + to_text(problem));
-}
-
 Answer Host::begin() {
   Answer answer{.request = {.what = Request::Do::begin}, .ok = true, .text = {}, .warnings = {}};
-  complain("", os::lock_memory(), answer);
+  if (!memory_locked_) answer.warnings.push_back(in_words(memory_locked_.problems()));
   const Instant t0 = from_ns(channel_.host().t0_ns.load(std::memory_order_acquire));
   for (std::size_t e = 0; e < executors_.size(); ++e) {
     Problems refused;
     const auto begun = executors_[e]->begin(t0, setup_.executor_cpus[e], &refused);
-    for (const Problem& problem : refused) answer.warnings.push_back(to_text(problem));
+    if (!refused.empty()) answer.warnings.push_back(in_words(refused));
     if (begun) continue;
     answer.ok = false;
-    answer.text = to_text(begun.problems());
+    answer.text = in_words(begun.problems());
   }
   return answer;
 }
@@ -194,7 +202,8 @@ void Host::run_background(std::uint32_t index) {
   constexpr auto relaxed = std::memory_order_relaxed;
   while (halt_background_.load(relaxed) == 0) {
     const Instant start = os::now();
-    block.background.announce(index, Doing::run, to_ns(start));  // before the tables are asked: SYNC: in tables
+    block.background.announce(index, Doing::run,
+                              to_ns(start));  // before the tables are asked: SYNC: in tables
     if (block.in_tables.load(std::memory_order_seq_cst) != 0) {
       if (period == Nanoseconds{0}) cycle.time = start;
       const char* failure = modules_[index]->run(cycle);
@@ -206,7 +215,8 @@ void Host::run_background(std::uint32_t index) {
         block.in_tables.store(0, std::memory_order_seq_cst);
         block.errors.store(block.errors.load(relaxed) + 1, relaxed);
         block.error_text.assign(failure);
-        block.error.store(static_cast<std::uint32_t>(ErrorType::failure), std::memory_order_release);  // SYNC: error raised
+        block.error.store(static_cast<std::uint32_t>(ErrorType::failure),
+                          std::memory_order_release);  // SYNC: error raised
       }
     }
     block.background.end();
@@ -215,7 +225,8 @@ void Host::run_background(std::uint32_t index) {
     if (pause == Nanoseconds{0}) continue;
     cycle.time += pause;
     if (cycle.time < os::now()) cycle.time = os::now();
-    if (halt_background_.load(std::memory_order_seq_cst) == 0) os::futex_wait(halt_background_, 0, ~0U, cycle.time);
+    if (halt_background_.load(std::memory_order_seq_cst) == 0)
+      os::futex_wait(halt_background_, 0, ~0U, cycle.time);
   }
 }
 
@@ -227,15 +238,20 @@ void Host::halt() {
   background_.clear();
 }
 
-// The node is gone and nobody is there to be asked: what has been started is ended in order, but not for long.
+// The node is gone and nobody is there to be asked: what has been started is ended in order, but not for
+// long.
 void Host::farewell() {
   std::atomic<bool> done{false};
-  auto watch = os::Thread::start({.name = "takt-farewell"}, [&done] {
-    const Instant limit = os::now() + std::chrono::seconds{1};
-    while (!done && os::now() < limit) os::sleep_until(os::now() + std::chrono::milliseconds{10});
-    if (!done) std::_Exit(1);
-  }, nullptr);
-  for (std::uint32_t i = 0; i < modules_.size(); ++i) channel_.module(i).in_tables.store(0, std::memory_order_seq_cst);
+  auto watch = os::Thread::start(
+      {.name = "takt-farewell"},
+      [&done] {
+        const Instant limit = os::now() + std::chrono::seconds{1};
+        while (!done && os::now() < limit) os::sleep_until(os::now() + std::chrono::milliseconds{10});
+        if (!done) std::_Exit(1);
+      },
+      nullptr);
+  for (std::uint32_t i = 0; i < modules_.size(); ++i)
+    channel_.module(i).in_tables.store(0, std::memory_order_seq_cst);
   halt();
   for (const auto& instance : modules_) {
     if (instance && instance->loaded()) static_cast<void>(instance->destruct());
@@ -251,14 +267,22 @@ void Host::serve() {
       continue;
     }
     switch (request->what) {
-      case Request::Do::call: hooks_->enqueue(*request); break;
-      case Request::Do::begin: answer(begin()); break;
-      case Request::Do::background: start_background(); break;
+      case Request::Do::call:
+        hooks_->enqueue(*request);
+        break;
+      case Request::Do::begin:
+        answer(begin());
+        break;
+      case Request::Do::background:
+        start_background();
+        break;
       case Request::Do::halt:
         halt();
         answer({.request = *request, .ok = true, .text = {}, .warnings = {}});
         break;
-      case Request::Do::give_up: hooks_->give_up(); break;
+      case Request::Do::give_up:
+        hooks_->give_up();
+        break;
       case Request::Do::end:
         // Not by way of destructors: a hook that was given up may still be inside any of them.
         std::fflush(nullptr);

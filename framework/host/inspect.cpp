@@ -33,7 +33,8 @@ Problems problems_from(const json& list) {
 std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 json describe_loaded(const ThreadModule& module, const std::string& path) {
-  json answer{{"name", std::filesystem::path{path}.stem().string()}, {"interface", "c"}, {"hooks", module.hooks()}};
+  json answer{
+      {"name", std::filesystem::path{path}.stem().string()}, {"interface", "c"}, {"hooks", module.hooks()}};
   answer["properties"] = json::array();
   if (module.component() == nullptr) return answer;
   answer["name"] = module.component_name();
@@ -69,7 +70,8 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
     }
     if (result) {
       irp::Property::Values values;
-      for (const model::PropertyValue& property : wanted.properties) values.emplace_back(property.name, property.value);
+      for (const model::PropertyValue& property : wanted.properties)
+        values.emplace_back(property.name, property.value);
       result = module.assign(values);
     }
     answer.push_back(problems_json(result ? Problems{} : result.problems()));
@@ -97,7 +99,8 @@ void add_at(const model::Cell& cell, const model::Module& module, const Problems
 
 Result<Description> describe(const std::string& path) {
   if (!os::is_shared_object(path)) {
-    if (!os::is_executable(path)) return fail(path + " is neither a shared object nor a program", "name a component's file");
+    if (!os::is_executable(path))
+      return fail(path + " is neither a shared object nor a program", "name a component's file");
     return Description{std::filesystem::path{path}.stem().string(), "process", {}, {}};
   }
   const auto work = [&path]() -> std::string {
@@ -114,8 +117,8 @@ Result<Description> describe(const std::string& path) {
   if (answer.contains("problems")) return problems_from(answer["problems"]);
   Description description{answer["name"], answer["interface"], answer["hooks"], {}};
   for (const json& property : answer["properties"]) {
-    description.properties.push_back({property["name"], property["type"], property["default"], property["range"],
-                                      property["unit"], property["text"]});
+    description.properties.push_back({property["name"], property["type"], property["default"],
+                                      property["range"], property["unit"], property["text"]});
   }
   return description;
 }
@@ -135,11 +138,14 @@ Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Pr
         add_at(cell, module, path.problems(), missing != nullptr ? *missing : problems);
       } else if (module.type == model::ModuleType::process) {
         if (!os::is_executable(*path)) {
-          add_at(cell, module, {fail(*path + " is not a program that this user may execute", "build it, or chmod +x")},
+          add_at(cell, module,
+                 {fail(*path + " is not a program that this user may execute", "build it, or chmod +x")},
                  problems);
         } else if (os::is_shared_object(*path)) {
-          add_at(cell, module, {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
-                 problems);
+          add_at(
+              cell, module,
+              {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
+              problems);
         }
       } else if (!os::is_shared_object(*path)) {
         add_at(cell, module,
@@ -152,7 +158,8 @@ Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Pr
     }
   }
   for (const auto& [path, uses] : thread_modules) {
-    auto text = os::in_child("loading " + path, [&] { return dump(check_uses(path, cell, uses)); }, kLimit);
+    auto text = os::in_child(
+        "loading " + path, [&] { return dump(check_uses(path, cell, uses)); }, kLimit);
     const json answer = text ? json::parse(*text, nullptr, false) : json{};
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const model::Module& module = cell.devices[uses[i].device].modules[uses[i].module];
@@ -167,9 +174,10 @@ Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Pr
   }
   for (const model::Connection& connection : cell.connections) {
     for (const model::Endpoint* end : {&connection.from, &connection.to}) {
-      problems.push_back(at(cell, connection.line,
-                            fail("module " + end->device + "." + end->module + " has no port '" + end->port + "'",
-                                 "connect ports that the components have")));
+      problems.push_back(
+          at(cell, connection.line,
+             fail("module " + end->device + "." + end->module + " has no port '" + end->port + "'",
+                  "connect ports that the components have")));
     }
   }
   if (problems.empty()) return paths;

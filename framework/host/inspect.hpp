@@ -1,5 +1,5 @@
-// What a component is, found out before anything is started. The component is loaded in a child process, because its
-// constructors are foreign code that may crash or hang.
+// What a component is, found out before anything is started. The component is loaded in a child process,
+// because its constructors are foreign code that may crash or hang.
 #pragma once
 
 #include <map>
@@ -13,9 +13,9 @@ namespace takt::host {
 
 struct PropertyDescription {
   std::string name;
-  std::string type;           ///< "bool", "integer", "double", "string"
+  std::string type;  ///< "bool", "integer", "double", "string"
   std::string default_value;
-  std::string range;          ///< may be empty, as the two below
+  std::string range;  ///< may be empty, as the two below
   std::string unit;
   std::string text;
 };
@@ -33,9 +33,9 @@ Result<Description> describe(const std::string& path);
 /// The files of a device's modules, by the module's index.
 using ComponentPaths = std::vector<std::string>;
 
-/// Looks up and loads the component of every module: whether it is there, is what the descriptor says it is, and takes the
-/// properties that it is given. Every problem at once, each at its module's line. With `missing`, a file that is not on this
-/// machine goes there and is no problem; its path is empty then.
+/// Looks up and loads the component of every module: whether it is there, is what the descriptor says it is,
+/// and takes the properties that it is given. Every problem at once, each at its module's line. With
+/// `missing`, a file that is not on this machine goes there and is no problem; its path is empty then.
 Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Problems* missing = nullptr);
 
 }  // namespace takt::host

@@ -20,7 +20,8 @@ std::optional<Nanoseconds> to_duration(const json& value) {
 
 json to_json(const model::Module& module) {
   json properties = json::array();
-  for (const auto& property : module.properties) properties.push_back({property.name, property.value, property.line});
+  for (const auto& property : module.properties)
+    properties.push_back({property.name, property.value, property.line});
   return {{"name", module.name},
           {"filename", module.filename},
           {"type", module.type},
@@ -45,7 +46,8 @@ model::Module module_from(const json& value) {
   module.priority = value.at("priority");
   module.executor = value.at("executor");
   module.budget = to_duration(value.at("budget"));
-  for (const json& property : value.at("properties")) module.properties.push_back({property[0], property[1], property[2]});
+  for (const json& property : value.at("properties"))
+    module.properties.push_back({property[0], property[1], property[2]});
   module.line = value.at("line");
   return module;
 }
@@ -63,11 +65,15 @@ model::Executor executor_from(const json& value) {
 }
 
 json to_json(const Request& request) {
-  return {{"do", request.what}, {"module", request.module}, {"hook", request.hook}, {"type", request.error_type}};
+  return {
+      {"do", request.what}, {"module", request.module}, {"hook", request.hook}, {"type", request.error_type}};
 }
 
 Request request_from(const json& value) {
-  return {.what = value.at("do"), .module = value.at("module"), .hook = value.at("hook"), .error_type = value.at("type")};
+  return {.what = value.at("do"),
+          .module = value.at("module"),
+          .hook = value.at("hook"),
+          .error_type = value.at("type")};
 }
 
 template <class T, class Read>
@@ -101,7 +107,10 @@ std::string encode(const Setup& setup) {
 std::string encode(const Request& request) { return dump(to_json(request)); }
 
 std::string encode(const Answer& answer) {
-  return dump({{"request", to_json(answer.request)}, {"ok", answer.ok}, {"text", answer.text}, {"warnings", answer.warnings}});
+  return dump({{"request", to_json(answer.request)},
+               {"ok", answer.ok},
+               {"text", answer.text},
+               {"warnings", answer.warnings}});
 }
 
 Result<Setup> decode_setup(const std::string& text) {
@@ -109,7 +118,8 @@ Result<Setup> decode_setup(const std::string& text) {
     Setup setup;
     setup.device.name = value.at("name");
     for (const json& module : value.at("modules")) setup.device.modules.push_back(module_from(module));
-    for (const json& executor : value.at("executors")) setup.device.executors.push_back(executor_from(executor));
+    for (const json& executor : value.at("executors"))
+      setup.device.executors.push_back(executor_from(executor));
     setup.paths = value.at("paths").get<std::vector<std::string>>();
     setup.left_out = value.at("left_out").get<std::vector<bool>>();
     setup.executor_cpus = value.at("executor_cpus").get<std::vector<std::vector<int>>>();

@@ -1,4 +1,5 @@
-// What a node and its host say to each other: JSON texts over a message socket. Nothing of it is on a real-time path.
+// What a node and its host say to each other: JSON texts over a message socket. Nothing of it is on a
+// real-time path.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +15,11 @@ namespace takt::host {
 /// What a host needs to know of its device. Processors are where the node decided; empty lists mean any.
 struct Setup {
   model::Device device;
-  std::vector<std::string> paths;                ///< of each module's component
-  std::vector<bool> left_out;                    ///< modules that crashed an earlier host: not loaded
-  std::vector<std::vector<int>> executor_cpus;   ///< of each executor
-  std::vector<int> background_cpus;              ///< of everything that is not real-time
-  std::vector<int> seat_fds;                     ///< of each module; -1: it has no seat
+  std::vector<std::string> paths;               ///< of each module's component
+  std::vector<bool> left_out;                   ///< modules that crashed an earlier host: not loaded
+  std::vector<std::vector<int>> executor_cpus;  ///< of each executor
+  std::vector<int> background_cpus;             ///< of everything that is not real-time
+  std::vector<int> seat_fds;                    ///< of each module; -1: it has no seat
   int bell_fd = -1;
 };
 
@@ -42,7 +43,7 @@ struct Request {
 struct Answer {
   Request request;
   bool ok = true;
-  std::string text;               ///< why not
+  std::string text;                   ///< why not
   std::vector<std::string> warnings;  ///< to begin: what the system refused, in words
 };
 

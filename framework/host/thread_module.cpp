@@ -46,7 +46,8 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
 
   if (void* get_factory = library_.own_function("takt_component_factory"); get_factory != nullptr) {
     factory_ = reinterpret_cast<const ComponentFactory* (*)()>(get_factory)();
-    if (factory_ == nullptr || factory_->abi != ComponentFactory::kAbi || factory_->component_size != sizeof(Component)) {
+    if (factory_ == nullptr || factory_->abi != ComponentFactory::kAbi ||
+        factory_->component_size != sizeof(Component)) {
       unload();
       return fail(path + " was compiled against another version of Takt", "compile it again");
     }
@@ -59,8 +60,8 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   const auto find = [this](auto& hook, const char* name) {
     hook = reinterpret_cast<std::remove_reference_t<decltype(hook)>>(library_.own_function(name));
   };
-  // A module may define `void initialize(void)` (Figure 10): the argument it does not take does it no harm by the C calling
-  // conventions of Linux.
+  // A module may define `void initialize(void)` (Figure 10): the argument it does not take does it no harm by
+  // the C calling conventions of Linux.
   find(initialize_, "initialize");
   find(start_, "start");
   find(run_, "run");
@@ -70,7 +71,8 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   find(destruct_, "destruct");
   if (run_ == nullptr) {
     unload();
-    return fail(path + " has no function run()", R"(define extern "C" void run(void), or a class with TAKT_COMPONENT)");
+    return fail(path + " has no function run()",
+                R"(define extern "C" void run(void), or a class with TAKT_COMPONENT)");
   }
   if (sporadic && condition_ == nullptr) {
     unload();
@@ -101,8 +103,9 @@ Result<void> ThreadModule::assign(const irp::Property::Values& values) {
   Problems problems;
   for (const auto& [name, text] : values) {
     const auto& properties = component_->properties();
-    const auto found = std::find_if(properties.begin(), properties.end(),
-                                    [&name = name](const PropertyBase* property) { return property->name() == name; });
+    const auto found =
+        std::find_if(properties.begin(), properties.end(),
+                     [&name = name](const PropertyBase* property) { return property->name() == name; });
     if (found == properties.end()) {
       std::string known;
       for (const PropertyBase* property : properties) known += (known.empty() ? "" : ", ") + property->name();

@@ -4,16 +4,16 @@
 #include <string>
 #include <vector>
 
-#include <takt/component/component.hpp>
 #include <takt/component/module.h>
+#include <takt/component/component.hpp>
 #include <takt/core/result.hpp>
 #include <takt/executor/body.hpp>
 #include <takt/os/library.hpp>
 
 namespace takt::host {
 
-/// Exceptions of a hook and what it said by takt_fail() become its Result. run() and condition() are for the executor's
-/// thread; everything else for one thread at a time, with the module out of the tables.
+/// Exceptions of a hook and what it said by takt_fail() become its Result. run() and condition() are for the
+/// executor's thread; everything else for one thread at a time, with the module out of the tables.
 class ThreadModule final : public executor::Body {
  public:
   ThreadModule() = default;
@@ -21,8 +21,8 @@ class ThreadModule final : public executor::Body {
   ThreadModule(const ThreadModule&) = delete;
   ThreadModule& operator=(const ThreadModule&) = delete;
 
-  /// Its constructors run. Fails when the file is no component: it cannot be loaded, or lacks run(), or lacks condition()
-  /// where `sporadic`.
+  /// Its constructors run. Fails when the file is no component: it cannot be loaded, or lacks run(), or lacks
+  /// condition() where `sporadic`.
   Result<void> load(const std::string& path, os::Library::Globals globals, bool sporadic);
   /// Its destructors run.
   void unload();
@@ -30,8 +30,8 @@ class ThreadModule final : public executor::Body {
   void abandon() noexcept;
   [[nodiscard]] bool loaded() const noexcept { return component_ != nullptr || run_ != nullptr; }
 
-  /// Sets the properties of a C++ component: one problem for each that it does not have or does not take. A C module is given
-  /// them by initialize(), unchecked.
+  /// Sets the properties of a C++ component: one problem for each that it does not have or does not take. A C
+  /// module is given them by initialize(), unchecked.
   Result<void> assign(const irp::Property::Values& values);
 
   Result<void> initialize(const irp::Property& property);
@@ -45,7 +45,9 @@ class ThreadModule final : public executor::Body {
 
   /// Null for a module in the C form.
   [[nodiscard]] const Component* component() const noexcept { return component_; }
-  [[nodiscard]] const char* component_name() const noexcept { return factory_ == nullptr ? "" : factory_->name; }
+  [[nodiscard]] const char* component_name() const noexcept {
+    return factory_ == nullptr ? "" : factory_->name;
+  }
   /// The hooks that it defines, in the order of their lives.
   [[nodiscard]] std::vector<std::string> hooks() const;
 

@@ -9,8 +9,8 @@
 
 namespace takt::lifecycle {
 
-/// One step that was taken. `sequence` counts the steps of one module from 1 without gaps, so an observer knows what it
-/// missed.
+/// One step that was taken. `sequence` counts the steps of one module from 1 without gaps, so an observer
+/// knows what it missed.
 struct Transition {
   State from = State::idle;
   State to = State::idle;
@@ -28,8 +28,8 @@ class Machine {
     return next(state_, event, before_error_).has_value();
   }
 
-  /// Takes the step, or refuses with the state that was met and the states from which the event is allowed; nothing
-  /// changes then.
+  /// Takes the step, or refuses with the state that was met and the states from which the event is allowed;
+  /// nothing changes then.
   Result<Transition> apply(Event event);
 
  private:

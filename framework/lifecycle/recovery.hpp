@@ -1,8 +1,8 @@
 // When a module in RECOVER is tried again, and when it is given up.
 //
-// A module that recovers at once and fails at once would be tried for ever if each success cleared the count, and one that
-// fails once a month would be given up after three months if none did. So a success counts as lasting only after the module
-// has run without an error for ten back-offs, at least a second.
+// A module that recovers at once and fails at once would be tried for ever if each success cleared the count,
+// and one that fails once a month would be given up after three months if none did. So a success counts as
+// lasting only after the module has run without an error for ten back-offs, at least a second.
 #pragma once
 
 #include <optional>
@@ -23,8 +23,8 @@ class Recovery {
 
   explicit Recovery(RecoveryPolicy policy) : policy_(policy) {}
 
-  /// The module went to RECOVER. `since`: when it went wrong, if that was seen late, as with what does not come back: the
-  /// time until then is no time without an error.
+  /// The module went to RECOVER. `since`: when it went wrong, if that was seen late, as with what does not
+  /// come back: the time until then is no time without an error.
   void failed(Instant now, std::optional<Instant> since = std::nullopt) noexcept;
   /// An attempt ended: it is EXECUTING or START again, or still in RECOVER.
   void attempted(Instant now, bool recovered) noexcept;

@@ -1,5 +1,5 @@
-// The life of a module: six states, and every event that leads from one to another. This table is the only place that
-// knows; who wants to change a state asks it.
+// The life of a module: six states, and every event that leads from one to another. This table is the only
+// place that knows; who wants to change a state asks it.
 #pragma once
 
 #include <array>
@@ -31,16 +31,17 @@ enum class Event : std::uint8_t {
 
 inline constexpr std::array kStates{State::idle,      State::initialize, State::start,
                                     State::executing, State::recover,    State::destruct};
-inline constexpr std::array kEvents{Event::initialize, Event::start,   Event::run,      Event::stop, Event::error,
-                                    Event::recover,    Event::give_up, Event::destruct, Event::reset};
+inline constexpr std::array kEvents{Event::initialize, Event::start,    Event::run,
+                                    Event::stop,       Event::error,    Event::recover,
+                                    Event::give_up,    Event::destruct, Event::reset};
 
 /// "IDLE", "EXECUTING": as in reports and on the wire.
 const char* to_text(State state) noexcept;
 /// "initialize", "give up".
 const char* to_text(Event event) noexcept;
 
-/// Where `event` leads from `state`; none when the table refuses it. `before_error` is the state that the last error
-/// met and matters only for `recover`. Pure; any thread.
+/// Where `event` leads from `state`; none when the table refuses it. `before_error` is the state that the
+/// last error met and matters only for `recover`. Pure; any thread.
 std::optional<State> next(State state, Event event, State before_error) noexcept;
 
 }  // namespace takt::lifecycle

@@ -1,5 +1,5 @@
-// A cell as plain data: what a descriptor says, no more. Reading it from XML is the descriptor room's, deciding what runs
-// when is the schedule room's.
+// A cell as plain data: what a descriptor says, no more. Reading it from XML is the descriptor room's,
+// deciding what runs when is the schedule room's.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct PropertyValue {
 
 /// What is tried when a module is in RECOVER.
 struct Recovery {
-  int attempts = 3;                                    ///< 0 to 1000
+  int attempts = 3;                                      ///< 0 to 1000
   Nanoseconds backoff = std::chrono::milliseconds{100};  ///< before each attempt; 0 to 1 h
   GiveUp then = GiveUp::destruct;
 };
@@ -52,14 +52,15 @@ struct ModuleLines {
 /// `line` is the element's line in Cell::file, here and below.
 struct Module {
   std::string name;      ///< unique on its device
-  std::string filename;  ///< as written; a relative one is looked up beside the descriptor, then on the component path
+  std::string filename;  ///< as written; a relative one is looked up beside the descriptor, then on the
+                         ///< component path
   ModuleType type = ModuleType::thread;
   Operation operation = Operation::periodic;
   std::optional<Nanoseconds> period;    ///< periodic: > 0. non-real thread: optional. Otherwise none.
   std::optional<Nanoseconds> deadline;  ///< sporadic: > 0, from the release. Otherwise none.
   int priority = 0;                     ///< the lowest value is the highest priority
-  std::string executor;                 ///< periodic and sporadic: a name in Device::executors. non-real: empty.
-  std::optional<Nanoseconds> budget;    ///< of one run(), > 0
+  std::string executor;  ///< periodic and sporadic: a name in Device::executors. non-real: empty.
+  std::optional<Nanoseconds> budget;  ///< of one run(), > 0
   Recovery recovery;
   std::vector<PropertyValue> properties;
   int line = 0;
@@ -68,8 +69,8 @@ struct Module {
 
 struct Executor {
   std::string name = "main";
-  std::optional<int> cpu;          ///< none: chosen by the node
-  int priority = 80;               ///< SCHED_FIFO, 2 to 98; its sporadic modules run one below
+  std::optional<int> cpu;  ///< none: chosen by the node
+  int priority = 80;       ///< SCHED_FIFO, 2 to 98; its sporadic modules run one below
   Wakeup wakeup = Wakeup::hybrid;
   int line = 0;
 };

@@ -26,12 +26,12 @@ inline constexpr int kMaxAttempts = 1000;
 inline constexpr Nanoseconds kMaxBackoff = std::chrono::hours{1};
 inline constexpr int kMaxDepth = 65536;
 
-/// A name of a cell, device, executor, module, port or property: a letter or '_', then letters, digits, '_' and '-', at
-/// most kMaxNameLength bytes. No dot: `device.module.port` must have one reading.
+/// A name of a cell, device, executor, module, port or property: a letter or '_', then letters, digits, '_'
+/// and '-', at most kMaxNameLength bytes. No dot: `device.module.port` must have one reading.
 bool is_valid_name(std::string_view name);
 
-/// What a reader of a descriptor did not understand, so that nothing is said that only follows from that: a module that
-/// could not be read is not a module that a connection names in vain.
+/// What a reader of a descriptor did not understand, so that nothing is said that only follows from that: a
+/// module that could not be read is not a module that a connection names in vain.
 struct Gaps {
   struct OfDevice {
     bool executors = false;  ///< there may be executors that the cell does not hold
@@ -42,8 +42,8 @@ struct Gaps {
   std::vector<bool> without_ends;   ///< as Cell::connections: true where `from` and `to` are not known
 };
 
-/// All problems of the cell at once, by line, each with `file:line` and a fix; empty when there are none. Where there is
-/// neither file nor line, `where` is "cell NAME".
+/// All problems of the cell at once, by line, each with `file:line` and a fix; empty when there are none.
+/// Where there is neither file nor line, `where` is "cell NAME".
 Problems validate(const Cell& cell);
 Problems validate(const Cell& cell, const Gaps& gaps);
 

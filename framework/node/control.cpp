@@ -60,8 +60,10 @@ void serve(Supervisor& device, os::MessageSocket& control, const os::SignalQueue
     device.step();
     if (device.phase() == Phase::ready && !ready_said) {
       ready_said = true;
-      if (alone) device.go(os::now() + std::chrono::milliseconds{100});
-      else control.send(dump({{"event", "ready"}}));
+      if (alone)
+        device.go(os::now() + std::chrono::milliseconds{100});
+      else
+        control.send(dump({{"event", "ready"}}));
     }
     while (!alone && !control.closed()) {
       const auto text = control.receive();

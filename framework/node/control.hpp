@@ -20,8 +20,9 @@ struct NodeOptions {
   bool quiet = false;
 };
 
-/// The program takt-node: brings up one device of a descriptor, runs it until it is told to stop (by its control socket, by
-/// SIGTERM or SIGINT, or by the end of whoever started it), and takes it down. Returns the exit status.
+/// The program takt-node: brings up one device of a descriptor, runs it until it is told to stop (by its
+/// control socket, by SIGTERM or SIGINT, or by the end of whoever started it), and takes it down. Returns the
+/// exit status.
 int run_node(const NodeOptions& options);
 
 }  // namespace takt::node

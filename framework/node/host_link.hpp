@@ -16,7 +16,8 @@ namespace takt::node {
 class HostLink {
  public:
   /// Starts takt-host, which lies beside this program, and sends it its setup.
-  Result<void> start(const channel::Channel& channel, const host::Setup& setup, const std::vector<const os::Fd*>& inherit);
+  Result<void> start(const channel::Channel& channel, const host::Setup& setup,
+                     const std::vector<const os::Fd*>& inherit);
 
   /// Never waits, as long as flush() is called now and then. False when the host is gone.
   bool ask(const host::Request& request) { return socket_.send(host::encode(request)); }

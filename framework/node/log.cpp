@@ -17,13 +17,14 @@ void log_nothing() { silent = true; }
 void log(std::string_view device, std::string_view module, std::string_view text) {
   if (silent) return;
   const auto now = std::chrono::system_clock::now();
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
+  const auto ms =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
   const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
   std::tm local{};
   ::localtime_r(&seconds, &local);
   // One write a line, so that the lines of several nodes do not mix.
-  const std::string line = fmt::format("{:02}:{:02}:{:02}.{:03} {}{}{}: {}\n", local.tm_hour, local.tm_min, local.tm_sec, ms,
-                                       device, module.empty() ? "" : ".", module, text);
+  const std::string line = fmt::format("{:02}:{:02}:{:02}.{:03} {}{}{}: {}\n", local.tm_hour, local.tm_min,
+                                       local.tm_sec, ms, device, module.empty() ? "" : ".", module, text);
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

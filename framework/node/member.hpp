@@ -1,4 +1,5 @@
-// A module under supervision: its place in the lifecycle, its program if it is one, and what is being waited for.
+// A module under supervision: its place in the lifecycle, its program if it is one, and what is being waited
+// for.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +20,18 @@ namespace takt::node {
 
 struct Member {
   Member(const model::Module& m, std::uint32_t i, channel::ModuleBlock& b)
-      : model(m), index(i), block(b), recovery({.attempts = m.recovery.attempts, .backoff = m.recovery.backoff}) {}
+      : model(m),
+        index(i),
+        block(b),
+        recovery({.attempts = m.recovery.attempts, .backoff = m.recovery.backoff}) {}
 
   [[nodiscard]] bool is_thread() const noexcept { return model.type == model::ModuleType::thread; }
   [[nodiscard]] bool is_process() const noexcept { return !is_thread(); }
   [[nodiscard]] bool scheduled() const noexcept { return model.operation != model::Operation::non_real; }
   [[nodiscard]] lifecycle::State state() const noexcept { return machine.state(); }
-  [[nodiscard]] bool in_tables() const noexcept { return block.in_tables.load(std::memory_order_seq_cst) != 0; }
+  [[nodiscard]] bool in_tables() const noexcept {
+    return block.in_tables.load(std::memory_order_seq_cst) != 0;
+  }
 
   const model::Module& model;
   std::uint32_t index;
@@ -33,12 +39,13 @@ struct Member {
   lifecycle::Machine machine;
   lifecycle::Recovery recovery;
 
-  bool wanted = true;    ///< to be EXECUTING while the device runs
-  bool lost = false;     ///< no hook of it can be called any more: it crashed the host, or a hook never came back
-  bool failed = false;   ///< given up after an error
-  std::string why;       ///< its last failure, in words
-  std::uint64_t errors = 0;  ///< that the executor did not see
-  std::uint64_t seen_cycles = 0;  ///< its cycles_of() when it was last put into the tables
+  bool wanted = true;  ///< to be EXECUTING while the device runs
+  bool lost =
+      false;  ///< no hook of it can be called any more: it crashed the host, or a hook never came back
+  bool failed = false;                    ///< given up after an error
+  std::string why;                        ///< its last failure, in words
+  std::uint64_t errors = 0;               ///< that the executor did not see
+  std::uint64_t seen_cycles = 0;          ///< its cycles_of() when it was last put into the tables
   std::optional<channel::Doing> pending;  ///< a hook that the host was asked to call
 
   // A process module's.

@@ -9,7 +9,9 @@ namespace takt::node {
 Placement place(const std::vector<model::Executor>& executors, const std::vector<int>& allowed) {
   TAKT_CHECK(!allowed.empty());
   Placement placement;
-  const auto has = [](const std::vector<int>& cpus, int cpu) { return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end(); };
+  const auto has = [](const std::vector<int>& cpus, int cpu) {
+    return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end();
+  };
 
   std::vector<int> taken;
   std::vector<int> free = allowed;
@@ -22,8 +24,9 @@ Placement place(const std::vector<model::Executor>& executors, const std::vector
   }
   for (const model::Executor& executor : executors) {
     if (executor.cpu && !has(allowed, *executor.cpu)) {
-      placement.warnings.push_back("executor " + executor.name + " wants processor " + std::to_string(*executor.cpu) +
-                                   ", which this machine does not have or may not use; it is placed by the node");
+      placement.warnings.push_back(
+          "executor " + executor.name + " wants processor " + std::to_string(*executor.cpu) +
+          ", which this machine does not have or may not use; it is placed by the node");
     }
     if (executor.cpu && has(allowed, *executor.cpu)) {
       placement.executors.push_back({*executor.cpu});
@@ -36,7 +39,8 @@ Placement place(const std::vector<model::Executor>& executors, const std::vector
   }
   placement.background = free.empty() ? allowed : free;
   if (free.empty()) {
-    placement.warnings.emplace_back("no processor is left beside the executors': process modules share theirs");
+    placement.warnings.emplace_back(
+        "no processor is left beside the executors': process modules share theirs");
   }
   return placement;
 }

@@ -26,7 +26,7 @@ void Supervisor::log(const std::string& text) const { node::log(device().name, "
 bool Supervisor::apply(Member& member, Event event, const std::string& text) {
   const auto step = member.machine.apply(event);
   if (!step) {
-    log(member, to_text(step.problems()));
+    log(member, in_words(step.problems()));
     return false;
   }
   log(member, std::string{lifecycle::to_text(step->from)} + " -> " + lifecycle::to_text(step->to) +
@@ -47,9 +47,7 @@ Result<void> Supervisor::prepare() {
     Problems problems = allowed.problems();
     for (Problem& problem : problems) problem.where = "device " + device().name;
     if (options_.require_real_time) return problems;
-    for (const Problem& problem : problems) {
-      log("WARNING: not real-time: " + problem.what + "; " + problem.fix);
-    }
+    log("WARNING: not real-time: " + in_words(allowed.problems()));
   }
   placement_ = place(device().executors, os::allowed_cpus());
   for (const std::string& warning : placement_.warnings) log("warning: " + warning);
@@ -57,7 +55,8 @@ Result<void> Supervisor::prepare() {
     if (executor.wakeup != model::Wakeup::spin || !real_time_ || os::throttled_share() == 0) continue;
     log("warning: executor " + executor.name + " never sleeps, so the kernel interrupts it for " +
         std::to_string(static_cast<int>(os::throttled_share() * 1000)) +
-        " ms of each second (real-time throttling); use wakeup=\"hybrid\", or write -1 to /proc/sys/kernel/sched_rt_runtime_us");
+        " ms of each second (real-time throttling); use wakeup=\"hybrid\", or write -1 to "
+        "/proc/sys/kernel/sched_rt_runtime_us");
   }
 
   std::vector<std::string> executors;
@@ -86,7 +85,7 @@ Result<void> Supervisor::prepare() {
     } else if (!member->scheduled()) {
       apply(*member, Event::initialize);  // a program of its own: there is nothing to call
     } else if (auto spawned = spawn(*member); !spawned) {
-      lose(*member, to_text(spawned.problems()));
+      lose(*member, in_words(spawned.problems()));
     }
   }
   return {};
@@ -143,7 +142,8 @@ void Supervisor::go(Instant t0) {
   begin_rows();
 }
 
-// What grows when a row names the module: a periodic one is called or released, a sporadic one is asked for its condition.
+// What grows when a row names the module: a periodic one is called or released, a sporadic one is asked for
+// its condition.
 std::uint64_t Supervisor::cycles_of(const Member& member) const {
   const bool sporadic = member.model.operation == model::Operation::sporadic;
   const auto& cycles = sporadic ? channel_.executor(executor_of(member)).cycles : member.block.cycles;
@@ -155,12 +155,15 @@ void Supervisor::put_in_tables(Member& member) {
   member.block.in_tables.store(1, std::memory_order_seq_cst);  // SYNC: in tables
 }
 
-void Supervisor::take_from_tables(Member& member) { member.block.in_tables.store(0, std::memory_order_seq_cst); }
+void Supervisor::take_from_tables(Member& member) {
+  member.block.in_tables.store(0, std::memory_order_seq_cst);
+}
 
 std::size_t Supervisor::executor_of(const Member& member) const {
   const auto& executors = device().executors;
-  const auto found = std::find_if(executors.begin(), executors.end(),
-                                  [&](const auto& executor) { return executor.name == member.model.executor; });
+  const auto found = std::find_if(executors.begin(), executors.end(), [&](const auto& executor) {
+    return executor.name == member.model.executor;
+  });
   return static_cast<std::size_t>(found - executors.begin());
 }
 
@@ -181,7 +184,7 @@ void Supervisor::running_step(Instant now) {
         if (member->is_thread()) {
           put_in_tables(*member);
         } else if (auto spawned = spawn(*member); !spawned) {
-          raise(*member, ErrorType::crash, to_text(spawned.problems()));
+          raise(*member, ErrorType::crash, in_words(spawned.problems()));
         } else {
           apply(*member, Event::run);
         }
@@ -209,7 +212,8 @@ void Supervisor::running_step(Instant now) {
 }
 
 // The module is out of its table, by the executor or by us.
-void Supervisor::raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since) {
+void Supervisor::raise(Member& member, ErrorType type, const std::string& text,
+                       std::optional<Instant> since) {
   take_from_tables(member);
   member.why = std::string{takt::to_text(type)} + ": " + text;
   if (!apply(member, Event::error, member.why)) return;
@@ -218,19 +222,24 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text, 
 }
 
 void Supervisor::attempt_recovery(Member& member) {
-  if (member.is_process() && member.child.running()) return;  // until it is started again it must have ended, or be ready
+  if (member.is_process() && member.child.running())
+    return;  // until it is started again it must have ended, or be ready
   if (phase_ == Phase::stopping || (member.is_thread() && !host_.running())) return;
   switch (member.recovery.next(os::now())) {
-    case lifecycle::Recovery::Step::wait: return;
-    case lifecycle::Recovery::Step::give_up: give_up(member); return;
-    case lifecycle::Recovery::Step::attempt: break;
+    case lifecycle::Recovery::Step::wait:
+      return;
+    case lifecycle::Recovery::Step::give_up:
+      give_up(member);
+      return;
+    case lifecycle::Recovery::Step::attempt:
+      break;
   }
   log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
                   std::to_string(member.model.recovery.attempts));
   if (member.is_thread()) {
     ask(member, Doing::recover);
   } else if (auto spawned = spawn(member); !spawned) {
-    not_recovered(member, to_text(spawned.problems()));
+    not_recovered(member, in_words(spawned.problems()));
   } else if (!member.scheduled()) {
     recovered(member);
   }
@@ -254,7 +263,8 @@ void Supervisor::give_up(Member& member) {
   if (member.is_thread() && !member.lost) ask(member, Doing::destruct);
   Problem problem{"module " + device().name + "." + member.model.name, "was given up: " + member.why,
                   "mend the module, or give it more attempts in <recovery>"};
-  const bool whole_device = phase_ == Phase::preparing || member.model.recovery.then == model::GiveUp::stop_device;
+  const bool whole_device =
+      phase_ == Phase::preparing || member.model.recovery.then == model::GiveUp::stop_device;
   if (whole_device && (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running)) {
     fail_device(std::move(problem));
   } else {

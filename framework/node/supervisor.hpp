@@ -1,8 +1,9 @@
 // Brings one device up, keeps it running, and takes it down.
 //
-// The node is the only one that changes a module's state: it asks the host to call hooks, starts and ends the programs, reads
-// what the executors publish, and takes every step through the lifecycle's table. It does so in one thread that never waits
-// for anybody: each call of step() looks at what has happened and starts what is due.
+// The node is the only one that changes a module's state: it asks the host to call hooks, starts and ends the
+// programs, reads what the executors publish, and takes every step through the lifecycle's table. It does so
+// in one thread that never waits for anybody: each call of step() looks at what has happened and starts what
+// is due.
 #pragma once
 
 #include <cstdint>
@@ -44,13 +45,15 @@ class Supervisor {
   explicit Supervisor(Options options);
   ~Supervisor();
 
-  /// Creates the channel, starts host and programs. Fails when the device cannot be brought up at all; nothing is left then.
+  /// Creates the channel, starts host and programs. Fails when the device cannot be brought up at all;
+  /// nothing is left then.
   Result<void> prepare();
   /// Every module is in START: T0 is agreed, the first row runs then.
   void go(Instant t0);
   /// Ends everything in order: stop, destruct, join; each with a time limit and a kill after it.
   void stop();
-  /// Looks at what has happened. To be called whenever one of wait_on() can be read, and every few milliseconds.
+  /// Looks at what has happened. To be called whenever one of wait_on() can be read, and every few
+  /// milliseconds.
   void step();
 
   [[nodiscard]] Phase phase() const noexcept { return phase_; }
@@ -93,7 +96,8 @@ class Supervisor {
   void log(const Member& member, const std::string& text) const;
   void log(const std::string& text) const;
   void fail_device(Problem problem);
-  void raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since = std::nullopt);
+  void raise(Member& member, ErrorType type, const std::string& text,
+             std::optional<Instant> since = std::nullopt);
   void lose(Member& member, const std::string& text);
   void attempt_recovery(Member& member);
   void recovered(Member& member);
@@ -124,10 +128,10 @@ class Supervisor {
   bool background_begun_ = false;
   bool halted_ = false;
   bool halt_asked_ = false;
-  std::optional<Hang> hung_;           // for which the host was killed
-  std::vector<Instant> restarts_;      // of the host, without a culprit
+  std::optional<Hang> hung_;       // for which the host was killed
+  std::vector<Instant> restarts_;  // of the host, without a culprit
   std::optional<Instant> t0_;
-  Instant asked_at_{};   // preparing: when it began; stopping: when the present part of it began
+  Instant asked_at_{};  // preparing: when it began; stopping: when the present part of it began
   bool end_asked_ = false;
 };
 

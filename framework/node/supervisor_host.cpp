@@ -32,7 +32,10 @@ Result<void> Supervisor::start_host() {
 void Supervisor::ask(Member& member, Doing hook, ErrorType type) {
   TAKT_CHECK(!member.lost);
   member.pending = hook;
-  host_.ask({.what = host::Request::Do::call, .module = member.index, .hook = hook, .error_type = static_cast<int>(type)});
+  host_.ask({.what = host::Request::Do::call,
+             .module = member.index,
+             .hook = hook,
+             .error_type = static_cast<int>(type)});
 }
 
 void Supervisor::take_answers() {
@@ -52,28 +55,25 @@ void Supervisor::take_answers() {
         }
         if (!answer->ok) fail_device(fail(answer->text));
         break;
-      case host::Request::Do::halt: halted_ = true; break;
+      case host::Request::Do::halt:
+        halted_ = true;
+        break;
       case host::Request::Do::background:
       case host::Request::Do::give_up:
-      case host::Request::Do::end: break;
+      case host::Request::Do::end:
+        break;
     }
   }
 }
 
-namespace {
-std::string without_prefix(std::string text) {
-  constexpr std::string_view prefix = "error: ";
-  return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
-}
-}  // namespace
-
-void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string& raw) {
-  const std::string text = without_prefix(raw);
+void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string& text) {
   const std::string failure = std::string{channel::to_text(hook)} + " failed: " + text;
   switch (hook) {
     case Doing::load:
-      if (ok) ask(member, Doing::initialize);
-      else lose(member, failure);
+      if (ok)
+        ask(member, Doing::initialize);
+      else
+        lose(member, failure);
       break;
     case Doing::initialize:
       if (!ok) {
@@ -81,14 +81,19 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
         break;
       }
       apply(member, Event::initialize);
-      // While the device is prepared, all are initialised before the first is started; one that comes back waits for nobody.
+      // While the device is prepared, all are initialised before the first is started; one that comes back
+      // waits for nobody.
       if (phase_ == Phase::ready || phase_ == Phase::running) ask(member, Doing::start);
       break;
     case Doing::start:
-      if (ok && member.state() == State::recover) recovered(member);
-      else if (ok) apply(member, Event::start);
-      else if (member.state() == State::recover) not_recovered(member, failure);
-      else raise(member, ErrorType::start, failure);
+      if (ok && member.state() == State::recover)
+        recovered(member);
+      else if (ok)
+        apply(member, Event::start);
+      else if (member.state() == State::recover)
+        not_recovered(member, failure);
+      else
+        raise(member, ErrorType::start, failure);
       // A module that comes back with a new host goes on where it was.
       if (ok && rows_begun_ && member.state() == State::start && member.wanted) put_in_tables(member);
       break;
@@ -96,9 +101,12 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       if (!ok) log(member, failure);
       break;
     case Doing::recover:
-      if (!ok) not_recovered(member, failure);
-      else if (member.machine.previous() == State::initialize) ask(member, Doing::start);  // what failed was start()
-      else recovered(member);
+      if (!ok)
+        not_recovered(member, failure);
+      else if (member.machine.previous() == State::initialize)
+        ask(member, Doing::start);  // what failed was start()
+      else
+        recovered(member);
       break;
     case Doing::destruct:
       if (!ok) log(member, failure);
@@ -106,7 +114,8 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       break;
     case Doing::nothing:
     case Doing::run:
-    case Doing::condition: break;
+    case Doing::condition:
+      break;
   }
 }
 
@@ -121,10 +130,13 @@ void Supervisor::begin_rows() {
 // A run() or a hook that never comes back.
 void Supervisor::watch_host(Instant now) {
   if (!host_.running() || hung_) return;
-  const auto since = [now](const channel::Activity& activity) { return now - from_ns(activity.since_ns.load()); };
+  const auto since = [now](const channel::Activity& activity) {
+    return now - from_ns(activity.since_ns.load());
+  };
 
   const channel::Activity& hooks = channel_.host().hooks;
-  if (const std::uint32_t busy = hooks.module.load(std::memory_order_acquire); busy != 0 && since(hooks) > kHookLimit) {
+  if (const std::uint32_t busy = hooks.module.load(std::memory_order_acquire);
+      busy != 0 && since(hooks) > kHookLimit) {
     Member& member = *members_.at(busy - 1);
     const Doing doing = hooks.doing.load();
     if (member.pending == doing) {
@@ -137,7 +149,9 @@ void Supervisor::watch_host(Instant now) {
     for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
       const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
       if (busy == 0 || since(*activity) < stuck_after(members_.at(busy - 1)->model)) continue;
-      hung_ = {.module = busy - 1, .doing = activity->doing.load(), .limit = stuck_after(members_[busy - 1]->model)};
+      hung_ = {.module = busy - 1,
+               .doing = activity->doing.load(),
+               .limit = stuck_after(members_[busy - 1]->model)};
       host_.kill();
       return;
     }
@@ -166,7 +180,8 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
   Member* culprit = nullptr;
   if (hung_) {
     culprit = members_[hung_->module].get();
-    text = std::string{channel::to_text(hung_->doing)} + " did not return within " + to_text(hung_->limit) + ", so the host was ended";
+    text = std::string{channel::to_text(hung_->doing)} + " did not return within " + to_text(hung_->limit) +
+           ", so the host was ended";
   } else if (end.signalled && block.crash.signal.load() == end.code && block.crash.module.load() != 0) {
     culprit = members_.at(block.crash.module.load() - 1).get();
     text += std::string{" in "} + channel::to_text(block.crash.doing.load());
@@ -208,7 +223,8 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
     std::erase_if(restarts_, [now](Instant then) { return now - then > kRestartWindow; });
     restarts_.push_back(now);
     if (restarts_.size() > kHostRestarts) {
-      fail_device({"device " + device().name, text + "; it has been restarted " + std::to_string(kHostRestarts) + " times",
+      fail_device({"device " + device().name,
+                   text + "; it has been restarted " + std::to_string(kHostRestarts) + " times",
                    "see what it printed"});
       for (auto& member : members_) member->lost |= member->is_thread();
       halted_ = true;

@@ -31,7 +31,8 @@ const char* init_function(const Member& member) {
 int Supervisor::margin_share() const {
   int programs = 0;
   for (const auto& module : device().modules) {
-    programs += module.type == model::ModuleType::process && module.operation != model::Operation::non_real ? 1 : 0;
+    programs +=
+        module.type == model::ModuleType::process && module.operation != model::Operation::non_real ? 1 : 0;
   }
   const auto processors = static_cast<int>(placement_.background.size());
   return std::max(1, (programs + processors - 1) / processors);
@@ -67,7 +68,8 @@ Result<void> Supervisor::spawn(Member& member) {
                            .environment = {},
                            .inherit = {},
                            .capture_output = true};
-  for (const auto& property : member.model.properties) options.arguments.push_back(property.name + "=" + property.value);
+  for (const auto& property : member.model.properties)
+    options.arguments.push_back(property.name + "=" + property.value);
   if (member.seat != nullptr) {
     channel::clear_for_new_program(*member.seat);
     options.environment = {{"TAKT_SEAT_FD", std::to_string(member.seat_memory.fd().get())},
@@ -94,17 +96,19 @@ void Supervisor::process_ready(Member& member) {
   const auto made = os::make_real_time(member.seat->thread.load(), std::max(1, executor.priority - below));
   if (made) return;
   real_time_ = false;
-  log(member, "WARNING: not real-time: " + to_text(made.problems()));
+  log(member, "WARNING: not real-time: " + in_words(made.problems()));
 }
 
 void Supervisor::watch_process(Member& member, Instant now) {
   if (const auto end = member.child.poll()) {
     forward_output();
     // It may have come further than we have looked.
-    if (member.state() == State::idle && member.seat->phase.load(std::memory_order_acquire) != channel::SeatPhase::empty) {
+    if (member.state() == State::idle &&
+        member.seat->phase.load(std::memory_order_acquire) != channel::SeatPhase::empty) {
       apply(member, Event::initialize);
     }
-    if (member.state() == State::start && member.in_tables() && cycles_of(member) != member.seen_cycles) apply(member, Event::run);
+    if (member.state() == State::start && member.in_tables() && cycles_of(member) != member.seen_cycles)
+      apply(member, Event::run);
     process_ended(member, *end);
     return;
   }
@@ -114,12 +118,16 @@ void Supervisor::watch_process(Member& member, Instant now) {
   const bool slow = now - member.spawned > kAttachLimit;
   switch (member.state()) {
     case State::idle:
-      if (phase != channel::SeatPhase::empty) apply(member, Event::initialize);
-      else if (slow) lose(member, std::string{"did not call "} + init_function(member) + " within " + to_text(kAttachLimit));
+      if (phase != channel::SeatPhase::empty)
+        apply(member, Event::initialize);
+      else if (slow)
+        lose(member,
+             std::string{"did not call "} + init_function(member) + " within " + to_text(kAttachLimit));
       break;
     case State::initialize:
       if (phase != channel::SeatPhase::ready && slow) {
-        lose(member, std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit));
+        lose(member,
+             std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit));
       }
       break;
     case State::recover:
@@ -133,12 +141,14 @@ void Supervisor::watch_process(Member& member, Instant now) {
     case State::start:
     case State::executing: {
       const Instant released = from_ns(member.seat->release_ns.load(std::memory_order_relaxed));
-      if (member.killed_for_hanging || member.seat->waiting() || now - released < stuck_after(member.model)) break;
+      if (member.killed_for_hanging || member.seat->waiting() || now - released < stuck_after(member.model))
+        break;
       member.killed_for_hanging = true;
       member.child.signal(os::kKill);
       break;
     }
-    case State::destruct: break;
+    case State::destruct:
+      break;
   }
 }
 
@@ -148,7 +158,8 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
     text = "the process did not come back to " + std::string{wait_function(member)} + " within " +
            to_text(stuck_after(member.model)) + " and was ended";
   }
-  if (const std::string words = member.output.last_words(); !words.empty()) text += "; its last line was: " + words;
+  if (const std::string words = member.output.last_words(); !words.empty())
+    text += "; its last line was: " + words;
 
   if (member.state() == State::destruct) return;
   if (phase_ == Phase::stopping) {
@@ -157,8 +168,12 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
     return;
   }
   switch (member.state()) {
-    case State::idle: lose(member, text + "; it had not called " + init_function(member)); break;
-    case State::recover: not_recovered(member, text); break;
+    case State::idle:
+      lose(member, text + "; it had not called " + init_function(member));
+      break;
+    case State::recover:
+      not_recovered(member, text);
+      break;
     case State::initialize:
     case State::start:
     case State::executing:
@@ -170,12 +185,14 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
       }
       ++member.errors;
       if (member.killed_for_hanging) {
-        raise(member, ErrorType::hang, text, from_ns(member.seat->release_ns.load(std::memory_order_relaxed)));
+        raise(member, ErrorType::hang, text,
+              from_ns(member.seat->release_ns.load(std::memory_order_relaxed)));
       } else {
         raise(member, ErrorType::crash, text);
       }
       break;
-    case State::destruct: break;
+    case State::destruct:
+      break;
   }
 }
 
@@ -214,7 +231,8 @@ void Supervisor::forward_output() {
   host_.output().read([this](const std::string& line) { node::log(device().name, "(host)", line); });
   for (auto& member : members_) {
     if (!member->is_process()) continue;
-    member->output.read([&](const std::string& line) { node::log(device().name, member->model.name, "| " + line); });
+    member->output.read(
+        [&](const std::string& line) { node::log(device().name, member->model.name, "| " + line); });
   }
 }
 

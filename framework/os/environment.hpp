@@ -7,8 +7,8 @@
 
 namespace takt::os {
 
-/// The descriptor whose number an environment variable holds; it is closed on the next exec and the variable is removed, so
-/// that this program's own children do not get it. Empty when there is none.
+/// The descriptor whose number an environment variable holds; it is closed on the next exec and the variable
+/// is removed, so that this program's own children do not get it. Empty when there is none.
 Fd take_fd_from_environment(const char* name);
 
 /// The value of an environment variable; empty when it is not set.

@@ -34,8 +34,8 @@ Result<Fd> copy_of(const std::string& path) {
   return to;
 }
 
-// The loader binds a GNU_UNIQUE symbol to one address in the whole process, whatever object asks for it. Those of the C++
-// library itself (guards and tags of its templates) hold no state of the module.
+// The loader binds a GNU_UNIQUE symbol to one address in the whole process, whatever object asks for it.
+// Those of the C++ library itself (guards and tags of its templates) hold no state of the module.
 std::string shared_variable(const Fd& fd) {
   struct stat status {};
   if (::fstat(fd.get(), &status) != 0) return {};
@@ -76,8 +76,8 @@ std::string shared_variable(const Fd& fd) {
   return found;
 }
 
-// A path of the copy that no loaded object has. The loader takes an object of the same path for the same object, and the
-// number of a descriptor is used again.
+// A path of the copy that no loaded object has. The loader takes an object of the same path for the same
+// object, and the number of a descriptor is used again.
 Result<std::string> path_of_its_own(Fd& copy) {
   std::vector<Fd> taken;
   while (true) {
@@ -112,8 +112,9 @@ Result<Library> Library::open(const std::string& path, Globals globals) {
     if (!copied) return copied.problems();
     copy = std::move(*copied);
     if (const std::string variable = shared_variable(copy); !variable.empty()) {
-      return fail(path + " cannot have globals of its own for a second module: the loader would share " + variable,
-                  "compile it with -fno-gnu-unique, or make it a takt::Component");
+      return fail(
+          path + " cannot have globals of its own for a second module: the loader would share " + variable,
+          "compile it with -fno-gnu-unique, or make it a takt::Component");
     }
     auto own = path_of_its_own(copy);
     if (!own) return own.problems();

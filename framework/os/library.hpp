@@ -24,12 +24,12 @@ class Library {
   /// Unloads; its destructors run.
   ~Library();
 
-  /// Fails with the loader's reason, or, for `own`, when the object has symbols that the loader would share between copies
-  /// (STB_GNU_UNIQUE, from inline variables and templates of C++).
+  /// Fails with the loader's reason, or, for `own`, when the object has symbols that the loader would share
+  /// between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
   static Result<Library> open(const std::string& path, Globals globals);
 
-  /// The address of a function that this object itself defines; null when it does not. A symbol of one of the libraries it
-  /// was linked with does not count: the C library too has a function `error`.
+  /// The address of a function that this object itself defines; null when it does not. A symbol of one of the
+  /// libraries it was linked with does not count: the C library too has a function `error`.
   [[nodiscard]] void* own_function(const char* name) const noexcept;
 
   /// Never unloads: for an object in which a thread may still be.

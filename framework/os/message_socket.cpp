@@ -36,7 +36,8 @@ bool MessageSocket::flush() {
   std::size_t sent = 0;
   bool gone = false;
   while (sent < to_send_.size()) {
-    const ssize_t n = ::send(fd_.get(), to_send_.data() + sent, to_send_.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t n =
+        ::send(fd_.get(), to_send_.data() + sent, to_send_.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (n < 0 && errno == EINTR) continue;
     gone = n < 0 && errno != EAGAIN;
     if (n <= 0) break;

@@ -1,4 +1,5 @@
-// Messages between a program and the one that started it: whole texts, in order, and the news of the other's end.
+// Messages between a program and the one that started it: whole texts, in order, and the news of the other's
+// end.
 #pragma once
 
 #include <optional>
@@ -18,7 +19,8 @@ class MessageSocket {
   /// Two connected ends.
   static Result<std::pair<MessageSocket, MessageSocket>> pair();
 
-  /// Sends what the other end takes now and keeps the rest for flush(); never waits. False when the other end is gone.
+  /// Sends what the other end takes now and keeps the rest for flush(); never waits. False when the other end
+  /// is gone.
   bool send(const std::string& message);
   /// Sends more of what send() kept. False when the other end is gone.
   bool flush();

@@ -152,7 +152,8 @@ Result<Child> Child::spawn(const SpawnOptions& options) {
   } while (got < 0 && errno == EINTR);
   if (got == sizeof number) {
     child.wait();
-    return error_problem(options.program, number, "name a program that this user may execute on this machine");
+    return error_problem(options.program, number,
+                         "name a program that this user may execute on this machine");
   }
   child.output = std::move(output.read);
   child.error = std::move(error.read);
@@ -196,7 +197,8 @@ std::string read_available(const Fd& fd, bool* end) {
   return text;
 }
 
-Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work, Nanoseconds limit) {
+Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work,
+                             Nanoseconds limit) {
   auto pipe = make_pipe();
   if (!pipe) return pipe.problems();
   const int pid = ::fork();

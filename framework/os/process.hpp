@@ -30,13 +30,13 @@ extern const int kTerminate;
 extern const int kKill;
 
 struct SpawnOptions {
-  std::string program{};                 ///< a path; no search
-  std::vector<std::string> arguments{};  ///< without the program's own name
+  std::string program{};                                           ///< a path; no search
+  std::vector<std::string> arguments{};                            ///< without the program's own name
   std::vector<std::pair<std::string, std::string>> environment{};  ///< added to ours
-  std::vector<const Fd*> inherit{};      ///< descriptors that the program gets under the same number
-  bool capture_output = false;         ///< standard output and error come back through pipes
-  bool new_group = true;               ///< not reached by the terminal's Ctrl-C
-  bool dies_with_parent = true;        ///< SIGKILL when the thread that started it ends
+  std::vector<const Fd*> inherit{};  ///< descriptors that the program gets under the same number
+  bool capture_output = false;       ///< standard output and error come back through pipes
+  bool new_group = true;             ///< not reached by the terminal's Ctrl-C
+  bool dies_with_parent = true;      ///< SIGKILL when the thread that started it ends
 };
 
 /// A child process. Destroying it kills and reaps a child that still runs.
@@ -49,8 +49,8 @@ class Child {
   Child& operator=(const Child&) = delete;
   ~Child();
 
-  /// Fails when the program cannot be executed, with the reason, and no process is left then. The caller has no other
-  /// threads, or none that hold locks.
+  /// Fails when the program cannot be executed, with the reason, and no process is left then. The caller has
+  /// no other threads, or none that hold locks.
   static Result<Child> spawn(const SpawnOptions& options);
 
   [[nodiscard]] int pid() const noexcept { return pid_; }
@@ -69,12 +69,14 @@ class Child {
   int pid_ = 0;
 };
 
-/// Reads what there is without waiting; empty when there is nothing now. `end` is set when there will be nothing more.
+/// Reads what there is without waiting; empty when there is nothing now. `end` is set when there will be
+/// nothing more.
 std::string read_available(const Fd& fd, bool* end);
 
-/// Runs `work` in a child process and returns what it returned, so that a crash or a hang of foreign code costs the child
-/// and not us. `what` begins the message when it fails. The caller has a single thread.
-Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work, Nanoseconds limit);
+/// Runs `work` in a child process and returns what it returned, so that a crash or a hang of foreign code
+/// costs the child and not us. `what` begins the message when it fails. The caller has a single thread.
+Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work,
+                             Nanoseconds limit);
 
 /// The directory of this program's file.
 std::string program_directory();

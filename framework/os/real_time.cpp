@@ -25,11 +25,12 @@ namespace takt::os {
 
 namespace {
 
-constexpr const char* kFifoCure = "run as root, or give the program CAP_SYS_NICE or an rtprio limit (ulimit -r)";
+constexpr const char* kFifoCure =
+    "run as root, or give the program CAP_SYS_NICE or an rtprio limit (ulimit -r)";
 constexpr const char* kLockCure = "run as root, or raise the memlock limit (ulimit -l unlimited)";
 
-// What is left of the calling thread's stack. Of what was asked for, the loader has taken the thread-local variables of all
-// libraries, which may be most of it.
+// What is left of the calling thread's stack. Of what was asked for, the loader has taken the thread-local
+// variables of all libraries, which may be most of it.
 std::size_t stack_left() {
   pthread_attr_t attributes;
   if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return 0;
@@ -37,10 +38,12 @@ std::size_t stack_left() {
   std::size_t size = 0;
   ::pthread_attr_getstack(&attributes, &lowest, &size);
   ::pthread_attr_destroy(&attributes);
-  return reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0)) - reinterpret_cast<std::uintptr_t>(lowest);
+  return reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0)) -
+         reinterpret_cast<std::uintptr_t>(lowest);
 }
 
-// The pages of a thread's stack, touched before it matters. Half of what is left of it: the rest is for what calls us.
+// The pages of a thread's stack, touched before it matters. Half of what is left of it: the rest is for what
+// calls us.
 [[gnu::noinline]] void touch_stack(std::size_t asked_for) {
   const std::size_t bytes = std::min(asked_for, stack_left()) / 2;
   auto* stack = static_cast<volatile char*>(__builtin_alloca(bytes));
@@ -86,7 +89,8 @@ Result<void> make_background(int tid) {
   constexpr int kLowest = 19;
   const sched_param parameter{.sched_priority = 0};
   if (::sched_setscheduler(tid, SCHED_OTHER, &parameter) != 0) return errno_problem("SCHED_OTHER is refused");
-  if (::setpriority(PRIO_PROCESS, static_cast<id_t>(tid), kLowest) != 0) return errno_problem("nice 19 is refused");
+  if (::setpriority(PRIO_PROCESS, static_cast<id_t>(tid), kLowest) != 0)
+    return errno_problem("nice 19 is refused");
   return {};
 }
 
@@ -128,7 +132,8 @@ NoDeepIdle::NoDeepIdle() : fd_(::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEX
 
 Result<void> may_be_real_time() {
   Problems problems;
-  auto attempt = Thread::start({.name = "takt-probe", .priority = 1}, [] {}, &problems);
+  auto attempt = Thread::start(
+      {.name = "takt-probe", .priority = 1}, [] {}, &problems);
   if (!attempt) return attempt.problems();
   attempt->join();
 
@@ -161,7 +166,8 @@ Result<Thread> Thread::start(const Options& options, std::function<void()> body,
   pthread_attr_t attributes;
   ::pthread_attr_init(&attributes);
   ::pthread_attr_setstacksize(&attributes, options.stack_bytes);
-  // The thread takes its own priority and processor before its body runs, so that a refusal costs it these and not its life.
+  // The thread takes its own priority and processor before its body runs, so that a refusal costs it these
+  // and not its life.
   auto ready = std::make_shared<std::atomic<bool>>(false);
   auto prepared = [ready, options, body = std::move(body), refused] {
     Problems mine;
@@ -183,7 +189,8 @@ Result<Thread> Thread::start(const Options& options, std::function<void()> body,
   Thread thread;
   const int error = ::pthread_create(&thread.thread_, &attributes, run_thread, start.get());
   ::pthread_attr_destroy(&attributes);
-  if (error != 0) return error_problem("a thread could not be created", error, "free memory or raise the limit on threads");
+  if (error != 0)
+    return error_problem("a thread could not be created", error, "free memory or raise the limit on threads");
   start.release();  // NOLINT(bugprone-unused-return-value): the thread owns it
   thread.started_ = true;
   ready->wait(false, std::memory_order_acquire);

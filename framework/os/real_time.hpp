@@ -22,15 +22,15 @@ Result<void> make_background(int tid = 0);
 /// Restricts a thread (0: the caller) to these processors; an empty list changes nothing.
 Result<void> pin(int tid, const std::vector<int>& cpus);
 
-/// The share of each second that the kernel keeps from real-time threads that never sleep (real-time throttling), 0 to 1; 0 when
-/// it is off. Such threads are interrupted for that long.
+/// The share of each second that the kernel keeps from real-time threads that never sleep (real-time
+/// throttling), 0 to 1; 0 when it is off. Such threads are interrupted for that long.
 double throttled_share();
 
 /// Keeps all memory of this process, present and future, in RAM, and keeps the heap from giving pages back.
 Result<void> lock_memory();
 
-/// Holds the processors out of deep idle states while it lives (/dev/cpu_dma_latency at 0). Empty where there is no such
-/// device or it may not be opened.
+/// Holds the processors out of deep idle states while it lives (/dev/cpu_dma_latency at 0). Empty where there
+/// is no such device or it may not be opened.
 class NoDeepIdle {
  public:
   NoDeepIdle();
@@ -40,8 +40,8 @@ class NoDeepIdle {
   Fd fd_;
 };
 
-/// Whether a thread of this process may be SCHED_FIFO and lock memory, with the reasons and cures when not. Tries it on a
-/// thread of its own.
+/// Whether a thread of this process may be SCHED_FIFO and lock memory, with the reasons and cures when not.
+/// Tries it on a thread of its own.
 Result<void> may_be_real_time();
 
 /// The calling thread's id.
@@ -51,9 +51,9 @@ int thread_id() noexcept;
 class Thread {
  public:
   struct Options {
-    std::string name;                ///< at most 15 bytes are shown
-    std::optional<int> priority{};    ///< SCHED_FIFO; none: as the creator
-    std::vector<int> cpus{};         ///< empty: as the creator
+    std::string name;               ///< at most 15 bytes are shown
+    std::optional<int> priority{};  ///< SCHED_FIFO; none: as the creator
+    std::vector<int> cpus{};        ///< empty: as the creator
     std::size_t stack_bytes = 512 * 1024;
   };
 
@@ -65,8 +65,8 @@ class Thread {
   /// Joins.
   ~Thread();
 
-  /// Runs `body` in a new thread. A priority or processor that the system refuses is said in `refused`, and the thread runs
-  /// without it. Fails only when there can be no thread.
+  /// Runs `body` in a new thread. A priority or processor that the system refuses is said in `refused`, and
+  /// the thread runs without it. Fails only when there can be no thread.
   static Result<Thread> start(const Options& options, std::function<void()> body, Problems* refused);
 
   void join();

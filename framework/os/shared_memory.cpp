@@ -12,7 +12,9 @@
 namespace takt::os {
 
 SharedMemory::SharedMemory(SharedMemory&& other) noexcept
-    : fd_(std::move(other.fd_)), data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+    : fd_(std::move(other.fd_)),
+      data_(std::exchange(other.data_, nullptr)),
+      size_(std::exchange(other.size_, 0)) {}
 
 SharedMemory& SharedMemory::operator=(SharedMemory&& other) noexcept {
   std::swap(fd_, other.fd_);
@@ -28,7 +30,8 @@ SharedMemory::~SharedMemory() {
 Result<SharedMemory> SharedMemory::create(const std::string& name, std::size_t size) {
   Fd fd{::memfd_create(name.c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING)};
   if (!fd) return errno_problem("memfd_create " + name, "free memory or file descriptors");
-  if (::ftruncate(fd.get(), static_cast<off_t>(size)) != 0) return errno_problem("ftruncate " + name, "free memory");
+  if (::ftruncate(fd.get(), static_cast<off_t>(size)) != 0)
+    return errno_problem("ftruncate " + name, "free memory");
   // Nobody who is handed the descriptor can take the pages away under a reader.
   ::fcntl(fd.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL);
   return attach(std::move(fd));

@@ -1,5 +1,5 @@
-// Memory that several processes see. It has no name in the file system: whoever holds the descriptor has it, and it is gone
-// when the last process that had it is gone, however that ended.
+// Memory that several processes see. It has no name in the file system: whoever holds the descriptor has it,
+// and it is gone when the last process that had it is gone, however that ended.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ class SharedMemory {
   SharedMemory& operator=(const SharedMemory&) = delete;
   ~SharedMemory();
 
-  /// Zeroed, of fixed size. `name` is for humans (/proc/PID/maps). The descriptor is not inherited by new programs unless
-  /// handed to them.
+  /// Zeroed, of fixed size. `name` is for humans (/proc/PID/maps). The descriptor is not inherited by new
+  /// programs unless handed to them.
   static Result<SharedMemory> create(const std::string& name, std::size_t size);
   /// Maps what another process created; takes the descriptor.
   static Result<SharedMemory> attach(Fd fd);

@@ -9,8 +9,8 @@
 
 namespace takt::os {
 
-/// The signals by which a program is asked to end (SIGINT, SIGTERM, SIGHUP), blocked for this thread and those that it starts
-/// later, and given out one by one.
+/// The signals by which a program is asked to end (SIGINT, SIGTERM, SIGHUP), blocked for this thread and
+/// those that it starts later, and given out one by one.
 class SignalQueue {
  public:
   static Result<SignalQueue> of_requests_to_end();
@@ -22,18 +22,20 @@ class SignalQueue {
   Fd fd_;
 };
 
-/// A write to a pipe whose reader is gone fails from now on, instead of ending this program. Programs that it starts are ended
-/// as usual.
+/// A write to a pipe whose reader is gone fails from now on, instead of ending this program. Programs that it
+/// starts are ended as usual.
 void survive_broken_pipes();
 
-/// Waits until one of the descriptors can be read or its other end is gone, at most `limit_ms`; false when none.
+/// Waits until one of the descriptors can be read or its other end is gone, at most `limit_ms`; false when
+/// none.
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms);
 
-/// Called in the thread that crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT), on a stack of its own; afterwards the
-/// process ends by the same signal. Async-signal-safe.
+/// Called in the thread that crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT), on a stack of its own;
+/// afterwards the process ends by the same signal. Async-signal-safe.
 using CrashHandler = void (*)(int signal) noexcept;
 void on_crash(CrashHandler handler);
-/// Gives the calling thread the stack for that, so that a stack overflow is reported too. Kept until the thread ends.
+/// Gives the calling thread the stack for that, so that a stack overflow is reported too. Kept until the
+/// thread ends.
 void prepare_crash_stack();
 
 }  // namespace takt::os

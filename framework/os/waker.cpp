@@ -8,8 +8,8 @@
 namespace takt::os {
 
 namespace {
-// One step up for a delay beyond the margin weighs as much as 99 steps down: the margin settles where one wake-up in a
-// hundred is later.
+// One step up for a delay beyond the margin weighs as much as 99 steps down: the margin settles where one
+// wake-up in a hundred is later.
 constexpr std::int64_t kUp = 990;
 constexpr std::int64_t kDown = 10;
 constexpr std::int64_t kLeast = 1'000;

@@ -1,5 +1,6 @@
-// Waking up at an instant. A wake-up from sleep is the largest error of a control loop: tens of microseconds in a virtual
-// machine, several on metal. So the thread sleeps to a margin before the instant and spins the rest.
+// Waking up at an instant. A wake-up from sleep is the largest error of a control loop: tens of microseconds
+// in a virtual machine, several on metal. So the thread sleeps to a margin before the instant and spins the
+// rest.
 #pragma once
 
 #include <atomic>
@@ -10,8 +11,8 @@
 
 namespace takt::os {
 
-/// How long before an instant to end the sleep: the 99th percentile of the wake-up delays seen, tracked in one number.
-/// Pure: no clock.
+/// How long before an instant to end the sleep: the 99th percentile of the wake-up delays seen, tracked in
+/// one number. Pure: no clock.
 class WakeMargin {
  public:
   /// The margin starts at its cap, so that the first wake-ups are early rather than late.
@@ -29,16 +30,19 @@ class WakeMargin {
 /// The largest margin for a period: 40 % of it, at most 100 us.
 Nanoseconds margin_cap(Nanoseconds period) noexcept;
 
-/// Waits for releases by one of three strategies: `sleep` (sleep to the instant), `hybrid` (sleep, then spin), `spin`
-/// (never sleep: one core at 100 %, which the kernel's real-time throttling interrupts unless it is off).
+/// Waits for releases by one of three strategies: `sleep` (sleep to the instant), `hybrid` (sleep, then
+/// spin), `spin` (never sleep: one core at 100 %, which the kernel's real-time throttling interrupts unless
+/// it is off).
 class Waker {
  public:
   /// `stop` ends a wait early when it is not 0; who sets it wakes it (futex).
   Waker(model::Wakeup strategy, Nanoseconds period, const std::atomic<std::uint32_t>& stop) noexcept
-      : strategy_(strategy), stop_(stop), margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : margin_cap(period)) {}
+      : strategy_(strategy),
+        stop_(stop),
+        margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : margin_cap(period)) {}
 
-  /// Real-time. Returns the time at which it ended, not before `release` unless stopped; at once if that has passed. One
-  /// system call at most, its sleep.
+  /// Real-time. Returns the time at which it ended, not before `release` unless stopped; at once if that has
+  /// passed. One system call at most, its sleep.
   Instant wait_until(Instant release) noexcept;
 
   /// 0 for `sleep`; for `spin` without meaning. Any thread may not call it: it belongs to the waiting thread.

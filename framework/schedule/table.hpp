@@ -1,4 +1,5 @@
-// The periodic scheduling table of the paper's Figure 3: which modules are due at which multiple of the basic period.
+// The periodic scheduling table of the paper's Figure 3: which modules are due at which multiple of the basic
+// period.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +23,10 @@ struct Task {
   std::string_view name{};  ///< for messages only; without one a task is called by its index
 };
 
-/// The two tasks that make a table long: no other two periods that differ have a larger least common multiple, and among
-/// those that have the same one, these have the shortest period. The first has the shorter one. Both are the first of
-/// their period; both are 0 when all tasks have the same. Every period is positive.
+/// The two tasks that make a table long: no other two periods that differ have a larger least common
+/// multiple, and among those that have the same one, these have the shortest period. The first has the
+/// shorter one. Both are the first of their period; both are 0 when all tasks have the same. Every period is
+/// positive.
 struct PeriodPair {
   std::uint32_t shorter = 0;
   std::uint32_t longer = 0;
@@ -36,9 +38,9 @@ class Table {
  public:
   using Index = std::uint32_t;
 
-  /// Fails when a period is not positive (one problem each), or when the table would pass the limits above or its macro
-  /// period 2^63 - 1 ns, saying which two periods make it so. No tasks: an empty table with periods of 0. Takes time for
-  /// the entries and the rows, not for their product; allocates.
+  /// Fails when a period is not positive (one problem each), or when the table would pass the limits above or
+  /// its macro period 2^63 - 1 ns, saying which two periods make it so. No tasks: an empty table with periods
+  /// of 0. Takes time for the entries and the rows, not for their product; allocates.
   static Result<Table> build(std::span<const Task> tasks);
 
   [[nodiscard]] Nanoseconds basic_period() const noexcept { return basic_; }  ///< greatest common divisor

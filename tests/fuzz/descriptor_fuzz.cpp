@@ -1,5 +1,5 @@
-// Arbitrary bytes as a descriptor: either a cell that is right in every rule of the model, or problems that a person can
-// read. What the scanner lets through, tinyxml2 reads.
+// Arbitrary bytes as a descriptor: either a cell that is right in every rule of the model, or problems that a
+// person can read. What the scanner lets through, tinyxml2 reads.
 #include <cstddef>
 #include <cstdint>
 #include <string>

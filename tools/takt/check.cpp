@@ -12,7 +12,8 @@ int check(const CheckOptions& options) {
   Problems missing;
   const auto loaded = load(options.file, options.remote ? &missing : nullptr);
   for (const Problem& problem : missing) {
-    std::fprintf(stderr, "%s: warning: %s; its node will look for it\n", problem.where.c_str(), problem.what.c_str());
+    std::fprintf(stderr, "%s: warning: %s; its node will look for it\n", problem.where.c_str(),
+                 problem.what.c_str());
   }
   if (!loaded) {
     complain(loaded.problems());

@@ -1,4 +1,5 @@
-// What `takt` does. Each command returns the exit status: 0 done, 1 refused or failed with a reason on standard error.
+// What `takt` does. Each command returns the exit status: 0 done, 1 refused or failed with a reason on
+// standard error.
 #pragma once
 
 #include <optional>
@@ -26,6 +27,7 @@ int run(const RunOptions& options);
 struct DescribeOptions {
   std::string file;
   bool json = false;
+  bool xml = false;  ///< a <module> element to paste into a descriptor
 };
 int describe(const DescribeOptions& options);
 

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,12 +21,14 @@ std::string as_text(const std::string& path, const host::Description& component)
   text += fmt::format("  interface   {}\n", component.interface);
   if (!component.hooks.empty()) text += fmt::format("  hooks       {}\n", fmt::join(component.hooks, ", "));
   if (component.interface == "c") text += "  properties  any; initialize() reads them\n";
-  if (component.interface == "process") text += "  properties  any; the program gets each as an argument NAME=VALUE\n";
+  if (component.interface == "process")
+    text += "  properties  any; the program gets each as an argument NAME=VALUE\n";
   if (component.interface != "c++") return text;
   text += component.properties.empty() ? "  properties  none\n" : "  properties\n";
   for (const auto& p : component.properties) {
-    text += fmt::format("    {:<16} {:<8} {}{}{}{}{}\n", p.name, p.type, p.default_value, p.unit.empty() ? "" : " " + p.unit,
-                        p.range.empty() ? "" : "  (" + p.range + ")", p.text.empty() ? "" : "  ", p.text);
+    text += fmt::format("    {:<16} {:<8} {}{}{}{}{}\n", p.name, p.type, p.default_value,
+                        p.unit.empty() ? "" : " " + p.unit, p.range.empty() ? "" : "  (" + p.range + ")",
+                        p.text.empty() ? "" : "  ", p.text);
   }
   return text;
 }
@@ -32,11 +36,56 @@ std::string as_text(const std::string& path, const host::Description& component)
 std::string as_json(const host::Description& component) {
   nlohmann::ordered_json properties = nlohmann::ordered_json::array();
   for (const auto& p : component.properties) {
-    properties.push_back({{"name", p.name}, {"type", p.type}, {"default", p.default_value}, {"range", p.range},
-                          {"unit", p.unit}, {"text", p.text}});
+    properties.push_back({{"name", p.name},
+                          {"type", p.type},
+                          {"default", p.default_value},
+                          {"range", p.range},
+                          {"unit", p.unit},
+                          {"text", p.text}});
   }
-  return nlohmann::ordered_json{{"name", component.name}, {"interface", component.interface}, {"hooks", component.hooks},
-                                {"properties", properties}}.dump() + "\n";
+  return nlohmann::ordered_json{{"name", component.name},
+                                {"interface", component.interface},
+                                {"hooks", component.hooks},
+                                {"properties", properties}}
+             .dump() +
+         "\n";
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '"')
+      result += "&quot;";
+    else
+      result += c;
+  }
+  return result;
+}
+
+// A module in the C form that has a condition is offered as sporadic, everything else as periodic.
+std::string as_xml(const std::string& path, const host::Description& component) {
+  const bool thread = component.interface != "process";
+  const bool sporadic =
+      std::find(component.hooks.begin(), component.hooks.end(), "condition") != component.hooks.end();
+  std::string text = "<module>\n";
+  text +=
+      fmt::format("  <filename>{}</filename>\n", escaped(std::filesystem::path{path}.filename().string()));
+  text += fmt::format("  <moduletype>{}</moduletype>\n", thread ? "thread" : "process");
+  text += fmt::format("  <operationtype>{}</operationtype>\n", sporadic ? "sporadic" : "periodic");
+  text += fmt::format("  <{0}>1000000</{0}> <!-- ns -->\n", sporadic ? "deadline" : "period");
+  text += "  <priority>1</priority> <!-- the lowest value goes first -->\n";
+  if (!component.properties.empty()) {
+    text += "  <property>\n";
+    for (const auto& p : component.properties) {
+      text += fmt::format("    <value name=\"{}\">{}</value>\n", escaped(p.name), escaped(p.default_value));
+    }
+    text += "  </property>\n";
+  }
+  return text + "</module>\n";
 }
 
 }  // namespace
@@ -52,7 +101,9 @@ int describe(const DescribeOptions& options) {
     complain(component.problems());
     return 1;
   }
-  const std::string text = options.json ? as_json(*component) : as_text(*path, *component);
+  const std::string text = options.json  ? as_json(*component)
+                           : options.xml ? as_xml(*path, *component)
+                                         : as_text(*path, *component);
   return print(text) ? 0 : 1;
 }
 

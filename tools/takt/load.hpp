@@ -17,8 +17,8 @@ struct Loaded {
   std::vector<host::ComponentPaths> paths;
 };
 
-/// Reads, validates, plans, and looks at every component; every problem of the file at once. With `missing`, component files
-/// that are not on this machine go there and are no problem.
+/// Reads, validates, plans, and looks at every component; every problem of the file at once. With `missing`,
+/// component files that are not on this machine go there and are no problem.
 Result<Loaded> load(const std::string& file, Problems* missing = nullptr);
 
 /// Prints problems as `file:line: error: ...`, one a line, on standard error.

@@ -18,7 +18,9 @@ std::string positive_seconds(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   const bool number = end != text.c_str() && *end == '\0';
-  return number && value > 0 && value <= kLongest ? "" : "'" + text + "' is no number of seconds above 0 and up to 1e9";
+  return number && value > 0 && value <= kLongest
+             ? ""
+             : "'" + text + "' is no number of seconds above 0 and up to 1e9";
 }
 
 }  // namespace
@@ -31,26 +33,36 @@ int main(int argc, char** argv) {
   app.failure_message(CLI::FailureMessage::help);
 
   CheckOptions check_options;
-  auto* check_command = app.add_subcommand("check", "Validate a descriptor and print its tables; start nothing");
+  auto* check_command =
+      app.add_subcommand("check", "Validate a descriptor and print its tables; start nothing");
   check_command->add_option("FILE", check_options.file, "a cell, or a module.xml")->required();
   check_command->add_flag("--json", check_options.json, "print one JSON object");
-  check_command->add_option("--svg", check_options.svg, "write the tables as a picture to this file")->type_name("OUT");
-  check_command->add_flag("--remote", check_options.remote, "a component that is not on this machine is a warning, no error");
+  check_command->add_option("--svg", check_options.svg, "write the tables as a picture to this file")
+      ->type_name("OUT");
+  check_command->add_flag("--remote", check_options.remote,
+                          "a component that is not on this machine is a warning, no error");
 
   RunOptions run_options;
   double seconds = 0;
-  auto* run_command = app.add_subcommand("run", "Run a descriptor on this machine, one takt-node for each device, until Ctrl-C");
+  auto* run_command = app.add_subcommand(
+      "run", "Run a descriptor on this machine, one takt-node for each device, until Ctrl-C");
   run_command->add_option("FILE", run_options.file, "a cell, or a module.xml")->required();
-  auto* for_option = run_command->add_option("--for", seconds, "end after this long")->type_name("SECONDS")->check(positive_seconds);
+  auto* for_option = run_command->add_option("--for", seconds, "end after this long")
+                         ->type_name("SECONDS")
+                         ->check(positive_seconds);
   run_command->add_flag("--json", run_options.json, "print the closing report as one JSON object");
   run_command->add_flag("--require-realtime", run_options.require_real_time,
                         "refuse to run where the system refuses real-time scheduling");
   run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
 
   DescribeOptions describe_options;
-  auto* describe_command = app.add_subcommand("describe", "Print what a component is: its interface, hooks and properties");
+  auto* describe_command =
+      app.add_subcommand("describe", "Print what a component is: its interface, hooks and properties");
   describe_command->add_option("FILE", describe_options.file, "a component's .so or .exe")->required();
-  describe_command->add_flag("--json", describe_options.json, "print one JSON object");
+  auto* describe_json = describe_command->add_flag("--json", describe_options.json, "print one JSON object");
+  describe_command
+      ->add_flag("--xml", describe_options.xml, "print a <module> element to paste into a descriptor")
+      ->excludes(describe_json);
 
   try {
     app.parse(argc, argv);

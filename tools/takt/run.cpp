@@ -51,7 +51,8 @@ class Cell {
   void stop();
   [[nodiscard]] int milliseconds_left() const {
     if (!end_at_ || stopping_) return 20;
-    return static_cast<int>(std::min<std::int64_t>((*end_at_ - os::now()) / std::chrono::milliseconds{1}, 20));
+    return static_cast<int>(
+        std::min<std::int64_t>((*end_at_ - os::now()) / std::chrono::milliseconds{1}, 20));
   }
   bool all(bool Node::*flag) const {
     for (const auto& node : nodes_) {
@@ -113,7 +114,8 @@ void Cell::serve(const os::SignalQueue& signals) {
       const Instant t0 = os::now() + std::chrono::milliseconds{50};
       for (auto& node : nodes_) node->tell({{"do", "go"}, {"t0", to_ns(t0)}});
       if (options_.seconds) {
-        end_at_ = t0 + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(*options_.seconds));
+        end_at_ =
+            t0 + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(*options_.seconds));
       }
     }
     if (end_at_ && os::now() >= *end_at_) stop();
@@ -139,9 +141,15 @@ void Cell::watch_end(Node& node) {
   node.ended = true;
   if (!node.report.is_null()) return;
   // It had no time for a report: refused at once with a reason of its own, or killed.
-  node.report = {{"name", node.device}, {"alive", false}, {"real_time", false}, {"executors", json::array()}, {"modules", json::array()}};
-  if (end->signalled || end->code == 0 || went_) node.failures.push_back("device " + node.device + ": error: its node " + end->text());
-  else node.failures.push_back("device " + node.device + ": error: its node refused to run it, see above");
+  node.report = {{"name", node.device},
+                 {"alive", false},
+                 {"real_time", false},
+                 {"executors", json::array()},
+                 {"modules", json::array()}};
+  if (end->signalled || end->code == 0 || went_)
+    node.failures.push_back("device " + node.device + ": error: its node " + end->text());
+  else
+    node.failures.push_back("device " + node.device + ": error: its node refused to run it, see above");
   if (!went_) stop();
 }
 

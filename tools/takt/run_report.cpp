@@ -19,23 +19,25 @@ std::string us(const json& value) {
 
 std::string device_text(const json& device, std::size_t width) {
   std::string text = fmt::format("device {}{}{}\n", device["name"].get<std::string>(),
-                                 device["alive"].get<bool>() ? "" : "  LOST", 
+                                 device["alive"].get<bool>() ? "" : "  LOST",
                                  device["real_time"].get<bool>() ? "" : "  NOT REAL-TIME");
-  text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", "executor", width, "cycles", "missed", "jitter us",
-                      "p50", "p99", "max");
+  text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", "executor", width, "cycles",
+                      "missed", "jitter us", "p50", "p99", "max");
   for (const json& e : device["executors"]) {
     const json& j = e["jitter_us"];
-    text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", e["name"].get<std::string>(), width,
-                        e["cycles"].get<std::uint64_t>(), e["missed"].get<std::uint64_t>(), us(j["mean"]), us(j["p50"]),
-                        us(j["p99"]), us(j["max"]));
+    text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", e["name"].get<std::string>(),
+                        width, e["cycles"].get<std::uint64_t>(), e["missed"].get<std::uint64_t>(),
+                        us(j["mean"]), us(j["p50"]), us(j["p99"]), us(j["max"]));
   }
-  text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", "module", width, "state", "cycles",
-                      "jitter us", "p50", "p99", "run p50", "run max", "overruns", "errors");
+  text +=
+      fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", "module", width,
+                  "state", "cycles", "jitter us", "p50", "p99", "run p50", "run max", "overruns", "errors");
   for (const json& m : device["modules"]) {
     const json& j = m["jitter_us"];
-    text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", m["name"].get<std::string>(), width,
-                        m["state"].get<std::string>(), m["cycles"].get<std::uint64_t>(), us(j["mean"]), us(j["p50"]),
-                        us(j["p99"]), us(m["run_us"]["p50"]), us(m["run_us"]["max"]), m["overruns"].get<std::uint64_t>(),
+    text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n",
+                        m["name"].get<std::string>(), width, m["state"].get<std::string>(),
+                        m["cycles"].get<std::uint64_t>(), us(j["mean"]), us(j["p50"]), us(j["p99"]),
+                        us(m["run_us"]["p50"]), us(m["run_us"]["max"]), m["overruns"].get<std::uint64_t>(),
                         m["errors"].get<std::uint64_t>());
   }
   return text;

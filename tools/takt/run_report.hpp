@@ -9,8 +9,8 @@
 
 namespace takt::tool {
 
-/// The status object of the contract as tables, one line an executor and one a module, at most 100 columns wide for names of up
-/// to 20 characters. Times in microseconds. Ends with a line feed.
+/// The status object of the contract as tables, one line an executor and one a module, at most 100 columns
+/// wide for names of up to 20 characters. Times in microseconds. Ends with a line feed.
 std::string run_text(const nlohmann::ordered_json& status, Style style);
 
 }  // namespace takt::tool

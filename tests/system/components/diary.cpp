@@ -1,7 +1,7 @@
-// Prints a line, then writes it into `file`, for each hook but run() and condition(): "initialize", "start", "error 2", "recover",
-// "destruct". Fails when it is told to: start() its first `bad_starts` times (0), and run() or condition() in its
-// `after`-th run or check (never) since it last recovered, in the way of `how`: throw, say, slow (run() spins for `ns`,
-// 2000000) or condition (which throws).
+// Prints a line, then writes it into `file`, for each hook but run() and condition(): "initialize", "start",
+// "error 2", "recover", "destruct". Fails when it is told to: start() its first `bad_starts` times (0), and
+// run() or condition() in its `after`-th run or check (never) since it last recovered, in the way of `how`:
+// throw, say, slow (run() spins for `ns`, 2000000) or condition (which throws).
 #include <takt/module.h>
 
 #include <chrono>
@@ -44,7 +44,8 @@ void run(void) {
   }
 }
 int condition(void) {
-  if (++checks == after && how == "condition") throw std::runtime_error("condition() threw as it was asked to");
+  if (++checks == after && how == "condition")
+    throw std::runtime_error("condition() threw as it was asked to");
   return TRUE;
 }
 void error(int type) { write("error " + std::to_string(type)); }

@@ -60,6 +60,15 @@ class Usage(takt_system.Case):
         self.assertEqual({"name": "fine", "interface": "process", "hooks": [], "properties": []}, process)
         self.assertIn("process", self.takt("describe", "fine.exe").out)
 
+    def test_what_describe_gives_to_paste_runs(self):
+        elements = ""
+        for component in ("cpp_properties.so", "fine.so", "fine_sporadic.so", "grid.exe"):
+            elements += self.takt("describe", component, "--xml").out
+        file = self.write("pasted.xml", "<root>\n%s</root>\n" % elements)
+        run = self.takt("run", file, "--for", "0.2", "--json")
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(4, len(run.modules()))
+
     def test_describe_what_is_no_component(self):
         for file, words in (("not_a_library.so", "neither a shared object nor a program"), ("no_such_file.so", "there is no file"),
                             ("no_run.so", "has no function run()"), ("undefined_symbol.so", "takt_test_defined_nowhere"),

@@ -80,8 +80,8 @@ TEST(Statistics, AgreesWithTheSortedValues) {
 TEST(Statistics, IsReadWholeWhileItIsWritten) {
   auto statistics = empty();
   std::atomic<bool> end{false};
-  // Every value is 1000, so any mixture of two states shows in the mean or in the buckets. A module records a few times in
-  // a hundred microseconds; this writer is faster, yet leaves a reader the time for one pass.
+  // Every value is 1000, so any mixture of two states shows in the mean or in the buckets. A module records a
+  // few times in a hundred microseconds; this writer is faster, yet leaves a reader the time for one pass.
   std::thread writer{[&] {
     while (!end) {
       statistics->record(1000);

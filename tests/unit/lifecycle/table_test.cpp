@@ -13,13 +13,13 @@ namespace {
 
 // The table of the design written a second time, by hand, as words. What is not here is refused.
 const std::map<std::tuple<std::string, std::string>, std::string> kExpected{
-    {{"IDLE", "initialize"}, "INITIALIZE"},  {{"INITIALIZE", "start"}, "START"},
-    {{"START", "run"}, "EXECUTING"},         {{"EXECUTING", "stop"}, "START"},
-    {{"INITIALIZE", "error"}, "RECOVER"},    {{"START", "error"}, "RECOVER"},
-    {{"EXECUTING", "error"}, "RECOVER"},     {{"RECOVER", "recover"}, "(before)"},
-    {{"RECOVER", "give up"}, "DESTRUCT"},    {{"IDLE", "destruct"}, "DESTRUCT"},
+    {{"IDLE", "initialize"}, "INITIALIZE"},   {{"INITIALIZE", "start"}, "START"},
+    {{"START", "run"}, "EXECUTING"},          {{"EXECUTING", "stop"}, "START"},
+    {{"INITIALIZE", "error"}, "RECOVER"},     {{"START", "error"}, "RECOVER"},
+    {{"EXECUTING", "error"}, "RECOVER"},      {{"RECOVER", "recover"}, "(before)"},
+    {{"RECOVER", "give up"}, "DESTRUCT"},     {{"IDLE", "destruct"}, "DESTRUCT"},
     {{"INITIALIZE", "destruct"}, "DESTRUCT"}, {{"START", "destruct"}, "DESTRUCT"},
-    {{"EXECUTING", "destruct"}, "DESTRUCT"}, {{"RECOVER", "destruct"}, "DESTRUCT"},
+    {{"EXECUTING", "destruct"}, "DESTRUCT"},  {{"RECOVER", "destruct"}, "DESTRUCT"},
     {{"DESTRUCT", "reset"}, "IDLE"},
 };
 
@@ -77,7 +77,8 @@ TEST(LifecycleMachine, RefusesWithTheStateItMetAndChangesNothing) {
 TEST(LifecycleMachine, CountsItsStepsWithoutGaps) {
   Machine machine;
   std::uint64_t expected = 0;
-  for (Event event : {Event::initialize, Event::start, Event::run, Event::run, Event::stop, Event::destruct, Event::reset}) {
+  for (Event event : {Event::initialize, Event::start, Event::run, Event::run, Event::stop, Event::destruct,
+                      Event::reset}) {
     const auto step = machine.apply(event);
     if (step) {
       EXPECT_EQ(step->sequence, ++expected);

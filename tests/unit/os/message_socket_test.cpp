@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 
 #include <cstdint>
+
 #include <optional>
 #include <string>
 #include <thread>
@@ -39,13 +40,29 @@ TEST_F(TwoEnds, PassAMessageThatIsLargerThanWhatTheKernelKeeps) {
   std::string large(20'000'000, ' ');
   for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>(i * 31 >> 3);
   std::thread sender{[&] {
-    EXPECT_TRUE(mine.send(large));
-    EXPECT_TRUE(mine.send("after"));
+    EXPECT_TRUE(mine.send_wait(large));
+    EXPECT_TRUE(mine.send_wait("after"));
   }};
   const auto received = theirs.receive_wait();
   EXPECT_TRUE(received == large);
   EXPECT_EQ(theirs.receive_wait(), "after");
   sender.join();
+}
+
+TEST_F(TwoEnds, NeverWaitForEachOther) {
+  // More than the kernel keeps, in both directions at once, by one thread.
+  const std::string large(2'000'000, 'x');
+  EXPECT_TRUE(mine.send(large));
+  EXPECT_TRUE(theirs.send(large));
+  std::optional<std::string> here;
+  std::optional<std::string> there;
+  while (!here || !there) {
+    ASSERT_TRUE(mine.flush());
+    ASSERT_TRUE(theirs.flush());
+    if (!here) here = mine.receive();
+    if (!there) there = theirs.receive();
+  }
+  EXPECT_TRUE(*here == large && *there == large);
 }
 
 TEST_F(TwoEnds, GiveOutWhatWasSentBeforeTheOtherWasGone) {
