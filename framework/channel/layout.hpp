@@ -27,7 +27,8 @@ struct alignas(64) ModuleBlock {
   std::atomic<std::uint64_t> error_cycle;
   std::atomic<std::uint64_t> cycles;    ///< times it was called or released
   std::atomic<std::uint64_t> missed;    ///< releases in rows that were skipped while it was in the tables
-  std::atomic<std::uint64_t> overruns;  ///< not done by its next release, or by its deadline
+  std::atomic<std::uint64_t> overruns;  ///< not done by its next release, or by its deadline; a sporadic
+                                        ///< program counts its own, in its seat
   std::atomic<std::uint64_t> errors;    ///< raised by the executor
 
   alignas(64) Statistics jitter;  ///< Eq. (1), P_n - T_n; of thread modules

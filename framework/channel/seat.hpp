@@ -31,7 +31,7 @@ enum class SeatPhase : std::uint32_t {
 };
 
 struct alignas(64) Seat {
-  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0001;  // "seat", layout 1
+  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0002;  // "seat", layout 2
 
   // Written by the node before the program starts.
   std::uint64_t magic;
@@ -41,6 +41,7 @@ struct alignas(64) Seat {
   std::int64_t period_ns;      ///< between releases
   std::int64_t margin_cap_ns;  ///< the longest time before a release that the program may spin
   std::uint32_t lock_memory;
+  std::int64_t deadline_ns;  ///< of a sporadic program, from its release to its next wait; 0: none
 
   // Written by the scheduler.
   alignas(
@@ -55,7 +56,8 @@ struct alignas(64) Seat {
   std::atomic<SeatPhase> phase;
   std::atomic<std::int32_t> thread;
   std::atomic<std::int64_t> margin_ns;
-  Statistics jitter;  ///< Eq. (1), P_n - T_n, with T_n taken by the program
+  std::atomic<std::uint64_t> late;  ///< bodies that ended after the deadline
+  Statistics jitter;                ///< Eq. (1), P_n - T_n, with T_n taken by the program
   Statistics run;
 
   [[nodiscard]] bool waiting() const noexcept {

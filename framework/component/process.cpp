@@ -28,6 +28,7 @@ class Guest {
   bool released() const {
     return seat_->released.load(std::memory_order_acquire) != taken_;
   }  // SYNC: released
+  void body_done();
   void spin_until_release();
   void sleep_on_bell();
   void end_if_told() const;
@@ -111,9 +112,16 @@ void Guest::sleep_on_bell() {
   seat_->sleeping.store(0, std::memory_order_seq_cst);
 }
 
+void Guest::body_done() {
+  const Instant now = os::now();
+  seat_->run.record((now - started_).count());
+  const std::int64_t deadline = seat_->release_ns.load(std::memory_order_relaxed) + seat_->deadline_ns;
+  if (seat_->deadline_ns != 0 && to_ns(now) > deadline) seat_->late.fetch_add(1, std::memory_order_relaxed);
+}
+
 void Guest::wait(const char* function) {
   if (seat_ == nullptr) refuse(function, "call initPeriodExe() or initSporadicExe() first");
-  if (taken_ != 0) seat_->run.record((os::now() - started_).count());
+  if (taken_ != 0) body_done();
   seat_->done.store(taken_, std::memory_order_release);  // SYNC: done
   if (taken_ == 0) seat_->phase.store(channel::SeatPhase::ready, std::memory_order_release);
 

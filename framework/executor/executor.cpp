@@ -154,23 +154,11 @@ std::uint32_t Executor::check_conditions(Instant release) noexcept {
     if (!in_tables(unit)) continue;
 
     if (unit.seat != nullptr) {
-      // The program checks its own condition; a row that finds it in its body leaves it there.
-      switch (channel::release(*unit.seat, row_, to_ns(release))) {
-        case channel::Release::wake:
-          wake |= unit.seat->bell_bit;
-          [[fallthrough]];
-        case channel::Release::given:
-          add(unit.block->cycles);
-          sporadic.deadline_ns = to_ns(release + unit.deadline);
-          sporadic.late_counted = false;
-          break;
-        case channel::Release::busy:
-          if (!sporadic.late_counted && to_ns(release) > sporadic.deadline_ns) {
-            add(unit.block->overruns);
-            sporadic.late_counted = true;
-          }
-          break;
-      }
+      // The program checks its own condition and its own deadline; a row that finds it in its body leaves it
+      // there.
+      const channel::Release given = channel::release(*unit.seat, row_, to_ns(release));
+      if (given == channel::Release::wake) wake |= unit.seat->bell_bit;
+      if (given != channel::Release::busy) add(unit.block->cycles);
       continue;
     }
 

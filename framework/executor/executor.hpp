@@ -66,7 +66,6 @@ class Executor {
     std::int64_t release_ns = 0;
     std::int64_t deadline_ns = 0;
     std::uint64_t cycle = 0;
-    bool late_counted = true;  // of a process module's last release
   };
 
   void skip(std::uint64_t rows) noexcept;

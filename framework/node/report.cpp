@@ -44,7 +44,8 @@ json Supervisor::report() const {
                        {"operation", model::to_text(member->model.operation)},
                        {"state", lifecycle::to_text(member->state())},
                        {"cycles", block.cycles.load(relaxed)},
-                       {"overruns", block.overruns.load(relaxed)},
+                       {"overruns", block.overruns.load(relaxed) +
+                                        (member->seat == nullptr ? 0 : member->seat->late.load(relaxed))},
                        {"errors", block.errors.load(relaxed) + member->errors},
                        {"jitter_us", in_microseconds(jitter.read())},
                        {"run_us", in_microseconds(run.read())},

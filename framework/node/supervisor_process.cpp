@@ -59,6 +59,7 @@ Result<void> Supervisor::create_seat(Member& member) {
   seat.period_ns = period.count();
   seat.margin_cap_ns = os::margin_cap(period).count() / margin_share();
   seat.lock_memory = real_time_ ? 1 : 0;
+  seat.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
   return {};
 }
 

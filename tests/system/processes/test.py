@@ -1,4 +1,5 @@
 import os
+import re
 import signal
 import sys
 import time
@@ -54,6 +55,15 @@ class Processes(takt_system.Case):
         self.assert_grid(run, "late", every=5)
         self.assertEqual(LIFE, run.states("steady"))
         self.assert_grid(run, "steady")
+
+    def test_a_sporadic_one_counts_each_deadline_that_it_misses(self):
+        run = self.takt("run", "deadline.xml", "--for", "1", "--json")
+        self.assertEqual(0, run.status, run.err)
+        held = int(re.search(r"condition held (\d+) times", " ".join(run.printed("late")))[1])
+        self.assertGreater(held, 5)
+        # Every body is too long. It may be kept from the processor in another release too, and be ended in its last body.
+        self.assertGreaterEqual(run.modules()["late"]["overruns"], held - 1)
+        self.assertEqual(LIFE, run.states("late"))
 
     def test_one_that_does_not_come_up_refuses_the_device(self):
         reasons = {

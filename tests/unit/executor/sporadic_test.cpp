@@ -238,20 +238,5 @@ TEST_F(Sporadic, AProgramIsReleasedEachRowThatFindsItWaiting) {
   EXPECT_EQ(fake.blocks[0].overruns.load(), 0U);
 }
 
-TEST_F(Sporadic, AProgramPastItsDeadlineCountsOneOverrun) {
-  FakeDevice fake{{sporadic(kProcess, milliseconds{10})}};  // a row lasts 5 ms
-  fake.join();
-  fake.cycle();
-  fake.cycle();
-  fake.cycle();  // 10 ms: the deadline is not over
-  EXPECT_EQ(fake.blocks[0].overruns.load(), 0U);
-  fake.cycle();
-  fake.cycle();
-  EXPECT_EQ(fake.blocks[0].overruns.load(), 1U) << "once for one release";
-  fake.seats[0].done.store(1);
-  for (int i = 0; i < 4; ++i) fake.cycle();
-  EXPECT_EQ(fake.blocks[0].overruns.load(), 2U);
-}
-
 }  // namespace
 }  // namespace takt::executor
