@@ -62,8 +62,10 @@ struct alignas(64) ExecutorBlock {
   Statistics jitter;                    ///< of the row's start
 };
 
-/// The last words of a host that crashed.
+/// The last words of a host that crashed, or was ended by a module that called exit().
 struct Crash {
+  static constexpr std::int32_t kExit = -1;  ///< it called exit()
+
   std::atomic<std::int32_t> signal;
   std::atomic<std::uint32_t> module;  ///< its index + 1; 0: none was running in that thread
   std::atomic<Doing> doing;

@@ -52,7 +52,8 @@ class Component {
   Component& operator=(const Component&) = delete;
   virtual ~Component() = default;
 
-  /// Properties are set. May allocate, open, connect. A failure says why and refuses the device's start.
+  /// Properties are set. May allocate, open, connect. A failure says why and refuses the device's start:
+  /// `return takt::fail("the sensor does not answer", "switch it on");`
   virtual Result<void> initialize() { return {}; }
   /// Every module of the device is initialised.
   virtual Result<void> start() { return {}; }

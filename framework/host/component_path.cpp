@@ -30,7 +30,7 @@ Result<std::string> find_component(const std::string& filename, const std::strin
   if (name.is_absolute()) {
     candidates.push_back(name);
   } else {
-    candidates.push_back(fs::absolute(fs::path{descriptor}, error).parent_path() / name);
+    candidates.push_back(fs::absolute(descriptor.empty() ? "./" : descriptor, error).parent_path() / name);
     for (const std::string& folder : component_folders()) {
       candidates.push_back(fs::path{folder} / name);
       if (name.has_parent_path()) candidates.push_back(fs::path{folder} / name.filename());

@@ -1,5 +1,6 @@
 #include <takt/host/executor_threads.hpp>
 
+#include <cstdlib>
 #include <utility>
 
 #include <takt/os/futex.hpp>
@@ -23,6 +24,12 @@ void last_words(int signal) noexcept {
   crash_place->signal.store(signal, std::memory_order_release);
 }
 
+// A module that calls exit() ends the host as surely as one that crashes.
+void last_words_at_exit() {
+  if (my_activity != nullptr && my_activity->module.load(std::memory_order_relaxed) != 0)
+    last_words(channel::Crash::kExit);
+}
+
 void ring(channel::Bell& bell, std::uint32_t bits) noexcept {
   bell.rings.fetch_add(1, std::memory_order_seq_cst);
   os::futex_wake(bell.rings, bits);
@@ -33,6 +40,7 @@ void ring(channel::Bell& bell, std::uint32_t bits) noexcept {
 void report_crashes_to(channel::Crash& crash) {
   crash_place = &crash;
   os::on_crash(last_words);
+  static_cast<void>(std::atexit(last_words_at_exit));
 }
 
 void report_crashes_as(const channel::Activity* activity) {

@@ -296,7 +296,8 @@ void Host::serve() {
 }  // namespace
 
 int run_host() {
-  os::survive_broken_pipes();  // when our node dies, hooks that print are still to be called
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // what a module prints is seen when it is printed
+  os::survive_broken_pipes();                // when our node dies, hooks that print are still to be called
   os::MessageSocket node{os::take_fd_from_environment("TAKT_NODE_FD")};
   os::Fd memory = os::take_fd_from_environment("TAKT_CHANNEL_FD");
   if (!node.fd() || !memory) {

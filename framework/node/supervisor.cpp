@@ -197,7 +197,8 @@ void Supervisor::running_step(Instant now) {
     if (member.lost) continue;
     // What the executor saw. SYNC: error raised
     if (const auto type = member.block.error.load(std::memory_order_acquire); type != 0) {
-      const std::string text{member.block.error_text.view()};
+      std::string text{member.block.error_text.view()};
+      if (static_cast<ErrorType>(type) == ErrorType::budget) text += " of " + to_text(*member.model.budget);
       member.block.error.store(0, std::memory_order_relaxed);
       if (member.state() == State::start) apply(member, Event::run);  // its first row went wrong
       raise(member, static_cast<ErrorType>(type), text);

@@ -182,7 +182,8 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
     culprit = members_[hung_->module].get();
     text = std::string{channel::to_text(hung_->doing)} + " did not return within " + to_text(hung_->limit) +
            ", so the host was ended";
-  } else if (end.signalled && block.crash.signal.load() == end.code && block.crash.module.load() != 0) {
+  } else if (block.crash.signal.load() == (end.signalled ? end.code : channel::Crash::kExit) &&
+             block.crash.module.load() != 0) {
     culprit = members_.at(block.crash.module.load() - 1).get();
     text += std::string{" in "} + channel::to_text(block.crash.doing.load());
   }

@@ -1,6 +1,7 @@
 #include <takt/os/real_time.hpp>
 
 #include <fcntl.h>
+#include <linux/capability.h>
 #include <malloc.h>
 #include <pthread.h>
 #include <sched.h>
@@ -11,6 +12,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdint>
@@ -62,6 +64,19 @@ void* run_thread(void* argument) {
   touch_stack(start->options.stack_bytes);
   start->body();
   return nullptr;
+}
+
+// A limit that the memory of now stays below is no help: what comes later is to be locked too, and the first
+// thread or allocation beyond the limit would fail.
+Result<void> may_lock_all_memory() {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_MEMLOCK, &limit);
+  if (limit.rlim_cur == RLIM_INFINITY) return {};
+  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data{};
+  ::syscall(SYS_capget, &header, data.data());
+  if ((data[0].effective & (1U << CAP_IPC_LOCK)) != 0) return {};
+  return fail("mlockall is refused beyond " + std::to_string(limit.rlim_cur / 1024) + " KiB", kLockCure);
 }
 
 }  // namespace
@@ -118,6 +133,7 @@ Result<void> pin(int tid, const std::vector<int>& cpus) {
 }
 
 Result<void> lock_memory() {
+  if (auto all = may_lock_all_memory(); !all) return all;
   // Freed memory stays ours, and large blocks come from the heap that is locked already.
   ::mallopt(M_TRIM_THRESHOLD, -1);
   ::mallopt(M_MMAP_MAX, 0);
@@ -137,11 +153,7 @@ Result<void> may_be_real_time() {
   if (!attempt) return attempt.problems();
   attempt->join();
 
-  if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
-    problems.push_back(errno_problem("mlockall is refused", kLockCure));
-  } else {
-    ::munlockall();
-  }
+  if (const auto all = may_lock_all_memory(); !all) problems.push_back(all.problems()[0]);
   if (!problems.empty()) return problems;
   return {};
 }

@@ -2,6 +2,8 @@
 #include <cstdlib>
 #include <string>
 
+#include <cstdio>
+
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
@@ -64,6 +66,11 @@ int main(int argc, char** argv) {
       ->add_flag("--xml", describe_options.xml, "print a <module> element to paste into a descriptor")
       ->excludes(describe_json);
 
+  const auto is_meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_meant).empty()) {
+    std::fprintf(stderr, "takt: there is no command '%s'\n\n%s", argv[1], app.help().c_str());
+    return 2;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

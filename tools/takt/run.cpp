@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/node/control.hpp>
+#include <takt/node/log.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
@@ -44,6 +45,8 @@ class Cell {
   void serve(const os::SignalQueue& signals);
   json report(const std::string& cell) const;
   [[nodiscard]] std::vector<std::string> failures() const;
+  /// Whether the first row was agreed; else there is nothing to report but why not.
+  [[nodiscard]] bool went() const noexcept { return went_; }
 
  private:
   void take_messages(Node& node);
@@ -146,6 +149,8 @@ void Cell::watch_end(Node& node) {
                  {"real_time", false},
                  {"executors", json::array()},
                  {"modules", json::array()}};
+  if (went_ && !options_.quiet)
+    node::log(node.device, "", "its node " + end->text() + "; the other devices run on");
   if (end->signalled || end->code == 0 || went_)
     node.failures.push_back("device " + node.device + ": error: its node " + end->text());
   else
@@ -195,8 +200,7 @@ int run(const RunOptions& options) {
   cell.serve(*signals);
 
   const json report = cell.report(loaded->cell.name);
-  const std::string text = options.json ? report.dump() + "\n" : run_text(report, terminal_style());
-  const bool printed = print(text);
+  const bool printed = print(options.json ? report.dump() + "\n" : cell.went() ? run_text(report) : "");
   const auto failures = cell.failures();
   for (const std::string& failure : failures) std::fprintf(stderr, "%s\n", failure.c_str());
   return failures.empty() && printed ? 0 : 1;

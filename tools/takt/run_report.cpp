@@ -18,20 +18,20 @@ std::string us(const json& value) {
 }
 
 std::string device_text(const json& device, std::size_t width) {
-  std::string text = fmt::format("device {}{}{}\n", device["name"].get<std::string>(),
-                                 device["alive"].get<bool>() ? "" : "  LOST",
-                                 device["real_time"].get<bool>() ? "" : "  NOT REAL-TIME");
+  std::string text = fmt::format(
+      "device {}{}{}\n", device["name"].get<std::string>(), device["alive"].get<bool>() ? "" : "  LOST",
+      device["real_time"].get<bool>() || !device["alive"].get<bool>() ? "" : "  NOT REAL-TIME");
+  if (!device["alive"].get<bool>()) return text;
   text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", "executor", width, "cycles",
-                      "missed", "jitter us", "p50", "p99", "max");
+                      "missed", "jitter", "p50", "p99", "max");
   for (const json& e : device["executors"]) {
     const json& j = e["jitter_us"];
     text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", e["name"].get<std::string>(),
                         width, e["cycles"].get<std::uint64_t>(), e["missed"].get<std::uint64_t>(),
                         us(j["mean"]), us(j["p50"]), us(j["p99"]), us(j["max"]));
   }
-  text +=
-      fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", "module", width,
-                  "state", "cycles", "jitter us", "p50", "p99", "run p50", "run max", "overruns", "errors");
+  text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", "module", width,
+                      "state", "cycles", "jitter", "p50", "p99", "run p50", "run max", "overruns", "errors");
   for (const json& m : device["modules"]) {
     const json& j = m["jitter_us"];
     text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n",
@@ -45,7 +45,7 @@ std::string device_text(const json& device, std::size_t width) {
 
 }  // namespace
 
-std::string run_text(const json& status, Style /*style*/) {
+std::string run_text(const json& status) {
   std::size_t width = 8;
   for (const json& device : status["devices"]) {
     for (const char* list : {"executors", "modules"}) {
@@ -54,7 +54,12 @@ std::string run_text(const json& status, Style /*style*/) {
   }
   std::string text = fmt::format("\ncell {}\n", status["cell"].get<std::string>());
   for (const json& device : status["devices"]) text += device_text(device, width);
-  return text;
+  return text +
+         "\n  times in us. jitter: release minus start, its mean; p50, p99 and max are of its size. missed: "
+         "rows\n"
+         "  skipped because the row before, or the wake-up, was too late. overruns: not done by the next "
+         "release\n"
+         "  or by the deadline.\n";
 }
 
 }  // namespace takt::tool

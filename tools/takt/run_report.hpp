@@ -5,12 +5,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "style.hpp"
-
 namespace takt::tool {
 
 /// The status object of the contract as tables, one line an executor and one a module, at most 100 columns
 /// wide for names of up to 20 characters. Times in microseconds. Ends with a line feed.
-std::string run_text(const nlohmann::ordered_json& status, Style style);
+std::string run_text(const nlohmann::ordered_json& status);
 
 }  // namespace takt::tool

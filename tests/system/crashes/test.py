@@ -63,6 +63,9 @@ class Crashes(takt_system.Case):
         self.assertEqual(99, run.modules()["culprit"]["cycles"])
         self.assertEqual(STARTED + ["RECOVER", "DESTRUCT"], run.states("culprit"))
 
+    def test_a_module_that_calls_exit(self):
+        self.crash("leaves", r"the host ended with status 3 in run\(\)")
+
     def test_abort(self):
         run = self.crash("abort", r"the host was killed by SIGABRT \(Aborted\) in run\(\)")
         self.assertEqual(99, run.modules()["culprit"]["cycles"])
