@@ -37,7 +37,7 @@ class Recovery(takt_system.Case):
         reasons = {
             "throws": ("failure: run() threw as it was asked to", 1),
             "says": ("failure: run() failed as it was asked to", 1),
-            "budget": ("budget: one run() took longer than its budget", 2),
+            "budget": ("budget: one run() took longer than its budget of 1 ms", 2),
             "condition": ("failure: condition() threw as it was asked to", 1),
         }
         for module, (reason, number) in reasons.items():
