@@ -37,7 +37,6 @@ class Output {
   [[nodiscard]] const os::Fd& error() const noexcept { return error_; }
   /// The last line that was not empty; empty when there is none.
   [[nodiscard]] std::string last_words() const;
-  [[nodiscard]] const std::deque<std::string>& kept() const noexcept { return kept_; }
 
  private:
   void read(os::Fd& fd, Lines& lines, const Lines::Line& line);
