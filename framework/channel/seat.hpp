@@ -17,11 +17,30 @@ namespace takt::channel {
 
 struct Bell {
   std::atomic<std::uint32_t> rings;
+  /// Bits that are to be rung once the cycle is over, because a sample was written for somebody who waits. Whoever
+  /// wrote takes them with take_pending() at the end of its cycle and rings. SYNC: pending
+  std::atomic<std::uint32_t> pending;
+  /// The gateway sleeps, or is about to: the only case in which a sample for it needs a ring. SYNC: gateway sleeps
+  std::atomic<std::uint32_t> gateway_sleeps;
+
+  /// Real-time. To be called after a sample was published on a link with these wake bits.
+  void note(std::uint32_t wake_bits) noexcept;
+  /// Real-time. The bits that are pending; none are afterwards. Costs a load where there are none.
+  std::uint32_t take_pending() noexcept {
+    return pending.load(std::memory_order_seq_cst) == 0 ? 0 : pending.exchange(0, std::memory_order_seq_cst);
+  }
 };
 
-/// The bell's bits: one for the threads of sporadic modules, the others for programs in turn.
+/// The bell's bits: one for the threads of sporadic modules, one for the node's gateway, the others for programs in
+/// turn.
 inline constexpr std::uint32_t kSporadicBit = 1U << 31;
-constexpr std::uint32_t bell_bit(std::size_t seat) { return 1U << (seat % 31); }
+inline constexpr std::uint32_t kGatewayBit = 1U << 30;
+constexpr std::uint32_t bell_bit(std::size_t seat) { return 1U << (seat % 30); }
+
+inline void Bell::note(std::uint32_t wake_bits) noexcept {
+  if ((wake_bits & kGatewayBit) != 0 && gateway_sleeps.load(std::memory_order_seq_cst) == 0) wake_bits &= ~kGatewayBit;
+  if (wake_bits != 0) pending.fetch_or(wake_bits, std::memory_order_seq_cst);
+}
 
 enum class SeatKind : std::uint32_t { periodic, sporadic, unscheduled };
 enum class SeatPhase : std::uint32_t {

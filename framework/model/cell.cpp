@@ -31,5 +31,22 @@ const char* to_text(Wakeup wakeup) {
 const char* to_text(GiveUp then) { return then == GiveUp::destruct ? "destruct" : "stop-device"; }
 const char* to_text(ConnectionKind kind) { return kind == ConnectionKind::latest ? "latest" : "queue"; }
 const char* to_text(Stale stale) { return stale == Stale::hold ? "hold" : "error"; }
+const char* to_text(Reliability reliability) {
+  return reliability == Reliability::best_effort ? "best-effort" : "reliable";
+}
+const char* to_text(Dispatch dispatch) { return dispatch == Dispatch::row ? "row" : "immediate"; }
+const char* to_text(Miss miss) { return miss == Miss::count ? "count" : "error"; }
+
+const char* to_text(Discovery::Kind kind) {
+  switch (kind) {
+    case Discovery::Kind::multicast:
+      return "multicast";
+    case Discovery::Kind::peers:
+      return "peers";
+    case Discovery::Kind::server:
+      return "server";
+  }
+  return "?";
+}
 
 }  // namespace takt::model

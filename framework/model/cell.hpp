@@ -17,6 +17,9 @@ enum class Wakeup { sleep, hybrid, spin };
 enum class GiveUp { destruct, stop_device };
 enum class ConnectionKind { latest, queue };
 enum class Stale { hold, error };
+enum class Reliability { best_effort, reliable };
+enum class Dispatch { row, immediate };
+enum class Miss { count, error };
 
 /// The words of the descriptor and of every report: "thread", "non-real", "stop-device".
 const char* to_text(ModuleType type);
@@ -25,6 +28,9 @@ const char* to_text(Wakeup wakeup);
 const char* to_text(GiveUp then);
 const char* to_text(ConnectionKind kind);
 const char* to_text(Stale stale);
+const char* to_text(Reliability reliability);
+const char* to_text(Dispatch dispatch);
+const char* to_text(Miss miss);
 
 struct PropertyValue {
   std::string name;
@@ -47,6 +53,8 @@ struct ModuleLines {
   int deadline = 0;
   int executor = 0;
   int budget = 0;
+  int dispatch = 0;
+  int interarrival = 0;
 };
 
 /// `line` is the element's line in Cell::file, here and below.
@@ -58,6 +66,9 @@ struct Module {
   Operation operation = Operation::periodic;
   std::optional<Nanoseconds> period;    ///< periodic: > 0. non-real thread: optional. Otherwise none.
   std::optional<Nanoseconds> deadline;  ///< sporadic: > 0, from the release. Otherwise none.
+  Miss miss = Miss::count;              ///< what a missed deadline is: counted only, or an error too
+  Dispatch dispatch = Dispatch::row;    ///< sporadic: when a sample has come, after the next row or at once
+  std::optional<Nanoseconds> interarrival;  ///< sporadic: > 0, the least time between two releases
   int priority = 0;                     ///< the lowest value is the highest priority
   std::string executor;  ///< periodic and sporadic: a name in Device::executors. non-real: empty.
   std::optional<Nanoseconds> budget;  ///< of one run(), > 0
@@ -79,17 +90,34 @@ struct Endpoint {
   std::string device;
   std::string module;
   std::string port;
+  /// False: none was given, the other end is a program that is not Takt's.
+  [[nodiscard]] bool given() const noexcept { return !device.empty(); }
 };
 
+/// From one port to another, or, with a topic and one end only, between a port and programs that are not Takt.
 struct Connection {
   Endpoint from;
   Endpoint to;
   ConnectionKind kind = ConnectionKind::latest;
-  int depth = 1;                        ///< of a queue
-  std::optional<Nanoseconds> deadline;  ///< a value older than this is stale
+  int depth = 1;  ///< of a queue
+  Reliability reliability = Reliability::best_effort;  ///< unless said: of a queue reliable
+  std::optional<Nanoseconds> deadline;                 ///< a value older than this is stale
+  std::optional<Nanoseconds> lifespan;                 ///< a value older than this is not delivered any more
   Stale stale = Stale::hold;
+  std::string topic;          ///< empty: takt/<cell>/<device>/<module>/<port> of the writer
+  std::optional<int> domain;  ///< of the topic; none: the cell's
   int line = 0;
 };
+
+/// How the nodes of a cell find each other.
+struct Discovery {
+  enum class Kind { multicast, peers, server };
+  Kind kind = Kind::multicast;
+  std::vector<std::string> peers;  ///< IPv4 addresses or host names, of kind peers
+  std::string server;              ///< "host:port", of kind server
+  bool serve = false;              ///< not of a descriptor: this participant is the server
+};
+const char* to_text(Discovery::Kind kind);
 
 struct Device {
   std::string name;
@@ -105,6 +133,8 @@ struct Cell {
   bool domain_given = false;
   std::vector<Device> devices;
   std::vector<Connection> connections;
+  Discovery discovery;
+  std::string server_device;  ///< whose node starts the discovery server; empty: somebody else runs it
   int line = 0;
 };
 

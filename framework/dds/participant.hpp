@@ -1,0 +1,36 @@
+// A process's place on DDS: one participant, over UDPv4 alone.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <takt/core/result.hpp>
+#include <takt/model/cell.hpp>
+
+namespace takt::dds {
+
+struct ParticipantOptions {
+  std::string name;                     ///< for humans; visible on the network
+  int domain = 0;                       ///< 0 to 232
+  model::Discovery discovery;           ///< multicast unless said otherwise
+  std::vector<std::string> interfaces;  ///< IPv4 addresses of the only interfaces to use; empty: all
+};
+
+/// All of a process's topics hang on one participant; several in a process deadlock in this version of Fast DDS. Its
+/// threads inherit policy and processors of the thread that creates it: create it from a thread that is not real-time.
+/// Deleted with everything that it made when the last owner lets go; must be before main() returns.
+class Participant {
+ public:
+  /// Fails where the domain or an address cannot be used; says which.
+  static Result<std::shared_ptr<Participant>> create(const ParticipantOptions& options);
+  virtual ~Participant() = default;
+
+  /// Uses interfaces that have come up since. Cheap; to be called now and then.
+  virtual void rescan_interfaces() = 0;
+
+ protected:
+  Participant() = default;
+};
+
+}  // namespace takt::dds
