@@ -17,18 +17,20 @@ struct Picture {
   bool operator==(const Picture&) const = default;
 
   [[nodiscard]] bool in_slot(std::uint32_t buffer) const {
-    return std::any_of(slots.begin(), slots.end(), [buffer](std::uint64_t w) { return SlotWord::index(w) == buffer; });
+    return std::any_of(slots.begin(), slots.end(),
+                       [buffer](std::uint64_t w) { return SlotWord::index(w) == buffer; });
   }
 
-  // The sample that the writer announced is in its slot, or later ones are: then it has what it wanted to take.
+  // The sample that the writer announced is in its slot, or later ones are: then it has what it wanted to
+  // take.
   [[nodiscard]] std::uint32_t writers() const {
     const std::uint64_t sequence = SlotWord::sequence(writer_takes);
     const bool done = sequence == 0 || SlotWord::sequence(slots[(sequence - 1) % slots.size()]) >= sequence;
     return done ? SlotWord::index(writer_takes) : writer_has;
   }
 
-  // What the reader announced tells no sample from the next. But of the two buffers that it may have, the other one is
-  // in a slot, or is the writer's.
+  // What the reader announced tells no sample from the next. But of the two buffers that it may have, the
+  // other one is in a slot, or is the writer's.
   [[nodiscard]] std::uint32_t readers() const {
     if (in_slot(reader_has)) return reader_takes;
     if (in_slot(reader_takes)) return reader_has;
@@ -56,7 +58,8 @@ LinkPlace find_place(const Link& link, bool as_writer) {
   for (Picture next = look(link); !(next == picture); next = look(link)) picture = std::move(next);
 
   LinkPlace place{.buffer = as_writer ? picture.writers() : picture.readers(), .newest = 0, .oldest = 0};
-  for (const std::uint64_t word : picture.slots) place.newest = std::max(place.newest, SlotWord::sequence(word));
+  for (const std::uint64_t word : picture.slots)
+    place.newest = std::max(place.newest, SlotWord::sequence(word));
   place.oldest = place.newest + 1;
   for (const std::uint64_t word : picture.slots) {
     if (SlotWord::full(word)) place.oldest = std::min(place.oldest, SlotWord::sequence(word));

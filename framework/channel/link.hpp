@@ -1,13 +1,15 @@
-// How a sample gets from one writer to one reader: a connection's memory, between two threads or two processes.
+// How a sample gets from one writer to one reader: a connection's memory, between two threads or two
+// processes.
 //
-// A queue that drops its oldest sample when it is full is written by both sides, and whoever holds a lock may be
-// killed. So there is none: every sample lies in a buffer, and only the numbers of buffers change hands. There are
-// depth + 2 buffers: one in each slot, one private to the writer, one private to the reader. The writer fills its own
-// and exchanges it for the one in the next slot; the reader exchanges its own for the oldest full one. Whoever has a
-// buffer's number has the buffer alone, so nothing is ever seen half written. With depth 1 this is the latest value.
+// A queue that drops its oldest sample when it is full is written by both sides, and whoever holds a lock may
+// be killed. So there is none: every sample lies in a buffer, and only the numbers of buffers change hands.
+// There are depth + 2 buffers: one in each slot, one private to the writer, one private to the reader. The
+// writer fills its own and exchanges it for the one in the next slot; the reader exchanges its own for the
+// oldest full one. Whoever has a buffer's number has the buffer alone, so nothing is ever seen half written.
+// With depth 1 this is the latest value.
 //
-// Each side says which buffer it has and which it is about to take for which sample, so that whoever takes the place of a
-// side that died in the middle of this finds out which buffer that side was left with.
+// Each side says which buffer it has and which it is about to take for which sample, so that whoever takes
+// the place of a side that died in the middle of this finds out which buffer that side was left with.
 #pragma once
 
 #include <atomic>
@@ -31,11 +33,11 @@ struct alignas(64) LinkBlock {
 
   // Written before anybody uses it.
   std::uint64_t magic;
-  std::uint32_t depth;     ///< 1 to 65536; 1: the latest value
-  std::uint32_t stride;    ///< bytes of one payload's place, a multiple of 64; 0: the payloads lie elsewhere
-  std::uint32_t is_queue;  ///< what is overwritten before it was read counts as dropped
-  std::uint32_t wake_bits; ///< of the bell, pending when a sample was written; 0: nobody waits for one
-  std::int64_t deadline_ns;///< a value older than this is stale; 0: never
+  std::uint32_t depth;      ///< 1 to 65536; 1: the latest value
+  std::uint32_t stride;     ///< bytes of one payload's place, a multiple of 64; 0: the payloads lie elsewhere
+  std::uint32_t is_queue;   ///< what is overwritten before it was read counts as dropped
+  std::uint32_t wake_bits;  ///< of the bell, pending when a sample was written; 0: nobody waits for one
+  std::int64_t deadline_ns;            ///< a value older than this is stale; 0: never
   std::atomic<std::uint32_t> enabled;  ///< 0: a writer does not write here (nobody listens). Set by the node.
 
   // Written by the writer.
@@ -47,13 +49,13 @@ struct alignas(64) LinkBlock {
 
   // Written by the reader.
   alignas(64) std::atomic<std::uint64_t> taken;
-  std::atomic<std::uint64_t> late;  ///< times that the newest value was found older than the deadline
+  std::atomic<std::uint64_t> late;        ///< times that the newest value was found older than the deadline
   std::atomic<std::uint32_t> reader_has;  // SYNC: hands over
   std::atomic<std::uint32_t> reader_takes;
 };
 
-/// A slot's word: whether a sample is in it, which, and the number of its buffer. An emptied slot keeps the number of
-/// the sample that was taken from it, so that the words alone tell how far the link has come.
+/// A slot's word: whether a sample is in it, which, and the number of its buffer. An emptied slot keeps the
+/// number of the sample that was taken from it, so that the words alone tell how far the link has come.
 struct SlotWord {
   static constexpr std::uint64_t kFull = std::uint64_t{1} << 63;
   static constexpr unsigned kIndexBits = 18;
@@ -62,7 +64,9 @@ struct SlotWord {
     return (full ? kFull : 0) | (sequence << kIndexBits) | index;
   }
   static constexpr bool full(std::uint64_t word) noexcept { return (word & kFull) != 0; }
-  static constexpr std::uint64_t sequence(std::uint64_t word) noexcept { return (word & ~kFull) >> kIndexBits; }
+  static constexpr std::uint64_t sequence(std::uint64_t word) noexcept {
+    return (word & ~kFull) >> kIndexBits;
+  }
   static constexpr std::uint32_t index(std::uint64_t word) noexcept {
     return static_cast<std::uint32_t>(word & ((1U << kIndexBits) - 1));
   }
@@ -162,8 +166,8 @@ class Link {
   std::byte* payloads_ = nullptr;
 };
 
-/// How far a link has come and which buffer belongs to a side that nobody serves at present. The other side may be at
-/// work meanwhile, or dead as well.
+/// How far a link has come and which buffer belongs to a side that nobody serves at present. The other side
+/// may be at work meanwhile, or dead as well.
 struct LinkPlace {
   std::uint32_t buffer = 0;
   std::uint64_t newest = 0;  ///< sequence of the last sample that was put into a slot
@@ -180,7 +184,8 @@ class LinkWriter {
     private_ = place.buffer;
     sequence_ = place.newest + 1;
     link_.block().writer_has.store(private_, std::memory_order_seq_cst);
-    link_.block().writer_takes.store(SlotWord::make(false, place.newest, private_), std::memory_order_seq_cst);
+    link_.block().writer_takes.store(SlotWord::make(false, place.newest, private_),
+                                     std::memory_order_seq_cst);
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return static_cast<bool>(link_); }
@@ -188,7 +193,8 @@ class LinkWriter {
   /// The number of the buffer that is to be filled next; nobody else sees it.
   [[nodiscard]] std::uint32_t buffer() const noexcept { return private_; }
 
-  /// The buffer's sample is there for the reader. Wait-free. The oldest one is overwritten where nobody took it.
+  /// The buffer's sample is there for the reader. Wait-free. The oldest one is overwritten where nobody took
+  /// it.
   void publish(std::uint32_t size, std::int64_t stamp_ns) noexcept {
     LinkBlock& block = link_.block();
     link_.info(private_) = {sequence_, stamp_ns, size};
@@ -197,7 +203,8 @@ class LinkWriter {
     std::uint64_t old = slot.load(std::memory_order_acquire);
     // Twice at most: the reader takes what it finds full, and never touches a slot that is empty.
     do {
-      block.writer_takes.store(SlotWord::make(false, sequence_, SlotWord::index(old)), std::memory_order_release);
+      block.writer_takes.store(SlotWord::make(false, sequence_, SlotWord::index(old)),
+                               std::memory_order_release);
     } while (!slot.compare_exchange_strong(old, mine, std::memory_order_seq_cst, std::memory_order_acquire));
     // SYNC: hands over. The buffer of `old` is ours; the sample is the reader's.
     private_ = SlotWord::index(old);
@@ -239,8 +246,8 @@ class LinkReader {
     return SlotWord::full(link_.slot_of(next_).load(std::memory_order_seq_cst));
   }
 
-  /// The next sample becomes ours: the oldest that was not overwritten. False when there is none. Lock-free: it starts
-  /// again only where the writer has meanwhile written over what it was about to take.
+  /// The next sample becomes ours: the oldest that was not overwritten. False when there is none. Lock-free:
+  /// it starts again only where the writer has meanwhile written over what it was about to take.
   bool take() noexcept {
     LinkBlock& block = link_.block();
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -252,8 +259,8 @@ class LinkReader {
         if (block.depth > 1) continue;
       }
       block.reader_takes.store(SlotWord::index(word), std::memory_order_release);
-      if (!slot.compare_exchange_strong(word, SlotWord::make(false, next_, private_), std::memory_order_seq_cst,
-                                        std::memory_order_acquire)) {
+      if (!slot.compare_exchange_strong(word, SlotWord::make(false, next_, private_),
+                                        std::memory_order_seq_cst, std::memory_order_acquire)) {
         continue;
       }
       // SYNC: hands over. The sample is ours; our former buffer is the writer's to take.
