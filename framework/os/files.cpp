@@ -50,7 +50,8 @@ Result<void> replace_file(const std::string& path, const std::string& content) {
 
   const std::string temporary = path + ".new";
   const auto failed = [&] {
-    Problem problem = errno_problem(temporary, "name a folder that this user may write to, with space on its disk");
+    Problem problem =
+        errno_problem(temporary, "name a folder that this user may write to, with space on its disk");
     ::unlink(temporary.c_str());
     return problem;
   };

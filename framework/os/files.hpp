@@ -16,10 +16,11 @@ bool is_executable(const std::string& path);
 /// interpreter.)
 bool is_shared_object(const std::string& path);
 
-/// Replaces a file so that whoever reads it, after a loss of power too, finds the old content or the new one and
-/// never a part. Makes its folder if there is none.
+/// Replaces a file so that whoever reads it, after a loss of power too, finds the old content or the new one
+/// and never a part. Makes its folder if there is none.
 Result<void> replace_file(const std::string& path, const std::string& content);
-/// What is in a file; none where there is no such file. Fails when it cannot be read or has more than `most` bytes.
+/// What is in a file; none where there is no such file. Fails when it cannot be read or has more than `most`
+/// bytes.
 Result<std::optional<std::string>> read_file(const std::string& path, std::size_t most);
 /// It is gone afterwards, also when there was none.
 Result<void> remove_file(const std::string& path);
