@@ -159,7 +159,6 @@ class BasicLink {
     block->is_queue = options.is_queue ? 1 : 0;
     block->wake_bits = options.wake_bits;
     block->deadline_ns = options.deadline_ns;
-    block->enabled.store(options.enabled ? 1 : 0, relaxed);
     block->newest_ns.store(0, relaxed);
     for (auto* counter : {&block->written, &block->overwritten, &block->unfit, &block->taken, &block->refused,
                           &block->late}) {
@@ -174,7 +173,7 @@ class BasicLink {
     block->reader_has.store(SlotWord::make(false, 0, options.depth + 1), relaxed);
     block->reader_takes.store(SlotWord::make(false, 0, options.depth + 1), relaxed);
     block->magic = Block::kMagic;
-    std::atomic_thread_fence(std::memory_order_seq_cst);
+    block->enabled.store(options.enabled ? 1 : 0, std::memory_order_seq_cst);
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return block_ != nullptr; }
