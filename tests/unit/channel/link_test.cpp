@@ -227,6 +227,31 @@ TEST(Link, OfTheGreatestDepthHoldsThatManySamples) {
   EXPECT_TRUE(is_whole(writer, reader));
 }
 
+TEST(Link, LeadsNobodyOutOfItsMemoryWhateverIsWrittenIntoIt) {
+  std::mt19937_64 random{7};
+  for (int round = 0; round < 2000; ++round) {
+    const Memory memory{queue(3)};
+    LinkWriter writer{memory.link()};
+    LinkReader reader{memory.link()};
+    write(writer, 2);
+    for (int i = 0; i < 3; ++i) {
+      const std::size_t place = random() % (memory.size() / 8);
+      const std::uint64_t word = random() % 2 == 0 ? random() : random() % (1U << 20);
+      std::memcpy(memory.data() + place * 8, &word, 8);
+    }
+    for (int i = 0; i < 5; ++i) {
+      reader.take();
+      EXPECT_LT(reader.buffer(), memory.link().buffers());
+      write(writer, 1);
+      EXPECT_LT(writer.buffer(), memory.link().buffers());
+      EXPECT_LE(reader.info().size, 64U);
+    }
+    if (!Link::is_link(memory.data(), memory.size())) continue;  // nobody would attach it
+    EXPECT_LT(LinkReader{memory.link()}.buffer(), memory.link().buffers());
+    EXPECT_LT(LinkWriter{memory.link()}.buffer(), memory.link().buffers());
+  }
+}
+
 // ---- Two threads -----------------------------------------------------------------------------------------
 
 void stress(std::uint32_t depth, bool slow_reader, bool slow_writer) {
