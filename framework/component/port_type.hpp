@@ -19,10 +19,12 @@ struct TypeInfo {
 /// For T of an IDL file:
 ///
 ///   static constexpr TypeInfo info;
-///   /// Real-time. Bytes written; 0 when `size` is less than the sample needs or a field is beyond its bound.
-///   static std::uint32_t encode(const T& value, std::byte* to, std::uint32_t size) noexcept;
-///   /// Real-time for a value that was reserved: neither allocates nor throws. False when the bytes are no sample.
-///   static bool decode(const std::byte* from, std::uint32_t size, T& value) noexcept;
+///   /// Real-time. Bytes written; 0 when `size` is less than the sample needs or a field is beyond its
+///   bound. static std::uint32_t encode(const T& value, std::byte* to, std::uint32_t size) noexcept;
+///   /// Real-time for a value that was reserved: neither allocates nor throws. False when the bytes are no
+///   sample. static bool decode(const std::byte* from, std::uint32_t size, T& value) noexcept;
+///   /// Real-time. Whether encode() would take it, given room: within all bounds.
+///   static bool fits(const T& value) noexcept;
 ///   /// Gives its sequences the room that they may need. Allocates.
 ///   static void reserve(T& value);
 template <class T>
