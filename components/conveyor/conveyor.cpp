@@ -1,0 +1,46 @@
+// A thread module in C++: a conveyor belt that brings parts to a light barrier and waits until they are taken away.
+#include <takt/component.hpp>
+
+#include <line.hpp>
+#include <motion.hpp>
+
+#include "belt.hpp"
+
+class Conveyor : public takt::Component {
+  takt::InPort<line::BeltCommand> command{*this, "command", {.text = "How fast the belt is to run."}};
+  takt::InPort<motion::PickDone> taken{*this, "taken", {.text = "Parts that were taken away."}};
+  takt::OutPort<line::BeltState> state{*this, "state", {.text = "What the belt does."}};
+  takt::OutPort<line::PartSeen> part{*this, "part", {.text = "A part has come to the light barrier."}};
+  takt::Property<double> acceleration{
+      *this, "acceleration", 1, {.unit = "m/s^2", .min = 0.01, .max = 20, .text = "Of the belt."}};
+  takt::Property<double> spacing{
+      *this, "spacing", 0.3, {.unit = "m", .min = 0.05, .max = 10, .text = "From one part to the next."}};
+
+  conveyor::Belt belt_;
+  line::BeltState state_;
+  line::PartSeen seen_;
+
+  void run(const takt::Cycle& cycle) noexcept override {
+    belt_.acceleration = acceleration;
+    belt_.spacing = spacing;
+    command.read();
+    while (taken.read()) belt_.taken(taken.value().number());
+    if (belt_.step(command.value().speed(), cycle.seconds())) {
+      seen_.number(belt_.parts);
+      seen_.kind(belt_.parts % 2 == 0 ? "box" : "bottle");
+      seen_.offset(belt_.offset());
+      part.write(seen_);
+    }
+    state_.mode(belt_.holding       ? line::BELT_HOLDING
+                : belt_.speed > 1e-6 ? line::BELT_RUNNING
+                                     : line::BELT_STOPPED);
+    state_.speed(belt_.speed);
+    state_.position(belt_.position);
+    state_.parts(belt_.parts);
+    state.write(state_);
+  }
+
+  // The one thing a belt must do when nobody tells it how fast to run.
+  void error(takt::ErrorType) override { belt_.speed = 0; }
+};
+TAKT_COMPONENT(Conveyor)

@@ -1,0 +1,37 @@
+/* Parts a minute: what counter computes. For real-time threads. */
+#ifndef COUNTER_RATE_H
+#define COUNTER_RATE_H
+
+#include <stdint.h>
+
+enum { COUNTER_SLOTS = 60 };
+
+/* What was counted in each of the last 60 seconds, oldest to newest from `at`. */
+struct counter_rate {
+  uint32_t slots[COUNTER_SLOTS];
+  uint32_t at;
+  uint32_t filled; /* seconds so far, at most 60 */
+  uint32_t last;   /* the count at the last step */
+  double second;   /* of the slot that is being filled */
+};
+
+/* `parts` have come so far, `dt` s after the last step. Returns the parts of a minute: those of the last 60 s, or of as many
+ * as have passed, reckoned for a minute. */
+static inline double counter_rate_step(struct counter_rate* rate, uint32_t parts, double dt) {
+  uint32_t sum = 0;
+  double seconds = 0;
+  rate->slots[rate->at] += parts - rate->last;
+  rate->last = parts;
+  rate->second += dt;
+  for (uint32_t i = 0; i < COUNTER_SLOTS; ++i) sum += rate->slots[i];
+  seconds = rate->filled + rate->second;
+  if (rate->second >= 1) {
+    rate->second -= 1;
+    rate->at = (rate->at + 1) % COUNTER_SLOTS;
+    rate->slots[rate->at] = 0;
+    if (rate->filled < COUNTER_SLOTS - 1) ++rate->filled;
+  }
+  return seconds > 0 ? 60 * sum / seconds : 0;
+}
+
+#endif
