@@ -24,6 +24,10 @@ const char* to_text(ErrorType type) noexcept {
       return "crash";
     case ErrorType::hang:
       return "hang";
+    case ErrorType::deadline:
+      return "deadline";
+    case ErrorType::stale:
+      return "stale";
   }
   return "?";
 }
@@ -47,6 +51,7 @@ const char* take_failure() noexcept {
 }
 
 void serve_cycle(const Cycle* cycle) noexcept { served = cycle; }
+const Cycle* served_cycle() noexcept { return served; }
 
 void Component::fail(const char* text) noexcept { say_failure(text); }
 

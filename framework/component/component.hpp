@@ -31,6 +31,7 @@ struct Cycle {
   std::uint64_t number = 0;  ///< n: the place in the module's grid, from 0; a missed release leaves a gap
   Instant time{};            ///< when it was due, the same for all modules of a row
   Nanoseconds period{};      ///< of the module; for a sporadic one, of its executor's rows
+  Instant start{};           ///< when run() was called: what ports stamp samples with and reckon ages from
 
   [[nodiscard]] double seconds() const noexcept { return std::chrono::duration<double>(period).count(); }
 };
@@ -42,7 +43,9 @@ enum class ErrorType : int {
   budget = 2,   ///< one run() took longer than <budget>
   start = 3,    ///< start() failed
   crash = 4,    ///< the host or the process module crashed or ended by itself
-  hang = 5,     ///< run() or a hook did not come back
+  hang = 5,      ///< run() or a hook did not come back
+  deadline = 6,  ///< a sporadic module was not done by its deadline, and its descriptor calls that an error
+  stale = 7,     ///< an input is older than its connection's deadline, with stale="error"
 };
 /// "failure", "budget", ...
 const char* to_text(ErrorType type) noexcept;

@@ -114,7 +114,7 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
       }
     }
   }
-  if (sporadic_count_ != 0) wake |= check_conditions(release);
+  if (sporadic_count_ != 0) wake |= check_conditions(release, time);
   block_.row.end();
 
   add(block_.cycles);
@@ -131,22 +131,23 @@ Instant Executor::call(const Unit& unit, channel::Activity& activity, std::uint6
                        Nanoseconds allowed, Instant start) noexcept {
   channel::ModuleBlock& block = *unit.block;
   activity.begin(unit.index, channel::Doing::run, to_ns(start));
-  const char* failure = unit.body->run({.number = number, .time = release, .period = unit.period});
+  const Outcome outcome =
+      unit.body->run({.number = number, .time = release, .period = unit.period, .start = start});
   const Instant end = clock_.now();
 
   block.jitter.record((release - start).count());
   block.run.record((end - start).count());
   add(block.cycles);
   if (end - release > allowed) add(block.overruns);
-  if (failure != nullptr) {
-    raise(unit, ErrorType::failure, number, failure);
+  if (!outcome.ok()) {
+    raise(unit, outcome.type, number, outcome.text);
   } else if (unit.budget != Nanoseconds{0} && end - start > unit.budget) {
     raise(unit, ErrorType::budget, number, "one run() took longer than its budget");
   }
   return end;
 }
 
-std::uint32_t Executor::check_conditions(Instant release) noexcept {
+std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept {
   std::uint32_t wake = 0;
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     Sporadic& sporadic = sporadic_[i];
@@ -165,9 +166,10 @@ std::uint32_t Executor::check_conditions(Instant release) noexcept {
     if (sporadic.ready.load(std::memory_order_acquire) != Ready::no) continue;  // SYNC: ready
     bool ready = false;
     block_.row.begin(unit.index, channel::Doing::condition, to_ns(release));
-    const char* failure = unit.body->condition(&ready);
-    if (failure != nullptr) {
-      raise(unit, ErrorType::failure, row_, failure);
+    const Outcome outcome =
+        unit.body->condition({.number = row_, .time = release, .period = unit.period, .start = now}, &ready);
+    if (!outcome.ok()) {
+      raise(unit, outcome.type, row_, outcome.text);
     } else if (ready) {
       sporadic.release_ns = to_ns(release);
       sporadic.deadline_ns = to_ns(release + unit.deadline);

@@ -69,7 +69,8 @@ class Executor {
   };
 
   void skip(std::uint64_t rows) noexcept;
-  std::uint32_t check_conditions(Instant release) noexcept;
+  /// `now`: after the row's last module.
+  std::uint32_t check_conditions(Instant release, Instant now) noexcept;
   /// Calls a thread module that was released at `release`; returns the time after it.
   Instant call(const Unit& unit, channel::Activity& activity, std::uint64_t number, Instant release,
                Nanoseconds allowed, Instant start) noexcept;

@@ -1,4 +1,4 @@
-// What a program is told by the one that started it.
+// What a program is told by the one that started it, and who and where it is.
 #pragma once
 
 #include <string>
@@ -13,6 +13,12 @@ Fd take_fd_from_environment(const char* name);
 
 /// The value of an environment variable; empty when it is not set.
 std::string environment(const char* name);
+
+/// The name of this machine.
+std::string host_name();
+int process_id();
+/// Whether this program may do everything.
+bool is_root();
 
 /// Lifts this process's limit on open descriptors to what it may have.
 void raise_descriptor_limit();

@@ -1,12 +1,19 @@
 #include <takt/os/files.hpp>
 
 #include <elf.h>
+#include <fcntl.h>
 #include <link.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+
+#include <takt/os/error.hpp>
+#include <takt/os/fd.hpp>
 
 namespace takt::os {
 
@@ -32,6 +39,60 @@ bool is_shared_object(const std::string& path) {
     if (segment.p_type == PT_INTERP) return false;
   }
   return true;
+}
+
+Result<void> replace_file(const std::string& path, const std::string& content) {
+  const std::filesystem::path target{path};
+  const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return error_problem(folder, error.value(), "name a folder that this user may write to");
+
+  const std::string temporary = path + ".new";
+  const auto failed = [&] {
+    Problem problem =
+        errno_problem(temporary, "name a folder that this user may write to, with space on its disk");
+    ::unlink(temporary.c_str());
+    return problem;
+  };
+  Fd file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600)};
+  if (!file) return failed();
+  for (std::size_t written = 0; written < content.size();) {
+    const ssize_t n = ::write(file.get(), content.data() + written, content.size() - written);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return failed();
+    written += static_cast<std::size_t>(n);
+  }
+  // The content is on the disk before the name is, and the name before we say so.
+  if (::fsync(file.get()) != 0) return failed();
+  file.close();
+  if (::rename(temporary.c_str(), path.c_str()) != 0) return failed();
+  const Fd directory{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (!directory || ::fsync(directory.get()) != 0) return errno_problem(folder);
+  return {};
+}
+
+Result<std::optional<std::string>> read_file(const std::string& path, std::size_t most) {
+  const Fd file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (!file && errno == ENOENT) return std::optional<std::string>{};
+  if (!file) return errno_problem(path, "let this user read it");
+  std::string content(most + 1, '\0');
+  std::size_t got = 0;
+  while (got < content.size()) {
+    const ssize_t n = ::read(file.get(), content.data() + got, content.size() - got);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return errno_problem(path);
+    if (n == 0) break;
+    got += static_cast<std::size_t>(n);
+  }
+  if (got > most) return fail(path + " has more than " + std::to_string(most) + " bytes");
+  content.resize(got);
+  return std::optional<std::string>{std::move(content)};
+}
+
+Result<void> remove_file(const std::string& path) {
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT) return errno_problem(path, "let this user remove it");
+  return {};
 }
 
 bool output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }

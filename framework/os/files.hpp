@@ -1,7 +1,11 @@
-// What kind of file something is.
+// What kind of file something is, and files that must be whole.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
+
+#include <takt/core/result.hpp>
 
 namespace takt::os {
 
@@ -11,6 +15,15 @@ bool is_executable(const std::string& path);
 /// An ELF shared object of this machine's kind that is not a program. (A program built as PIE has an
 /// interpreter.)
 bool is_shared_object(const std::string& path);
+
+/// Replaces a file so that whoever reads it, after a loss of power too, finds the old content or the new one
+/// and never a part. Makes its folder if there is none.
+Result<void> replace_file(const std::string& path, const std::string& content);
+/// What is in a file; none where there is no such file. Fails when it cannot be read or has more than `most`
+/// bytes.
+Result<std::optional<std::string>> read_file(const std::string& path, std::size_t most);
+/// It is gone afterwards, also when there was none.
+Result<void> remove_file(const std::string& path);
 
 /// Whether standard output is a terminal.
 bool output_is_terminal();

@@ -26,8 +26,8 @@ class VirtualClock final : public Clock {
 
 class Script final : public Body {
  public:
-  const char* run(const Cycle& cycle) noexcept override { return on_run ? on_run(cycle) : nullptr; }
-  const char* condition(bool* ready) noexcept override {
+  Outcome run(const Cycle& cycle) noexcept override { return on_run ? on_run(cycle) : nullptr; }
+  Outcome condition(const Cycle&, bool* ready) noexcept override {
     ++asked;
     return on_condition ? on_condition(ready) : nullptr;
   }

@@ -1,0 +1,101 @@
+#include <takt/dds/picture.hpp>
+
+#include <algorithm>
+
+#include <takt/dds/words.hpp>
+
+namespace takt::dds {
+
+namespace {
+
+template <class Status>
+std::string device_path(const Status& status) {
+  return path_of(status.cell().to_string(), status.device().to_string());
+}
+
+// CELL/DEVICE of CELL/DEVICE/MODULE.
+std::string parent(const std::string& path) { return path.substr(0, path.rfind('/')); }
+std::string last(const std::string& path) { return path.substr(path.rfind('/') + 1); }
+
+}  // namespace
+
+void Picture::heard(const DeviceStatus& status, WriterId writer) {
+  const std::string id = status.node().to_string();
+  // A node that is back under its device's name takes the place of the one that was lost.
+  std::erase_if(nodes_, [&](const auto& entry) {
+    const Node& other = entry.second;
+    if (entry.first == id || other.alive || other.status.device() != status.device()) return false;
+    // Unless it has taken up the same cell again, in which case its modules may have been heard already.
+    if (other.status.cell() != status.cell()) deployments_.erase(device_path(other.status));
+    return true;
+  });
+  nodes_[id] = {.status = status, .writer = writer, .alive = true};
+}
+
+void Picture::heard(const LifecycleStatus& status) {
+  deployments_[device_path(status)].modules[status.name().to_string()] = status;
+}
+
+void Picture::heard(const ModuleStatistics& statistics) {
+  deployments_[device_path(statistics)].statistics[statistics.name().to_string()] = statistics;
+}
+
+void Picture::heard(const ExecutorStatistics& statistics) {
+  deployments_[device_path(statistics)].executors[statistics.name().to_string()] = statistics;
+}
+
+void Picture::heard(const PortStatus& status) {
+  deployments_[device_path(status)].ports[status.name().to_string() + "." + status.port().to_string()] =
+      status;
+}
+
+void Picture::gone(const DeviceStatus& key, WriterId writer) {
+  // A node says its new key before it takes back the old one: only who has no other has left.
+  std::erase_if(nodes_, [&](const auto& entry) {
+    return entry.second.writer == writer && entry.second.status.path() == key.path();
+  });
+}
+
+void Picture::gone(const LifecycleStatus& key) {
+  const std::string path = key.path().to_string();
+  const auto found = deployments_.find(parent(path));
+  if (found == deployments_.end()) return;
+  const std::string module = last(path);
+  found->second.modules.erase(module);
+  found->second.statistics.erase(module);
+  std::erase_if(found->second.ports,
+                [&](const auto& entry) { return entry.first.starts_with(module + "."); });
+  if (found->second.modules.empty()) deployments_.erase(found);
+}
+
+void Picture::lost(WriterId writer) {
+  for (auto& [id, node] : nodes_) {
+    if (node.writer == writer) node.alive = false;
+  }
+}
+
+SeenDevice Picture::seen(const Node& node) const {
+  SeenDevice device{.status = node.status, .alive = node.alive, .deployment = {}};
+  const auto found = deployments_.find(device_path(node.status));
+  if (found != deployments_.end()) device.deployment = found->second;
+  return device;
+}
+
+std::vector<SeenDevice> Picture::devices() const {
+  std::vector<SeenDevice> all;
+  all.reserve(nodes_.size());
+  for (const auto& [id, node] : nodes_) all.push_back(seen(node));
+  std::stable_sort(all.begin(), all.end(),
+                   [](const SeenDevice& a, const SeenDevice& b) { return a.name() < b.name(); });
+  return all;
+}
+
+std::vector<SeenDevice> Picture::devices(const std::string& name) const {
+  std::vector<SeenDevice> all;
+  for (const auto& [id, node] : nodes_) {
+    if (node.status.device() == name) all.push_back(seen(node));
+  }
+  return all;
+}
+
+}  // namespace takt::dds

@@ -1,0 +1,42 @@
+// The wire's enumerations in the words of reports, and texts that fit into its bounded strings.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include <takt/wire/takt.h>
+
+namespace takt {
+
+/// "IDLE", "EXECUTING": as in reports. What is no enumerator is "?", here and below.
+const char* to_text(LifecycleState state) noexcept;
+/// "initialize", "give up"; "" for EVENT_NONE.
+const char* to_text(LifecycleEvent event) noexcept;
+/// "failure", "budget"; "" for ERROR_NONE.
+const char* to_text(LifecycleError error) noexcept;
+/// "waiting", "running".
+const char* to_text(DeviceState state) noexcept;
+/// "ok", "degraded", "failed".
+const char* to_text(DeviceHealth health) noexcept;
+/// "start", "undeploy".
+const char* to_text(CommandKind kind) noexcept;
+
+}  // namespace takt
+
+namespace takt::dds {
+
+/// At most `bytes` of the text, and no part of a character; what was left out shows as "...".
+std::string cut(std::string_view text, std::size_t bytes);
+
+template <std::size_t N>
+void set(eprosima::fastrtps::fixed_string<N>& field, std::string_view text) {
+  field = cut(text, N);
+}
+
+/// "CELL/DEVICE", "CELL/DEVICE/MODULE": the key of a topic.
+std::string path_of(std::string_view cell, std::string_view device, std::string_view part = {});
+/// What stands for the cell of a device that has no deployment.
+inline constexpr std::string_view kNoCell = "-";
+
+}  // namespace takt::dds

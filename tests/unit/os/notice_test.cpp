@@ -1,0 +1,34 @@
+#include <takt/os/notice.hpp>
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include <takt/os/signals.hpp>
+
+namespace takt::os {
+namespace {
+
+TEST(Notice, IsTakenOnceHoweverOftenItWasGiven) {
+  auto notice = Notice::create();
+  ASSERT_TRUE(notice.ok());
+  EXPECT_FALSE(wait_readable({&notice->fd()}, 0));
+  EXPECT_FALSE(notice->take());
+  notice->give();
+  notice->give();
+  EXPECT_TRUE(wait_readable({&notice->fd()}, 0));
+  EXPECT_TRUE(notice->take());
+  EXPECT_FALSE(notice->take());
+  EXPECT_FALSE(wait_readable({&notice->fd()}, 0));
+}
+
+TEST(Notice, EndsAWait) {
+  auto notice = Notice::create();
+  ASSERT_TRUE(notice.ok());
+  std::thread other{[&] { notice->give(); }};
+  EXPECT_TRUE(wait_readable({&notice->fd()}, 60'000));
+  other.join();
+}
+
+}  // namespace
+}  // namespace takt::os
