@@ -13,6 +13,7 @@
 // few steps and whatever the other side does meanwhile.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -95,6 +96,8 @@ class BasicLinkLayout {
  public:
   constexpr BasicLinkLayout(std::uint32_t depth, std::uint32_t stride) noexcept
       : depth_(depth), stride_(stride) {}
+  [[nodiscard]] constexpr std::uint32_t depth() const noexcept { return depth_; }
+  [[nodiscard]] constexpr std::uint32_t stride() const noexcept { return stride_; }
   [[nodiscard]] constexpr std::uint32_t buffers() const noexcept { return depth_ + 2; }
   [[nodiscard]] constexpr std::size_t slots() const noexcept { return sizeof(BasicLinkBlock<Atomic>); }
   [[nodiscard]] constexpr std::size_t heads() const noexcept {
@@ -122,7 +125,8 @@ class BasicLink {
   using Layout = BasicLinkLayout<Atomic>;
 
   BasicLink() = default;
-  /// Memory of Layout::size() bytes that was formatted, aligned to 64.
+  /// Memory of Layout::size() bytes that was formatted, aligned to 64. Depth and stride are read once: what a
+  /// program that writes where it should not makes of them later leads nobody out of the memory.
   explicit BasicLink(std::byte* memory) noexcept
       : block_(reinterpret_cast<Block*>(memory)), layout_(block_->depth, block_->stride) {
     slots_ = reinterpret_cast<Atomic<std::uint64_t>*>(memory + layout_.slots());
@@ -178,19 +182,22 @@ class BasicLink {
 
   [[nodiscard]] explicit operator bool() const noexcept { return block_ != nullptr; }
   [[nodiscard]] Block& block() const noexcept { return *block_; }
+  [[nodiscard]] std::uint32_t depth() const noexcept { return layout_.depth(); }
+  [[nodiscard]] std::uint32_t stride() const noexcept { return layout_.stride(); }
   [[nodiscard]] std::uint32_t buffers() const noexcept { return layout_.buffers(); }
+  [[nodiscard]] bool has_buffer(std::uint32_t buffer) const noexcept { return buffer < layout_.buffers(); }
   [[nodiscard]] std::size_t size() const noexcept { return layout_.size(); }
   /// The place of a sample's slot.
   [[nodiscard]] std::uint32_t place_of(std::uint64_t sequence) const noexcept {
-    return static_cast<std::uint32_t>((sequence - 1) % block_->depth);
+    return static_cast<std::uint32_t>((sequence - 1) % layout_.depth());
   }
   [[nodiscard]] std::uint32_t after(std::uint32_t place) const noexcept {
-    return place + 1 == block_->depth ? 0 : place + 1;
+    return place + 1 == layout_.depth() ? 0 : place + 1;
   }
   [[nodiscard]] Atomic<std::uint64_t>& slot(std::uint32_t place) const noexcept { return slots_[place]; }
   [[nodiscard]] Head& head(std::uint32_t buffer) const noexcept { return heads_[buffer]; }
   [[nodiscard]] std::byte* payload(std::uint32_t buffer) const noexcept {
-    return payloads_ + std::size_t{buffer} * block_->stride;
+    return payloads_ + std::size_t{buffer} * layout_.stride();
   }
 
  private:
@@ -216,8 +223,9 @@ LinkPlace find_writer(const BasicLink<Atomic>& link) noexcept {
   // Only a writer changes the number in a slot: it says whether the sample that was announced has come there.
   const bool published =
       sequence == 0 || SlotWord::sequence(link.slot(link.place_of(sequence)).load(acquire)) >= sequence;
-  if (published) return {SlotWord::index(takes), sequence};
-  return {link.block().writer_has.load(acquire), sequence - 1};
+  const LinkPlace found = published ? LinkPlace{SlotWord::index(takes), sequence}
+                                    : LinkPlace{link.block().writer_has.load(acquire), sequence - 1};
+  return link.has_buffer(found.buffer) ? found : LinkPlace{};
 }
 
 template <template <class> class Atomic>
@@ -230,8 +238,10 @@ LinkPlace find_reader(const BasicLink<Atomic>& link) noexcept {
   const std::uint64_t sequence = SlotWord::sequence(takes);
   const LinkPlace not_taken{old, SlotWord::sequence(has)};
   const LinkPlace taken{wanted, sequence};
-  if (old == wanted) return not_taken;  // it had finished
-  while (true) {
+  if (!link.has_buffer(old) || !link.has_buffer(wanted)) return {};  // somebody wrote where he should not
+  if (old == wanted) return not_taken;                               // it had finished
+  // Once again is enough: a writer that has gone on meanwhile has used its buffer. The bound is for nonsense.
+  for (int attempt = 0; attempt < 100; ++attempt) {
     const std::uint64_t word = link.slot(link.place_of(sequence)).load(acquire);
     // One of the two is in the slot, and the other is the reader's.
     if (SlotWord::sequence(word) == sequence) return SlotWord::index(word) == old ? taken : not_taken;
@@ -243,6 +253,7 @@ LinkPlace find_reader(const BasicLink<Atomic>& link) noexcept {
     if (writers == old) return taken;
     if (writers == wanted) return not_taken;
   }
+  return not_taken;
 }
 
 /// Empties a link whose payloads are gone: those that lie elsewhere, in a process that has ended. Neither
@@ -252,7 +263,7 @@ void drop_samples(const BasicLink<Atomic>& link) noexcept {
   constexpr auto order = std::memory_order_seq_cst;
   const std::uint64_t newest = find_writer(link).sequence;
   const std::uint64_t has = SlotWord::make(false, newest, find_reader(link).buffer);
-  for (std::uint32_t i = 0; i < link.block().depth; ++i) {
+  for (std::uint32_t i = 0; i < link.depth(); ++i) {
     link.slot(i).store(link.slot(i).load(order) & ~SlotWord::kFull, order);
   }
   link.block().reader_has.store(has, order);
@@ -297,6 +308,7 @@ class BasicLinkWriter {
     std::uint64_t old = slot.load(std::memory_order_acquire);
     // Twice at most: the reader takes what it finds full, and never touches a slot that is empty.
     do {
+      if (!link_.has_buffer(SlotWord::index(old))) return;  // somebody wrote where he should not
       block.writer_takes.store(SlotWord::make(false, sequence_, SlotWord::index(old)),
                                std::memory_order_release);
     } while (!slot.compare_exchange_strong(old, mine, std::memory_order_seq_cst, std::memory_order_acquire));
@@ -338,7 +350,8 @@ class BasicLinkReader {
   [[nodiscard]] std::uint32_t buffer() const noexcept { return private_; }
   [[nodiscard]] SampleInfo info() const noexcept {
     const auto& head = link_.head(private_);
-    return {head.sequence.load(std::memory_order_relaxed), head.stamp_ns, head.size};
+    return {head.sequence.load(std::memory_order_relaxed), head.stamp_ns,
+            std::min(head.size, link_.stride())};
   }
 
   /// Whether take() would find a sample.
@@ -355,9 +368,10 @@ class BasicLinkReader {
       std::uint64_t word = slot.load(std::memory_order_acquire);
       if (!SlotWord::full(word)) return false;
       if (SlotWord::sequence(word) != next_) {  // the writer has come round: what is left begins after it
-        go_to(SlotWord::sequence(word) - block.depth + 1);
-        if (block.depth > 1) continue;
+        go_to(SlotWord::sequence(word) - link_.depth() + 1);
+        if (link_.depth() > 1) continue;
       }
+      if (!link_.has_buffer(SlotWord::index(word))) return false;
       const std::uint64_t takes = word & ~SlotWord::kFull;
       block.reader_takes.store(takes, std::memory_order_release);
       if (!slot.compare_exchange_strong(word, SlotWord::make(false, next_, private_),

@@ -14,8 +14,12 @@
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include <takt/component/event_port.hpp>
+#include <takt/component/in_port.hpp>
+#include <takt/component/out_port.hpp>
 #include <takt/component/property.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
@@ -62,8 +66,9 @@ class Component {
   virtual Result<void> start() { return {}; }
   /// Every period, or when condition() holds. No lock, no allocation, no system call, no log.
   virtual void run(const Cycle& cycle) = 0;
-  /// Sporadic modules: whether run() is to be called. Same rules as run().
-  virtual bool condition() { return false; }
+  /// Sporadic modules: whether run() is to be called. Same rules as run(). Unless it is overridden: an event
+  /// port has an event that was not read.
+  virtual bool condition();
   /// An error took the module out of its table.
   virtual void error(ErrorType /*type*/) {}
   /// Makes it fit to run again, or says why not.
@@ -72,6 +77,7 @@ class Component {
   virtual void destruct() {}
 
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const noexcept { return properties_; }
+  [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
 
  protected:
   /// From run() or condition(): takes the module out of its table after this call, with this reason (255
@@ -80,18 +86,31 @@ class Component {
 
  private:
   friend class PropertyBase;
+  friend class PortBase;
   std::vector<PropertyBase*> properties_;  // in the order of declaration
+  std::vector<PortBase*> ports_;
 };
 
 /// What a .so of a C++ component exports.
 struct ComponentFactory {
-  static constexpr std::uint32_t kAbi = 1;
+  static constexpr std::uint32_t kAbi = 2;
   std::uint32_t abi;
   std::uint32_t component_size;  ///< sizeof(Component) when the object was compiled
   const char* name;              ///< of the class
   Component* (*create)();
   void (*destroy)(Component*);
+  bool own_condition;  ///< condition() is overridden
 };
+
+namespace detail {
+template <class Type>
+constexpr bool overrides_condition() {
+  if constexpr (requires { &Type::condition; })
+    return !std::is_same_v<decltype(&Type::condition), bool (Component::*)()>;
+  else
+    return true;  // it is there and private
+}
+}  // namespace detail
 
 }  // namespace takt
 
@@ -101,8 +120,11 @@ struct ComponentFactory {
   takt_component_factory();                                                         \
   extern "C" const ::takt::ComponentFactory* takt_component_factory() {             \
     static constexpr ::takt::ComponentFactory factory{                              \
-        ::takt::ComponentFactory::kAbi, sizeof(::takt::Component), #Type,           \
+        ::takt::ComponentFactory::kAbi,                                             \
+        sizeof(::takt::Component),                                                  \
+        #Type,                                                                      \
         []() -> ::takt::Component* { return new Type; },                            \
-        [](::takt::Component* component) { delete component; }};                    \
+        [](::takt::Component* component) { delete component; },                     \
+        ::takt::detail::overrides_condition<Type>()};                               \
     return &factory;                                                                \
   }

@@ -48,7 +48,7 @@ Link::Options queue(std::uint32_t depth, std::uint32_t payload = 64) {
 /// Writes a sample that is its own number, all over.
 void write(LinkWriter& writer, std::int64_t stamp_ns = 1) {
   const std::uint64_t value = writer.next();
-  const std::uint32_t words = writer.link().block().stride / 8;
+  const std::uint32_t words = writer.link().stride() / 8;
   auto* payload = writer.link().payload(writer.buffer());
   for (std::uint32_t i = 0; i < words; ++i) std::memcpy(payload + std::size_t{i} * 8, &value, 8);
   writer.publish(words * 8, stamp_ns);
@@ -58,7 +58,7 @@ void write(LinkWriter& writer, int samples) {
 }
 /// The number in the sample; 0 when it is torn or of another number than its info says.
 std::uint64_t value_of(const LinkReader& reader) {
-  const std::uint32_t words = reader.link().block().stride / 8;
+  const std::uint32_t words = reader.link().stride() / 8;
   const std::byte* payload = reader.link().payload(reader.buffer());
   for (std::uint32_t i = 0; i < words; ++i) {
     std::uint64_t value = 0;
@@ -76,7 +76,7 @@ std::vector<std::uint64_t> read_all(LinkReader& reader) {
 bool is_whole(const LinkWriter& writer, const LinkReader& reader) {
   const Link link = writer.link();
   std::set<std::uint32_t> owned{writer.buffer(), reader.buffer()};
-  for (std::uint32_t i = 0; i < link.block().depth; ++i) owned.insert(SlotWord::index(link.slot(i).load()));
+  for (std::uint32_t i = 0; i < link.depth(); ++i) owned.insert(SlotWord::index(link.slot(i).load()));
   return owned.size() == link.buffers() && *owned.rbegin() == link.buffers() - 1;
 }
 
@@ -225,6 +225,31 @@ TEST(Link, OfTheGreatestDepthHoldsThatManySamples) {
   while (reader.take()) ASSERT_EQ(value_of(reader), expected++);
   EXPECT_EQ(expected, kMaxLinkDepth + 6);
   EXPECT_TRUE(is_whole(writer, reader));
+}
+
+TEST(Link, LeadsNobodyOutOfItsMemoryWhateverIsWrittenIntoIt) {
+  std::mt19937_64 random{7};
+  for (int round = 0; round < 2000; ++round) {
+    const Memory memory{queue(3)};
+    LinkWriter writer{memory.link()};
+    LinkReader reader{memory.link()};
+    write(writer, 2);
+    for (int i = 0; i < 3; ++i) {
+      const std::size_t place = random() % (memory.size() / 8);
+      const std::uint64_t word = random() % 2 == 0 ? random() : random() % (1U << 20);
+      std::memcpy(memory.data() + place * 8, &word, 8);
+    }
+    for (int i = 0; i < 5; ++i) {
+      reader.take();
+      EXPECT_LT(reader.buffer(), 5U);
+      write(writer, 1);
+      EXPECT_LT(writer.buffer(), 5U);
+      EXPECT_LE(reader.info().size, 64U);
+    }
+    if (!Link::is_link(memory.data(), memory.size())) continue;  // nobody would attach it
+    EXPECT_LT(LinkReader{memory.link()}.buffer(), memory.link().buffers());
+    EXPECT_LT(LinkWriter{memory.link()}.buffer(), memory.link().buffers());
+  }
 }
 
 // ---- Two threads -----------------------------------------------------------------------------------------
