@@ -4,7 +4,8 @@
 #   takt_add_component(servo servo.cpp TYPES types)
 #
 # makes the library `types`. With it a source finds <motion.hpp>: the classes that fastddsgen makes of the file, and for each
-# struct takt::PortType, which the ports of a component need. Files that include one another go into one library. What is no
+# struct takt::PortType, which the ports of a component need. A source in C finds <motion_c.h>: plain structs, and for each a
+# takt_type. Files that include one another go into one library. What is no
 # type for a port ends the build with the file, the line and the field.
 
 include(${CMAKE_CURRENT_LIST_DIR}/TaktWire.cmake)
@@ -24,8 +25,8 @@ function(takt_add_idl name)
     get_filename_component(file ${idl} ABSOLUTE)
     get_filename_component(stem ${idl} NAME_WE)
     list(APPEND files ${file})
-    list(APPEND ours ${folder}/${stem}_types.cpp)
-    list(APPEND headers ${folder}/${stem}.hpp)
+    list(APPEND ours ${folder}/${stem}_types.cpp ${folder}/${stem}_c.cpp)
+    list(APPEND headers ${folder}/${stem}.hpp ${folder}/${stem}_c.h)
     list(APPEND plain ${folder}/plain/${stem}.idl)
   endforeach()
   # Ours first: it says everything that is wrong, in words. fastddsgen gets what it understands of that.

@@ -1187,6 +1187,76 @@ def head(file, what):
     return [f"// {what} Made of {os.path.basename(file.path)} by takt_idl.py; changes are lost."]
 
 
+def in_c(shape, name):
+    """A declaration of C."""
+    kind = "char" if shape.scalar == "string" else c_name(shape.of.name) if shape.of else SCALARS[shape.scalar][1]
+    text = f"[{shape.bound + 1}]" if shape.scalar == "string" else ""
+    if shape.sequence:
+        items = f"{kind} items[{shape.sequence}]{sizes(shape.elements)}{text};"
+        return f"struct {{ uint32_t length; {items} }} {name}{sizes(shape.dimensions)};"
+    return f"{kind} {name}{sizes(shape.dimensions)}{text};"
+
+
+def integer_in_c(value):
+    if value == -2 ** 63:
+        return f"({value + 1} - 1)"
+    return f"({value})" if value < 0 else f"{value}ULL" if value >= 2 ** 63 else str(value)
+
+
+def c_header(file):
+    """X_c.h: structs for modules in C."""
+    guard = f"TAKT_IDL_{file.stem.upper()}_C_H"
+    lines = [f"/* The types of ports of C modules. Made of {os.path.basename(file.path)} by takt_idl.py; changes are lost. */",
+             f"#ifndef {guard}", f"#define {guard}", "", "#include <stdbool.h>", "#include <stdint.h>", "", "#include <takt/component/type.h>",
+             ""] + [f'#include "{stem}_c.h"' for stem in included_stems(file)]
+    lines += ["", "#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
+    for declared in file.declares:
+        name = c_name(declared.name)
+        if isinstance(declared, Const):
+            lines.append(f"#define {name} {integer_in_c(declared.value)}")
+        elif isinstance(declared, Enum):
+            scope = c_name(declared.name.rpartition("::")[0])
+            names = [f"{scope}_{each}" if scope else each for each in declared.enumerators]
+            lines += [f"typedef enum {name} {{ {', '.join(names)} }} {name};"]
+        elif isinstance(declared, Struct):
+            lines += ["", f"typedef struct {name} {{"] + [f"  {in_c(f.shape, f.name)}" for f in declared.fields] + [
+                f"}} {name};", f"extern const takt_type {name}_type;",
+                f"uint32_t {name}_encode(const {name}* value, unsigned char* to, uint32_t size);",
+                f"int {name}_decode(const unsigned char* from, uint32_t size, {name}* value);"]
+    return lines + ["", "#ifdef __cplusplus", "}", "#endif", "", "#endif"]
+
+
+def c_source(file):
+    lines = head(file, "How samples of C modules become bytes.") + [f'#include "{file.stem}_c.h"', "", "#include <cstddef>", "",
+                                                                    "#include <takt/core/cdr.hpp>", "", "namespace takt::in_c {", ""]
+    ours = structs_of(file)
+    theirs = {f.shape.of.name for s in ours for f in s.fields if f.shape.scalar == "struct"} - {s.name for s in ours}
+    for name in map(c_name, sorted(theirs)):
+        lines += [f"void put_{name}(CdrWriter& to, const {name}& value) noexcept;",
+                  f"void get_{name}(CdrReader& from, {name}& value) noexcept;", ""]
+    for struct in ours:
+        name = c_name(struct.name)
+        lines += [f"void put_{name}(CdrWriter& to, const {name}& value) noexcept {{"] + code_of("c", struct, "put") + ["}", ""]
+        lines += [f"void get_{name}(CdrReader& from, {name}& value) noexcept {{"] + code_of("c", struct, "get") + ["}", ""]
+    lines += ["}  // namespace takt::in_c", "", 'extern "C" {', ""]
+    for struct in ours:
+        name = c_name(struct.name)
+        lines += [
+            f"uint32_t {name}_encode(const {name}* value, unsigned char* to, uint32_t size) {{",
+            "  takt::CdrWriter writer{reinterpret_cast<std::byte*>(to), size};", f"  takt::in_c::put_{name}(writer, *value);",
+            "  return writer.size();", "}", "",
+            f"int {name}_decode(const unsigned char* from, uint32_t size, {name}* value) {{",
+            "  takt::CdrReader reader{reinterpret_cast<const std::byte*>(from), size};",
+            f"  takt::in_c::get_{name}(reader, *value);", "  return reader.complete() ? 1 : 0;", "}", "",
+            f"const takt_type {name}_type = {{", f"    {json.dumps(struct.name)},", f"    {literal(description(struct))},",
+            f"    {max_size(struct)},", f"    sizeof({name}),",
+            "    [](const void* value, unsigned char* to, uint32_t size) {",
+            f"      return {name}_encode(static_cast<const {name}*>(value), to, size);", "    },",
+            "    [](const unsigned char* from, uint32_t size, void* value) {",
+            f"      return {name}_decode(from, size, static_cast<{name}*>(value));", "    }};", ""]
+    return lines + ["}"]
+
+
 def plain_idl(file):
     """The same declarations for fastddsgen, with numbers for constants: the code that it makes of their names does not compile."""
     guard = f"{file.stem.upper()}_PLAIN_IDL"
@@ -1295,6 +1365,8 @@ def main():
             write(plain, f"{file.stem}.idl", plain_idl(file))
             write(arguments.out, f"{file.stem}.hpp", header(file))
             write(arguments.out, f"{file.stem}_types.cpp", source(file))
+            write(arguments.out, f"{file.stem}_c.h", c_header(file))
+            write(arguments.out, f"{file.stem}_c.cpp", c_source(file))
     return 0
 
 

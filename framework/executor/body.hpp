@@ -24,8 +24,8 @@ class Body {
   virtual ~Body() = default;
   /// One run().
   virtual Outcome run(const Cycle& cycle) noexcept = 0;
-  /// Whether a sporadic module is to run: false in `*ready` when not. Only `number`, `time` and `start` of the cycle say
-  /// something.
+  /// Whether a sporadic module is to run: false in `*ready` when not. Only `number`, `time` and `start` of
+  /// the cycle say something.
   virtual Outcome condition(const Cycle& cycle, bool* ready) noexcept = 0;
   /// Whether an event port has a sample that was not read yet. Asked of modules that are dispatched at once.
   [[nodiscard]] virtual bool has_news() const noexcept { return false; }

@@ -84,7 +84,10 @@ Result<void> Host::prepare() {
                         .block = &channel_.module(i),
                         .period = m.period.value_or(Nanoseconds{0}),
                         .deadline = m.deadline.value_or(Nanoseconds{0}),
-                        .budget = m.budget.value_or(Nanoseconds{0})};
+                        .budget = m.budget.value_or(Nanoseconds{0}),
+                        .interarrival = m.interarrival.value_or(Nanoseconds{0}),
+                        .immediate = m.dispatch == model::Dispatch::immediate,
+                        .late_is_error = m.miss == model::Miss::error};
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
     if (modules_.back()) modules_.back()->ring_with(bell_);
     unit.body = modules_.back().get();

@@ -39,7 +39,8 @@ def compiles(room, include):
     arguments = shlex.split(entry["command"])
     if "ccache" in os.path.basename(arguments[0]):
         arguments = arguments[1:]
-    keep = [a for a in arguments[1:] if a.startswith(("-I", "-D", "-std", "-f", "-W", "-isystem"))]
+    keep = [a for a in arguments[1:] if a.startswith(("-I", "-D", "-std", "-f", "-W"))]
+    keep += [a for i, first in enumerate(arguments) if first == "-isystem" for a in ("-isystem", arguments[i + 1])]
     with tempfile.NamedTemporaryFile("w", suffix=".cpp") as source:
         source.write(f"#include <{include}>\n")
         source.flush()
