@@ -58,16 +58,14 @@ struct Use {
 
 json check_uses(const std::string& path, const model::Cell& cell, const std::vector<Use>& uses) {
   json answer = json::array();
-  std::set<std::size_t> devices;  // whose host has loaded the file already
+  std::set<std::size_t> loaded;  // devices whose host has loaded the file in C form already
   for (const Use& use : uses) {
     const model::Module& wanted = cell.devices[use.device].modules[use.module];
-    const bool sporadic = wanted.operation == model::Operation::sporadic;
     ThreadModule module;
-    Result<void> result = module.load(path, os::Library::Globals::shared, sporadic);
-    const bool again = !devices.insert(use.device).second;
-    if (result && again && module.component() == nullptr) {
-      result = module.load(path, os::Library::Globals::own, sporadic);  // as the host will
-    }
+    const bool again = loaded.count(use.device) != 0;  // as the host will
+    Result<void> result = module.load(path, again ? os::Library::Globals::own : os::Library::Globals::shared,
+                                      wanted.operation == model::Operation::sporadic);
+    if (result && module.component() == nullptr) loaded.insert(use.device);
     if (result) {
       irp::Property::Values values;
       for (const model::PropertyValue& property : wanted.properties)
