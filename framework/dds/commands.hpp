@@ -1,5 +1,5 @@
-// Requests and their answers: takt/command and takt/reply, reliable, volatile, keep last 32. Data longer than one sample
-// travels in parts and is put together here.
+// Requests and their answers: takt/command and takt/reply, reliable, volatile, keep last 32. Data longer than
+// one sample travels in parts and is put together here.
 #pragma once
 
 #include <cstdint>
@@ -7,15 +7,15 @@
 #include <memory>
 #include <string>
 
+#include <takt/wire/takt.h>
 #include <takt/core/result.hpp>
 #include <takt/dds/participant.hpp>
-#include <takt/wire/takt.h>
 
 namespace takt::dds {
 
 /// A command or reply whose data is whole, of any length up to kMaxData.
 struct WholeCommand {
-  Command head;      ///< part, parts and data are not used
+  Command head;  ///< part, parts and data are not used
   std::string data;
 };
 struct WholeReply {
@@ -27,17 +27,18 @@ inline constexpr std::size_t kMaxData = 16 * 1024 * 1024;
 /// A node's end.
 class CommandServer {
  public:
-  /// `handle` is called once for each command id that names `device` (and this node, if it names one), on a thread of
-  /// its own that is neither real-time nor one of Fast DDS, in the order of arrival. A repeated id is answered again by
-  /// what reply() said, without a call. Commands that do not decode are counted and dropped.
-  static Result<CommandServer> create(std::shared_ptr<Participant> participant, std::string device, std::string node,
-                                      std::function<void(const WholeCommand&)> handle);
+  /// `handle` is called once for each command id that names `device` (and this node, if it names one), on a
+  /// thread of its own that is neither real-time nor one of Fast DDS, in the order of arrival. A repeated id
+  /// is answered again by what reply() said, without a call. Commands that do not decode are counted and
+  /// dropped.
+  static Result<CommandServer> create(std::shared_ptr<Participant> participant, std::string device,
+                                      std::string node, std::function<void(const WholeCommand&)> handle);
   CommandServer(CommandServer&&) noexcept;
   CommandServer& operator=(CommandServer&&) noexcept;
   ~CommandServer();
 
-  /// From any thread, at once or much later. Sent once the asker's reader has matched, so that no first answer is lost.
-  /// Kept for repeated ids (the last 256).
+  /// From any thread, at once or much later. Sent once the asker's reader has matched, so that no first
+  /// answer is lost. Kept for repeated ids (the last 256).
   void reply(const WholeReply& reply);
 
  private:
@@ -56,8 +57,9 @@ class CommandClient {
   CommandClient& operator=(CommandClient&&) noexcept;
   ~CommandClient();
 
-  /// Sends it (head.id is given by the caller) once the command reader of a node has matched, or after `wait` anyway;
-  /// sends it again each second until an answer came or head.deadline_ns has passed.
+  /// Sends it (head.id is given by the caller) once the command reader of a node has matched, and again each
+  /// second and whenever another has matched, until an answer came or head.deadline_ns has passed. One answer
+  /// is heard for each id.
   void send(const WholeCommand& command);
 
  private:

@@ -1,5 +1,5 @@
-// Moves samples between the links of a device and DDS. Bytes only: what a component wrote as CDR goes out as it is, and
-// what comes in is held against the type's description before it reaches a link.
+// Moves samples between the links of a device and DDS. Bytes only: what a component wrote as CDR goes out as
+// it is, and what comes in is held against the type's description before it reaches a link.
 #pragma once
 
 #include <cstdint>
@@ -41,13 +41,14 @@ struct FlowHealth {
   std::string incompatible;    ///< the policy that kept somebody from matching: "reliability"; empty: none
 };
 
-/// Outgoing: one thread (not real-time) sleeps on the bell, reads the links, writes to DDS. Incoming: the receive thread of
-/// Fast DDS writes to the links and rings for whom they wake.
+/// Outgoing: one thread (not real-time) sleeps on the bell, reads the links, writes to DDS. Incoming: the
+/// receive thread of Fast DDS writes to the links and rings for whom they wake.
 class Gateway {
  public:
   using FlowId = std::size_t;
 
-  static Result<std::unique_ptr<Gateway>> create(std::shared_ptr<Participant> participant, channel::Bell& bell);
+  static Result<std::unique_ptr<Gateway>> create(std::shared_ptr<Participant> participant,
+                                                 channel::Bell& bell);
   virtual ~Gateway() = default;
 
   /// The gateway becomes the reader of `from`.
@@ -61,13 +62,13 @@ class Gateway {
   Gateway() = default;
 };
 
-/// Reads one topic without a device: `takt echo`. `sample` is called on a thread of Fast DDS with the bytes and the
-/// writer's time (ns since 1970).
+/// Reads one topic without a device: `takt echo`. `sample` is called on a thread of Fast DDS with the bytes
+/// and the writer's time (ns since 1970).
 class Tap {
  public:
-  static Result<std::unique_ptr<Tap>> create(std::shared_ptr<Participant> participant, const Flow& flow,
-                                             std::function<void(const std::byte* bytes, std::size_t size,
-                                                                std::int64_t time_ns)> sample);
+  static Result<std::unique_ptr<Tap>> create(
+      std::shared_ptr<Participant> participant, const Flow& flow,
+      std::function<void(const std::byte* bytes, std::size_t size, std::int64_t time_ns)> sample);
   virtual ~Tap() = default;
   [[nodiscard]] virtual FlowHealth health() const = 0;
 

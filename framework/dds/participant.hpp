@@ -17,9 +17,10 @@ struct ParticipantOptions {
   std::vector<std::string> interfaces;  ///< IPv4 addresses of the only interfaces to use; empty: all
 };
 
-/// All of a process's topics hang on one participant; several in a process deadlock in this version of Fast DDS. Its
-/// threads inherit policy and processors of the thread that creates it: create it from a thread that is not real-time.
-/// Deleted with everything that it made when the last owner lets go; must be before main() returns.
+/// All of a process's topics hang on one participant; several in a process deadlock in this version of Fast
+/// DDS. Its threads inherit policy and processors of the thread that creates it: create it from a thread that
+/// is not real-time. Deleted with everything that it made when the last owner lets go; must be before main()
+/// returns.
 class Participant {
  public:
   /// Fails where the domain or an address cannot be used; says which.

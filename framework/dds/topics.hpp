@@ -1,12 +1,11 @@
-// The topics on which nodes say what goes on, typed: Writer<T> and Reader<T> for T of idl/takt.idl, each with the QoS
-// of its topic.
+// The topics on which nodes say what goes on, typed: Writer<T> and Reader<T> for T of idl/takt.idl, each with
+// the QoS of its topic.
 //
 //   T                          topic             QoS
-//   takt::LifecycleStatus      takt/lifecycle    reliable, transient local, keep last 1, liveliness manual by topic
-//   takt::DeviceStatus         takt/device       the same, lease 300 ms
-//   takt::ModuleStatistics     takt/statistics   best effort, keep last 1
-//   takt::ExecutorStatistics   takt/executor     best effort, keep last 1
-//   takt::PortStatus           takt/port         best effort, keep last 1
+//   takt::LifecycleStatus      takt/lifecycle    reliable, transient local, keep last 1, liveliness manual by
+//   topic takt::DeviceStatus         takt/device       the same, lease 300 ms takt::ModuleStatistics
+//   takt/statistics   best effort, keep last 1 takt::ExecutorStatistics   takt/executor     best effort, keep
+//   last 1 takt::PortStatus           takt/port         best effort, keep last 1
 #pragma once
 
 #include <chrono>
@@ -48,8 +47,8 @@ class Writer {
   std::unique_ptr<Inside> inside_;
 };
 
-/// What a reader is told, on a thread of Fast DDS, one call at a time for each reader. Not to take long, and not to
-/// create or delete anything of DDS.
+/// What a reader is told, on a thread of Fast DDS, one call at a time for each reader. Not to take long, and
+/// not to create or delete anything of DDS.
 template <class T>
 struct Heard {
   std::function<void(const T&, WriterId)> sample;
@@ -57,6 +56,8 @@ struct Heard {
   std::function<void(const T&, WriterId)> disposed{};
   /// The writer is not alive any more: its lease ran out, or it left.
   std::function<void(WriterId)> lost{};
+  /// A writer is alive: the first time, and after it was lost. What it wrote before is not told again.
+  std::function<void(WriterId)> alive{};
 };
 
 template <class T>

@@ -81,7 +81,10 @@ Result<void> Host::prepare() {
                         .block = &channel_.module(i),
                         .period = m.period.value_or(Nanoseconds{0}),
                         .deadline = m.deadline.value_or(Nanoseconds{0}),
-                        .budget = m.budget.value_or(Nanoseconds{0})};
+                        .budget = m.budget.value_or(Nanoseconds{0}),
+                        .interarrival = m.interarrival.value_or(Nanoseconds{0}),
+                        .immediate = m.dispatch == model::Dispatch::immediate,
+                        .late_is_error = m.miss == model::Miss::error};
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
     unit.body = modules_.back().get();
     if (setup_.seat_fds[i] >= 0) {
@@ -206,16 +209,17 @@ void Host::run_background(std::uint32_t index) {
                               to_ns(start));  // before the tables are asked: SYNC: in tables
     if (block.in_tables.load(std::memory_order_seq_cst) != 0) {
       if (period == Nanoseconds{0}) cycle.time = start;
-      const char* failure = modules_[index]->run(cycle);
+      cycle.start = start;
+      const executor::Outcome outcome = modules_[index]->run(cycle);
       block.jitter.record((cycle.time - start).count());
       block.run.record((os::now() - start).count());
       block.cycles.store(block.cycles.load(relaxed) + 1, relaxed);
       ++cycle.number;
-      if (failure != nullptr) {
+      if (!outcome.ok()) {
         block.in_tables.store(0, std::memory_order_seq_cst);
         block.errors.store(block.errors.load(relaxed) + 1, relaxed);
-        block.error_text.assign(failure);
-        block.error.store(static_cast<std::uint32_t>(ErrorType::failure),
+        block.error_text.assign(outcome.text);
+        block.error.store(static_cast<std::uint32_t>(outcome.type),
                           std::memory_order_release);  // SYNC: error raised
       }
     }

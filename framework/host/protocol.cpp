@@ -28,6 +28,9 @@ json to_json(const model::Module& module) {
           {"operation", module.operation},
           {"period", from_duration(module.period)},
           {"deadline", from_duration(module.deadline)},
+          {"miss", module.miss},
+          {"dispatch", module.dispatch},
+          {"interarrival", from_duration(module.interarrival)},
           {"priority", module.priority},
           {"executor", module.executor},
           {"budget", from_duration(module.budget)},
@@ -43,6 +46,9 @@ model::Module module_from(const json& value) {
   module.operation = value.at("operation");
   module.period = to_duration(value.at("period"));
   module.deadline = to_duration(value.at("deadline"));
+  module.miss = value.at("miss");
+  module.dispatch = value.at("dispatch");
+  module.interarrival = to_duration(value.at("interarrival"));
   module.priority = value.at("priority");
   module.executor = value.at("executor");
   module.budget = to_duration(value.at("budget"));

@@ -6,15 +6,29 @@
 
 #include <takt/component/current_cycle.hpp>
 #include <takt/component/failure.hpp>
+#include <takt/os/clock.hpp>
 
 namespace takt::host {
 
 namespace {
 
+/// A hook is served no release, but what it writes to a port is stamped with the time of its call.
+class InHook {
+ public:
+  InHook() noexcept { serve_cycle(&cycle_); }
+  ~InHook() { serve_cycle(nullptr); }
+  InHook(const InHook&) = delete;
+  InHook& operator=(const InHook&) = delete;
+
+ private:
+  Cycle cycle_{.number = 0, .time = {}, .period = {}, .start = os::now()};
+};
+
 // Calls a hook of foreign code: whatever it throws or says becomes its Result.
 template <class Call>
 Result<void> guarded(Call&& call) {
   static_cast<void>(take_failure());
+  const InHook in_hook;
   try {
     if (Result<void> result = std::forward<Call>(call)(); !result) return result;
   } catch (const std::exception& exception) {
@@ -153,12 +167,12 @@ Result<void> ThreadModule::destruct() {
   });
 }
 
-const char* ThreadModule::run(const Cycle& cycle) noexcept {
+executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
+  serve_cycle(&cycle);
   try {
     if (component_ != nullptr) {
       component_->run(cycle);
     } else {
-      serve_cycle(&cycle);
       run_();
     }
   } catch (const std::exception& exception) {
@@ -170,7 +184,8 @@ const char* ThreadModule::run(const Cycle& cycle) noexcept {
   return take_failure();
 }
 
-const char* ThreadModule::condition(bool* ready) noexcept {
+executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexcept {
+  serve_cycle(&cycle);
   try {
     *ready = component_ != nullptr ? component_->condition() : condition_() != FALSE;
   } catch (const std::exception& exception) {
@@ -178,6 +193,7 @@ const char* ThreadModule::condition(bool* ready) noexcept {
   } catch (...) {
     say_failure("threw something that is no std::exception");
   }
+  serve_cycle(nullptr);
   return take_failure();
 }
 

@@ -40,8 +40,8 @@ class ThreadModule final : public executor::Body {
   Result<void> recover();
   Result<void> destruct();
 
-  const char* run(const Cycle& cycle) noexcept override;
-  const char* condition(bool* ready) noexcept override;
+  executor::Outcome run(const Cycle& cycle) noexcept override;
+  executor::Outcome condition(const Cycle& cycle, bool* ready) noexcept override;
 
   /// Null for a module in the C form.
   [[nodiscard]] const Component* component() const noexcept { return component_; }

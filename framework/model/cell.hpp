@@ -69,7 +69,7 @@ struct Module {
   Miss miss = Miss::count;              ///< what a missed deadline is: counted only, or an error too
   Dispatch dispatch = Dispatch::row;    ///< sporadic: when a sample has come, after the next row or at once
   std::optional<Nanoseconds> interarrival;  ///< sporadic: > 0, the least time between two releases
-  int priority = 0;                     ///< the lowest value is the highest priority
+  int priority = 0;                         ///< the lowest value is the highest priority
   std::string executor;  ///< periodic and sporadic: a name in Device::executors. non-real: empty.
   std::optional<Nanoseconds> budget;  ///< of one run(), > 0
   Recovery recovery;
@@ -94,12 +94,13 @@ struct Endpoint {
   [[nodiscard]] bool given() const noexcept { return !device.empty(); }
 };
 
-/// From one port to another, or, with a topic and one end only, between a port and programs that are not Takt.
+/// From one port to another, or, with a topic and one end only, between a port and programs that are not
+/// Takt.
 struct Connection {
   Endpoint from;
   Endpoint to;
   ConnectionKind kind = ConnectionKind::latest;
-  int depth = 1;  ///< of a queue
+  int depth = 1;                                       ///< of a queue
   Reliability reliability = Reliability::best_effort;  ///< unless said: of a queue reliable
   std::optional<Nanoseconds> deadline;                 ///< a value older than this is stale
   std::optional<Nanoseconds> lifespan;                 ///< a value older than this is not delivered any more

@@ -1,5 +1,6 @@
-// The type of a port, as data: what is written in its IDL, so that programs that were not compiled with it can check and
-// print its samples. Types of ports are final structs without keys, whose strings and sequences are bounded.
+// The type of a port, as data: what is written in its IDL, so that programs that were not compiled with it
+// can check and print its samples. Types of ports are final structs without keys, whose strings and sequences
+// are bounded.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,20 @@
 namespace takt::model {
 
 enum class Scalar {
-  boolean, octet, character, int16, uint16, int32, uint32, int64, uint64, float32, float64, text, enumeration, structure
+  boolean,
+  octet,
+  character,
+  int16,
+  uint16,
+  int32,
+  uint32,
+  int64,
+  uint64,
+  float32,
+  float64,
+  text,
+  enumeration,
+  structure
 };
 /// IDL's words: "boolean", "octet", "char", "short", "unsigned long", "double", "string", ...
 const char* to_text(Scalar scalar);
@@ -36,23 +50,26 @@ struct Type {
   bool operator==(const Type&) const = default;
 };
 
-/// As the code that takt_add_idl generates carries it (JSON). Fails on a text that is none, and on a type that no port can
-/// have: a string or sequence without a bound, a sequence within a sequence, a key; the problem names the field.
+/// As the code that takt_add_idl generates carries it (JSON). Fails on a text that is none, and on a type
+/// that no port can have: a string or sequence without a bound, a sequence within a sequence, a key; the
+/// problem names the field.
 Result<Type> parse_type(const std::string& text);
 std::string to_text(const Type& type);
 
 /// Most bytes of a sample as XCDR1, with the 4 bytes of encapsulation before it.
 std::size_t max_size(const Type& type);
 
-/// Whether the bytes are one sample of the type, whole and within all bounds: encapsulation (XCDR1, either byte order),
-/// lengths, booleans, enumerators, ends of strings. Neither allocates nor throws, whatever the bytes are.
+/// Whether the bytes are one sample of the type, whole and within all bounds: encapsulation (XCDR1, either
+/// byte order), lengths, booleans, enumerators, ends of strings. Neither allocates nor throws, whatever the
+/// bytes are.
 bool is_sample(const Type& type, const std::byte* bytes, std::size_t size) noexcept;
 
-/// The sample by field, for bytes for which is_sample() holds: one line {"position": [0, 1], "mode": "ON"} of JSON.
+/// The sample by field, for bytes for which is_sample() holds: one line {"position": [0, 1], "mode": "ON"} of
+/// JSON.
 std::string sample_json(const Type& type, const std::byte* bytes, std::size_t size);
 
-/// The bytes of a sample from such JSON; a field that is missing is zero. Fails with the field's name where a value does not
-/// fit. Little endian.
+/// The bytes of a sample from such JSON; a field that is missing is zero. Fails with the field's name where a
+/// value does not fit. Little endian.
 Result<std::vector<std::byte>> sample_bytes(const Type& type, const std::string& json);
 
 }  // namespace takt::model

@@ -1,0 +1,422 @@
+#include <takt/dds/commands.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <takt/wire/taktPubSubTypes.h>
+#include <takt/dds/inside.hpp>
+
+namespace takt::dds {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::int32_t kDepth = 32;
+constexpr std::size_t kPart = 32768;        // of idl/takt.idl
+constexpr std::size_t kPaced = kDepth / 2;  // parts that are sent before their arrival is waited for
+constexpr std::size_t kRemembered = 256;    // answers, and commands in work
+constexpr std::size_t kUnfinished = 64;     // commands or replies of which parts are missing
+constexpr auto kResend = milliseconds{1000};
+constexpr auto kAcknowledge = milliseconds{2000};
+constexpr auto kMatchWait = milliseconds{3000};  // for the asker's reader; then the reply is sent anyway
+
+std::int64_t wall_ns() {
+  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+template <class Qos>
+void set_quality(Qos& qos) {
+  qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = kDepth;
+  qos.resource_limits().max_samples = kDepth;
+  qos.resource_limits().max_instances = 1;
+  qos.resource_limits().max_samples_per_instance = kDepth;
+  qos.resource_limits().allocated_samples = 4;
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.data_sharing().off();
+}
+
+/// Puts the parts of long data together. Parts of one id come from one writer in order; what is never
+/// finished makes room for what comes.
+template <class Head, class Whole>
+class Assembly {
+ public:
+  /// The whole, once its last part has come. Nothing for a part that makes no sense.
+  bool add(const Head& part, const std::string& key, Whole& whole) {
+    const std::uint32_t parts = part.parts();
+    if (parts == 0 || part.part() >= parts || std::size_t{parts} * kPart > kMaxData + kPart) return false;
+    if (parts > 1 && part.part() + 1 < parts && part.data().size() != kPart) return false;
+    const auto text = [&part] { return std::string{part.data().begin(), part.data().end()}; };
+    if (parts == 1) {
+      whole.head = part;
+      whole.data = text();
+      return true;
+    }
+    if (part.part() == 0) {
+      if (unfinished_.size() >= kUnfinished && unfinished_.find(key) == unfinished_.end())
+        unfinished_.erase(unfinished_.begin());
+      unfinished_[key] = {0, {}};
+    }
+    const auto found = unfinished_.find(key);
+    if (found == unfinished_.end() || found->second.first != part.part()) return false;
+    found->second.second += text();
+    if (++found->second.first < parts) return false;
+    whole.head = part;
+    whole.data = std::move(found->second.second);
+    unfinished_.erase(found);
+    return true;
+  }
+
+ private:
+  std::map<std::string, std::pair<std::uint32_t, std::string>> unfinished_;
+};
+
+/// Writes data in parts; waits now and then for the other side to have them, because the history keeps 32.
+template <class Whole>
+bool write_parts(fast::DataWriter& writer, const Whole& whole) {
+  auto head = whole.head;
+  const std::size_t parts = std::max<std::size_t>(1, (whole.data.size() + kPart - 1) / kPart);
+  head.parts(static_cast<std::uint32_t>(parts));
+  for (std::size_t i = 0; i < parts; ++i) {
+    head.part(static_cast<std::uint32_t>(i));
+    const auto begin = whole.data.begin() + static_cast<std::ptrdiff_t>(i * kPart);
+    const auto end =
+        whole.data.begin() + static_cast<std::ptrdiff_t>(std::min(whole.data.size(), (i + 1) * kPart));
+    head.data(std::vector<std::uint8_t>(begin, end));
+    if (!writer.write(&head)) return false;
+    if (i % kPaced == kPaced - 1) static_cast<void>(writer.wait_for_acknowledgments(duration(kAcknowledge)));
+  }
+  return true;
+}
+
+/// A writer of one topic and a reader of the other.
+struct Ends {
+  std::shared_ptr<Participant> participant;
+  fast::Topic* out_topic = nullptr;
+  fast::Topic* in_topic = nullptr;
+  fast::DataWriter* writer = nullptr;
+  fast::DataReader* reader = nullptr;
+
+  Result<void> make(const char* out, const fast::TypeSupport& out_type, const char* in,
+                    const fast::TypeSupport& in_type, fast::DataWriterListener* writer_listener,
+                    fast::DataReaderListener* reader_listener) {
+    OwnParticipant& mine = own(*participant);
+    out_topic = mine.topic(out, out_type);
+    in_topic = mine.topic(in, in_type);
+    if (out_topic == nullptr || in_topic == nullptr)
+      return fail("DDS made no topic for commands", "see what it printed");
+    fast::DataWriterQos writer_qos;
+    set_quality(writer_qos);
+    writer_qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
+    writer = mine.publisher().create_datawriter(out_topic, writer_qos, writer_listener,
+                                                fast::StatusMask::publication_matched());
+    fast::DataReaderQos reader_qos;
+    set_quality(reader_qos);
+    reader = mine.subscriber().create_datareader(in_topic, reader_qos, reader_listener,
+                                                 fast::StatusMask::data_available());
+    if (writer == nullptr || reader == nullptr)
+      return fail("DDS made no writer or reader for commands", "see what it printed");
+    return {};
+  }
+
+  void end() {
+    if (reader != nullptr) {
+      reader->set_listener(nullptr);
+      own(*participant).subscriber().delete_datareader(reader);
+      reader = nullptr;
+    }
+    if (writer != nullptr) {
+      writer->set_listener(nullptr);
+      own(*participant).publisher().delete_datawriter(writer);
+      writer = nullptr;
+    }
+    if (in_topic != nullptr) own(*participant).release(in_topic);
+    if (out_topic != nullptr) own(*participant).release(out_topic);
+    in_topic = out_topic = nullptr;
+  }
+};
+
+std::uint64_t participant_of(const rtps::InstanceHandle_t& handle) {
+  rtps::GuidPrefix_t prefix;
+  for (std::size_t i = 0; i < 12; ++i) prefix.value[i] = handle.value[i];
+  return number_of(prefix);
+}
+
+}  // namespace
+
+// ---- A node's end
+
+struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterListener {
+  struct Asked {
+    std::uint64_t asker = 0;  // the participant
+    bool answered = false;
+    WholeReply reply;
+  };
+  struct Outgoing {
+    WholeReply reply;
+    std::uint64_t asker = 0;
+    Clock::time_point since;
+  };
+
+  Ends ends;
+  std::string device;
+  std::string node;
+  std::function<void(const WholeCommand&)> handle;
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool ending = false;
+  Assembly<Command, WholeCommand> assembly;
+  std::deque<WholeCommand> to_handle;
+  std::deque<Outgoing> to_send;
+  std::map<std::string, Asked> asked;
+  std::deque<std::string> asked_order;
+  std::multiset<std::uint64_t> matched;  // participants of reply readers
+  std::thread handler;
+  std::thread sender;
+
+  ~Inside() override {
+    {
+      const std::lock_guard lock{mutex};
+      ending = true;
+    }
+    changed.notify_all();
+    if (handler.joinable()) handler.join();
+    if (sender.joinable()) sender.join();
+    ends.end();
+  }
+
+  void on_data_available(fast::DataReader* from) override {
+    Command command;
+    fast::SampleInfo info;
+    while (from->take_next_sample(&command, &info) == ReturnCode::RETCODE_OK) {
+      if (!info.valid_data || device != command.device().c_str()) continue;
+      if (command.node().size() != 0 && node != command.node().c_str()) continue;
+      const std::lock_guard lock{mutex};
+      const std::uint64_t asker = number_of(info.sample_identity.writer_guid().guidPrefix);
+      const std::string id = command.id().c_str();
+      WholeCommand whole;
+      if (!assembly.add(command, std::to_string(asker) + id, whole)) continue;
+      if (const auto found = asked.find(id); found != asked.end()) {
+        found->second.asker = asker;
+        if (found->second.answered) to_send.push_back({found->second.reply, asker, Clock::now()});
+        changed.notify_all();
+        continue;
+      }
+      asked[id].asker = asker;
+      asked_order.push_back(id);
+      if (asked_order.size() > kRemembered) {
+        asked.erase(asked_order.front());
+        asked_order.pop_front();
+      }
+      to_handle.push_back(std::move(whole));
+      changed.notify_all();
+    }
+  }
+
+  void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
+    const std::lock_guard lock{mutex};
+    const std::uint64_t who = participant_of(status.last_subscription_handle);
+    if (status.current_count_change > 0) {
+      matched.insert(who);
+    } else if (const auto found = matched.find(who); found != matched.end()) {
+      matched.erase(found);
+    }
+    changed.notify_all();
+  }
+
+  void serve() {
+    std::unique_lock lock{mutex};
+    while (!ending) {
+      if (to_handle.empty()) {
+        changed.wait(lock);
+        continue;
+      }
+      const WholeCommand command = std::move(to_handle.front());
+      to_handle.pop_front();
+      lock.unlock();
+      handle(command);
+      lock.lock();
+    }
+  }
+
+  // The asker's reader may match later than its command came: a reply before that would be lost.
+  void send() {
+    std::unique_lock lock{mutex};
+    while (!ending) {
+      const auto now = Clock::now();
+      const auto found = std::find_if(to_send.begin(), to_send.end(), [&](const Outgoing& each) {
+        return matched.count(each.asker) > 0 || now - each.since > kMatchWait;
+      });
+      if (found == to_send.end()) {
+        if (to_send.empty())
+          changed.wait(lock);
+        else
+          changed.wait_for(lock, milliseconds{50});
+        continue;
+      }
+      const WholeReply reply = std::move(found->reply);
+      to_send.erase(found);
+      lock.unlock();
+      write_parts(*ends.writer, reply);
+      lock.lock();
+    }
+  }
+};
+
+Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> participant, std::string device,
+                                            std::string node,
+                                            std::function<void(const WholeCommand&)> handle) {
+  auto inside = std::make_unique<Inside>();
+  inside->ends.participant = std::move(participant);
+  inside->device = std::move(device);
+  inside->node = std::move(node);
+  inside->handle = std::move(handle);
+  if (auto made = inside->ends.make("takt/reply", fast::TypeSupport{new ReplyPubSubType}, "takt/command",
+                                    fast::TypeSupport{new CommandPubSubType}, inside.get(), inside.get());
+      !made) {
+    return made.problems();
+  }
+  inside->handler = std::thread{[me = inside.get()] { me->serve(); }};
+  inside->sender = std::thread{[me = inside.get()] { me->send(); }};
+  return CommandServer{std::move(inside)};
+}
+
+CommandServer::CommandServer(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
+CommandServer::CommandServer(CommandServer&&) noexcept = default;
+CommandServer& CommandServer::operator=(CommandServer&&) noexcept = default;
+CommandServer::~CommandServer() = default;
+
+void CommandServer::reply(const WholeReply& reply) {
+  const std::lock_guard lock{inside_->mutex};
+  const auto found = inside_->asked.find(reply.head.id().c_str());
+  if (found == inside_->asked.end()) return;  // so long ago that nobody waits
+  WholeReply full = reply;
+  full.head.device(inside_->device.c_str());
+  full.head.node(inside_->node.c_str());
+  found->second.answered = true;
+  found->second.reply = full;
+  inside_->to_send.push_back({std::move(full), found->second.asker, Clock::now()});
+  inside_->changed.notify_all();
+}
+
+// ---- The asker's end
+
+struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterListener {
+  struct Open {
+    WholeCommand command;
+    Clock::time_point again;
+  };
+
+  Ends ends;
+  std::function<void(const WholeReply&)> heard;
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool ending = false;
+  int matched = 0;
+  Assembly<Reply, WholeReply> assembly;
+  std::map<std::string, Open> open;
+  std::thread sender;
+
+  ~Inside() override {
+    {
+      const std::lock_guard lock{mutex};
+      ending = true;
+    }
+    changed.notify_all();
+    if (sender.joinable()) sender.join();
+    ends.end();
+  }
+
+  void on_data_available(fast::DataReader* from) override {
+    Reply reply;
+    fast::SampleInfo info;
+    while (from->take_next_sample(&reply, &info) == ReturnCode::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      WholeReply whole;
+      {
+        const std::lock_guard lock{mutex};
+        // Replies to everybody come here; only those to our commands are ours.
+        const auto mine = open.find(reply.id().c_str());
+        if (mine == open.end()) continue;
+        const std::string key = std::string{reply.id().c_str()} + reply.node().c_str();
+        if (!assembly.add(reply, key, whole)) continue;
+        open.erase(mine);
+      }
+      heard(whole);
+    }
+  }
+
+  void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
+    const std::lock_guard lock{mutex};
+    matched = status.current_count;
+    if (status.current_count_change > 0) {  // somebody has come who has not heard what is open
+      for (auto& each : open) each.second.again = Clock::now();
+    }
+    changed.notify_all();
+  }
+
+  void send() {
+    std::unique_lock lock{mutex};
+    while (!ending) {
+      const auto now = Clock::now();
+      const std::int64_t wall = wall_ns();
+      std::erase_if(open, [wall](const auto& each) { return each.second.command.head.deadline_ns() < wall; });
+      const auto due = std::find_if(open.begin(), open.end(), [&](const auto& each) {
+        return matched > 0 && each.second.again <= now;
+      });
+      if (due == open.end()) {
+        if (open.empty())
+          changed.wait(lock);
+        else
+          changed.wait_for(lock, milliseconds{20});
+        continue;
+      }
+      due->second.again = now + kResend;
+      const WholeCommand command = due->second.command;
+      lock.unlock();
+      write_parts(*ends.writer, command);
+      lock.lock();
+    }
+  }
+};
+
+Result<CommandClient> CommandClient::create(std::shared_ptr<Participant> participant,
+                                            std::function<void(const WholeReply&)> heard) {
+  auto inside = std::make_unique<Inside>();
+  inside->ends.participant = std::move(participant);
+  inside->heard = std::move(heard);
+  if (auto made = inside->ends.make("takt/command", fast::TypeSupport{new CommandPubSubType}, "takt/reply",
+                                    fast::TypeSupport{new ReplyPubSubType}, inside.get(), inside.get());
+      !made) {
+    return made.problems();
+  }
+  inside->sender = std::thread{[me = inside.get()] { me->send(); }};
+  return CommandClient{std::move(inside)};
+}
+
+CommandClient::CommandClient(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
+CommandClient::CommandClient(CommandClient&&) noexcept = default;
+CommandClient& CommandClient::operator=(CommandClient&&) noexcept = default;
+CommandClient::~CommandClient() = default;
+
+void CommandClient::send(const WholeCommand& command) {
+  const std::lock_guard lock{inside_->mutex};
+  inside_->open[command.head.id().c_str()] = {command, Clock::now()};
+  inside_->changed.notify_all();
+}
+
+}  // namespace takt::dds

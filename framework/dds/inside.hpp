@@ -1,0 +1,72 @@
+// What the sources of this room share: Fast DDS's objects behind a Participant. Not for other rooms.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+
+#include <takt/core/time.hpp>
+#include <takt/dds/participant.hpp>
+
+namespace takt::dds {
+
+namespace fast = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
+
+/// The one participant of the process, with its topics. Thread-safe.
+class OwnParticipant final : public Participant {
+ public:
+  OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
+                 fast::Subscriber* subscriber);
+  ~OwnParticipant() override;
+  void rescan_interfaces() override;
+
+  /// The topic of this name, made if there is none yet. Null where there is one of another type, or none can
+  /// be made.
+  fast::Topic* topic(const std::string& name, const fast::TypeSupport& type);
+  /// Lets go of what topic() gave; it is deleted with its last user.
+  void release(fast::Topic* topic);
+
+  [[nodiscard]] fast::DomainParticipant& participant() noexcept { return *participant_; }
+  [[nodiscard]] fast::Publisher& publisher() noexcept { return *publisher_; }
+  [[nodiscard]] fast::Subscriber& subscriber() noexcept { return *subscriber_; }
+
+ private:
+  struct Shared {
+    fast::Topic* topic = nullptr;
+    int users = 0;
+  };
+  fast::DomainParticipant* participant_;
+  fast::Publisher* publisher_;
+  fast::Subscriber* subscriber_;
+  std::mutex mutex_;
+  std::map<std::string, Shared> topics_;
+};
+
+/// Every Participant is one of ours.
+OwnParticipant& own(Participant& participant);
+
+eprosima::fastrtps::Duration_t duration(Nanoseconds time);
+
+/// Numbers a writer's or reader's identity, for whoever must compare it.
+std::uint64_t number_of(const rtps::GUID_t& guid);
+std::uint64_t number_of(const rtps::InstanceHandle_t& handle);
+/// The same for all that belong to one participant.
+std::uint64_t number_of(const rtps::GuidPrefix_t& prefix);
+
+/// The name of a QoS policy by its number: "reliability".
+std::string policy_name(fast::QosPolicyId_t id);
+
+}  // namespace takt::dds

@@ -1,0 +1,254 @@
+#include <takt/dds/participant.hpp>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <cstdlib>
+#include <functional>
+#include <sstream>
+#include <string_view>
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/log/Log.hpp>
+
+#include <takt/core/check.hpp>
+#include <takt/dds/inside.hpp>
+#include <takt/os/network.hpp>
+
+namespace takt::dds {
+
+namespace {
+
+constexpr const char* kServerPrefix =
+    "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the first server's, as the manual has it
+constexpr std::uint16_t kServerPort = 11811;
+constexpr std::uint32_t kReceiveBuffer = 4 * 1024 * 1024;
+/// Participants of one machine that are tried where only its address is known.
+constexpr std::uint32_t kPeerParticipants = 40;
+
+std::atomic<bool> there_is_one{false};
+
+// What stands in the environment is for other programs of this machine; it would change how ours are found.
+void ignore_environment() {
+  ::setenv("SKIP_DEFAULT_XML", "1", 1);
+  ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
+  ::unsetenv("ROS_DISCOVERY_SERVER");
+}
+
+Result<rtps::Locator_t> locator(const std::string& host, std::uint32_t port) {
+  auto address = os::resolve_ipv4(host);
+  if (!address) return address.problems();
+  rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  rtps::IPLocator::setIPv4(locator, *address);
+  locator.port = port;
+  return locator;
+}
+
+Result<rtps::Locator_t> server_locator(const std::string& server) {
+  const std::size_t colon = server.rfind(':');
+  std::uint16_t port = kServerPort;
+  if (colon != std::string::npos) {
+    const std::string_view text = std::string_view{server}.substr(colon + 1);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+    if (error != std::errc{} || end != text.data() + text.size() || port == 0) {
+      return fail("the discovery server '" + server + "' has no port",
+                  "say host:port, for example 10.0.0.1:11811");
+    }
+  }
+  return locator(server.substr(0, colon), port);
+}
+
+Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery) {
+  auto& builtin = qos.wire_protocol().builtin;
+  auto& config = builtin.discovery_config;
+  config.leaseDuration = {3, 0};
+  config.leaseDuration_announcementperiod = {1, 0};
+  switch (discovery.kind) {
+    case model::Discovery::Kind::multicast:
+      break;
+    case model::Discovery::Kind::peers:
+      for (const std::string& peer : discovery.peers) {
+        auto place = locator(peer, 0);
+        if (!place) return place.problems();
+        builtin.initialPeersList.push_back(*place);
+      }
+      break;
+    case model::Discovery::Kind::server: {
+      auto place = server_locator(discovery.server);
+      if (!place) return place.problems();
+      if (discovery.serve) {
+        config.discoveryProtocol = rtps::DiscoveryProtocol::SERVER;
+        std::istringstream{kServerPrefix} >> qos.wire_protocol().prefix;
+        builtin.metatrafficUnicastLocatorList.push_back(*place);
+      } else {
+        config.discoveryProtocol = rtps::DiscoveryProtocol::CLIENT;
+        rtps::RemoteServerAttributes server;
+        server.ReadguidPrefix(kServerPrefix);
+        server.metatrafficUnicastLocatorList.push_back(*place);
+        config.m_DiscoveryServers.push_back(server);
+      }
+      break;
+    }
+  }
+  return {};
+}
+
+Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<std::string>& interfaces) {
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->receiveBufferSize = kReceiveBuffer;
+  udp->non_blocking_send = true;
+  udp->maxInitialPeersRange = kPeerParticipants;
+  const std::vector<std::string> mine = os::ipv4_addresses();
+  for (const std::string& address : interfaces) {
+    if (std::find(mine.begin(), mine.end(), address) == mine.end()) {
+      std::string known;
+      for (const std::string& each : mine) known += (known.empty() ? "" : ", ") + each;
+      return fail("this machine has no interface with the address '" + address + "'",
+                  known.empty() ? "it has none that is up" : "it has " + known);
+    }
+    udp->interfaceWhiteList.push_back(address);
+  }
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(udp);
+  return {};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOptions& options) {
+  if (options.domain < 0 || options.domain > 232)
+    return fail("there is no DDS domain " + std::to_string(options.domain), "a domain is 0 to 232");
+  if (there_is_one.exchange(true)) return fail("this process has a DDS participant already", "use that one");
+  const auto refuse = [](Problems problems) {
+    there_is_one = false;
+    return problems;
+  };
+  ignore_environment();
+  fast::Log::SetVerbosity(fast::Log::Kind::Error);
+  eprosima::fastrtps::LibrarySettingsAttributes library;
+  library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+
+  fast::DomainParticipantQos qos;
+  qos.name(options.name.c_str());
+  if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
+  if (auto set = set_transport(qos, options.interfaces); !set) return refuse(set.problems());
+
+  auto* factory = fast::DomainParticipantFactory::get_instance();
+  fast::DomainParticipant* made = factory->create_participant(static_cast<fast::DomainId_t>(options.domain),
+                                                              qos, nullptr, fast::StatusMask::none());
+  if (made == nullptr) {
+    return refuse({fail("DDS cannot be used on domain " + std::to_string(options.domain),
+                        "see what it printed; each process takes ports from " +
+                            std::to_string(7400 + 250 * options.domain) +
+                            " upwards, and about 120 of them fit on one machine")});
+  }
+  fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
+  fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
+  std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(made, publisher, subscriber);
+  if (publisher == nullptr || subscriber == nullptr) return fail("DDS made no publisher or subscriber");
+  return participant;
+}
+
+OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
+                               fast::Subscriber* subscriber)
+    : participant_(participant), publisher_(publisher), subscriber_(subscriber) {}
+
+OwnParticipant::~OwnParticipant() {
+  participant_->delete_contained_entities();
+  fast::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  there_is_one = false;
+}
+
+void OwnParticipant::rescan_interfaces() {
+  fast::DomainParticipantQos qos;
+  if (participant_->get_qos(qos) == ReturnCode::RETCODE_OK) participant_->set_qos(qos);
+}
+
+fast::Topic* OwnParticipant::topic(const std::string& name, const fast::TypeSupport& type) {
+  const std::lock_guard lock{mutex_};
+  Shared& shared = topics_[name];
+  if (shared.topic == nullptr) {
+    participant_->register_type(type, type.get_type_name());
+    shared.topic = participant_->create_topic(name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
+  }
+  if (shared.topic == nullptr || shared.topic->get_type_name() != type.get_type_name()) {
+    if (shared.users == 0) topics_.erase(name);
+    return nullptr;
+  }
+  ++shared.users;
+  return shared.topic;
+}
+
+void OwnParticipant::release(fast::Topic* topic) {
+  const std::lock_guard lock{mutex_};
+  const auto found = topics_.find(topic->get_name());
+  TAKT_CHECK(found != topics_.end());
+  if (--found->second.users > 0) return;
+  participant_->delete_topic(topic);
+  topics_.erase(found);
+}
+
+OwnParticipant& own(Participant& participant) { return static_cast<OwnParticipant&>(participant); }
+
+eprosima::fastrtps::Duration_t duration(Nanoseconds time) {
+  const auto ns = time.count();
+  return {static_cast<std::int32_t>(ns / 1'000'000'000), static_cast<std::uint32_t>(ns % 1'000'000'000)};
+}
+
+namespace {
+
+template <class Bytes>
+std::uint64_t hash(const Bytes& bytes) {
+  std::uint64_t value = 14695981039346656037ULL;  // FNV-1a
+  for (const auto byte : bytes) value = (value ^ static_cast<std::uint8_t>(byte)) * 1099511628211ULL;
+  return value;
+}
+
+}  // namespace
+
+std::uint64_t number_of(const rtps::GUID_t& guid) {
+  rtps::InstanceHandle_t handle;
+  handle = guid;
+  return number_of(handle);
+}
+
+std::uint64_t number_of(const rtps::InstanceHandle_t& handle) {
+  std::array<std::uint8_t, 16> bytes{};
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = handle.value[i];
+  return hash(bytes);
+}
+
+std::uint64_t number_of(const rtps::GuidPrefix_t& prefix) { return hash(prefix.value); }
+
+std::string policy_name(fast::QosPolicyId_t id) {
+  switch (id) {
+    case fast::DURABILITY_QOS_POLICY_ID:
+      return "durability";
+    case fast::DEADLINE_QOS_POLICY_ID:
+      return "deadline";
+    case fast::LIVELINESS_QOS_POLICY_ID:
+      return "liveliness";
+    case fast::RELIABILITY_QOS_POLICY_ID:
+      return "reliability";
+    case fast::OWNERSHIP_QOS_POLICY_ID:
+      return "ownership";
+    case fast::DESTINATIONORDER_QOS_POLICY_ID:
+      return "destination order";
+    case fast::LATENCYBUDGET_QOS_POLICY_ID:
+      return "latency budget";
+    case fast::PARTITION_QOS_POLICY_ID:
+      return "partition";
+    case fast::PRESENTATION_QOS_POLICY_ID:
+      return "presentation";
+    default:
+      return "policy " + std::to_string(static_cast<unsigned>(id));
+  }
+}
+
+}  // namespace takt::dds

@@ -1,0 +1,272 @@
+#include <takt/dds/topics.hpp>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include <takt/wire/takt.h>
+#include <takt/wire/taktPubSubTypes.h>
+#include <takt/dds/inside.hpp>
+
+namespace takt::dds {
+
+namespace {
+
+constexpr int kMaxKeys =
+    16384;  ///< modules, or ports, of all devices on a domain; 10 by default, and further ones are lost
+constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
+constexpr std::int32_t kReaderDepth =
+    64;  ///< so that a burst is not overwritten before the listener has taken it
+
+/// The generated types compute a key in one buffer for all writers and readers of a participant, and leave in
+/// it what an earlier key wrote.
+template <class Generated>
+class KeySafe final : public Generated {
+ public:
+  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5 = false) override {
+    const std::lock_guard lock{mutex_};
+    std::memset(this->m_keyBuffer, 0,
+                std::max<std::size_t>(16, Generated::type::getKeyMaxCdrSerializedSize()));
+    return Generated::getKey(data, handle, force_md5);
+  }
+
+ private:
+  std::mutex mutex_;
+};
+
+/// What the contract says of each topic.
+template <class T>
+struct TopicOf;
+template <>
+struct TopicOf<LifecycleStatus> {
+  using Generated = LifecycleStatusPubSubType;
+  static constexpr const char* name = "takt/lifecycle";
+  static constexpr bool state = true;
+};
+template <>
+struct TopicOf<DeviceStatus> {
+  using Generated = DeviceStatusPubSubType;
+  static constexpr const char* name = "takt/device";
+  static constexpr bool state = true;
+};
+template <>
+struct TopicOf<ModuleStatistics> {
+  using Generated = ModuleStatisticsPubSubType;
+  static constexpr const char* name = "takt/statistics";
+  static constexpr bool state = false;
+};
+template <>
+struct TopicOf<ExecutorStatistics> {
+  using Generated = ExecutorStatisticsPubSubType;
+  static constexpr const char* name = "takt/executor";
+  static constexpr bool state = false;
+};
+template <>
+struct TopicOf<PortStatus> {
+  using Generated = PortStatusPubSubType;
+  static constexpr const char* name = "takt/port";
+  static constexpr bool state = false;
+};
+
+/// A state is kept for who comes later and its writer's life is watched; what is measured is not.
+template <class T, class Qos>
+void set_quality(Qos& qos, std::int32_t depth) {
+  qos.reliability().kind =
+      TopicOf<T>::state ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
+  qos.durability().kind =
+      TopicOf<T>::state ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = depth;
+  if (TopicOf<T>::state) {
+    qos.liveliness().kind = fast::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+    qos.liveliness().lease_duration = duration(kLease);
+    qos.liveliness().announcement_period = duration(kLease / 3);
+  }
+  qos.resource_limits().max_instances = kMaxKeys;
+  qos.resource_limits().max_samples_per_instance = depth;
+  qos.resource_limits().max_samples = kMaxKeys * depth;
+  qos.resource_limits().allocated_samples = 16;
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.data_sharing().off();
+}
+
+template <class T>
+fast::TypeSupport type_of() {
+  return fast::TypeSupport{new KeySafe<typename TopicOf<T>::Generated>};
+}
+
+template <class T>
+Problem no_entity(const char* what) {
+  return fail(std::string{"DDS made no "} + what + " of " + TopicOf<T>::name, "see what it printed");
+}
+
+}  // namespace
+
+template <class T>
+struct Writer<T>::Inside {
+  std::shared_ptr<Participant> participant;
+  fast::Topic* topic = nullptr;
+  fast::DataWriter* writer = nullptr;
+  std::atomic<std::uint64_t> failures{0};
+
+  ~Inside() {
+    if (writer != nullptr) own(*participant).publisher().delete_datawriter(writer);
+    if (topic != nullptr) own(*participant).release(topic);
+  }
+};
+
+template <class T>
+Result<Writer<T>> Writer<T>::create(std::shared_ptr<Participant> participant) {
+  auto inside = std::make_unique<Inside>();
+  inside->participant = std::move(participant);
+  OwnParticipant& mine = own(*inside->participant);
+  inside->topic = mine.topic(TopicOf<T>::name, type_of<T>());
+  if (inside->topic == nullptr) return no_entity<T>("topic");
+  fast::DataWriterQos qos;
+  set_quality<T>(qos, 1);
+  qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
+  qos.writer_data_lifecycle().autodispose_unregistered_instances = true;
+  inside->writer = mine.publisher().create_datawriter(inside->topic, qos, nullptr, fast::StatusMask::none());
+  if (inside->writer == nullptr) return no_entity<T>("writer");
+  return Writer{std::move(inside)};
+}
+
+template <class T>
+Writer<T>::Writer(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
+template <class T>
+Writer<T>::Writer(Writer&&) noexcept = default;
+template <class T>
+Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
+template <class T>
+Writer<T>::~Writer() = default;
+
+template <class T>
+bool Writer<T>::write(const T& sample) {
+  // Fast DDS takes a pointer that is not const and does not write through it.
+  const bool taken = inside_->writer->write(const_cast<T*>(&sample));
+  if (!taken) inside_->failures.fetch_add(1, std::memory_order_relaxed);
+  return taken;
+}
+
+template <class T>
+void Writer<T>::dispose(const T& sample) {
+  T copy = sample;
+  inside_->writer->dispose(&copy, inside_->writer->lookup_instance(&copy));
+  inside_->writer->unregister_instance(&copy, rtps::c_InstanceHandle_Unknown);
+}
+
+template <class T>
+void Writer<T>::assert_liveliness() {
+  static_cast<void>(inside_->writer->assert_liveliness());
+}
+
+template <class T>
+bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
+  return inside_->writer->wait_for_acknowledgments(duration(limit)) == ReturnCode::RETCODE_OK;
+}
+
+template <class T>
+std::uint64_t Writer<T>::failures() const noexcept {
+  return inside_->failures.load(std::memory_order_relaxed);
+}
+
+template <class T>
+struct Reader<T>::Inside final : fast::DataReaderListener {
+  std::shared_ptr<Participant> participant;
+  Heard<T> heard;
+  fast::Topic* topic = nullptr;
+  fast::DataReader* reader = nullptr;
+  std::atomic<int> matched{0};
+  std::mutex calling;  // data and status come on different threads
+  T sample;
+  // What was disposed comes without a key of its own, only with the handle of its instance.
+  std::map<rtps::InstanceHandle_t, std::string> paths;
+
+  ~Inside() override {
+    if (reader != nullptr) {
+      reader->set_listener(nullptr);
+      own(*participant).subscriber().delete_datareader(reader);
+    }
+    if (topic != nullptr) own(*participant).release(topic);
+  }
+
+  void on_data_available(fast::DataReader* from) override {
+    const std::lock_guard lock{calling};
+    fast::SampleInfo info;
+    while (from->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK) {
+      const WriterId writer = number_of(info.sample_identity.writer_guid());
+      if (info.valid_data) {
+        if (TopicOf<T>::state) paths[info.instance_handle] = sample.path().c_str();
+        heard.sample(sample, writer);
+      } else if (const auto found = paths.find(info.instance_handle);
+                 info.instance_state == fast::NOT_ALIVE_DISPOSED_INSTANCE_STATE && found != paths.end()) {
+        T gone;
+        gone.path(found->second.c_str());
+        paths.erase(found);
+        if (heard.disposed) heard.disposed(gone, writer);
+      }
+    }
+  }
+
+  void on_liveliness_changed(fast::DataReader*, const fast::LivelinessChangedStatus& status) override {
+    const std::lock_guard lock{calling};
+    const WriterId writer = number_of(status.last_publication_handle);
+    if (status.not_alive_count_change > 0 && heard.lost) heard.lost(writer);
+    if (status.alive_count_change > 0 && heard.alive) heard.alive(writer);
+  }
+
+  void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override {
+    const std::lock_guard lock{calling};
+    matched = status.current_count;
+    if (status.current_count_change < 0 && heard.lost) heard.lost(number_of(status.last_publication_handle));
+  }
+};
+
+template <class T>
+Result<Reader<T>> Reader<T>::create(std::shared_ptr<Participant> participant, Heard<T> heard) {
+  auto inside = std::make_unique<Inside>();
+  inside->participant = std::move(participant);
+  inside->heard = std::move(heard);
+  OwnParticipant& mine = own(*inside->participant);
+  inside->topic = mine.topic(TopicOf<T>::name, type_of<T>());
+  if (inside->topic == nullptr) return no_entity<T>("topic");
+  fast::DataReaderQos qos;
+  set_quality<T>(qos, kReaderDepth);
+  fast::StatusMask mask = fast::StatusMask::data_available();
+  mask << fast::StatusMask::liveliness_changed() << fast::StatusMask::subscription_matched();
+  inside->reader = mine.subscriber().create_datareader(inside->topic, qos, inside.get(), mask);
+  if (inside->reader == nullptr) return no_entity<T>("reader");
+  return Reader{std::move(inside)};
+}
+
+template <class T>
+Reader<T>::Reader(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
+template <class T>
+Reader<T>::Reader(Reader&&) noexcept = default;
+template <class T>
+Reader<T>& Reader<T>::operator=(Reader&&) noexcept = default;
+template <class T>
+Reader<T>::~Reader() = default;
+
+template <class T>
+int Reader<T>::matched() const noexcept {
+  return inside_->matched;
+}
+
+template class Writer<LifecycleStatus>;
+template class Writer<DeviceStatus>;
+template class Writer<ModuleStatistics>;
+template class Writer<ExecutorStatistics>;
+template class Writer<PortStatus>;
+template class Reader<LifecycleStatus>;
+template class Reader<DeviceStatus>;
+template class Reader<ModuleStatistics>;
+template class Reader<ExecutorStatistics>;
+template class Reader<PortStatus>;
+
+}  // namespace takt::dds

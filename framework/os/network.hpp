@@ -1,0 +1,21 @@
+// This machine's place on the network.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <takt/core/result.hpp>
+
+namespace takt::os {
+
+/// The IPv4 addresses of the interfaces that are up, in the system's order: "127.0.0.1", "10.0.0.7".
+std::vector<std::string> ipv4_addresses();
+
+/// The IPv4 address of a host's name, or of an address itself. May wait for the name service. Fails where
+/// there is none.
+Result<std::string> resolve_ipv4(const std::string& host);
+
+/// The name of this machine, as others know it; "?" where the system does not say.
+std::string host_name();
+
+}  // namespace takt::os
