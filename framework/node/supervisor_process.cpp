@@ -123,12 +123,14 @@ void Supervisor::watch_process(Member& member, Instant now) {
         apply(member, Event::initialize);
       else if (slow)
         lose(member,
-             std::string{"did not call "} + init_function(member) + " within " + to_text(kAttachLimit));
+             std::string{"did not call "} + init_function(member) + " within " + to_text(kAttachLimit),
+             ErrorType::hang);
       break;
     case State::initialize:
       if (phase != channel::SeatPhase::ready && slow) {
         lose(member,
-             std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit));
+             std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit),
+             ErrorType::hang);
       }
       break;
     case State::recover:
@@ -170,7 +172,7 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
   }
   switch (member.state()) {
     case State::idle:
-      lose(member, text + "; it had not called " + init_function(member));
+      lose(member, text + "; it had not called " + init_function(member), ErrorType::crash);
       break;
     case State::recover:
       not_recovered(member, text);
