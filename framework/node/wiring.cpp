@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <tuple>
 
+#include <takt/channel/seat.hpp>
+
 namespace takt::node {
 
 namespace {
 
-using host::PortDescription;
 using model::Connection;
 using model::ConnectionKind;
+using model::Direction;
 using model::Endpoint;
 
 class Planner {
  public:
-  Planner(const model::Cell& cell, std::size_t device, const std::vector<host::Description>& modules)
-      : cell_(cell), device_(cell.devices[device]), modules_(modules) {}
+  Planner(const model::Cell& cell, std::size_t device, const std::vector<model::ModulePorts>& ports)
+      : cell_(cell), device_(cell.devices[device]), ports_(ports) {}
 
   WiringPlan plan() {
     for (const Connection& connection : cell_.connections) {
@@ -29,9 +31,11 @@ class Planner {
       }
     }
     // What nobody is connected to can still be looked at.
-    for (std::uint32_t module = 0; module < modules_.size(); ++module) {
-      for (const PortDescription& port : modules_[module].ports) {
-        if (port.direction == PortDirection::out) flow_of(module, port, topic_of(module, port.name), std::nullopt);
+    for (std::uint32_t module = 0; module < ports_.size(); ++module) {
+      if (!ports_[module]) continue;
+      for (const model::Port& port : *ports_[module]) {
+        if (port.direction == Direction::out)
+          flow_of(module, port, topic_of(module, port.name), std::nullopt);
       }
     }
     return std::move(plan_);
@@ -42,13 +46,13 @@ class Planner {
 
   struct Port {
     std::uint32_t module;
-    const PortDescription* port;
+    const model::Port* port;
   };
   /// None where the module is not described.
   [[nodiscard]] std::optional<Port> find(const Endpoint& end) const {
-    for (std::uint32_t module = 0; module < modules_.size(); ++module) {
-      if (device_.modules[module].name != end.module) continue;
-      for (const PortDescription& port : modules_[module].ports) {
+    for (std::uint32_t module = 0; module < ports_.size(); ++module) {
+      if (device_.modules[module].name != end.module || !ports_[module]) continue;
+      for (const model::Port& port : *ports_[module]) {
         if (port.name == end.port) return Port{module, &port};
       }
     }
@@ -57,20 +61,19 @@ class Planner {
   [[nodiscard]] std::string topic_of(std::uint32_t module, const std::string& port) const {
     return port_topic(cell_.name, {device_.name, device_.modules[module].name, port});
   }
-  /// A C++ module of the host: its values are objects.
-  [[nodiscard]] bool has_values(std::uint32_t module) const {
-    return device_.modules[module].type == model::ModuleType::thread && modules_[module].interface == "c++";
-  }
   /// Who is to be woken by a sample for this port.
   [[nodiscard]] std::uint32_t wake_bits(const Port& to) const {
     const model::Module& module = device_.modules[to.module];
-    if (to.port->direction != PortDirection::event || module.dispatch != model::Dispatch::immediate) return 0;
+    if (to.port->direction != Direction::event || module.dispatch != model::Dispatch::immediate) return 0;
     return module.type == model::ModuleType::thread ? channel::kSporadicBit : channel::bell_bit(to.module);
   }
 
-  static channel::Link::Options options_of(const Connection& connection, const PortDescription& port) {
+  static std::uint32_t payload_of(const model::Port& port) {
+    return static_cast<std::uint32_t>(model::max_size(port.type));
+  }
+  static channel::Link::Options options_of(const Connection& connection, const model::Port& port) {
     return {.depth = static_cast<std::uint32_t>(connection.depth),
-            .payload = port.max_size,
+            .payload = payload_of(port),
             .is_queue = connection.kind == ConnectionKind::queue,
             .wake_bits = 0,
             .deadline_ns = connection.deadline.value_or(Nanoseconds{0}).count(),
@@ -85,13 +88,13 @@ class Planner {
     link.options = options_of(connection, *from->port);
     link.options.wake_bits = wake_bits(*to);
     link.stale = connection.stale;
-    link.typed = has_values(from->module) && has_values(to->module);
+    link.typed = from->port->object && to->port->object;
     if (link.typed) link.options.payload = 0;
     plan_.links.push_back(link);
   }
 
   /// The flow of an output to a topic, and its link to the gateway.
-  PlannedFlow& flow_of(std::uint32_t module, const PortDescription& port, const std::string& topic,
+  PlannedFlow& flow_of(std::uint32_t module, const model::Port& port, const std::string& topic,
                        std::optional<int> domain) {
     for (PlannedFlow& flow : plan_.flows) {
       if (flow.outgoing && flow.topic == topic && flow.domain == domain &&
@@ -100,13 +103,13 @@ class Planner {
       }
     }
     PlannedLink link{.from = {module, port.name}, .to = {}};
-    link.options = {.depth = 1, .payload = port.max_size, .wake_bits = channel::kGatewayBit, .enabled = false};
+    link.options = {
+        .depth = 1, .payload = payload_of(port), .wake_bits = channel::kGatewayBit, .enabled = false};
     plan_.links.push_back(link);
     plan_.flows.push_back({.outgoing = true,
                            .topic = topic,
                            .domain = domain,
-                           .type_name = port.type,
-                           .type = port.type_description,
+                           .type = port.type,
                            .links = {plan_.links.size() - 1}});
     return plan_.flows.back();
   }
@@ -126,11 +129,13 @@ class Planner {
     flow.depth = std::max(flow.depth, depth);
     flow.reliable |= connection.reliability == model::Reliability::reliable;
     // A promise to the most impatient; kept as long as anybody wants it.
-    if (connection.deadline) flow.deadline = std::min(flow.deadline.value_or(*connection.deadline), *connection.deadline);
+    if (connection.deadline)
+      flow.deadline = std::min(flow.deadline.value_or(*connection.deadline), *connection.deadline);
     if (!flow.connected) {
       flow.lifespan = connection.lifespan;
     } else if (flow.lifespan) {
-      flow.lifespan = connection.lifespan ? std::optional{std::max(*flow.lifespan, *connection.lifespan)} : std::nullopt;
+      flow.lifespan =
+          connection.lifespan ? std::optional{std::max(*flow.lifespan, *connection.lifespan)} : std::nullopt;
     }
     flow.connected = true;
   }
@@ -144,22 +149,23 @@ class Planner {
     link.stale = connection.stale;
     plan_.links.push_back(link);
 
-    PlannedFlow flow{.outgoing = false,
-                     .topic = connection.topic.empty() ? port_topic(cell_.name, connection.from) : connection.topic,
-                     .domain = connection.domain,
-                     .type_name = to->port->type,
-                     .type = to->port->type_description,
-                     .reliable = connection.reliability == model::Reliability::reliable,
-                     .depth = static_cast<std::uint32_t>(connection.depth),
-                     .deadline = connection.deadline,
-                     .lifespan = connection.lifespan,
-                     .connected = true,
-                     .links = {plan_.links.size() - 1}};
+    PlannedFlow flow{
+        .outgoing = false,
+        .topic = connection.topic.empty() ? port_topic(cell_.name, connection.from) : connection.topic,
+        .domain = connection.domain,
+        .type = to->port->type,
+        .reliable = connection.reliability == model::Reliability::reliable,
+        .depth = static_cast<std::uint32_t>(connection.depth),
+        .deadline = connection.deadline,
+        .lifespan = connection.lifespan,
+        .connected = true,
+        .links = {plan_.links.size() - 1}};
     const auto same = [](const PlannedFlow& f) {
-      return std::tie(f.outgoing, f.topic, f.domain, f.type, f.reliable, f.depth, f.deadline, f.lifespan);
+      return std::tie(f.outgoing, f.topic, f.domain, f.reliable, f.depth, f.deadline, f.lifespan);
     };
-    const auto other = std::find_if(plan_.flows.begin(), plan_.flows.end(),
-                                    [&](const PlannedFlow& f) { return same(f) == same(flow); });
+    const auto other = std::find_if(plan_.flows.begin(), plan_.flows.end(), [&](const PlannedFlow& f) {
+      return same(f) == same(flow) && f.type == flow.type;
+    });
     if (other == plan_.flows.end())
       plan_.flows.push_back(std::move(flow));
     else
@@ -168,18 +174,19 @@ class Planner {
 
   const model::Cell& cell_;
   const model::Device& device_;
-  const std::vector<host::Description>& modules_;
+  const std::vector<model::ModulePorts>& ports_;
   WiringPlan plan_;
 };
 
 }  // namespace
 
-std::string port_topic(const std::string& cell, const model::Endpoint& port) {
+std::string port_topic(const std::string& cell, const Endpoint& port) {
   return "takt/" + cell + "/" + port.device + "/" + port.module + "/" + port.port;
 }
 
-WiringPlan plan_wiring(const model::Cell& cell, std::size_t device, const std::vector<host::Description>& modules) {
-  return Planner{cell, device, modules}.plan();
+WiringPlan plan_wiring(const model::Cell& cell, std::size_t device,
+                       const std::vector<model::ModulePorts>& ports) {
+  return Planner{cell, device, ports}.plan();
 }
 
 Result<Wiring> Wiring::create(WiringPlan plan) {

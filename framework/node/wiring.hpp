@@ -1,5 +1,5 @@
-// How the ports of a device are connected: which links there are, who writes and who reads each, and over which topics they
-// go on where the other end is not on this device.
+// How the ports of a device are connected: which links there are, who writes and who reads each, and over
+// which topics they go on where the other end is not on this device.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 #include <takt/channel/link.hpp>
 #include <takt/core/result.hpp>
-#include <takt/host/inspect.hpp>
 #include <takt/host/protocol.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/model/ports.hpp>
 #include <takt/os/shared_memory.hpp>
 
 namespace takt::node {
@@ -26,25 +26,26 @@ struct LinkEnd {
 struct PlannedLink {
   LinkEnd from{};
   LinkEnd to{};
-  /// Both ends are C++ modules of the host: the samples are values in its memory. Otherwise they are bytes in the link's.
+  /// Both ends are C++ modules of the host: the samples are values in its memory. Otherwise they are bytes in
+  /// the link's.
   bool typed = false;
   channel::Link::Options options{};
-  model::Stale stale = model::Stale::hold;  ///< what the reader does when a value is older than options.deadline_ns
+  model::Stale stale =
+      model::Stale::hold;  ///< what the reader does when a value is older than options.deadline_ns
 };
 
 /// A topic that the gateway moves samples to or from.
 struct PlannedFlow {
   bool outgoing = true;
   std::string topic{};
-  std::optional<int> domain{};   ///< none: the cell's
-  std::string type_name{};       ///< "motion::JointState"
-  std::string type{};            ///< its description, for model::parse_type()
+  std::optional<int> domain{};  ///< none: the cell's
+  model::Type type{};
   bool reliable = false;
   std::uint32_t depth = 1;
   std::optional<Nanoseconds> deadline{};
   std::optional<Nanoseconds> lifespan{};
-  /// Somebody is meant to be at the other end: a connection names it. An output without one has a flow too, for `takt
-  /// echo`, whose link is not enabled.
+  /// Somebody is meant to be at the other end: a connection names it. An output without one has a flow too,
+  /// for `takt echo`, whose link is not enabled.
   bool connected = false;
   std::vector<std::size_t> links{};  ///< in WiringPlan::links: one that goes out, or all that come in
 };
@@ -54,14 +55,16 @@ struct WiringPlan {
   std::vector<PlannedFlow> flows;
 };
 
-/// Pure. `modules` are the descriptions of the device's modules; the connections were checked with them. An end whose module
-/// is not described (a program that no connection names) has no link.
-WiringPlan plan_wiring(const model::Cell& cell, std::size_t device, const std::vector<host::Description>& modules);
+/// Pure. `ports` of the device's modules; the connections were checked with them. An end whose module is not
+/// known (a program that no connection names) has no link.
+WiringPlan plan_wiring(const model::Cell& cell, std::size_t device,
+                       const std::vector<model::ModulePorts>& ports);
 
 /// The topic of a port: takt/<cell>/<device>/<module>/<port>.
 std::string port_topic(const std::string& cell, const model::Endpoint& port);
 
-/// The links of a device, in memory. They live as long as this does, over restarts of the host and of programs.
+/// The links of a device, in memory. They live as long as this does, over restarts of the host and of
+/// programs.
 class Wiring {
  public:
   struct Wire {
@@ -77,7 +80,7 @@ class Wiring {
 
   /// What the host is told of the links of its modules.
   [[nodiscard]] std::vector<host::PortLink> of_host(const model::Device& device) const;
-  /// What a program is told of its links: the value of TAKT_LINKS_FDS, "PORT=FD,PORT=FD".
+  /// What a program is told of its links: "PORT=FD,PORT=FD", the value of TAKT_LINKS.
   [[nodiscard]] std::string of_program(std::uint32_t module) const;
   /// The descriptors of all links of these, for whoever starts them.
   void inherit(std::vector<const os::Fd*>& into, const std::vector<host::PortLink>& links) const;
