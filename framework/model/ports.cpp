@@ -24,7 +24,8 @@ std::string spelled(const Field& field) {
   return text;
 }
 
-std::string fields_differ(const std::vector<Field>& first, const std::vector<Field>& second, const std::string& prefix) {
+std::string fields_differ(const std::vector<Field>& first, const std::vector<Field>& second,
+                          const std::string& prefix) {
   for (std::size_t i = 0; i < std::max(first.size(), second.size()); ++i) {
     if (i >= first.size()) return prefix + second[i].name + " is only in the second";
     if (i >= second.size()) return prefix + first[i].name + " is only in the first";
@@ -32,7 +33,8 @@ std::string fields_differ(const std::vector<Field>& first, const std::vector<Fie
     const Field& b = second[i];
     const std::string name = prefix + a.name;
     if (a.name != b.name) return "where the first has " + name + ", the second has " + prefix + b.name;
-    if (spelled(a) != spelled(b)) return name + " is " + spelled(a) + " in the first and " + spelled(b) + " in the second";
+    if (spelled(a) != spelled(b))
+      return name + " is " + spelled(a) + " in the first and " + spelled(b) + " in the second";
     if (a.enumerators != b.enumerators) return name + " has other enumerators in the second";
     if (std::string inner = fields_differ(a.fields, b.fields, name + "."); !inner.empty()) return inner;
   }
@@ -87,7 +89,8 @@ class Check {
       if ((port.direction == Direction::out) == output) names.push_back(port.name);
     }
     const char* kind = output ? "output" : "input";
-    const auto found = std::find_if(ports->begin(), ports->end(), [&](const Port& p) { return p.name == end.port; });
+    const auto found =
+        std::find_if(ports->begin(), ports->end(), [&](const Port& p) { return p.name == end.port; });
     if (found == ports->end()) {
       add(line, "module " + module + " has no port " + in_quotes(end.port),
           names.empty() ? std::string{"it has no "} + kind : suggestion(end.port, names));
@@ -110,8 +113,8 @@ class Check {
     if (from == nullptr || to == nullptr || from->type == to->type) return;
     if (from->type.name != to->type.name) {
       add(connection.line,
-          "port " + written(connection.from) + " is of type " + from->type.name + " and port " + written(connection.to) +
-              " of type " + to->type.name,
+          "port " + written(connection.from) + " is of type " + from->type.name + " and port " +
+              written(connection.to) + " of type " + to->type.name,
           "connect ports of one type");
     } else {
       add(connection.line,
@@ -129,22 +132,24 @@ class Check {
         const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
         if (ports == nullptr) continue;
         const int line = module.lines.dispatch != 0 ? module.lines.dispatch : module.line;
-        const bool has_event = std::any_of(ports->begin(), ports->end(), [](const Port& p) {
-          return p.direction == Direction::event;
-        });
+        const bool has_event = std::any_of(ports->begin(), ports->end(),
+                                           [](const Port& p) { return p.direction == Direction::event; });
         if (!has_event) {
-          add(line, "module " + module.name + " is dispatched at once, but has no event port that could say when",
+          add(line,
+              "module " + module.name + " is dispatched at once, but has no event port that could say when",
               "say <dispatch>row</dispatch>, or give the component an EventPort");
           continue;
         }
-        const bool fed = std::any_of(cell_.connections.begin(), cell_.connections.end(), [&](const Connection& c) {
-          if (c.to.device != device.name || c.to.module != module.name) return false;
-          return std::any_of(ports->begin(), ports->end(), [&](const Port& p) {
-            return p.direction == Direction::event && p.name == c.to.port;
-          });
-        });
+        const bool fed =
+            std::any_of(cell_.connections.begin(), cell_.connections.end(), [&](const Connection& c) {
+              if (c.to.device != device.name || c.to.module != module.name) return false;
+              return std::any_of(ports->begin(), ports->end(), [&](const Port& p) {
+                return p.direction == Direction::event && p.name == c.to.port;
+              });
+            });
         if (!fed) {
-          add(line, "module " + module.name + " is dispatched at once, but none of its event ports is connected",
+          add(line,
+              "module " + module.name + " is dispatched at once, but none of its event ports is connected",
               "add a <connection> to one of them");
         }
       }
@@ -198,7 +203,8 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
   Problems problems;
   for (const json& each : value["ports"]) {
     const auto string_of = [&each](const char* name) {
-      return each.is_object() && each.contains(name) && each[name].is_string() ? each[name].get<std::string>() : "";
+      return each.is_object() && each.contains(name) && each[name].is_string() ? each[name].get<std::string>()
+                                                                               : "";
     };
     Port port{.name = string_of("name"), .direction = Direction::in, .type = {}, .text = string_of("text")};
     port.object = each.is_object() && each.contains("object") && each["object"] == true;
@@ -223,7 +229,8 @@ const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& 
   const auto place = find(cell, end);
   const std::vector<Port>* of = place ? known(ports, *place) : nullptr;
   if (of == nullptr) return nullptr;
-  const auto found = std::find_if(of->begin(), of->end(), [&](const Port& port) { return port.name == end.port; });
+  const auto found =
+      std::find_if(of->begin(), of->end(), [&](const Port& port) { return port.name == end.port; });
   return found == of->end() ? nullptr : &*found;
 }
 

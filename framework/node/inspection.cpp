@@ -146,7 +146,8 @@ json inspect_here(const InspectionRequest& request) {
     if (!description) return refuse(description.problems());
     modules.push_back(describe(mine.devices[0].modules[i], path, *description));
   }
-  return {{"paths", components->paths.at(0)}, {"description", {{"device", request.device}, {"modules", modules}}}};
+  return {{"paths", components->paths.at(0)},
+          {"description", {{"device", request.device}, {"modules", modules}}}};
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ Result<Loaded> load(const std::string& file, Problems* missing) {
   if (!components)
     problems.insert(problems.end(), components.problems().begin(), components.problems().end());
   if (!problems.empty()) return problems;
-  return Loaded{std::move(*cell), std::move(*plans), std::move(components->paths), std::move(components->ports)};
+  return Loaded{std::move(*cell), std::move(*plans), std::move(components->paths),
+                std::move(components->ports)};
 }
 
 void complain(const Problems& problems) { std::fprintf(stderr, "%s\n", to_text(problems).c_str()); }
