@@ -91,9 +91,12 @@ struct alignas(64) Seat {
   Statistics jitter;                 ///< Eq. (1), P_n - T_n, with T_n taken by the program
   Statistics run;
 
+  /// It was released and is not done.
+  [[nodiscard]] bool in_body() const noexcept {
+    return done.load(std::memory_order_acquire) != released.load(std::memory_order_seq_cst);
+  }
   [[nodiscard]] bool waiting() const noexcept {
-    return phase.load(std::memory_order_acquire) == SeatPhase::ready &&
-           done.load(std::memory_order_acquire) == released.load(std::memory_order_seq_cst);
+    return phase.load(std::memory_order_acquire) == SeatPhase::ready && !in_body();
   }
 };
 

@@ -267,29 +267,35 @@ TEST_F(SeatOfItsOwn, WaitsForItsInterarrivalAlsoAsANewProgram) {
 // Nothing but the seat keeps the two apart: what the body writes, the node writes while the module is out.
 TEST_F(SeatOfItsOwn, IsOutOnceItIsClosedAndWaits) {
   std::uint64_t shared = 0;
+  std::atomic<bool> inside{false};
   std::atomic<bool> end{false};
   std::uint64_t bodies = 0;
   std::thread program{[&] {
     std::int64_t now = 0;
     while (!end.load()) {
       if (!begin(seat, ++now)) continue;
+      inside.store(true, std::memory_order_relaxed);
       ++shared;
       ++bodies;
+      inside.store(false, std::memory_order_relaxed);
       seat.done.store(seat.released.load(), std::memory_order_release);
     }
   }};
   std::uint64_t outs = 0;
+  std::uint64_t met = 0;
   std::mt19937 random{1};
   while (outs < kReleases / 10 || seat.begun.load() < kReleases / 10) {
     seat.open.store(1, std::memory_order_seq_cst);
     for (std::uint64_t i = random() % 200; i > 0; --i) static_cast<void>(seat.waiting());
     seat.open.store(0, std::memory_order_seq_cst);
     while (!seat.waiting()) ::sched_yield();
+    for (int i = 0; i < 20; ++i) met += inside.load(std::memory_order_relaxed) ? 1 : 0;
     ++shared;
     ++outs;
   }
   end.store(true);
   program.join();
+  EXPECT_EQ(met, 0U) << "bodies";
   EXPECT_EQ(shared, bodies + outs);
   EXPECT_EQ(seat.begun.load(), bodies);
 }
