@@ -344,7 +344,7 @@ bool Scanner::scan_start_tag() {
       return fail("found " + found() + " in the tag <" + brief(name),
                   "put a space before each attribute, and close the tag with > or />");
     }
-    if (attributes.size() >= 100) return fail("more than 100 attributes", "no element has more than six");
+    if (attributes.size() >= 100) return fail("more than 100 attributes", "no element has more than ten");
     if (!scan_attribute(attributes)) return false;
   }
 }

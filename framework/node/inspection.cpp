@@ -131,8 +131,9 @@ json inspect_here(const InspectionRequest& request) {
     }
     mine.devices[0].modules = std::move(found);
   }
-  auto paths = host::check_components(mine);
-  if (!paths) problems.insert(problems.end(), paths.problems().begin(), paths.problems().end());
+  auto components = host::check_components(mine);
+  if (!components)
+    problems.insert(problems.end(), components.problems().begin(), components.problems().end());
   if (!problems.empty()) {
     for (Problem& problem : problems) problem.what = "device " + request.device + ": " + problem.what;
     return refuse(problems);
@@ -140,12 +141,13 @@ json inspect_here(const InspectionRequest& request) {
 
   json modules = json::array();
   for (std::size_t i = 0; i < mine.devices[0].modules.size(); ++i) {
-    const std::string& path = paths->at(0)[i];
+    const std::string& path = components->paths.at(0)[i];
     const auto description = host::describe(path);
     if (!description) return refuse(description.problems());
     modules.push_back(describe(mine.devices[0].modules[i], path, *description));
   }
-  return {{"paths", paths->at(0)}, {"description", {{"device", request.device}, {"modules", modules}}}};
+  return {{"paths", components->paths.at(0)},
+          {"description", {{"device", request.device}, {"modules", modules}}}};
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ struct Loaded {
   model::Cell cell;
   std::vector<schedule::DevicePlan> plans;
   std::vector<host::ComponentPaths> paths;
+  model::CellPorts ports;
 };
 
 /// Reads, validates, plans, and looks at every component; every problem of the file at once. With `missing`,
