@@ -235,8 +235,8 @@ def tokens_of(text, path, problems):
     tokens, at, line, fresh = [], 0, 1, True
     while at < len(text):
         match = TOKEN.match(text, at)
-        if not match or (match.lastgroup == "directive" and not fresh):
-            open_comment = text.startswith("/*", at)
+        open_comment = text.startswith("/*", at) and (not match or match.lastgroup != "space")
+        if open_comment or not match or (match.lastgroup == "directive" and not fresh):
             problems.add((path, line), "a comment without an end; write */" if open_comment
                          else f"{text[at]!r} means nothing here; take it out")
             at = len(text) if open_comment else at + 1
@@ -328,8 +328,10 @@ class Parser:
                 return
             token = self.next()
             depth += (token.text == "{") - (token.text == "}")
-            if depth == 0 and token.text in (";", "}"):
-                self.take(";")
+            if depth == 0 and token.text == "}" and not self.is_next(";"):
+                if self.token.kind != "name" or self.tokens[self.at + 1].text not in (";", ",", "["):
+                    return  # else the names of what was declared follow
+            if depth == 0 and token.text == ";":
                 return
 
     def guarded(self, parse):
@@ -393,12 +395,12 @@ class Parser:
             if not self.take("::"):
                 return absolute, parts, first
 
-    def find(self, absolute, parts, token, members=()):
-        """The entity of a name as it is seen here, or None with a problem told."""
-        shown = ("::" if absolute else "") + "::".join(parts)
-        for member in members:
+    def find(self, absolute, parts, token, where="", members=()):
+        """The entity of a name as it is seen here, or None with a problem told of what is declared there."""
+        shown = where + ("::" if absolute else "") + "::".join(parts)
+        for member in members if len(parts) == 1 and not absolute else ():
             if member.lower() == parts[0].lower():
-                self.problem(token, f"{parts[0]} means a field here, for one before it is named {member}, and IDL does not tell upper "
+                self.problem(token, f"{where}{parts[0]} means a field here, for one before it is named {member}, and IDL does not tell upper "
                              "from lower case; name the field otherwise")
                 return None
         scope, known = (self.library.root if absolute else self.scope), None
@@ -407,12 +409,15 @@ class Parser:
             if known is not None:
                 break
             scope = None if absolute else scope.outer
-        for part in parts[1:]:
-            if known is None or known[0] != parts[parts.index(part) - 1] or not isinstance(known[1], Scope):
-                break
-            known = known[1].names.get(part.lower())
-        if known is None or isinstance(known[1], Scope):
+        for before, part in zip(parts, parts[1:]):
+            if known is not None:
+                inner = isinstance(known[1], Scope) and known[0] == before
+                known = known[1].names.get(part.lower()) if inner else None
+        if known is None:
             self.problem(token, f"{shown} is not declared before this line; declare it, or #include the file that does")
+            return None
+        if isinstance(known[1], Scope):
+            self.problem(token, f"{shown} is a module; write the name of something in it")
             return None
         if known[0] != parts[-1]:
             self.problem(token, f"{shown} is declared as {known[0]}; write it so")
@@ -460,9 +465,10 @@ class Parser:
         found = []
         while self.is_next("@"):
             self.next()
+            if self.token.kind != "name" or self.is_next("struct", "enum", "module", "typedef", "const"):
+                self.problem(self.token, "an '@' without a name; write @final")
+                continue
             name = self.next()
-            if name.kind != "name":
-                raise Wrong(self.place(name), "an '@' without a name; write @final")
             argument = None
             if self.take("("):
                 depth, argument = 1, ""
@@ -487,7 +493,14 @@ class Parser:
         while not self.is_next("}"):
             if self.token.kind == "end":
                 raise Wrong(self.place(opened), f"{what} has no end; write '}};'")
-            each()
+            try:
+                each()
+            except Wrong as wrong:
+                self.problems.add(wrong.place, str(wrong))
+                while not self.is_next("}", "{", ";") and self.token.kind != "end":
+                    self.next()
+                if not self.is_next("}"):
+                    raise Wrong(self.place(opened), f"{what} has no end; write '}};'") from None
         self.next()
         if not self.take(";"):
             self.problem(self.tokens[self.at - 1], f"{what} ends without ';'; write it")
@@ -513,6 +526,8 @@ class Parser:
         type_token = self.token
         kind = self.basic_type()
         name = None
+        if kind is None and self.take("string"):
+            kind = "string"
         if kind is None and self.token.kind == "name":
             absolute, parts, first = self.scoped_name()
             entity = self.find(absolute, parts, first)
@@ -571,11 +586,9 @@ class Parser:
 
     def typedef(self):
         self.next()
-        first = self.token
-        holder = f"{self.scope.name or 'a'} typedef"
-        shape = self.type_of(lambda: holder, first)
-        for token, own, full in self.declarators(shape, "a typedef", self.scope.full):
-            alias = Alias(self.scope.full(token.text), full, own, self.place(token))
+        shape = self.type_of(self.declared_name(self.scope.full, "a typedef"), self.token)
+        for token, own, whole in self.declarators(shape, "a typedef", self.scope.full):
+            alias = Alias(self.scope.full(token.text), whole, own, self.place(token))
             if self.declare(token, alias):
                 self.file.declares.append(alias)
 
@@ -604,27 +617,14 @@ class Parser:
 
     def fields(self, struct):
         annotations = self.annotations()
-        first = self.token
-        names = [f.name for f in struct.fields]
-
-        def shown():
-            # The name stands after the type, and the problem of the type wants it now.
-            at, depth = self.at, 0
-            while self.tokens[at].kind != "end":
-                text = self.tokens[at].text
-                depth += (text == "<") - (text == ">")
-                if depth <= 0 and text in (";", ",", "[", "}"):
-                    break
-                at += 1
-            token = self.tokens[at - 1]
-            return f"{struct.name}.{token.text}" if token.kind == "name" else f"a field of {struct.name}"
-
+        full = lambda name: f"{struct.name}.{name}"
+        shown = self.declared_name(full, f"a field of {struct.name}")
         for annotation in annotations:
             told = ("is a key; the types of ports have none" if annotation.text in ("key", "Key")
                     else f"has @{annotation.text}; the fields of a port's type have no annotations")
-            self.problem(annotation, f"{shown()} {told}")
-        shape = self.type_of(shown, first, names, struct)
-        for token, own, full in self.declarators(shape, "a field", lambda name: f"{struct.name}.{name}"):
+            self.problem(annotation, f"{shown} {told}")
+        shape = self.type_of(shown, self.token, [f.name for f in struct.fields])
+        for token, own, whole in self.declarators(shape, "a field", full):
             if token.text.lower() == struct.name.split("::")[-1].lower():
                 self.problem(token, f"{struct.name}.{token.text} has the name of its struct; take another name")
             twin = next((f for f in struct.fields if f.name.lower() == token.text.lower()), None)
@@ -632,7 +632,7 @@ class Parser:
                 how = "is there twice" if twin.name == token.text else f"differs only in upper and lower case from {twin.name}"
                 self.problem(token, f"{struct.name}.{token.text} {how}; take another name")
             else:
-                struct.fields.append(Field(token.text, full, own, self.place(token)))
+                struct.fields.append(Field(token.text, whole, own, self.place(token)))
 
     def declarators(self, shape, what, full):
         """a, b[3], c[2][4]; as (token, dimensions, shape)."""
@@ -663,7 +663,7 @@ class Parser:
                 return "unsigned short"
             if self.take("long"):
                 return "unsigned long long" if self.take("long") else "unsigned long"
-            raise Wrong(self.place(token), f"'unsigned {self.token.text}' is no type; write unsigned short, unsigned long or unsigned "
+            raise Wrong(self.place(token), f"unsigned {self.token.text} is no type; write unsigned short, unsigned long or unsigned "
                         "long long")
         if self.take("long"):
             if self.take("double"):
@@ -674,12 +674,23 @@ class Parser:
             return SAME.get(token.text, token.text)
         return None
 
-    def type_of(self, shown, token, members=(), inside=None):
-        """A type as it is written before a name. `shown` names the field for problems."""
+    def declared_name(self, full, otherwise):
+        """Of a declaration that begins here: it stands after the type, and the problems of the type are to name it."""
+        at, depth = self.at, 0
+        while self.tokens[at].kind != "end":
+            text = self.tokens[at].text
+            depth += (text in "<{") - (text in ">}")
+            if depth < 0 or depth == 0 and text in (";", ",", "["):
+                break
+            at += 1
+        token = self.tokens[at - 1]
+        return full(token.text) if at > self.at and token.kind == "name" else otherwise
+
+    def type_of(self, name, token, members=()):
+        """A type as it is written before a name, which is for problems."""
         wrong = Shape("")
-        name = shown()
         if self.take("string"):
-            if not self.take("<"):
+            if not self.take("<") or self.take(">"):
                 self.problem(token, f"{name} is a string without a bound; write string<64>")
                 return wrong
             bound = self.bound(name, "the bound of a string")
@@ -687,7 +698,7 @@ class Parser:
             return Shape("string", bound, text=f"string<{bound}>")
         if self.take("sequence"):
             self.expect("<", f"the sequence of {name}")
-            element = self.type_of(shown, token, members, inside)
+            element = self.type_of(name, token, members)
             if element.scalar and element.has_sequence():
                 how = ("is a sequence of sequences" if element.sequence else
                        f"is a sequence of {element.of.name}, which has a sequence itself")
@@ -695,7 +706,8 @@ class Parser:
                              "sequence<double, 8> rows[4]")
                 element = wrong
             if not self.take(","):
-                self.expect(">", f"the sequence of {name}")
+                if not self.take(">"):
+                    self.expect(",", f"the sequence of {name}")
                 word = element.of.name if element.of else element.scalar or "T"
                 if element.scalar == "string":
                     word = f"string<{element.bound}>"
@@ -718,14 +730,15 @@ class Parser:
                           "struct": "its name, and declare it before", "enum": "its name, and declare it before",
                           "Object": "a struct"}.items():
             if self.is_next(word):
-                raise Wrong(self.place(token), f"{name} is a {word}, which ports cannot carry; write {fix}")
+                article = "an" if word[0] in "aeO" else "a"
+                raise Wrong(self.place(token), f"{name} is {article} {word}, which ports cannot carry; write {fix}")
         if self.token.kind != "name" and not self.is_next("::"):
             raise Wrong(self.place(), f"{self.token.text!r} stands where a type is to be")
         absolute, parts, first = self.scoped_name()
         if parts[0] in WORDS or parts[0].lower() in ANY_CASE_WORDS:
             raise Wrong(self.place(first), f"{name} is of type {parts[0]!r}, which ports cannot carry; write a type of IDL as double "
                         "or a struct")
-        entity = self.find(absolute, parts, first, members)
+        entity = self.find(absolute, parts, first, f"{name}: ", members)
         if isinstance(entity, Struct):
             if not entity.complete:
                 self.problem(first, f"{name} has {entity.name} within itself, which ports cannot carry; write an array or a bounded "
@@ -737,7 +750,7 @@ class Parser:
         if isinstance(entity, Alias):
             return replace(entity.shape, text=entity.name)
         if entity is not None:
-            self.problem(first, f"{'::'.join(parts)} is no type; write a struct, an enum or a typedef")
+            self.problem(first, f"{name}: {'::'.join(parts)} is no type; write a struct, an enum or a typedef")
         return wrong
 
     def bound(self, name, what):
@@ -758,7 +771,7 @@ class Parser:
     def expression(self, level=0, in_angles=False):
         """An integer, None where it is wrong (and told)."""
         if level == len(self.LEVELS):
-            return self.unary(in_angles)
+            return self.unary()
         left = self.expression(level + 1, in_angles)
         while True:
             token = self.token
@@ -783,16 +796,25 @@ class Parser:
             self.problem(token, f"a shift by {right}; it is from 0 to 63")
             return None
         quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1) if sign in ("/", "%") else 0
-        return {"|": lambda: left | right, "^": lambda: left ^ right, "&": lambda: left & right, "<<": lambda: left << right,
-                ">>": lambda: left >> right, "+": lambda: left + right, "-": lambda: left - right, "*": lambda: left * right,
-                "/": lambda: quotient, "%": lambda: left - quotient * right}[sign]()
+        result = {"|": lambda: left | right, "^": lambda: left ^ right, "&": lambda: left & right, "<<": lambda: left << right,
+                  ">>": lambda: left >> right, "+": lambda: left + right, "-": lambda: left - right, "*": lambda: left * right,
+                  "/": lambda: quotient, "%": lambda: left - quotient * right}[sign]()
+        # Beyond this idlc refuses it, or is wrong: -4 / 2 is 9223372036854775806.
+        if sign not in ("|", "^", "&") and not all(0 <= n < 2 ** 32 for n in (left, right, result)):
+            self.problem(token, f"{left} {sign} {right} is {result}, but compilers of IDL agree only on numbers from 0 to {2 ** 32 - 1}; write "
+                         "the result")
+        return result
 
-    def unary(self, in_angles):
+    def unary(self):
         token = self.token
         if self.is_next("+", "-", "~"):
             sign = self.next().text
-            value = self.unary(in_angles)
+            value = self.primary()
             return None if value is None else {"+": value, "-": -value, "~": ~value}[sign]
+        return self.primary()
+
+    def primary(self):
+        token = self.token
         if self.take("("):
             value = self.expression()
             self.expect(")", "the expression")
@@ -845,7 +867,7 @@ class Library:
     def include(self, by, name, place):
         path = os.path.join(os.path.dirname(by.path), name)
         if not os.path.isfile(path):
-            self.problems.add(place, f"{name} is not there; it is looked for in {os.path.dirname(by.real)}")
+            self.problems.add(place, f"{name} is not there; it is looked for from the folder of this file")
             return
         file = self.read(path)
         if not file.complete:
@@ -881,6 +903,7 @@ class Library:
                 other = outputs.setdefault(output, file)
                 if other is not file:
                     self.problems.add((file.path, 1), f"{other.path} becomes {output} too; name one of the files otherwise")
+                    break
             for included, place in file.includes:
                 if included not in self.named:
                     self.problems.add(place, f"{os.path.basename(included.path)} is not in the same library; name it in takt_add_idl too")
@@ -889,7 +912,8 @@ class Library:
         """fastddsgen does not know ::a::b, so a::b has to mean the same everywhere."""
         for name, entity in scope.names.values():
             outer = self.root.names.get(name.lower())
-            if scope is not self.root and outer and isinstance(outer[1], Scope):
+            own = scope.name.split("::")[-1].lower() == name.lower()  # told already
+            if scope is not self.root and outer and isinstance(outer[1], Scope) and not own:
                 self.problems.add(entity.place, f"{scope.full(name)} hides module {outer[0]}; take another name")
             if isinstance(entity, Scope):
                 self.check_hidden(entity)
