@@ -9,9 +9,11 @@
 // With depth 1 this is the latest value.
 //
 // Each side says which buffer it has and which it is about to take for which sample, so that whoever takes
-// the place of a side that died in the middle of this finds out which buffer that side was left with.
+// the place of a side that died in the middle of this finds out which buffer that side was left with, in a
+// few steps and whatever the other side does meanwhile.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -22,36 +24,9 @@ namespace takt::channel {
 
 /// Of one sample, beside its payload.
 struct SampleInfo {
-  std::uint64_t sequence;  ///< of the link, from 1 without gaps at the writer
-  std::int64_t stamp_ns;   ///< monotonic time of the value: when the run() that wrote it began
-  std::uint32_t size;      ///< bytes of the payload
-};
-
-/// Begins the memory of a link; slots, sample infos and payloads follow. Nothing in it is a pointer.
-struct alignas(64) LinkBlock {
-  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0001;  // "link", layout 1
-
-  // Written before anybody uses it.
-  std::uint64_t magic;
-  std::uint32_t depth;      ///< 1 to 65536; 1: the latest value
-  std::uint32_t stride;     ///< bytes of one payload's place, a multiple of 64; 0: the payloads lie elsewhere
-  std::uint32_t is_queue;   ///< what is overwritten before it was read counts as dropped
-  std::uint32_t wake_bits;  ///< of the bell, pending when a sample was written; 0: nobody waits for one
-  std::int64_t deadline_ns;            ///< a value older than this is stale; 0: never
-  std::atomic<std::uint32_t> enabled;  ///< 0: a writer does not write here (nobody listens). Set by the node.
-
-  // Written by the writer.
-  alignas(64) std::atomic<std::uint64_t> written;  ///< samples so far
-  std::atomic<std::int64_t> newest_ns;             ///< stamp of the last one; 0: none yet
-  std::atomic<std::uint64_t> overwritten;          ///< before they were read
-  std::atomic<std::uint32_t> writer_has;           ///< its buffer. SYNC: hands over
-  std::atomic<std::uint64_t> writer_takes;         ///< a SlotWord: what it takes for which sample
-
-  // Written by the reader.
-  alignas(64) std::atomic<std::uint64_t> taken;
-  std::atomic<std::uint64_t> late;        ///< times that the newest value was found older than the deadline
-  std::atomic<std::uint32_t> reader_has;  // SYNC: hands over
-  std::atomic<std::uint32_t> reader_takes;
+  std::uint64_t sequence = 0;  ///< of the link, from 1 without gaps at the writer
+  std::int64_t stamp_ns = 0;   ///< monotonic time of the value: when the run() that wrote it began
+  std::uint32_t size = 0;      ///< bytes of the payload
 };
 
 /// A slot's word: whether a sample is in it, which, and the number of its buffer. An emptied slot keeps the
@@ -74,17 +49,62 @@ struct SlotWord {
 
 inline constexpr std::uint32_t kMaxLinkDepth = 65536;
 
+/// Begins the memory of a link; slots, sample infos and payloads follow. Nothing in it is a pointer. `Atomic`
+/// is std::atomic but in a test, which wants to be there between any two steps.
+template <template <class> class Atomic>
+struct alignas(64) BasicLinkBlock {
+  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0002;  // "link", layout 2
+
+  // Written before anybody uses it.
+  std::uint64_t magic;
+  std::uint32_t depth;      ///< 1 to 65536; 1: the latest value
+  std::uint32_t stride;     ///< bytes of one payload's place, a multiple of 64; 0: the payloads lie elsewhere
+  std::uint32_t is_queue;   ///< what is overwritten before it was read counts as dropped
+  std::uint32_t wake_bits;  ///< of the bell, pending when a sample was written; 0: nobody waits for one
+  std::int64_t deadline_ns;       ///< a value older than this is stale; 0: never
+  Atomic<std::uint32_t> enabled;  ///< 0: a writer does not write here (nobody listens). Set by the node.
+
+  // Written by the writer.
+  alignas(64) Atomic<std::uint64_t> written;  ///< samples so far
+  Atomic<std::int64_t> newest_ns;             ///< stamp of the last one; 0: none yet
+  Atomic<std::uint64_t> overwritten;          ///< before they were read
+  Atomic<std::uint64_t> unfit;       ///< values that were not written: a string or sequence beyond its bound
+  Atomic<std::uint32_t> writer_has;  ///< its buffer. SYNC: hands over
+  Atomic<std::uint64_t> writer_takes;  ///< a SlotWord: what it takes for which sample
+
+  // Written by the reader.
+  alignas(64) Atomic<std::uint64_t> taken;
+  Atomic<std::uint64_t> refused;  ///< taken, but the bytes were no sample of the type
+  Atomic<std::uint64_t> late;     ///< times that the newest value was found older than the deadline
+  Atomic<std::uint64_t>
+      reader_has;  ///< a SlotWord: its buffer, and the sample it is done with. SYNC: hands over
+  Atomic<std::uint64_t> reader_takes;  ///< a SlotWord: which sample it takes in which buffer
+};
+
+/// A sample's info in the memory of a link. The number is read by who takes the place of a reader, while the
+/// writer may be at it.
+template <template <class> class Atomic>
+struct BasicSampleHead {
+  Atomic<std::uint64_t> sequence;
+  std::int64_t stamp_ns;
+  std::uint32_t size;
+};
+
 /// Where the parts of a link lie behind its block.
-class LinkLayout {
+template <template <class> class Atomic>
+class BasicLinkLayout {
  public:
-  constexpr LinkLayout(std::uint32_t depth, std::uint32_t stride) noexcept : depth_(depth), stride_(stride) {}
+  constexpr BasicLinkLayout(std::uint32_t depth, std::uint32_t stride) noexcept
+      : depth_(depth), stride_(stride) {}
+  [[nodiscard]] constexpr std::uint32_t depth() const noexcept { return depth_; }
+  [[nodiscard]] constexpr std::uint32_t stride() const noexcept { return stride_; }
   [[nodiscard]] constexpr std::uint32_t buffers() const noexcept { return depth_ + 2; }
-  [[nodiscard]] constexpr std::size_t slots() const noexcept { return sizeof(LinkBlock); }
-  [[nodiscard]] constexpr std::size_t infos() const noexcept {
-    return up(slots() + std::size_t{depth_} * sizeof(std::atomic<std::uint64_t>));
+  [[nodiscard]] constexpr std::size_t slots() const noexcept { return sizeof(BasicLinkBlock<Atomic>); }
+  [[nodiscard]] constexpr std::size_t heads() const noexcept {
+    return up(slots() + std::size_t{depth_} * sizeof(Atomic<std::uint64_t>));
   }
   [[nodiscard]] constexpr std::size_t payloads() const noexcept {
-    return up(infos() + std::size_t{buffers()} * sizeof(SampleInfo));
+    return up(heads() + std::size_t{buffers()} * sizeof(BasicSampleHead<Atomic>));
   }
   [[nodiscard]] constexpr std::size_t size() const noexcept {
     return payloads() + std::size_t{buffers()} * stride_;
@@ -97,14 +117,20 @@ class LinkLayout {
 };
 
 /// A link's memory, as both sides use it. Copies refer to the same memory.
-class Link {
+template <template <class> class Atomic>
+class BasicLink {
  public:
-  Link() = default;
-  /// Memory of LinkLayout::size() bytes that was formatted, aligned to 64.
-  explicit Link(std::byte* memory) noexcept
-      : block_(reinterpret_cast<LinkBlock*>(memory)), layout_(block_->depth, block_->stride) {
-    slots_ = reinterpret_cast<std::atomic<std::uint64_t>*>(memory + layout_.slots());
-    infos_ = reinterpret_cast<SampleInfo*>(memory + layout_.infos());
+  using Block = BasicLinkBlock<Atomic>;
+  using Head = BasicSampleHead<Atomic>;
+  using Layout = BasicLinkLayout<Atomic>;
+
+  BasicLink() = default;
+  /// Memory of Layout::size() bytes that was formatted, aligned to 64. Depth and stride are read once: what a
+  /// program that writes where it should not makes of them later leads nobody out of the memory.
+  explicit BasicLink(std::byte* memory) noexcept
+      : block_(reinterpret_cast<Block*>(memory)), layout_(block_->depth, block_->stride) {
+    slots_ = reinterpret_cast<Atomic<std::uint64_t>*>(memory + layout_.slots());
+    heads_ = reinterpret_cast<Head*>(memory + layout_.heads());
     payloads_ = memory + layout_.payloads();
   }
 
@@ -116,158 +142,248 @@ class Link {
     std::int64_t deadline_ns = 0;
     bool enabled = true;
   };
-  static constexpr LinkLayout layout(const Options& options) noexcept {
+  static constexpr Layout layout(const Options& options) noexcept {
     return {options.depth, (options.payload + 63) / 64 * 64};
+  }
+  /// Whether the memory of somebody else is a link of this version, whole.
+  static bool is_link(const std::byte* memory, std::size_t size) noexcept {
+    if (size < sizeof(Block)) return false;
+    const auto* block = reinterpret_cast<const Block*>(memory);
+    return block->magic == Block::kMagic && block->depth >= 1 && block->depth <= kMaxLinkDepth &&
+           block->stride % 64 == 0 && size >= Layout{block->depth, block->stride}.size();
   }
   /// Makes a link of memory that nobody uses. What was in it is gone.
   static void format(std::byte* memory, const Options& options) noexcept {
     TAKT_CHECK(options.depth >= 1 && options.depth <= kMaxLinkDepth);
-    auto* block = reinterpret_cast<LinkBlock*>(memory);
-    const LinkLayout place = layout(options);
+    auto* block = reinterpret_cast<Block*>(memory);
+    const Layout place = layout(options);
     constexpr auto relaxed = std::memory_order_relaxed;
     block->depth = options.depth;
     block->stride = (options.payload + 63) / 64 * 64;
     block->is_queue = options.is_queue ? 1 : 0;
     block->wake_bits = options.wake_bits;
     block->deadline_ns = options.deadline_ns;
-    block->enabled.store(options.enabled ? 1 : 0, relaxed);
-    block->written.store(0, relaxed);
     block->newest_ns.store(0, relaxed);
-    block->overwritten.store(0, relaxed);
-    block->taken.store(0, relaxed);
-    block->late.store(0, relaxed);
-    auto* slots = reinterpret_cast<std::atomic<std::uint64_t>*>(memory + place.slots());
+    for (auto* counter : {&block->written, &block->overwritten, &block->unfit, &block->taken, &block->refused,
+                          &block->late}) {
+      counter->store(0, relaxed);
+    }
+    auto* slots = reinterpret_cast<Atomic<std::uint64_t>*>(memory + place.slots());
+    auto* heads = reinterpret_cast<Head*>(memory + place.heads());
     for (std::uint32_t i = 0; i < options.depth; ++i) slots[i].store(SlotWord::make(false, 0, i), relaxed);
+    for (std::uint32_t i = 0; i < place.buffers(); ++i) heads[i].sequence.store(0, relaxed);
     block->writer_has.store(options.depth, relaxed);
     block->writer_takes.store(SlotWord::make(false, 0, options.depth), relaxed);
-    block->reader_has.store(options.depth + 1, relaxed);
-    block->reader_takes.store(options.depth + 1, relaxed);
-    block->magic = LinkBlock::kMagic;
-    std::atomic_thread_fence(std::memory_order_seq_cst);
+    block->reader_has.store(SlotWord::make(false, 0, options.depth + 1), relaxed);
+    block->reader_takes.store(SlotWord::make(false, 0, options.depth + 1), relaxed);
+    block->magic = Block::kMagic;
+    block->enabled.store(options.enabled ? 1 : 0, std::memory_order_seq_cst);
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return block_ != nullptr; }
-  [[nodiscard]] LinkBlock& block() const noexcept { return *block_; }
+  [[nodiscard]] Block& block() const noexcept { return *block_; }
+  [[nodiscard]] std::uint32_t depth() const noexcept { return layout_.depth(); }
+  [[nodiscard]] std::uint32_t stride() const noexcept { return layout_.stride(); }
   [[nodiscard]] std::uint32_t buffers() const noexcept { return layout_.buffers(); }
-  [[nodiscard]] std::atomic<std::uint64_t>& slot_of(std::uint64_t sequence) const noexcept {
-    return slots_[(sequence - 1) % block_->depth];
+  [[nodiscard]] bool has_buffer(std::uint32_t buffer) const noexcept { return buffer < layout_.buffers(); }
+  [[nodiscard]] std::size_t size() const noexcept { return layout_.size(); }
+  /// The place of a sample's slot.
+  [[nodiscard]] std::uint32_t place_of(std::uint64_t sequence) const noexcept {
+    return static_cast<std::uint32_t>((sequence - 1) % layout_.depth());
   }
-  [[nodiscard]] std::atomic<std::uint64_t>& slot(std::uint32_t place) const noexcept { return slots_[place]; }
-  [[nodiscard]] SampleInfo& info(std::uint32_t buffer) const noexcept { return infos_[buffer]; }
+  [[nodiscard]] std::uint32_t after(std::uint32_t place) const noexcept {
+    return place + 1 == layout_.depth() ? 0 : place + 1;
+  }
+  [[nodiscard]] Atomic<std::uint64_t>& slot(std::uint32_t place) const noexcept { return slots_[place]; }
+  [[nodiscard]] Head& head(std::uint32_t buffer) const noexcept { return heads_[buffer]; }
   [[nodiscard]] std::byte* payload(std::uint32_t buffer) const noexcept {
-    return payloads_ + std::size_t{buffer} * block_->stride;
+    return payloads_ + std::size_t{buffer} * layout_.stride();
   }
 
  private:
-  LinkBlock* block_ = nullptr;
-  LinkLayout layout_{1, 0};
-  std::atomic<std::uint64_t>* slots_ = nullptr;
-  SampleInfo* infos_ = nullptr;
+  Block* block_ = nullptr;
+  Layout layout_{1, 0};
+  Atomic<std::uint64_t>* slots_ = nullptr;
+  Head* heads_ = nullptr;
   std::byte* payloads_ = nullptr;
 };
 
-/// How far a link has come and which buffer belongs to a side that nobody serves at present. The other side
-/// may be at work meanwhile, or dead as well.
+/// What belongs to a side that nobody serves at present: its buffer, and the last sample it published, or is
+/// done with. The other side may be at work meanwhile, or dead as well.
 struct LinkPlace {
   std::uint32_t buffer = 0;
-  std::uint64_t newest = 0;  ///< sequence of the last sample that was put into a slot
-  std::uint64_t oldest = 0;  ///< of the oldest that is still there; newest + 1: none
+  std::uint64_t sequence = 0;
 };
-LinkPlace find_place(const Link& link, bool as_writer);
 
-/// The one writer of a link; one thread at a time. Real-time, but for its construction.
-class LinkWriter {
+template <template <class> class Atomic>
+LinkPlace find_writer(const BasicLink<Atomic>& link) noexcept {
+  constexpr auto acquire = std::memory_order_acquire;
+  const std::uint64_t takes = link.block().writer_takes.load(acquire);
+  const std::uint64_t sequence = SlotWord::sequence(takes);
+  // Only a writer changes the number in a slot: it says whether the sample that was announced has come there.
+  const bool published =
+      sequence == 0 || SlotWord::sequence(link.slot(link.place_of(sequence)).load(acquire)) >= sequence;
+  const LinkPlace found = published ? LinkPlace{SlotWord::index(takes), sequence}
+                                    : LinkPlace{link.block().writer_has.load(acquire), sequence - 1};
+  return link.has_buffer(found.buffer) ? found : LinkPlace{};
+}
+
+template <template <class> class Atomic>
+LinkPlace find_reader(const BasicLink<Atomic>& link) noexcept {
+  constexpr auto acquire = std::memory_order_acquire;
+  const std::uint64_t has = link.block().reader_has.load(acquire);
+  const std::uint64_t takes = link.block().reader_takes.load(acquire);
+  const std::uint32_t old = SlotWord::index(has);
+  const std::uint32_t wanted = SlotWord::index(takes);
+  const std::uint64_t sequence = SlotWord::sequence(takes);
+  const LinkPlace not_taken{old, SlotWord::sequence(has)};
+  const LinkPlace taken{wanted, sequence};
+  if (!link.has_buffer(old) || !link.has_buffer(wanted)) return {};  // somebody wrote where he should not
+  if (old == wanted) return not_taken;                               // it had finished
+  // Once again is enough: a writer that has gone on meanwhile has used its buffer. The bound is for nonsense.
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    const std::uint64_t word = link.slot(link.place_of(sequence)).load(acquire);
+    // One of the two is in the slot, and the other is the reader's.
+    if (SlotWord::sequence(word) == sequence) return SlotWord::index(word) == old ? taken : not_taken;
+    // The writer has come round and took what was in the slot. It has used that one again since ...
+    if (link.head(old).sequence.load(acquire) > sequence) return taken;
+    if (link.head(wanted).sequence.load(acquire) > sequence) return not_taken;
+    // ... or has it still.
+    const std::uint32_t writers = SlotWord::index(link.block().writer_takes.load(acquire));
+    if (writers == old) return taken;
+    if (writers == wanted) return not_taken;
+  }
+  return not_taken;
+}
+
+/// Empties a link whose payloads are gone: those that lie elsewhere, in a process that has ended. Neither
+/// side is at work. Numbers and counts go on.
+template <template <class> class Atomic>
+void drop_samples(const BasicLink<Atomic>& link) noexcept {
+  constexpr auto order = std::memory_order_seq_cst;
+  const std::uint64_t newest = find_writer(link).sequence;
+  const std::uint64_t has = SlotWord::make(false, newest, find_reader(link).buffer);
+  for (std::uint32_t i = 0; i < link.depth(); ++i) {
+    link.slot(i).store(link.slot(i).load(order) & ~SlotWord::kFull, order);
+  }
+  link.block().reader_has.store(has, order);
+  link.block().reader_takes.store(has, order);
+  link.block().newest_ns.store(0, order);
+}
+
+/// The one writer of a link; one thread at a time. Real-time.
+template <template <class> class Atomic>
+class BasicLinkWriter {
  public:
-  LinkWriter() = default;
-  explicit LinkWriter(Link link) : link_(link) {
-    const LinkPlace place = find_place(link, true);
-    private_ = place.buffer;
-    sequence_ = place.newest + 1;
+  BasicLinkWriter() = default;
+  explicit BasicLinkWriter(BasicLink<Atomic> link) noexcept : link_(link) {
+    const LinkPlace found = find_writer(link_);
+    private_ = found.buffer;
+    sequence_ = found.sequence + 1;
+    place_ = link_.place_of(sequence_);
     link_.block().writer_has.store(private_, std::memory_order_seq_cst);
-    link_.block().writer_takes.store(SlotWord::make(false, place.newest, private_),
+    link_.block().writer_takes.store(SlotWord::make(false, found.sequence, private_),
                                      std::memory_order_seq_cst);
+    link_.block().written.store(found.sequence, std::memory_order_relaxed);
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return static_cast<bool>(link_); }
-  [[nodiscard]] const Link& link() const noexcept { return link_; }
+  [[nodiscard]] const BasicLink<Atomic>& link() const noexcept { return link_; }
   /// The number of the buffer that is to be filled next; nobody else sees it.
   [[nodiscard]] std::uint32_t buffer() const noexcept { return private_; }
+  /// The number that the next sample gets.
+  [[nodiscard]] std::uint64_t next() const noexcept { return sequence_; }
 
   /// The buffer's sample is there for the reader. Wait-free. The oldest one is overwritten where nobody took
   /// it.
   void publish(std::uint32_t size, std::int64_t stamp_ns) noexcept {
-    LinkBlock& block = link_.block();
-    link_.info(private_) = {sequence_, stamp_ns, size};
-    std::atomic<std::uint64_t>& slot = link_.slot_of(sequence_);
+    auto& block = link_.block();
+    constexpr auto relaxed = std::memory_order_relaxed;
+    auto& head = link_.head(private_);
+    head.stamp_ns = stamp_ns;
+    head.size = size;
+    head.sequence.store(sequence_, relaxed);
+    auto& slot = link_.slot(place_);
     const std::uint64_t mine = SlotWord::make(true, sequence_, private_);
     std::uint64_t old = slot.load(std::memory_order_acquire);
     // Twice at most: the reader takes what it finds full, and never touches a slot that is empty.
     do {
+      if (!link_.has_buffer(SlotWord::index(old))) return;  // somebody wrote where he should not
       block.writer_takes.store(SlotWord::make(false, sequence_, SlotWord::index(old)),
                                std::memory_order_release);
     } while (!slot.compare_exchange_strong(old, mine, std::memory_order_seq_cst, std::memory_order_acquire));
     // SYNC: hands over. The buffer of `old` is ours; the sample is the reader's.
     private_ = SlotWord::index(old);
     block.writer_has.store(private_, std::memory_order_release);
-    constexpr auto relaxed = std::memory_order_relaxed;
     if (SlotWord::full(old)) block.overwritten.store(block.overwritten.load(relaxed) + 1, relaxed);
     block.newest_ns.store(stamp_ns, relaxed);
     block.written.store(sequence_, relaxed);
     ++sequence_;
+    place_ = link_.after(place_);
   }
 
  private:
-  Link link_;
+  BasicLink<Atomic> link_;
   std::uint32_t private_ = 0;
+  std::uint32_t place_ = 0;
   std::uint64_t sequence_ = 1;
 };
 
-/// The one reader of a link; one thread at a time. Real-time, but for its construction.
-class LinkReader {
+/// The one reader of a link; one thread at a time. Real-time.
+template <template <class> class Atomic>
+class BasicLinkReader {
  public:
-  LinkReader() = default;
-  /// Goes on at the oldest sample that is still there.
-  explicit LinkReader(Link link) : link_(link) {
-    const LinkPlace place = find_place(link, false);
-    private_ = place.buffer;
-    next_ = place.oldest;
-    link_.block().reader_has.store(private_, std::memory_order_seq_cst);
-    link_.block().reader_takes.store(private_, std::memory_order_seq_cst);
+  BasicLinkReader() = default;
+  /// Goes on after the last sample that was taken.
+  explicit BasicLinkReader(BasicLink<Atomic> link) noexcept : link_(link) {
+    const LinkPlace found = find_reader(link_);
+    private_ = found.buffer;
+    go_to(found.sequence + 1);
+    const std::uint64_t has = SlotWord::make(false, found.sequence, private_);
+    link_.block().reader_has.store(has, std::memory_order_seq_cst);
+    link_.block().reader_takes.store(has, std::memory_order_seq_cst);
   }
 
   [[nodiscard]] explicit operator bool() const noexcept { return static_cast<bool>(link_); }
-  [[nodiscard]] const Link& link() const noexcept { return link_; }
+  [[nodiscard]] const BasicLink<Atomic>& link() const noexcept { return link_; }
   /// The buffer of the sample that was taken last; it stays as it is until the next take().
   [[nodiscard]] std::uint32_t buffer() const noexcept { return private_; }
-  [[nodiscard]] const SampleInfo& info() const noexcept { return link_.info(private_); }
+  [[nodiscard]] SampleInfo info() const noexcept {
+    const auto& head = link_.head(private_);
+    return {head.sequence.load(std::memory_order_relaxed), head.stamp_ns,
+            std::min(head.size, link_.stride())};
+  }
 
   /// Whether take() would find a sample.
   [[nodiscard]] bool has_news() const noexcept {
-    return SlotWord::full(link_.slot_of(next_).load(std::memory_order_seq_cst));
+    return SlotWord::full(link_.slot(place_).load(std::memory_order_seq_cst));
   }
 
   /// The next sample becomes ours: the oldest that was not overwritten. False when there is none. Lock-free:
   /// it starts again only where the writer has meanwhile written over what it was about to take.
   bool take() noexcept {
-    LinkBlock& block = link_.block();
+    auto& block = link_.block();
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      std::atomic<std::uint64_t>& slot = link_.slot_of(next_);
+      auto& slot = link_.slot(place_);
       std::uint64_t word = slot.load(std::memory_order_acquire);
       if (!SlotWord::full(word)) return false;
       if (SlotWord::sequence(word) != next_) {  // the writer has come round: what is left begins after it
-        next_ = SlotWord::sequence(word) - block.depth + 1;
-        if (block.depth > 1) continue;
+        go_to(SlotWord::sequence(word) - link_.depth() + 1);
+        if (link_.depth() > 1) continue;
       }
-      block.reader_takes.store(SlotWord::index(word), std::memory_order_release);
+      if (!link_.has_buffer(SlotWord::index(word))) return false;
+      const std::uint64_t takes = word & ~SlotWord::kFull;
+      block.reader_takes.store(takes, std::memory_order_release);
       if (!slot.compare_exchange_strong(word, SlotWord::make(false, next_, private_),
                                         std::memory_order_seq_cst, std::memory_order_acquire)) {
         continue;
       }
       // SYNC: hands over. The sample is ours; our former buffer is the writer's to take.
       private_ = SlotWord::index(word);
-      block.reader_has.store(private_, std::memory_order_release);
+      block.reader_has.store(takes, std::memory_order_release);
       block.taken.store(block.taken.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
       ++next_;
+      place_ = link_.after(place_);
       return true;
     }
     return false;
@@ -275,9 +391,22 @@ class LinkReader {
 
  private:
   static constexpr int kAttempts = 64;
-  Link link_;
+
+  void go_to(std::uint64_t sequence) noexcept {
+    next_ = sequence;
+    place_ = link_.place_of(sequence);
+  }
+
+  BasicLink<Atomic> link_;
   std::uint32_t private_ = 0;
+  std::uint32_t place_ = 0;
   std::uint64_t next_ = 1;
 };
+
+using LinkBlock = BasicLinkBlock<std::atomic>;
+using LinkLayout = BasicLinkLayout<std::atomic>;
+using Link = BasicLink<std::atomic>;
+using LinkWriter = BasicLinkWriter<std::atomic>;
+using LinkReader = BasicLinkReader<std::atomic>;
 
 }  // namespace takt::channel

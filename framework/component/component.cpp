@@ -1,5 +1,8 @@
 #include <takt/component/component.hpp>
 
+#include <algorithm>
+#include <utility>
+
 #include <takt/component/module.h>
 #include <takt/component/current_cycle.hpp>
 #include <takt/component/failure.hpp>
@@ -21,6 +24,10 @@ const char* to_text(ErrorType type) noexcept {
       return "crash";
     case ErrorType::hang:
       return "hang";
+    case ErrorType::deadline:
+      return "deadline";
+    case ErrorType::stale:
+      return "stale";
   }
   return "?";
 }
@@ -44,8 +51,30 @@ const char* take_failure() noexcept {
 }
 
 void serve_cycle(const Cycle* cycle) noexcept { served = cycle; }
+const Cycle* served_cycle() noexcept { return served; }
 
 void Component::fail(const char* text) noexcept { say_failure(text); }
+
+bool Component::condition() {
+  return std::any_of(ports_.begin(), ports_.end(), [](const PortBase* port) {
+    return port->direction() == PortDirection::event && port->has_news();
+  });
+}
+
+// Of the module that this thread loads: its constructors run within dlopen().
+namespace {
+std::vector<PortBase*>& loose_ports() {
+  thread_local std::vector<PortBase*> ports;
+  return ports;
+}
+}  // namespace
+
+std::vector<PortBase*> take_loose_ports() { return std::exchange(loose_ports(), {}); }
+
+namespace detail {
+void add_loose_port(PortBase& port) { loose_ports().push_back(&port); }
+void remove_loose_port(PortBase& port) noexcept { std::erase(loose_ports(), &port); }
+}  // namespace detail
 
 }  // namespace takt
 

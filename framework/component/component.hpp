@@ -14,8 +14,12 @@
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include <takt/component/event_port.hpp>
+#include <takt/component/in_port.hpp>
+#include <takt/component/out_port.hpp>
 #include <takt/component/property.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
@@ -27,6 +31,7 @@ struct Cycle {
   std::uint64_t number = 0;  ///< n: the place in the module's grid, from 0; a missed release leaves a gap
   Instant time{};            ///< when it was due, the same for all modules of a row
   Nanoseconds period{};      ///< of the module; for a sporadic one, of its executor's rows
+  Instant start{};           ///< when run() was called: what ports stamp samples with and reckon ages from
 
   [[nodiscard]] double seconds() const noexcept { return std::chrono::duration<double>(period).count(); }
 };
@@ -38,7 +43,9 @@ enum class ErrorType : int {
   budget = 2,   ///< one run() took longer than <budget>
   start = 3,    ///< start() failed
   crash = 4,    ///< the host or the process module crashed or ended by itself
-  hang = 5,     ///< run() or a hook did not come back
+  hang = 5,      ///< run() or a hook did not come back
+  deadline = 6,  ///< a sporadic module was not done by its deadline, and its descriptor calls that an error
+  stale = 7,     ///< an input is older than its connection's deadline, with stale="error"
 };
 /// "failure", "budget", ...
 const char* to_text(ErrorType type) noexcept;
@@ -59,8 +66,9 @@ class Component {
   virtual Result<void> start() { return {}; }
   /// Every period, or when condition() holds. No lock, no allocation, no system call, no log.
   virtual void run(const Cycle& cycle) = 0;
-  /// Sporadic modules: whether run() is to be called. Same rules as run().
-  virtual bool condition() { return false; }
+  /// Sporadic modules: whether run() is to be called. Same rules as run(). Unless it is overridden: an event
+  /// port has an event that was not read.
+  virtual bool condition();
   /// An error took the module out of its table.
   virtual void error(ErrorType /*type*/) {}
   /// Makes it fit to run again, or says why not.
@@ -69,6 +77,7 @@ class Component {
   virtual void destruct() {}
 
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const noexcept { return properties_; }
+  [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
 
  protected:
   /// From run() or condition(): takes the module out of its table after this call, with this reason (255
@@ -77,18 +86,31 @@ class Component {
 
  private:
   friend class PropertyBase;
+  friend class PortBase;
   std::vector<PropertyBase*> properties_;  // in the order of declaration
+  std::vector<PortBase*> ports_;
 };
 
 /// What a .so of a C++ component exports.
 struct ComponentFactory {
-  static constexpr std::uint32_t kAbi = 1;
+  static constexpr std::uint32_t kAbi = 2;
   std::uint32_t abi;
   std::uint32_t component_size;  ///< sizeof(Component) when the object was compiled
   const char* name;              ///< of the class
   Component* (*create)();
   void (*destroy)(Component*);
+  bool own_condition;  ///< condition() is overridden
 };
+
+namespace detail {
+template <class Type>
+constexpr bool overrides_condition() {
+  if constexpr (requires { &Type::condition; })
+    return !std::is_same_v<decltype(&Type::condition), bool (Component::*)()>;
+  else
+    return true;  // it is there and private
+}
+}  // namespace detail
 
 }  // namespace takt
 
@@ -98,8 +120,11 @@ struct ComponentFactory {
   takt_component_factory();                                                         \
   extern "C" const ::takt::ComponentFactory* takt_component_factory() {             \
     static constexpr ::takt::ComponentFactory factory{                              \
-        ::takt::ComponentFactory::kAbi, sizeof(::takt::Component), #Type,           \
+        ::takt::ComponentFactory::kAbi,                                             \
+        sizeof(::takt::Component),                                                  \
+        #Type,                                                                      \
         []() -> ::takt::Component* { return new Type; },                            \
-        [](::takt::Component* component) { delete component; }};                    \
+        [](::takt::Component* component) { delete component; },                     \
+        ::takt::detail::overrides_condition<Type>()};                               \
     return &factory;                                                                \
   }

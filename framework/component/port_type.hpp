@@ -13,16 +13,23 @@ namespace takt {
 struct TypeInfo {
   const char* name;         ///< "motion::JointState", its name on DDS
   const char* description;  ///< JSON, as model::parse_type() reads it; two types are one when this is equal
-  std::uint32_t max_size;   ///< most bytes of a sample as CDR, with encapsulation
+  std::uint32_t max_size;   ///< most bytes of a sample as CDR: with encapsulation, in whole words of 4 bytes
 };
 
-/// For T of an IDL file:
+/// For T of an IDL file. All but reserve() are real-time; decode() for a value that was reserved.
 ///
 ///   static constexpr TypeInfo info;
-///   /// Real-time. Bytes written; 0 when `size` is less than the sample needs or a field is beyond its bound.
+///
+///   /// Bytes written; 0 when `size` is less than the sample needs, or a field is beyond its bound.
 ///   static std::uint32_t encode(const T& value, std::byte* to, std::uint32_t size) noexcept;
-///   /// Real-time for a value that was reserved: neither allocates nor throws. False when the bytes are no sample.
+///
+///   /// Whether encode() would take it, given room.
+///   static bool fits(const T& value) noexcept;
+///
+///   /// False when the bytes are no sample, and what the value then holds is not said. Either byte order; up
+///   /// to 3 bytes may follow, for RTPS sends whole words.
 ///   static bool decode(const std::byte* from, std::uint32_t size, T& value) noexcept;
+///
 ///   /// Gives its sequences the room that they may need. Allocates.
 ///   static void reserve(T& value);
 template <class T>

@@ -38,5 +38,7 @@ void set(eprosima::fastrtps::fixed_string<N>& field, std::string_view text) {
 std::string path_of(std::string_view cell, std::string_view device, std::string_view part = {});
 /// What stands for the cell of a device that has no deployment.
 inline constexpr std::string_view kNoCell = "-";
+/// Command::property of COMMAND_PREPARE: the device refuses where it cannot be real-time.
+inline constexpr const char* kRequireRealTime = "require-realtime";
 
 }  // namespace takt::dds

@@ -5,15 +5,30 @@
 
 namespace takt::executor {
 
+/// How a call of a module went.
+struct Outcome {
+  ErrorType type = ErrorType::none;
+  const char* text = nullptr;  ///< why not; valid until the next call on this thread
+
+  constexpr Outcome() = default;
+  constexpr Outcome(ErrorType error, const char* why) : type(error), text(why) {}
+  /// Null when it went well; else a failure.
+  constexpr Outcome(const char* failure)  // NOLINT(google-explicit-constructor)
+      : type(failure == nullptr ? ErrorType::none : ErrorType::failure), text(failure) {}
+  [[nodiscard]] constexpr bool ok() const noexcept { return type == ErrorType::none; }
+};
+
 /// Implemented by the host for what it has loaded, and by tests and simulation. Real-time.
 class Body {
  public:
   virtual ~Body() = default;
-  /// One run(). Null when it went well; else why not, in a text that is valid until the next call on this
-  /// thread.
-  virtual const char* run(const Cycle& cycle) noexcept = 0;
-  /// Whether a sporadic module is to run. Null and false in `*ready` when not; a text when it failed.
-  virtual const char* condition(bool* ready) noexcept = 0;
+  /// One run().
+  virtual Outcome run(const Cycle& cycle) noexcept = 0;
+  /// Whether a sporadic module is to run: false in `*ready` when not. Only `number`, `time` and `start` of
+  /// the cycle say something.
+  virtual Outcome condition(const Cycle& cycle, bool* ready) noexcept = 0;
+  /// Whether an event port has a sample that was not read yet. Asked of modules that are dispatched at once.
+  [[nodiscard]] virtual bool has_news() const noexcept { return false; }
 };
 
 }  // namespace takt::executor

@@ -57,6 +57,7 @@ Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodi
                (sporadic[i].body == nullptr) != (sporadic[i].seat == nullptr));
     sporadic_[i].unit = sporadic[i];
     sporadic_[i].unit.period = basic_;  // what run() is told: its conditions are checked each row
+    has_immediate_ |= sporadic[i].immediate;
   }
 }
 
@@ -114,7 +115,7 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
       }
     }
   }
-  if (sporadic_count_ != 0) wake |= check_conditions(release);
+  if (sporadic_count_ != 0) wake |= check_conditions(release, time);
   block_.row.end();
 
   add(block_.cycles);
@@ -131,55 +132,96 @@ Instant Executor::call(const Unit& unit, channel::Activity& activity, std::uint6
                        Nanoseconds allowed, Instant start) noexcept {
   channel::ModuleBlock& block = *unit.block;
   activity.begin(unit.index, channel::Doing::run, to_ns(start));
-  const char* failure = unit.body->run({.number = number, .time = release, .period = unit.period});
+  const Outcome outcome =
+      unit.body->run({.number = number, .time = release, .period = unit.period, .start = start});
   const Instant end = clock_.now();
 
   block.jitter.record((release - start).count());
   block.run.record((end - start).count());
   add(block.cycles);
   if (end - release > allowed) add(block.overruns);
-  if (failure != nullptr) {
-    raise(unit, ErrorType::failure, number, failure);
+  if (!outcome.ok()) {
+    raise(unit, outcome.type, number, outcome.text);
   } else if (unit.budget != Nanoseconds{0} && end - start > unit.budget) {
     raise(unit, ErrorType::budget, number, "one run() took longer than its budget");
   }
   return end;
 }
 
-std::uint32_t Executor::check_conditions(Instant release) noexcept {
+std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept {
   std::uint32_t wake = 0;
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     Sporadic& sporadic = sporadic_[i];
     const Unit& unit = sporadic.unit;
     if (!in_tables(unit)) continue;
+    if (to_ns(release) < sporadic.not_before_ns.load(relaxed)) continue;
 
     if (unit.seat != nullptr) {
+      if (unit.immediate) continue;  // it sees its events itself
       // The program checks its own condition and its own deadline; a row that finds it in its body leaves it
       // there.
       const channel::Release given = channel::release(*unit.seat, row_, to_ns(release));
       if (given == channel::Release::wake) wake |= unit.seat->bell_bit;
-      if (given != channel::Release::busy) add(unit.block->cycles);
+      if (given == channel::Release::busy) continue;
+      add(unit.block->cycles);
+      sporadic.not_before_ns.store(to_ns(release + unit.interarrival), relaxed);
       continue;
     }
 
     if (sporadic.ready.load(std::memory_order_acquire) != Ready::no) continue;  // SYNC: ready
+    if (unit.immediate) {
+      if (unit.body->has_news()) wake |= channel::kSporadicBit;
+      continue;
+    }
     bool ready = false;
     block_.row.begin(unit.index, channel::Doing::condition, to_ns(release));
-    const char* failure = unit.body->condition(&ready);
-    if (failure != nullptr) {
-      raise(unit, ErrorType::failure, row_, failure);
+    const Outcome outcome =
+        unit.body->condition({.number = row_, .time = release, .period = unit.period, .start = now}, &ready);
+    if (!outcome.ok()) {
+      raise(unit, outcome.type, row_, outcome.text);
     } else if (ready) {
-      sporadic.release_ns = to_ns(release);
-      sporadic.deadline_ns = to_ns(release + unit.deadline);
-      sporadic.cycle = row_;
-      sporadic.ready.store(Ready::yes, std::memory_order_release);  // SYNC: ready
+      make_ready(sporadic, release, row_);
       wake |= channel::kSporadicBit;
     }
   }
   return wake;
 }
 
+void Executor::make_ready(Sporadic& sporadic, Instant release, std::uint64_t cycle) noexcept {
+  sporadic.release_ns = to_ns(release);
+  sporadic.deadline_ns = to_ns(release + sporadic.unit.deadline);
+  sporadic.cycle = cycle;
+  sporadic.not_before_ns.store(to_ns(release + sporadic.unit.interarrival), relaxed);
+  sporadic.ready.store(Ready::yes, std::memory_order_release);  // SYNC: ready
+}
+
+// On the sporadic thread, which alone asks and runs such a module: rows only look whether it has news.
+void Executor::release_immediate() noexcept {
+  for (std::size_t i = 0; i < sporadic_count_; ++i) {
+    Sporadic& sporadic = sporadic_[i];
+    const Unit& unit = sporadic.unit;
+    if (!unit.immediate || unit.body == nullptr || sporadic.ready.load(relaxed) != Ready::no) continue;
+    if (!unit.body->has_news()) continue;
+    const Instant now = clock_.now();
+    if (to_ns(now) < sporadic.not_before_ns.load(relaxed)) continue;  // the first row after that rings again
+    block_.sporadic.announce(unit.index, channel::Doing::condition, to_ns(now));  // SYNC: in tables
+    if (in_tables(unit)) {
+      const std::uint64_t row = block_.next_row.load(relaxed);
+      bool ready = false;
+      const Outcome outcome =
+          unit.body->condition({.number = row, .time = now, .period = unit.period, .start = now}, &ready);
+      if (!outcome.ok()) {
+        raise(unit, outcome.type, row, outcome.text);
+      } else if (ready) {
+        make_ready(sporadic, now, row);
+      }
+    }
+    block_.sporadic.end();
+  }
+}
+
 bool Executor::run_sporadic() noexcept {
+  if (has_immediate_) release_immediate();
   Sporadic* first = nullptr;
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     Sporadic& candidate = sporadic_[i];
@@ -193,11 +235,22 @@ bool Executor::run_sporadic() noexcept {
   block_.sporadic.announce(unit.index, channel::Doing::run,
                            to_ns(start));  // before the tables are asked: SYNC: in tables
   if (in_tables(unit)) {
-    call(unit, block_.sporadic, first->cycle, from_ns(first->release_ns), unit.deadline, start);
+    const Instant end =
+        call(unit, block_.sporadic, first->cycle, from_ns(first->release_ns), unit.deadline, start);
+    const Nanoseconds late = end - from_ns(first->deadline_ns);
+    if (unit.late_is_error && late > Nanoseconds{0} && in_tables(unit)) raise_late(unit, first->cycle, late);
   }
   block_.sporadic.end();
   first->ready.store(Ready::no, std::memory_order_release);  // SYNC: ready
   return true;
+}
+
+void Executor::raise_late(const Unit& unit, std::uint64_t cycle, Nanoseconds by) noexcept {
+  FixedText<64> text;
+  text.assign("run() ended ");
+  text.append(by.count() / 1000);
+  text.append(" us after its deadline");
+  raise(unit, ErrorType::deadline, cycle, text.c_str());
 }
 
 void Executor::raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept {

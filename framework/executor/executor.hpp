@@ -28,6 +28,9 @@ struct Unit {
   Nanoseconds period{};                   ///< of a periodic module
   Nanoseconds deadline{};                 ///< of a sporadic module, from its release
   Nanoseconds budget{};                   ///< 0: none
+  Nanoseconds interarrival{};  ///< of a sporadic module: the least time between two releases; 0: any
+  bool immediate = false;      ///< a sporadic module that is released by its events, not by rows
+  bool late_is_error = false;  ///< a sporadic module that misses its deadline is in error
 };
 
 class Executor {
@@ -54,8 +57,9 @@ class Executor {
   /// the sporadic thread.
   std::uint32_t run_cycle(Instant now) noexcept;
 
-  /// Real-time, on the thread of the sporadic modules (which may be another than run_cycle's). Runs the ready
-  /// module with the earliest absolute deadline, ties by the order of the table; false when none is ready.
+  /// Real-time, on the thread of the sporadic modules (which may be another than run_cycle's). Releases the
+  /// modules that are dispatched at once and have news; then runs the ready module with the earliest absolute
+  /// deadline, ties by the order of the table. False when none is ready.
   bool run_sporadic() noexcept;
 
  private:
@@ -66,13 +70,20 @@ class Executor {
     std::int64_t release_ns = 0;
     std::int64_t deadline_ns = 0;
     std::uint64_t cycle = 0;
+    /// No release before. Written by the thread that releases it: rows', or, of an immediate one, the
+    /// sporadic thread.
+    std::atomic<std::int64_t> not_before_ns{0};
   };
 
   void skip(std::uint64_t rows) noexcept;
-  std::uint32_t check_conditions(Instant release) noexcept;
+  /// `now`: after the row's last module.
+  std::uint32_t check_conditions(Instant release, Instant now) noexcept;
+  void release_immediate() noexcept;
+  void make_ready(Sporadic& sporadic, Instant release, std::uint64_t cycle) noexcept;
   /// Calls a thread module that was released at `release`; returns the time after it.
   Instant call(const Unit& unit, channel::Activity& activity, std::uint64_t number, Instant release,
                Nanoseconds allowed, Instant start) noexcept;
+  void raise_late(const Unit& unit, std::uint64_t cycle, Nanoseconds by) noexcept;
   void raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept;
 
   schedule::Table table_;
@@ -80,6 +91,7 @@ class Executor {
   std::vector<std::uint64_t> strides_;  // rows between two releases of a periodic unit
   std::unique_ptr<Sporadic[]> sporadic_;
   std::size_t sporadic_count_ = 0;
+  bool has_immediate_ = false;
   channel::ExecutorBlock& block_;
   Clock& clock_;
   Nanoseconds basic_;

@@ -88,7 +88,9 @@ void ExecutorThreads::walk_rows(Instant t0) {
   while (true) {
     const Instant now = waker.wait_until(executor_.next_release());
     if (halt_.load(std::memory_order_relaxed) != 0) return;
-    if (const std::uint32_t bits = executor_.run_cycle(now); bits != 0) ring(bell_, bits);
+    // What modules wrote for somebody who waits is rung for together with what the row released.
+    const std::uint32_t released = executor_.run_cycle(now);
+    if (const std::uint32_t bits = released | bell_.take_pending(); bits != 0) ring(bell_, bits);
     block_.margin_ns.store(waker.margin().count(), std::memory_order_relaxed);
   }
 }
@@ -100,6 +102,7 @@ void ExecutorThreads::serve_sporadic() {
     // A ring after this load ends the wait below at once, so none is lost.
     const std::uint32_t rings = bell_.rings.load(std::memory_order_seq_cst);
     while (halt_.load(std::memory_order_relaxed) == 0 && executor_.run_sporadic()) {
+      if (const std::uint32_t bits = bell_.take_pending(); bits != 0) ring(bell_, bits);
     }
     if (halt_.load(std::memory_order_seq_cst) == 0) os::futex_wait(bell_.rings, rings, channel::kSporadicBit);
   }

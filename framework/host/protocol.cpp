@@ -28,6 +28,9 @@ json to_json(const model::Module& module) {
           {"operation", module.operation},
           {"period", from_duration(module.period)},
           {"deadline", from_duration(module.deadline)},
+          {"miss", module.miss},
+          {"dispatch", module.dispatch},
+          {"interarrival", from_duration(module.interarrival)},
           {"priority", module.priority},
           {"executor", module.executor},
           {"budget", from_duration(module.budget)},
@@ -43,6 +46,9 @@ model::Module module_from(const json& value) {
   module.operation = value.at("operation");
   module.period = to_duration(value.at("period"));
   module.deadline = to_duration(value.at("deadline"));
+  module.miss = value.at("miss");
+  module.dispatch = value.at("dispatch");
+  module.interarrival = to_duration(value.at("interarrival"));
   module.priority = value.at("priority");
   module.executor = value.at("executor");
   module.budget = to_duration(value.at("budget"));
@@ -93,6 +99,8 @@ std::string encode(const Setup& setup) {
   for (const auto& module : setup.device.modules) modules.push_back(to_json(module));
   json executors = json::array();
   for (const auto& executor : setup.device.executors) executors.push_back(to_json(executor));
+  json links = json::array();
+  for (const PortLink& link : setup.links) links.push_back({link.module, link.port, link.fd, link.typed});
   return dump({{"name", setup.device.name},
                {"modules", modules},
                {"executors", executors},
@@ -101,7 +109,8 @@ std::string encode(const Setup& setup) {
                {"executor_cpus", setup.executor_cpus},
                {"background_cpus", setup.background_cpus},
                {"seat_fds", setup.seat_fds},
-               {"bell_fd", setup.bell_fd}});
+               {"bell_fd", setup.bell_fd},
+               {"links", links}});
 }
 
 std::string encode(const Request& request) { return dump(to_json(request)); }
@@ -126,6 +135,7 @@ Result<Setup> decode_setup(const std::string& text) {
     setup.background_cpus = value.at("background_cpus").get<std::vector<int>>();
     setup.seat_fds = value.at("seat_fds").get<std::vector<int>>();
     setup.bell_fd = value.at("bell_fd");
+    for (const json& link : value.at("links")) setup.links.push_back({link[0], link[1], link[2], link[3]});
     return setup;
   });
 }

@@ -22,6 +22,17 @@ inline constexpr Nanoseconds kHostEndLimit = std::chrono::seconds{2};
 inline constexpr std::size_t kHostRestarts = 3;
 inline constexpr Nanoseconds kRestartWindow = std::chrono::seconds{60};
 
+/// A prepared deployment, to be told when it is to run; then it is undone.
+inline constexpr Nanoseconds kRunAwaited = std::chrono::seconds{20};
+/// A deployment that is taken up again, to the first row that it walks.
+inline constexpr Nanoseconds kJoinGridAhead = std::chrono::milliseconds{100};
+/// How far ahead T0 may lie.
+inline constexpr Nanoseconds kFurthestStart = std::chrono::seconds{60};
+/// A node that was lent and is to end, for its closing report to be fetched.
+inline constexpr Nanoseconds kReportFetched = std::chrono::seconds{2};
+/// Between two statistics of a module.
+inline constexpr Nanoseconds kMeasuresEvery = std::chrono::seconds{1};
+
 /// A run() or a body that takes longer than this is taken to be never coming back.
 inline Nanoseconds stuck_after(const model::Module& module) {
   const Nanoseconds own = module.period ? *module.period : module.deadline.value_or(Nanoseconds{0});

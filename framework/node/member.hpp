@@ -45,6 +45,7 @@ struct Member {
   bool failed = false;                    ///< given up after an error
   std::string why;                        ///< its last failure, in words
   std::uint64_t errors = 0;               ///< that the executor did not see
+  std::uint64_t recoveries = 0;           ///< that succeeded
   std::uint64_t seen_cycles = 0;          ///< its cycles_of() when it was last put into the tables
   std::optional<channel::Doing> pending;  ///< a hook that the host was asked to call
 

@@ -1,8 +1,9 @@
-// The device's object of the status JSON.
+// What is known of the device: for the status JSON, for the topics, and in a few words.
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
 
+#include <takt/dds/words.hpp>
 #include <takt/node/supervisor.hpp>
 
 namespace takt::node {
@@ -22,7 +23,84 @@ json in_microseconds(const StatisticsSnapshot& s) {
           {"max", us(s.max)}};
 }
 
+Distribution on_the_wire(const StatisticsSnapshot& s) {
+  const auto us = [](auto ns) { return static_cast<double>(ns) / 1e3; };
+  Distribution d;
+  d.mean(us(s.mean));
+  d.variance(s.variance / 1e6);
+  d.min(us(s.min));
+  d.p50(us(s.quantile(0.5)));
+  d.p99(us(s.quantile(0.99)));
+  d.p999(us(s.quantile(0.999)));
+  d.max(us(s.max));
+  return d;
+}
+
+const Statistics& jitter_of(const Member& member) {
+  return member.seat == nullptr ? member.block.jitter : member.seat->jitter;
+}
+const Statistics& run_of(const Member& member) {
+  return member.seat == nullptr ? member.block.run : member.seat->run;
+}
+std::uint64_t overruns_of(const Member& member) {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  return member.block.overruns.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->late.load(relaxed));
+}
+
 }  // namespace
+
+Standing Supervisor::standing() const {
+  Standing standing{.real_time = real_time_,
+                    .host_pid = host_.running() ? host_.pid() : 0,
+                    .host_restarts = host_restarts_,
+                    .executing = 0,
+                    .astray = {}};
+  for (const auto& member : members_) {
+    standing.executing += member->state() == lifecycle::State::executing ? 1 : 0;
+    const bool astray = member->state() == lifecycle::State::recover ||
+                        (member->state() == lifecycle::State::destruct && member->failed);
+    if (!astray || !standing.astray.empty()) continue;
+    standing.astray = "module " + member->model.name + " is in " + lifecycle::to_text(member->state()) +
+                      (member->why.empty() ? "" : ": " + member->why);
+  }
+  return standing;
+}
+
+Measures Supervisor::measures() const {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  Measures measures;
+  const auto name = [this](auto& entry, const std::string& part) {
+    dds::set(entry.path(), dds::path_of(options_.cell.name, device().name, part));
+    dds::set(entry.cell(), options_.cell.name);
+    dds::set(entry.device(), device().name);
+    dds::set(entry.name(), part);
+  };
+  for (std::size_t e = 0; e < channel_.executors(); ++e) {
+    const channel::ExecutorBlock& block = channel_.executor(e);
+    ExecutorStatistics entry;
+    name(entry, device().executors[e].name);
+    entry.cycles(block.cycles.load(relaxed));
+    entry.missed(block.missed.load(relaxed));
+    entry.late(block.late.load(relaxed));
+    entry.jitter_us(on_the_wire(block.jitter.read()));
+    measures.executors.push_back(entry);
+  }
+  for (const auto& member : members_) {
+    const channel::ModuleBlock& block = member->block;
+    ModuleStatistics entry;
+    name(entry, member->model.name);
+    entry.cycles(block.cycles.load(relaxed));
+    entry.missed(block.missed.load(relaxed));
+    entry.overruns(overruns_of(*member));
+    entry.errors(block.errors.load(relaxed) + member->errors);
+    entry.recoveries(member->recoveries);
+    entry.jitter_us(on_the_wire(jitter_of(*member).read()));
+    entry.run_us(on_the_wire(run_of(*member).read()));
+    entry.process_id(member->is_thread() ? host_.pid() : member->last_pid);
+    measures.modules.push_back(entry);
+  }
+  return measures;
+}
 
 json Supervisor::report() const {
   constexpr auto relaxed = std::memory_order_relaxed;
@@ -37,18 +115,15 @@ json Supervisor::report() const {
   json modules = json::array();
   for (const auto& member : members_) {
     const channel::ModuleBlock& block = member->block;
-    const Statistics& jitter = member->seat == nullptr ? block.jitter : member->seat->jitter;
-    const Statistics& run = member->seat == nullptr ? block.run : member->seat->run;
     modules.push_back({{"name", member->model.name},
                        {"type", model::to_text(member->model.type)},
                        {"operation", model::to_text(member->model.operation)},
                        {"state", lifecycle::to_text(member->state())},
                        {"cycles", block.cycles.load(relaxed)},
-                       {"overruns", block.overruns.load(relaxed) +
-                                        (member->seat == nullptr ? 0 : member->seat->late.load(relaxed))},
+                       {"overruns", overruns_of(*member)},
                        {"errors", block.errors.load(relaxed) + member->errors},
-                       {"jitter_us", in_microseconds(jitter.read())},
-                       {"run_us", in_microseconds(run.read())},
+                       {"jitter_us", in_microseconds(jitter_of(*member).read())},
+                       {"run_us", in_microseconds(run_of(*member).read())},
                        {"pid", member->is_thread() ? host_.pid() : member->last_pid}});
   }
   return {{"name", device().name},

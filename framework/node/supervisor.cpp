@@ -7,6 +7,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/real_time.hpp>
+#include <takt/schedule/plan.hpp>
 
 namespace takt::node {
 
@@ -23,7 +24,7 @@ void Supervisor::log(const Member& member, const std::string& text) const {
 
 void Supervisor::log(const std::string& text) const { node::log(device().name, "", text); }
 
-bool Supervisor::apply(Member& member, Event event, const std::string& text) {
+bool Supervisor::apply(Member& member, Event event, const std::string& text, ErrorType error) {
   const auto step = member.machine.apply(event);
   if (!step) {
     log(member, in_words(step.problems()));
@@ -31,6 +32,8 @@ bool Supervisor::apply(Member& member, Event event, const std::string& text) {
   }
   log(member, std::string{lifecycle::to_text(step->from)} + " -> " + lifecycle::to_text(step->to) +
                   (text.empty() ? "" : " (" + text + ")"));
+  if (options_.stepped)
+    options_.stepped({.module = member.index, .transition = *step, .error = error, .text = text});
   return true;
 }
 
@@ -70,6 +73,11 @@ Result<void> Supervisor::prepare() {
   if (!bell) return bell.problems();
   bell_memory_ = std::move(*bell);
   bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
+
+  options_.ports.resize(device().modules.size());
+  auto wiring = Wiring::create(plan_wiring(options_.cell, options_.device, options_.ports));
+  if (!wiring) return wiring.problems();
+  wiring_ = std::move(*wiring);
 
   for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
     members_.push_back(std::make_unique<Member>(device().modules[i], i, channel_.module(i)));
@@ -138,8 +146,22 @@ void Supervisor::go(Instant t0) {
   if (phase_ != Phase::ready) return;
   phase_ = Phase::running;
   t0_ = t0;
+  if (t0 < os::now()) join_grid(t0);
   channel_.host().t0_ns.store(to_ns(t0), std::memory_order_release);
   begin_rows();
+}
+
+// A deployment that is taken up again: the rows since T0 were nobody's to walk, so none of them is missed.
+void Supervisor::join_grid(Instant t0) {
+  const auto plan = schedule::plan(options_.cell, device());
+  if (!plan) return;  // the agent has made it before us
+  const Instant first = os::now() + kJoinGridAhead;
+  for (std::size_t e = 0; e < plan->executors.size(); ++e) {
+    const Nanoseconds basic = plan->executors[e].basic_period;
+    if (basic == Nanoseconds{0}) continue;
+    const auto rows = static_cast<std::uint64_t>((first - t0 + basic - Nanoseconds{1}) / basic);
+    channel_.executor(e).next_row.store(rows, std::memory_order_relaxed);
+  }
 }
 
 // What grows when a row names the module: a periodic one is called or released, a sporadic one is asked for
@@ -217,7 +239,7 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text,
                        std::optional<Instant> since) {
   take_from_tables(member);
   member.why = std::string{takt::to_text(type)} + ": " + text;
-  if (!apply(member, Event::error, member.why)) return;
+  if (!apply(member, Event::error, member.why, type)) return;
   member.recovery.failed(os::now(), since);
   if (member.is_thread()) ask(member, Doing::error, type);
 }
@@ -249,6 +271,7 @@ void Supervisor::attempt_recovery(Member& member) {
 void Supervisor::recovered(Member& member) {
   member.recovery.attempted(os::now(), true);
   if (!apply(member, Event::recover)) return;
+  ++member.recoveries;
   if (rows_begun_ && member.wanted && (member.scheduled() || member.is_thread())) put_in_tables(member);
 }
 
@@ -275,18 +298,18 @@ void Supervisor::give_up(Member& member) {
 }
 
 // No hook of this module will be called any more.
-void Supervisor::lose(Member& member, const std::string& text) {
+void Supervisor::lose(Member& member, const std::string& text, ErrorType type) {
   take_from_tables(member);
   member.lost = true;
   member.failed = true;
   member.pending.reset();
   member.why = text;
   const bool starting = phase_ == Phase::preparing;
-  if (member.machine.accepts(Event::error)) apply(member, Event::error, text);
+  if (member.machine.accepts(Event::error)) apply(member, Event::error, text, type);
   if (member.machine.accepts(Event::give_up)) {
-    apply(member, Event::give_up, text);  // again: who joins later is shown the last step only
+    apply(member, Event::give_up, text, type);  // again: who joins later is shown the last step only
   } else if (member.machine.accepts(Event::destruct)) {
-    apply(member, Event::destruct, text);
+    apply(member, Event::destruct, text, type);
   }
   Problem problem{"module " + device().name + "." + member.model.name, text, "mend the module"};
   const bool whole_device = starting || member.model.recovery.then == model::GiveUp::stop_device;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,45 +24,37 @@
 #include <takt/node/host_link.hpp>
 #include <takt/node/member.hpp>
 #include <takt/node/placement.hpp>
+#include <takt/node/supervised.hpp>
+#include <takt/node/wiring.hpp>
 
 namespace takt::node {
 
-class Supervisor {
+class Supervisor final : public Supervised {
  public:
   struct Options {
     model::Cell cell;
     std::size_t device = 0;
-    host::ComponentPaths paths;  ///< of the device's modules
+    host::ComponentPaths paths;                ///< of the device's modules
+    std::vector<model::ModulePorts> ports{};   ///< the same; empty: nothing is known
     bool require_real_time = false;
-  };
-  enum class Phase {
-    preparing,  ///< modules are loaded, initialised, started
-    ready,      ///< every module is in START; go() is awaited
-    running,
-    stopping,
-    ended,
+    std::function<void(const Step&)> stepped{};  ///< told of every step of a module
   };
 
   explicit Supervisor(Options options);
-  ~Supervisor();
+  ~Supervisor() override;
 
-  /// Creates the channel, starts host and programs. Fails when the device cannot be brought up at all;
-  /// nothing is left then.
-  Result<void> prepare();
-  /// Every module is in START: T0 is agreed, the first row runs then.
-  void go(Instant t0);
-  /// Ends everything in order: stop, destruct, join; each with a time limit and a kill after it.
-  void stop();
-  /// Looks at what has happened. To be called whenever one of wait_on() can be read, and every few
-  /// milliseconds.
-  void step();
+  Result<void> prepare() override;
+  void go(Instant t0) override;
+  void stop() override;
+  void step() override;
+  std::vector<const os::Fd*> wait_on() override;
+  void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
 
-  [[nodiscard]] Phase phase() const noexcept { return phase_; }
-  [[nodiscard]] std::vector<const os::Fd*> wait_on();
-  /// Why the device failed as a whole, or which modules were given up; empty when all is well.
-  [[nodiscard]] const Problems& failures() const noexcept { return failures_; }
-  /// The device's object of the contract's status JSON.
-  [[nodiscard]] nlohmann::ordered_json report() const;
+  [[nodiscard]] Phase phase() const noexcept override { return phase_; }
+  [[nodiscard]] const Problems& failures() const noexcept override { return failures_; }
+  [[nodiscard]] Standing standing() const override;
+  [[nodiscard]] nlohmann::ordered_json report() const override;
+  [[nodiscard]] Measures measures() const override;
 
  private:
   struct Hang {
@@ -92,13 +85,14 @@ class Supervisor {
   void ring_all();
 
   // Lifecycle (supervisor.cpp)
-  bool apply(Member& member, lifecycle::Event event, const std::string& text = {});
+  bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
+             ErrorType error = ErrorType::none);
   void log(const Member& member, const std::string& text) const;
   void log(const std::string& text) const;
   void fail_device(Problem problem);
   void raise(Member& member, ErrorType type, const std::string& text,
              std::optional<Instant> since = std::nullopt);
-  void lose(Member& member, const std::string& text);
+  void lose(Member& member, const std::string& text, ErrorType type = ErrorType::failure);
   void attempt_recovery(Member& member);
   void recovered(Member& member);
   void not_recovered(Member& member, const std::string& text);
@@ -106,6 +100,7 @@ class Supervisor {
   std::uint64_t cycles_of(const Member& member) const;
   void put_in_tables(Member& member);
   void take_from_tables(Member& member);
+  void join_grid(Instant t0);
   void prepare_step();
   void running_step(Instant now);
   void stopping_step(Instant now);
@@ -122,6 +117,7 @@ class Supervisor {
   channel::Channel channel_;
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;
+  Wiring wiring_;
   std::vector<std::unique_ptr<Member>> members_;
   HostLink host_;
   bool rows_begun_ = false;
@@ -130,6 +126,7 @@ class Supervisor {
   bool halt_asked_ = false;
   std::optional<Hang> hung_;       // for which the host was killed
   std::vector<Instant> restarts_;  // of the host, without a culprit
+  std::uint32_t host_restarts_ = 0;
   std::optional<Instant> t0_;
   Instant asked_at_{};  // preparing: when it began; stopping: when the present part of it began
   bool end_asked_ = false;

@@ -19,13 +19,15 @@ Result<void> Supervisor::start_host() {
                     .executor_cpus = placement_.executors,
                     .background_cpus = placement_.background,
                     .seat_fds = {},
-                    .bell_fd = bell_memory_.fd().get()};
+                    .bell_fd = bell_memory_.fd().get(),
+                    .links = wiring_.of_host(device())};
   std::vector<const os::Fd*> inherit{&bell_memory_.fd()};
   for (const auto& member : members_) {
     setup.left_out.push_back(member->lost);
     setup.seat_fds.push_back(member->seat == nullptr ? -1 : member->seat_memory.fd().get());
     if (member->seat != nullptr) inherit.push_back(&member->seat_memory.fd());
   }
+  wiring_.inherit(inherit, setup.links);
   return host_.start(channel_, setup, inherit);
 }
 
@@ -141,7 +143,8 @@ void Supervisor::watch_host(Instant now) {
     const Doing doing = hooks.doing.load();
     if (member.pending == doing) {
       host_.ask({.what = host::Request::Do::give_up});
-      lose(member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit));
+      lose(member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit),
+           ErrorType::hang);
     }
   }
   for (std::size_t e = 0; e < channel_.executors(); ++e) {
@@ -178,6 +181,7 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
   channel::HostBlock& block = channel_.host();
   std::string text = "the host " + end.text();
   Member* culprit = nullptr;
+  const ErrorType type = hung_ ? ErrorType::hang : ErrorType::crash;
   if (hung_) {
     culprit = members_[hung_->module].get();
     text = std::string{channel::to_text(hung_->doing)} + " did not return within " + to_text(hung_->limit) +
@@ -208,7 +212,7 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
 
   if (culprit != nullptr) {
     ++culprit->errors;
-    lose(*culprit, text);
+    lose(*culprit, text, type);
   } else if (phase_ == Phase::preparing) {
     fail_device({"device " + device().name, text, "see what it printed"});
   }
@@ -236,6 +240,7 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
     fail_device(started.problems()[0]);
     return;
   }
+  ++host_restarts_;
   log("the host is started again");
   for (auto& member : members_) {
     if (member->is_thread() && !member->lost && member->state() != State::destruct) bring_back(*member);

@@ -76,6 +76,8 @@ Result<void> Supervisor::spawn(Member& member) {
     options.environment = {{"TAKT_SEAT_FD", std::to_string(member.seat_memory.fd().get())},
                            {"TAKT_BELL_FD", std::to_string(bell_memory_.fd().get())}};
     options.inherit = {&member.seat_memory.fd(), &bell_memory_.fd()};
+    options.environment.emplace_back("TAKT_LINKS", wiring_.of_program(member.index));
+    wiring_.inherit(options.inherit, member.index);
   }
   auto child = os::Child::spawn(options);
   if (!child) return child.problems();
@@ -123,12 +125,14 @@ void Supervisor::watch_process(Member& member, Instant now) {
         apply(member, Event::initialize);
       else if (slow)
         lose(member,
-             std::string{"did not call "} + init_function(member) + " within " + to_text(kAttachLimit));
+             std::string{"did not call "} + init_function(member) + " within " + to_text(kAttachLimit),
+             ErrorType::hang);
       break;
     case State::initialize:
       if (phase != channel::SeatPhase::ready && slow) {
         lose(member,
-             std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit));
+             std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit),
+             ErrorType::hang);
       }
       break;
     case State::recover:
@@ -170,7 +174,7 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
   }
   switch (member.state()) {
     case State::idle:
-      lose(member, text + "; it had not called " + init_function(member));
+      lose(member, text + "; it had not called " + init_function(member), ErrorType::crash);
       break;
     case State::recover:
       not_recovered(member, text);

@@ -22,11 +22,11 @@ namespace {
 
 class Empty final : public executor::Body {
  public:
-  const char* run(const Cycle& cycle) noexcept override {
+  executor::Outcome run(const Cycle& cycle) noexcept override {
     benchmark::DoNotOptimize(cycle.number);
-    return nullptr;
+    return {};
   }
-  const char* condition(bool*) noexcept override { return nullptr; }
+  executor::Outcome condition(const Cycle&, bool*) noexcept override { return {}; }
 };
 
 /// N periodic modules of one kind in one row, as a host sets them up.

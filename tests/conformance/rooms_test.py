@@ -23,9 +23,11 @@ CASES = {
     "descriptor": (["takt/model/cell.hpp", "tinyxml2.h"], ["takt/os/fd.hpp", "takt/host/inspect.hpp", "unistd.h"]),
     "os": (["sys/mman.h", "linux/futex.h", "takt/model/cell.hpp"], ["takt/channel/seat.hpp", "takt/executor/executor.hpp", "tinyxml2.h"]),
     "channel": (["takt/os/shared_memory.hpp"], ["takt/executor/executor.hpp", "takt/host/host.hpp", "sys/mman.h"]),
-    "component": (["takt/core/result.hpp"], ["takt/os/fd.hpp", "takt/channel/seat.hpp", "takt/executor/body.hpp", "unistd.h"]),
+    "component": (["takt/core/result.hpp", "takt/channel/link.hpp"], ["takt/executor/body.hpp", "takt/host/host.hpp", "unistd.h"]),
     "executor": (["takt/schedule/plan.hpp", "takt/channel/seat.hpp"], ["takt/host/host.hpp", "takt/node/supervisor.hpp", "sys/syscall.h"]),
     "host": (["takt/executor/executor.hpp"], ["takt/descriptor/descriptor.hpp", "takt/node/supervisor.hpp", "dlfcn.h", "tinyxml2.h"]),
+    "dds": (["takt/channel/link.hpp", "takt/wire/takt.h", "fastdds/dds/domain/DomainParticipant.hpp"],
+            ["takt/host/inspect.hpp", "takt/node/supervisor.hpp", "takt/component/component.hpp", "sys/socket.h", "tinyxml2.h"]),
     "node": (["takt/host/inspect.hpp", "takt/descriptor/descriptor.hpp"], ["sys/wait.h", "poll.h", "tinyxml2.h"]),
 }
 
@@ -37,7 +39,8 @@ def compiles(room, include):
     arguments = shlex.split(entry["command"])
     if "ccache" in os.path.basename(arguments[0]):
         arguments = arguments[1:]
-    keep = [a for a in arguments[1:] if a.startswith(("-I", "-D", "-std", "-f", "-W", "-isystem"))]
+    keep = [a for a in arguments[1:] if a.startswith(("-I", "-D", "-std", "-f", "-W"))]
+    keep += [a for i, first in enumerate(arguments) if first == "-isystem" for a in ("-isystem", arguments[i + 1])]
     with tempfile.NamedTemporaryFile("w", suffix=".cpp") as source:
         source.write(f"#include <{include}>\n")
         source.flush()

@@ -1,15 +1,33 @@
 // The agent of one device.
 #include <CLI/CLI.hpp>
 
-#include <takt/node/control.hpp>
+#include <takt/node/inspection.hpp>
+#include <takt/node/kept_deployment.hpp>
+#include <takt/node/node.hpp>
+#include <takt/os/environment.hpp>
+
+#include "../takt/network.hpp"
 
 int main(int argc, char** argv) {
+  if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
+
   takt::node::NodeOptions options;
+  takt::tool::Network network;
+  options.state_folder = takt::node::default_state_folder();
   CLI::App app{
-      "The agent of one device: starts its host and its programs, watches them, and ends them in order.",
+      "The agent of one device: waits for a deployment (takt deploy), starts its host and its programs, "
+      "watches them, and "
+      "ends them in order.",
       "takt-node"};
-  app.add_option("--device", options.device, "the device of the descriptor that this node runs")->required();
-  app.add_option("--file", options.file, "the descriptor: a cell, or a module.xml")->required();
+  app.add_option("--device", options.device, "the device that this machine, or this part of it, is")
+      ->required();
+  takt::tool::add_network_options(app, network);
+  std::uint16_t port = 0;
+  app.add_option("--serve-discovery", port, "be the discovery server, on this port")->type_name("PORT");
+  app.add_option("--state-dir", options.state_folder, "where the deployment is kept for --resume")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app.add_flag("--resume", options.resume, "take up the deployment that was running when this node ended");
   app.add_flag("--require-realtime", options.require_real_time,
                "refuse to run where the system refuses real-time scheduling");
   app.add_flag("--quiet", options.quiet, "say nothing but errors");
@@ -17,6 +35,19 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  }
+  const auto domain = takt::tool::domain_of(network);
+  if (!domain) {
+    std::fprintf(stderr, "takt-node: %s\n", takt::in_words(domain.problems()).c_str());
+    return 2;
+  }
+  options.domain = *domain;
+  options.discovery = takt::tool::discovery_of(network);
+  options.interfaces = takt::tool::interfaces();
+  if (port != 0) {
+    options.discovery.kind = takt::model::Discovery::Kind::server;
+    options.discovery.serve = true;
+    if (options.discovery.server.empty()) options.discovery.server = "0.0.0.0:" + std::to_string(port);
   }
   return takt::node::run_node(options);
 }

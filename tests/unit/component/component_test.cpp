@@ -124,6 +124,8 @@ TEST(ErrorType, HasTheNumbersOfTheCInterface) {
   EXPECT_EQ(static_cast<int>(ErrorType::start), TAKT_ERROR_START);
   EXPECT_EQ(static_cast<int>(ErrorType::crash), TAKT_ERROR_CRASH);
   EXPECT_EQ(static_cast<int>(ErrorType::hang), TAKT_ERROR_HANG);
+  EXPECT_EQ(static_cast<int>(ErrorType::deadline), TAKT_ERROR_DEADLINE);
+  EXPECT_EQ(static_cast<int>(ErrorType::stale), TAKT_ERROR_STALE);
 }
 
 }  // namespace

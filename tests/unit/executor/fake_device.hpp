@@ -26,13 +26,16 @@ class VirtualClock final : public Clock {
 
 class Script final : public Body {
  public:
-  const char* run(const Cycle& cycle) noexcept override { return on_run ? on_run(cycle) : nullptr; }
-  const char* condition(bool* ready) noexcept override {
+  Outcome run(const Cycle& cycle) noexcept override { return on_run ? on_run(cycle) : nullptr; }
+  Outcome condition(const Cycle&, bool* ready) noexcept override {
     ++asked;
     return on_condition ? on_condition(ready) : nullptr;
   }
 
+  bool has_news() const noexcept override { return on_news && on_news(); }
+
   std::function<const char*(const Cycle&)> on_run;
+  std::function<bool()> on_news;
   std::function<const char*(bool*)> on_condition;
   int asked = 0;
 };
@@ -86,7 +89,10 @@ class FakeDevice {
                   .block = &blocks[i],
                   .period = m.period.value_or(Nanoseconds{0}),
                   .deadline = m.deadline.value_or(Nanoseconds{0}),
-                  .budget = m.budget.value_or(Nanoseconds{0})};
+                  .budget = m.budget.value_or(Nanoseconds{0}),
+                  .interarrival = m.interarrival.value_or(Nanoseconds{0}),
+                  .immediate = m.dispatch == model::Dispatch::immediate,
+                  .late_is_error = m.miss == model::Miss::error};
         if (m.type == model::ModuleType::thread) {
           unit.body = &bodies[i];
         } else {

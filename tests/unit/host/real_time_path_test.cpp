@@ -128,13 +128,13 @@ using std::chrono::milliseconds;
 
 class Script final : public executor::Body {
  public:
-  const char* run(const Cycle& cycle) noexcept override {
+  executor::Outcome run(const Cycle& cycle) noexcept override {
     if (on_run) on_run(cycle);
-    return nullptr;
+    return {};
   }
-  const char* condition(bool* ready) noexcept override {
+  executor::Outcome condition(const Cycle&, bool* ready) noexcept override {
     *ready = ++asked % 3 == 0;
-    return nullptr;
+    return {};
   }
   std::function<void(const Cycle&)> on_run;
   std::uint64_t asked = 0;

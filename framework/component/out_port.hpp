@@ -1,0 +1,116 @@
+// Where samples go out:
+//
+//   takt::OutPort<motion::JointEffort> effort{*this, "effort"};
+//   ...
+//   effort.write(value);
+//
+// To everybody who is connected; to nobody when nobody is. Never waits: a reader that is slow loses its
+// oldest samples, and that is counted at the connection.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <takt/component/port.hpp>
+#include <takt/core/check.hpp>
+
+namespace takt {
+
+enum class Written {
+  yes,    ///< to all who are connected, however many that are
+  unfit,  ///< to nobody: a string or sequence is longer than its bound, or an enumerator is none; counted
+};
+
+/// The part that does not depend on the type.
+class OutPortBase : public PortBase {
+ public:
+  [[nodiscard]] bool connected() const noexcept override {
+    return std::any_of(sinks_.begin(), sinks_.end(), [](const Sink& sink) { return sink.enabled(); });
+  }
+
+ protected:
+  using PortBase::PortBase;
+
+  struct Sink {
+    channel::LinkWriter writer;
+    void* values = nullptr;  ///< null: bytes
+    [[nodiscard]] bool enabled() const noexcept {
+      return writer.link().block().enabled.load(std::memory_order_relaxed) != 0;
+    }
+    [[nodiscard]] std::byte* payload() const noexcept { return writer.link().payload(writer.buffer()); }
+  };
+
+  void add(channel::Link link, void* values) { sinks_.push_back({channel::LinkWriter{link}, values}); }
+  [[nodiscard]] std::vector<Sink>& sinks() noexcept { return sinks_; }
+
+  void publish(Sink& sink, std::uint32_t size) const noexcept {
+    sink.writer.publish(size, context().start_ns);
+    const std::uint32_t wake_bits = sink.writer.link().block().wake_bits;
+    if (wake_bits != 0 && context().bell != nullptr) context().bell->note(wake_bits);
+  }
+  Written refuse() noexcept {
+    for (const Sink& sink : sinks_) {
+      auto& unfit = sink.writer.link().block().unfit;
+      unfit.store(unfit.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    }
+    return Written::unfit;
+  }
+
+ private:
+  std::vector<Sink> sinks_;
+};
+
+/// T is a struct of an IDL file, see takt_add_idl().
+template <class T>
+class OutPort final : public OutPortBase {
+ public:
+  using Options = PortOptions;
+
+  /// Of a component: a member of it.
+  OutPort(Component& owner, std::string name, Options options = {})
+      : OutPortBase(&owner, std::move(name), PortDirection::out, PortType<T>::info, std::move(options)) {}
+  /// Of a program: a global variable, or one that is there before initPeriodExe() or initSporadicExe().
+  explicit OutPort(std::string name, Options options = {})
+      : OutPortBase(nullptr, std::move(name), PortDirection::out, PortType<T>::info, std::move(options)) {}
+
+  /// Real-time, and for every other hook; one thread at a time. The sample's time is the beginning of the
+  /// run() that it was written in.
+  Written write(const T& value) noexcept {
+    if (!PortType<T>::fits(value)) return refuse();
+    const std::byte* bytes = nullptr;
+    std::uint32_t size = 0;
+    for (Sink& sink : sinks()) {
+      if (!sink.enabled()) continue;
+      if (sink.values != nullptr) {
+        static_cast<T*>(sink.values)[sink.writer.buffer()] = value;
+        publish(sink, 0);
+        continue;
+      }
+      if (bytes == nullptr) {
+        size = PortType<T>::encode(value, sink.payload(), sink.writer.link().stride());
+        if (size == 0) return refuse();
+        bytes = sink.payload();
+      } else {
+        std::memcpy(sink.payload(), bytes, size);  // nobody but we ever writes into a buffer
+      }
+      publish(sink, size);
+    }
+    return Written::yes;
+  }
+
+  void connect(channel::Link link, void* values) override {
+    TAKT_CHECK(values != nullptr || link.stride() >= PortType<T>::info.max_size);
+    add(link, values);
+  }
+  [[nodiscard]] void* make_values(std::uint32_t number) const override {
+    return detail::make_values<T>(number);
+  }
+  [[nodiscard]] std::size_t value_size() const noexcept override { return sizeof(T); }
+};
+
+}  // namespace takt

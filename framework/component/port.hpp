@@ -1,0 +1,98 @@
+// A port as far as its type does not matter: what the host ties to the links of its connections, and what
+// `takt describe` shows. Authors use InPort, EventPort and OutPort.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <takt/channel/link.hpp>
+#include <takt/channel/seat.hpp>
+#include <takt/component/port_type.hpp>
+#include <takt/core/time.hpp>
+
+namespace takt {
+
+class Component;
+
+enum class PortDirection { in, event, out };
+/// "in", "event", "out"
+const char* to_text(PortDirection direction) noexcept;
+
+/// What may be said of any port.
+struct PortOptions {
+  std::string text{};  ///< one sentence for `takt describe`
+};
+
+/// What the ports of a module are told by whoever runs it.
+struct PortContext {
+  std::int64_t start_ns =
+      0;  ///< when the present run() began: the stamp of what is written, and `now` of ages
+  channel::Bell* bell = nullptr;  ///< for links that wake somebody
+};
+
+class PortBase {
+ public:
+  PortBase(const PortBase&) = delete;
+  PortBase& operator=(const PortBase&) = delete;
+  virtual ~PortBase();
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] PortDirection direction() const noexcept { return direction_; }
+  [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
+  [[nodiscard]] const std::string& text() const noexcept { return options_.text; }
+
+  /// Somebody is at the other end of a connection. Real-time.
+  [[nodiscard]] virtual bool connected() const noexcept = 0;
+  /// read() would find a sample. Real-time.
+  [[nodiscard]] virtual bool has_news() const noexcept { return false; }
+
+  // For whoever runs the module, while it is not running.
+
+  /// The context outlives the port's use.
+  void serve(const PortContext& context) noexcept { context_ = &context; }
+  /// The port becomes a side of this link, beside those that it has. `values` are the payloads of a link
+  /// without place for them: as many values of the port's type as the link has buffers, from make_values() of
+  /// either end; null: the link carries bytes.
+  virtual void connect(channel::Link link, void* values) = 0;
+  /// Makes values with the room that they may need. They are for ever: nobody knows who still looks at one.
+  /// Null from a port whose values are no C++ class.
+  [[nodiscard]] virtual void* make_values(std::uint32_t number) const = 0;
+  /// Bytes of one value; the same for two ports that share values.
+  [[nodiscard]] virtual std::size_t value_size() const noexcept = 0;
+
+ protected:
+  /// Of a component; or, without one, of the program or of the module in C form that is being loaded.
+  PortBase(Component* owner, std::string name, PortDirection direction, const TypeInfo& type,
+           PortOptions options);
+  [[nodiscard]] const PortContext& context() const noexcept { return *context_; }
+
+ private:
+  static const PortContext kNobody;
+
+  std::string name_;
+  PortDirection direction_;
+  const TypeInfo& type_;
+  PortOptions options_;
+  bool owned_;
+  const PortContext* context_ = &kNobody;
+};
+
+/// The ports without a component of this program, or of the module in C form that this thread has loaded
+/// since it was asked last. They take themselves away when they end before they were asked for.
+std::vector<PortBase*> take_loose_ports();
+
+namespace detail {
+void add_loose_port(PortBase& port);
+void remove_loose_port(PortBase& port) noexcept;
+
+template <class T>
+void* make_values(std::uint32_t number) {
+  T* values = new T[number]{};
+  for (std::uint32_t i = 0; i < number; ++i) PortType<T>::reserve(values[i]);
+  return values;
+}
+}  // namespace detail
+
+}  // namespace takt

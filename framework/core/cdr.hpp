@@ -1,0 +1,195 @@
+// Samples of port types as bytes: XCDR1, which DDS sends, with its 4 bytes of encapsulation. Written for
+// real-time threads, where Fast CDR has no place: it says by an exception that the bytes end, and an
+// exception allocates and locks. Here the first thing that does not fit ends the sample, and whoever asks at
+// the end is told.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+#include <type_traits>
+
+namespace takt {
+
+static_assert(std::endian::native == std::endian::little, "samples are written as they lie in memory");
+
+/// Before every sample: the representation (CDR, its byte order) and two bytes of options.
+inline constexpr std::size_t kEncapsulation = 4;
+
+/// What a sample of this many bytes may take on its way: RTPS sends whole words, so up to 3 bytes may follow.
+constexpr std::size_t padded_sample(std::size_t bytes) noexcept { return (bytes + 3) / 4 * 4; }
+
+/// Bytes that are missing before a value which is aligned to its size, counted from the end of the
+/// encapsulation.
+constexpr std::size_t cdr_padding(std::size_t position, std::size_t alignment) noexcept {
+  return (alignment - position % alignment) % alignment;
+}
+
+/// Writes a sample, little endian. Real-time.
+class CdrWriter {
+ public:
+  CdrWriter(std::byte* to, std::size_t size) noexcept
+      : body_(to + std::min(size, kEncapsulation)),
+        size_(size < kEncapsulation ? 0 : size - kEncapsulation),
+        ok_(size >= kEncapsulation) {
+    if (!ok_) return;
+    constexpr std::array<std::uint8_t, kEncapsulation> kLittleEndian{0, 1, 0, 0};
+    std::memcpy(to, kLittleEndian.data(), kLittleEndian.size());
+  }
+
+  template <class T>
+  void put(T value) noexcept {
+    put_array(&value, 1);
+  }
+  template <class T>
+  void put_array(const T* values, std::size_t n) noexcept {
+    static_assert(std::is_arithmetic_v<T>);
+    if (n == 0) return;  // without its padding either
+    if (std::byte* at = room(sizeof(T), n * sizeof(T))) std::memcpy(at, values, n * sizeof(T));
+  }
+  void put_enumerator(std::uint32_t value, std::uint32_t count) noexcept {
+    if (value >= count) return fail();
+    put(value);
+  }
+  /// Before the elements of a sequence.
+  void put_length(std::size_t length, std::size_t bound) noexcept {
+    if (length > bound) return fail();
+    put(static_cast<std::uint32_t>(length));
+  }
+  /// A text that ends with a zero or after `limit` bytes.
+  void put_text(const char* text, std::size_t limit, std::size_t bound) noexcept {
+    const std::size_t length = ::strnlen(text, limit);
+    put_length(length + 1, bound + 1);
+    if (std::byte* at = room(1, length + 1)) {
+      std::memcpy(at, text, length);
+      at[length] = std::byte{0};
+    }
+  }
+
+  void fail() noexcept { ok_ = false; }
+  /// Of the sample, with encapsulation; 0 when something did not fit.
+  [[nodiscard]] std::uint32_t size() const noexcept {
+    return ok_ ? static_cast<std::uint32_t>(kEncapsulation + position_) : 0;
+  }
+
+ private:
+  std::byte* room(std::size_t alignment, std::size_t bytes) noexcept {
+    const std::size_t padding = cdr_padding(position_, alignment);
+    if (!ok_ || size_ - position_ < padding || size_ - position_ - padding < bytes) {
+      fail();
+      return nullptr;
+    }
+    std::byte* at = body_ + position_;
+    std::memset(at, 0, padding);
+    position_ += padding + bytes;
+    return at + padding;
+  }
+
+  std::byte* body_;  // after the encapsulation; alignment counts from here
+  std::size_t size_;
+  std::size_t position_ = 0;
+  bool ok_;
+};
+
+/// Reads a sample in either byte order, whatever the bytes are. After the first thing that is wrong every
+/// value is zero and every length 0. Real-time.
+class CdrReader {
+ public:
+  CdrReader(const std::byte* from, std::size_t size) noexcept
+      : body_(from + std::min(size, kEncapsulation)),
+        size_(size < kEncapsulation ? 0 : size - kEncapsulation) {
+    // Any other first or second byte is a representation that no port type is sent in: lists of parameters,
+    // XCDR2.
+    ok_ = size >= kEncapsulation && from[0] == std::byte{0} &&
+          (from[1] == std::byte{0} || from[1] == std::byte{1});
+    swap_ = ok_ && from[1] == std::byte{0};
+  }
+
+  template <class T>
+  [[nodiscard]] T get() noexcept {
+    T value{};
+    get_array(&value, 1);
+    return value;
+  }
+  template <class T>
+  void get_array(T* values, std::size_t n) noexcept {
+    static_assert(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>);
+    const std::byte* at = take_array(sizeof(T), n);
+    if (at == nullptr) return;
+    std::memcpy(values, at, n * sizeof(T));
+    if constexpr (sizeof(T) > 1) {
+      if (swap_) std::for_each(values, values + n, [](T& value) { value = swapped(value); });
+    }
+  }
+  [[nodiscard]] bool get_boolean() noexcept {
+    const auto value = get<std::uint8_t>();
+    if (value > 1) fail();
+    return value == 1;
+  }
+  [[nodiscard]] std::uint32_t get_enumerator(std::uint32_t count) noexcept {
+    const auto value = get<std::uint32_t>();
+    if (value < count) return value;
+    fail();
+    return 0;
+  }
+  /// Before the elements of a sequence.
+  [[nodiscard]] std::size_t get_length(std::size_t bound) noexcept {
+    const std::size_t length = get<std::uint32_t>();
+    // An element has at least one byte.
+    if (length <= bound && length <= size_ - position_) return length;
+    fail();
+    return 0;
+  }
+  /// Ends with a zero, in the bytes and as the view.
+  [[nodiscard]] std::string_view get_text(std::size_t bound) noexcept {
+    const std::size_t length = get_length(bound + 1);
+    const std::byte* at = take_array(1, length);
+    if (at != nullptr && std::memchr(at, 0, length) == at + length - 1)
+      return {reinterpret_cast<const char*>(at), length - 1};
+    fail();
+    return {""};
+  }
+  /// The same, into an array of at least bound + 1.
+  void get_text(char* text, std::size_t bound) noexcept {
+    const std::string_view view = get_text(bound);
+    std::memcpy(text, view.data(), view.size() + 1);
+  }
+  /// The bytes of n values, as they lie there; null when there are none, or less.
+  [[nodiscard]] const std::byte* take_array(std::size_t element_size, std::size_t n) noexcept {
+    if (n == 0 || !ok_) return nullptr;
+    const std::size_t padding = cdr_padding(position_, element_size);
+    const std::size_t left = size_ - position_;
+    if (left < padding || (left - padding) / element_size < n) {
+      fail();
+      return nullptr;
+    }
+    const std::byte* at = body_ + position_ + padding;
+    position_ += padding + n * element_size;
+    return at;
+  }
+
+  void fail() noexcept { ok_ = false; }
+  [[nodiscard]] bool ok() const noexcept { return ok_; }
+  /// Whether what was read was one whole sample.
+  [[nodiscard]] bool complete() const noexcept { return ok_ && size_ - position_ < 4; }
+
+ private:
+  template <class T>
+  static T swapped(T value) noexcept {
+    auto bytes = std::bit_cast<std::array<std::byte, sizeof(T)>>(value);
+    std::reverse(bytes.begin(), bytes.end());
+    return std::bit_cast<T>(bytes);
+  }
+
+  const std::byte* body_;
+  std::size_t size_;
+  std::size_t position_ = 0;
+  bool ok_;
+  bool swap_;
+};
+
+}  // namespace takt

@@ -1,0 +1,162 @@
+#include <takt/node/agent.hpp>
+
+#include <takt/dds/words.hpp>
+#include <takt/node/agent_deployment.hpp>
+#include <takt/node/limits.hpp>
+#include <takt/node/log.hpp>
+#include <takt/os/environment.hpp>
+
+namespace takt::node {
+
+using Phase = Supervised::Phase;
+
+Agent::Agent(Options options, Workshop workshop, Outlet& outlet)
+    : options_(std::move(options)), workshop_(std::move(workshop)), outlet_(outlet) {}
+
+Agent::~Agent() = default;
+
+void Agent::log(const std::string& text) const { node::log(options_.device, "", text); }
+
+void Agent::end(bool at_once) {
+  at_once_ |= at_once;
+  if (ending_) return;
+  ending_ = true;
+  if (!deployment_) return;
+  if (deployment_->supervised)
+    deployment_->supervised->stop();
+  else
+    refuse({fail("its node was told to end")});
+}
+
+bool Agent::ended() const {
+  if (!ending_) return false;
+  if (!deployment_) return true;
+  if (!deployment_->over) return false;
+  return at_once_ || !options_.lent || options_.now() - *ended_at_ > kReportFetched;
+}
+
+std::vector<const os::Fd*> Agent::wait_on() {
+  if (!deployment_) return {};
+  if (deployment_->inspection) return {&deployment_->inspection->fd()};
+  return deployment_->supervised->wait_on();
+}
+
+void Agent::step() {
+  watch_names();
+  look_at_inspection();
+  look_at_supervised();
+  tell_status();
+  tell_measures();
+}
+
+// Two nodes of one name would both answer, and a cell would run on one of them or on both.
+void Agent::watch_names() {
+  std::string clash;
+  for (const dds::SeenDevice& other : others_.devices(options_.device)) {
+    if (!other.alive || other.node() == options_.node) continue;
+    clash = "another node of the name " + options_.device + " is on domain " +
+            std::to_string(options_.domain) + ": process " + std::to_string(other.status.process_id()) +
+            " on " + other.status.host_name().to_string();
+  }
+  if (clash == clash_) return;
+  log(clash.empty() ? "the other node of this name is gone"
+                    : clash + "; end one of them, or give it another name");
+  clash_ = clash;
+}
+
+DeviceStatus Agent::status() const {
+  DeviceStatus status;
+  const Deployment* const d = deployment_.get();
+  const std::string cell = d == nullptr ? std::string{dds::kNoCell} : d->cell.name;
+  dds::set(status.path(), dds::path_of(cell, options_.device));
+  dds::set(status.cell(), cell);
+  dds::set(status.device(), options_.device);
+  dds::set(status.node(), options_.node);
+  dds::set(status.host_name(), os::host_name());
+  status.process_id(os::process_id());
+  status.state(DEVICE_WAITING);
+  status.health(HEALTH_OK);
+  status.real_time(options_.real_time);
+  std::string text = clash_;
+  if (!clash_.empty()) status.health(HEALTH_DEGRADED);
+  if (d == nullptr && !last_refusal_.empty()) {
+    status.health(HEALTH_FAILED);
+    text = last_refusal_;
+  }
+  if (d != nullptr) {
+    dds::set(status.deployment(), d->id);
+    status.state(DEVICE_PREPARING);
+    status.modules(static_cast<std::uint32_t>(d->of_device().modules.size()));
+  }
+  if (d != nullptr && d->supervised) {
+    const Supervised& supervised = *d->supervised;
+    const Standing standing = supervised.standing();
+    status.real_time(standing.real_time);
+    status.host_process_id(standing.host_pid);
+    status.host_restarts(standing.host_restarts);
+    status.executing(standing.executing);
+    switch (supervised.phase()) {
+      case Phase::preparing:
+        break;
+      case Phase::ready:
+        status.state(DEVICE_READY);
+        break;
+      case Phase::running:
+        status.state(DEVICE_RUNNING);
+        break;
+      case Phase::stopping:
+        status.state(DEVICE_STOPPING);
+        break;
+      case Phase::ended:
+        status.state(DEVICE_ENDED);
+        break;
+    }
+    const bool ends = supervised.phase() == Phase::stopping || supervised.phase() == Phase::ended;
+    if (ends && !supervised.failures().empty()) {
+      status.health(HEALTH_FAILED);
+      text = to_text(supervised.failures()[0]);
+    } else if (!ends && !standing.astray.empty()) {
+      status.health(HEALTH_DEGRADED);
+      if (text.empty()) text = standing.astray;
+    }
+  }
+  dds::set(status.text(), text);
+  return status;
+}
+
+void Agent::tell_status() {
+  const DeviceStatus now = status();
+  const auto same = [this, &now](auto&&... part) { return ((part(told_) == part(now)) && ...); };
+  if (told_once_ &&
+      same([](const auto& s) { return s.path(); }, [](const auto& s) { return s.state(); },
+           [](const auto& s) { return s.health(); }, [](const auto& s) { return s.text(); },
+           [](const auto& s) { return s.deployment(); }, [](const auto& s) { return s.real_time(); },
+           [](const auto& s) { return s.host_process_id(); }, [](const auto& s) { return s.host_restarts(); },
+           [](const auto& s) { return s.modules(); }, [](const auto& s) { return s.executing(); })) {
+    return;
+  }
+  told_ = now;
+  told_once_ = true;
+  outlet_.say(now);
+}
+
+void Agent::tell_measures() {
+  if (!deployment_ || !deployment_->supervised || deployment_->over) return;
+  const Instant now = options_.now();
+  if (now - measured_at_ < kMeasuresEvery) return;
+  measured_at_ = now;
+  ++measures_told_;
+  Measures measures = deployment_->supervised->measures();
+  const auto stamp = [this](auto& list) {
+    for (auto& entry : list) {
+      entry.sequence_number(measures_told_);
+      entry.time_ns(options_.wall_ns());
+    }
+  };
+  stamp(measures.modules);
+  stamp(measures.executors);
+  stamp(measures.ports);
+  outlet_.say(measures);
+}
+
+}  // namespace takt::node

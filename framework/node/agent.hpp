@@ -1,0 +1,119 @@
+// The agent of one device: waits for deployments, brings one up at a time, and answers for it.
+//
+// Everything that it is told comes in by functions of one thread, and everything that it says goes out by its
+// Outlet, so it knows neither DDS nor a clock of its own, and a test drives it. Nothing in it waits: what
+// takes long is looked at in step().
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <takt/dds/commands.hpp>
+#include <takt/dds/picture.hpp>
+#include <takt/model/cell.hpp>
+#include <takt/node/inspection.hpp>
+#include <takt/node/kept_deployment.hpp>
+#include <takt/node/outlet.hpp>
+#include <takt/node/supervisor.hpp>
+
+namespace takt::node {
+
+class Agent {
+ public:
+  struct Options {
+    std::string device;
+    std::string node;  ///< this node and no other
+    int domain = 0;
+    bool require_real_time = false;
+    bool real_time = true;  ///< what this machine allows, for who asks before there is a deployment
+    /// It was started for one cell by somebody on this machine (takt run): files are looked up as they are
+    /// written, nothing is kept on disk, and when it is to end it waits a little until its closing report was
+    /// fetched.
+    bool lent = false;
+    std::optional<DeploymentFile> file;  ///< where the deployment is kept; none: nowhere
+    std::function<Instant()> now;
+    std::function<std::int64_t()> wall_ns;
+  };
+  /// What it sets to work.
+  struct Workshop {
+    std::function<Result<std::unique_ptr<Inspection>>(const InspectionRequest&)> inspect;
+    std::function<std::unique_ptr<Supervised>(Supervisor::Options)> supervise;
+  };
+
+  Agent(Options options, Workshop workshop, Outlet& outlet);
+  ~Agent();
+  Agent(const Agent&) = delete;
+  Agent& operator=(const Agent&) = delete;
+
+  /// A command has come.
+  void hear(const dds::WholeCommand& command);
+  /// What the other nodes say, for the name that is taken and the devices that are lost.
+  dds::Picture& others() noexcept { return others_; }
+  /// Takes up the deployment that is kept on disk.
+  void resume();
+  /// Ends the deployment in order, and then itself. With `at_once` nobody is waited for who might want its
+  /// report.
+  void end(bool at_once);
+
+  void step();
+  [[nodiscard]] std::vector<const os::Fd*> wait_on();
+  [[nodiscard]] bool ended() const;
+
+ private:
+  struct Deployment;
+  struct WholeDevice;
+
+  // Commands (agent_commands.cpp)
+  void report(const Command& command);
+  void describe(const Command& command);
+  void order(const Command& command, Verb verb);
+  void answer(const Command& command, ReplyCode code, const std::string& text, std::string data = {},
+              std::optional<lifecycle::State> state = {});
+  [[nodiscard]] nlohmann::ordered_json lost_devices() const;
+
+  // Deployments (agent_deployment.cpp)
+  void prepare(const dds::WholeCommand& command);
+  void run(const Command& command);
+  void undeploy(const Command& command);
+  void begin(std::unique_ptr<Deployment> deployment);
+  void look_at_inspection();
+  void look_at_supervised();
+  void refuse(const Problems& problems);
+  void go(std::int64_t t0_wall_ns);
+  void finish();
+  void forget_kept();
+  void clear();
+  void stepped(const Step& step);
+  [[nodiscard]] std::string occupied() const;
+
+  void watch_names();
+  [[nodiscard]] DeviceStatus status() const;
+  void tell_status();
+  void tell_measures();
+  void log(const std::string& text) const;
+
+  Options options_;
+  Workshop workshop_;
+  Outlet& outlet_;
+  dds::Picture others_;
+  std::unique_ptr<Deployment> deployment_;
+  std::string clash_;    // who else has this name; empty: nobody
+  std::string last_id_;  // of the deployment that ended last, and what was said of it
+  std::string last_data_;
+  std::string last_refusal_;  // why a deployment could not be taken up again
+  DeviceStatus told_;
+  bool told_once_ = false;
+  Instant measured_at_{};
+  std::uint64_t measures_told_ = 0;
+  bool ending_ = false;
+  bool at_once_ = false;
+  std::optional<Instant> ended_at_;
+};
+
+}  // namespace takt::node

@@ -1,0 +1,182 @@
+// What an agent is asked, and what it answers.
+#include <algorithm>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/words.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/node/agent_deployment.hpp>
+#include <takt/node/problems_json.hpp>
+
+namespace takt::node {
+
+using json = nlohmann::ordered_json;
+using Phase = Supervised::Phase;
+
+void Agent::answer(const Command& command, ReplyCode code, const std::string& text, std::string data,
+                   std::optional<lifecycle::State> state) {
+  dds::WholeReply reply;
+  reply.head.id(command.id());
+  dds::set(reply.head.device(), options_.device);
+  dds::set(reply.head.node(), options_.node);
+  reply.head.module_name(command.module_name());
+  reply.head.code(code);
+  if (state) reply.head.state(static_cast<LifecycleState>(*state));
+  dds::set(reply.head.text(), text);
+  reply.data = std::move(data);
+  outlet_.reply(reply);
+}
+
+void Agent::hear(const dds::WholeCommand& command) {
+  const Command& head = command.head;
+  const std::int64_t late = options_.wall_ns() - head.deadline_ns();
+  if (head.deadline_ns() != 0 && late > 0) {
+    answer(head, REPLY_LATE,
+           std::string{takt::to_text(head.kind())} + " came " + takt::to_text(Nanoseconds{late}) +
+               " after its deadline; synchronise the clocks of the devices, or give it more time");
+    return;
+  }
+  switch (head.kind()) {
+    case COMMAND_REPORT:
+      return report(head);
+    case COMMAND_DESCRIBE:
+      return describe(head);
+    case COMMAND_PREPARE:
+      return prepare(command);
+    case COMMAND_RUN:
+      return run(head);
+    case COMMAND_UNDEPLOY:
+      return undeploy(head);
+    case COMMAND_INITIALIZE:
+      return order(head, Verb::initialize);
+    case COMMAND_START:
+      return order(head, Verb::start);
+    case COMMAND_STOP:
+      return order(head, Verb::stop);
+    case COMMAND_RECOVER:
+      return order(head, Verb::recover);
+    case COMMAND_RESET:
+      return order(head, Verb::reset);
+    case COMMAND_DESTRUCT:
+      return order(head, Verb::destruct);
+    case COMMAND_GET:
+    case COMMAND_SET:
+    case COMMAND_TAP:
+      break;
+  }
+  answer(head, REPLY_REFUSED,
+         "this node does not know the command '" + std::to_string(static_cast<std::uint32_t>(head.kind())) +
+             "'");
+}
+
+void Agent::report(const Command& command) {
+  json report{{"name", options_.device},
+              {"alive", true},
+              {"real_time", options_.real_time},
+              {"executors", json::array()},
+              {"modules", json::array()}};
+  if (deployment_ && deployment_->supervised) report = deployment_->supervised->report();
+  report["lost"] = lost_devices();
+  report["devices"] = json::array();
+  if (deployment_) {
+    for (const model::Device& device : deployment_->cell.devices) report["devices"].push_back(device.name);
+  }
+  answer(command, REPLY_OK, "", dump(report));
+}
+
+// The other devices of this cell that do not live, as they were last heard: who comes later is told nothing
+// by them.
+json Agent::lost_devices() const {
+  json list = json::array();
+  if (!deployment_) return list;
+  for (const model::Device& device : deployment_->cell.devices) {
+    if (device.name == options_.device) continue;
+    const auto seen = others_.devices(device.name);
+    if (std::any_of(seen.begin(), seen.end(), [](const dds::SeenDevice& s) { return s.alive; })) continue;
+    json modules = json::array();
+    for (const model::Module& module : device.modules) {
+      std::string state = "UNKNOWN";
+      for (const dds::SeenDevice& s : seen) {
+        const auto status = s.deployment.modules.find(module.name);
+        if (status != s.deployment.modules.end()) state = takt::to_text(status->second.state());
+      }
+      modules.push_back({{"name", module.name},
+                         {"type", model::to_text(module.type)},
+                         {"operation", model::to_text(module.operation)},
+                         {"state", state}});
+    }
+    list.push_back({{"name", device.name}, {"modules", modules}});
+  }
+  return list;
+}
+
+void Agent::describe(const Command& command) {
+  if (!deployment_ || deployment_->description.empty()) {
+    answer(command, REPLY_REFUSED, "device " + options_.device + " has no deployment to describe");
+    return;
+  }
+  answer(command, REPLY_OK, "", deployment_->description);
+}
+
+/// An order to every module, answered when each has answered.
+struct Agent::WholeDevice {
+  Command command;
+  json outcomes = json::array();
+  std::size_t open = 0;
+  std::size_t done = 0;
+  std::size_t refused = 0;
+};
+
+void Agent::order(const Command& command, Verb verb) {
+  if (!deployment_ || !deployment_->supervised || deployment_->supervised->phase() != Phase::running) {
+    answer(command, REPLY_REFUSED,
+           deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
+                       : "device " + options_.device + " has no deployment");
+    return;
+  }
+  const std::vector<model::Module>& modules = deployment_->of_device().modules;
+  const std::string name = command.module_name().to_string();
+  if (!name.empty()) {
+    const auto module =
+        std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
+    if (module == modules.end()) {
+      std::vector<std::string_view> names;
+      for (const model::Module& m : modules) names.push_back(m.name);
+      answer(
+          command, REPLY_REFUSED,
+          "device " + options_.device + " has no module " + in_quotes(name) + "; " + suggestion(name, names));
+      return;
+    }
+    deployment_->supervised->order(static_cast<std::uint32_t>(module - modules.begin()), verb,
+                                   [this, command](const Outcome& outcome) {
+                                     answer(command, outcome.code, outcome.text, {}, outcome.state);
+                                   });
+    return;
+  }
+  auto all = std::make_shared<WholeDevice>();
+  all->command = command;
+  all->open = modules.size();
+  for (std::uint32_t i = 0; i < modules.size(); ++i) {
+    deployment_->supervised->order(i, verb, [this, all, module = modules[i].name](const Outcome& outcome) {
+      all->done += outcome.code == REPLY_OK ? 1 : 0;
+      all->refused += outcome.code == REPLY_REFUSED ? 1 : 0;
+      all->outcomes.push_back({{"module", module},
+                               {"ok", outcome.code == REPLY_OK},
+                               {"state", lifecycle::to_text(outcome.state)},
+                               {"text", outcome.text}});
+      if (--all->open != 0) return;
+      const std::size_t count = all->outcomes.size();
+      const ReplyCode code = all->done == count      ? REPLY_OK
+                             : all->refused == count ? REPLY_REFUSED
+                                                     : REPLY_FAILED;
+      answer(all->command, code,
+             code == REPLY_OK
+                 ? ""
+                 : std::to_string(count - all->done) + " of " + std::to_string(count) + " modules did not",
+             dump(all->outcomes));
+    });
+  }
+}
+
+}  // namespace takt::node

@@ -1,0 +1,320 @@
+// From a descriptor that was sent to a device that runs, and back.
+#include <takt/node/agent_deployment.hpp>
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/dds/words.hpp>
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/node/limits.hpp>
+#include <takt/node/log.hpp>
+#include <takt/node/problems_json.hpp>
+#include <takt/schedule/plan.hpp>
+
+namespace takt::node {
+
+using Phase = Supervised::Phase;
+
+namespace {
+
+// The device of a descriptor's text, with its plan made once, so that no later step can refuse it.
+struct Found {
+  model::Cell cell;
+  std::size_t device;
+};
+Result<Found> find(const std::string& text, const std::string& file, const std::string& name) {
+  auto cell = descriptor::parse(text, file);
+  if (!cell) return cell.problems();
+  const auto device = std::find_if(cell->devices.begin(), cell->devices.end(),
+                                   [&](const model::Device& d) { return d.name == name; });
+  if (device == cell->devices.end()) {
+    return Problem{file, "cell " + cell->name + " has no device " + name,
+                   "deploy it to the devices that it names"};
+  }
+  if (const auto plan = schedule::plan(*cell, *device); !plan) return plan.problems();
+  const auto index = static_cast<std::size_t>(device - cell->devices.begin());
+  return Found{std::move(*cell), index};
+}
+
+}  // namespace
+
+// Why there can be no other deployment now.
+std::string Agent::occupied() const {
+  const std::string cell = " cell " + deployment_->cell.name + ", ";
+  const std::string device = "device " + options_.device;
+  if (deployment_->over) return device + " still holds" + cell + "which has ended";
+  if (!deployment_->supervised || deployment_->supervised->phase() == Phase::preparing)
+    return device + " already prepares" + cell + "wait for that, or undeploy it";
+  if (deployment_->supervised->phase() == Phase::stopping)
+    return device + " is just ending" + cell + "ask again";
+  return device + " already runs" + cell + "undeploy it first";
+}
+
+void Agent::prepare(const dds::WholeCommand& command) {
+  const Command& head = command.head;
+  const std::string id = head.deployment().to_string();
+  if (!clash_.empty()) {
+    answer(head, REPLY_REFUSED, clash_,
+           dump(problems_json({{"device " + options_.device, clash_, "end one of them"}})));
+    return;
+  }
+  if (ending_) {
+    answer(head, REPLY_REFUSED, "the node of device " + options_.device + " is ending");
+    return;
+  }
+  if (deployment_ && deployment_->id == id && !deployment_->over && deployment_->undeployers.empty()) {
+    if (deployment_->ready_since)
+      answer(head, REPLY_OK, "", deployment_->description);
+    else
+      deployment_->preparers.push_back(head);
+    return;
+  }
+  if (deployment_) {
+    Problem problem{"", occupied(), deployment_->over ? "undeploy it first" : ""};
+    answer(head, REPLY_REFUSED, in_words({problem}), dump(problems_json({problem})));
+    return;
+  }
+  auto deployment = std::make_unique<Deployment>();
+  deployment->id = id;
+  deployment->file = head.value().to_string();
+  deployment->text = command.data;
+  deployment->require_real_time = options_.require_real_time || head.property() == dds::kRequireRealTime;
+  deployment->preparers.push_back(head);
+  begin(std::move(deployment));
+}
+
+void Agent::begin(std::unique_ptr<Deployment> deployment) {
+  last_refusal_.clear();
+  deployment_ = std::move(deployment);
+  auto found = find(deployment_->text, deployment_->file, options_.device);
+  if (!found) {
+    refuse(found.problems());
+    return;
+  }
+  deployment_->cell = std::move(found->cell);
+  deployment_->device = found->device;
+  log("prepares cell " + deployment_->cell.name);
+  auto inspection = workshop_.inspect({.text = deployment_->text,
+                                       .file = deployment_->file,
+                                       .device = options_.device,
+                                       .as_written = options_.lent});
+  if (!inspection) {
+    refuse(inspection.problems());
+    return;
+  }
+  deployment_->inspection = std::move(*inspection);
+}
+
+void Agent::look_at_inspection() {
+  if (!deployment_ || !deployment_->inspection) return;
+  const auto result = deployment_->inspection->result();
+  if (!result) return;
+  deployment_->inspection.reset();
+  if (!*result) {
+    refuse(result->problems());
+    return;
+  }
+  Deployment& d = *deployment_;
+  d.description = (*result)->description;
+  for (const model::Module& module : d.of_device().modules) {
+    LifecycleStatus status;
+    dds::set(status.path(), dds::path_of(d.cell.name, options_.device, module.name));
+    dds::set(status.cell(), d.cell.name);
+    dds::set(status.device(), options_.device);
+    dds::set(status.name(), module.name);
+    status.state(STATE_IDLE);
+    status.previous_state(STATE_IDLE);
+    status.event(EVENT_NONE);
+    status.time_ns(options_.wall_ns());
+    outlet_.say(status);
+    d.modules.push_back(status);
+  }
+  d.supervised = workshop_.supervise({.cell = d.cell,
+                                      .device = d.device,
+                                      .paths = (*result)->paths,
+                                      .ports = (*result)->ports,
+                                      .require_real_time = d.require_real_time,
+                                      .stepped = [this](const Step& step) { stepped(step); }});
+  if (const auto prepared = d.supervised->prepare(); !prepared) refuse(prepared.problems());
+}
+
+void Agent::stepped(const Step& step) {
+  LifecycleStatus& status = deployment_->modules.at(step.module);
+  status.state(static_cast<LifecycleState>(step.transition.to));
+  status.previous_state(static_cast<LifecycleState>(step.transition.from));
+  status.event(static_cast<LifecycleEvent>(static_cast<std::uint32_t>(step.transition.event) + 1));
+  status.error(static_cast<LifecycleError>(step.error));
+  dds::set(status.text(), step.text);
+  status.sequence_number(step.transition.sequence);
+  status.time_ns(options_.wall_ns());
+  outlet_.say(status);
+}
+
+// The deployment could not be brought up; nothing of it is left.
+void Agent::refuse(const Problems& problems) {
+  if (deployment_->preparers.empty()) {
+    log("cell " + deployment_->cell.name + " could not be taken up again: " + in_words(problems));
+    last_refusal_ = to_text(problems[0]);
+  }
+  for (const Command& preparer : deployment_->preparers)
+    answer(preparer, REPLY_FAILED, in_words({problems[0]}), dump(problems_json(problems)));
+  for (const Command& undeployer : deployment_->undeployers) answer(undeployer, REPLY_OK, "");
+  clear();
+}
+
+void Agent::look_at_supervised() {
+  if (!deployment_ || !deployment_->supervised || deployment_->over) return;
+  Deployment& d = *deployment_;
+  d.supervised->step();
+  switch (d.supervised->phase()) {
+    case Phase::preparing:
+    case Phase::running:
+    case Phase::stopping:
+      break;
+    case Phase::ready:
+      if (!d.ready_since) {
+        d.ready_since = options_.now();
+        for (const Command& preparer : d.preparers) answer(preparer, REPLY_OK, "", d.description);
+        d.preparers.clear();
+        if (d.t0_wall_ns) go(*d.t0_wall_ns);
+      } else if (options_.now() - *d.ready_since > kRunAwaited) {
+        d.undone = "nobody said when it is to run, within " + takt::to_text(kRunAwaited);
+        log("cell " + d.cell.name + " is undone: " + d.undone);
+        d.supervised->stop();
+      }
+      break;
+    case Phase::ended:
+      finish();
+      break;
+  }
+}
+
+void Agent::run(const Command& command) {
+  const std::string id = command.deployment().to_string();
+  if (!deployment_ || (!id.empty() && deployment_->id != id)) {
+    answer(
+        command, REPLY_REFUSED,
+        "device " + options_.device + " has nothing prepared" + (deployment_ ? " of this deployment" : ""));
+    return;
+  }
+  if (deployment_->t0_wall_ns == command.time_ns()) {  // again
+    answer(command, REPLY_OK, "");
+    return;
+  }
+  if (!deployment_->supervised || deployment_->supervised->phase() != Phase::ready) {
+    answer(command, REPLY_REFUSED, occupied());
+    return;
+  }
+  const Nanoseconds ahead{command.time_ns() - options_.wall_ns()};
+  if (ahead <= Nanoseconds{0} || ahead > kFurthestStart) {
+    answer(command, REPLY_REFUSED,
+           ahead <= Nanoseconds{0}
+               ? "the instant at which it was to run is " + takt::to_text(-ahead) + " past on device " +
+                     options_.device + "; synchronise the clocks of the devices"
+               : "the instant at which it was to run is " + takt::to_text(ahead) + " ahead on device " +
+                     options_.device + "; synchronise the clocks of the devices");
+    return;
+  }
+  go(command.time_ns());
+  answer(command, REPLY_OK, "");
+}
+
+void Agent::go(std::int64_t t0_wall_ns) {
+  Deployment& d = *deployment_;
+  d.t0_wall_ns = t0_wall_ns;
+  d.supervised->go(options_.now() + Nanoseconds{t0_wall_ns - options_.wall_ns()});
+  if (!options_.file) return;
+  const auto kept = options_.file->keep({.id = d.id,
+                                         .file = d.file,
+                                         .text = d.text,
+                                         .require_real_time = d.require_real_time,
+                                         .t0_ns = t0_wall_ns});
+  if (!kept) log("warning: cell " + d.cell.name + " is not kept for a restart: " + in_words(kept.problems()));
+}
+
+void Agent::undeploy(const Command& command) {
+  const std::string id = command.deployment().to_string();
+  if (deployment_ && !id.empty() && deployment_->id != id) {
+    answer(command, REPLY_REFUSED,
+           "device " + options_.device + " has another deployment, of cell " + deployment_->cell.name);
+    return;
+  }
+  if (!deployment_) {
+    forget_kept();
+    last_refusal_.clear();
+    answer(command, REPLY_OK, "device " + options_.device + " has no deployment",
+           !id.empty() && id == last_id_ ? last_data_ : "");
+    return;
+  }
+  deployment_->undeployers.push_back(command);
+  if (!deployment_->supervised) {
+    refuse({fail("it was undeployed")});
+  } else if (deployment_->over) {
+    finish();
+  } else {
+    deployment_->supervised->stop();
+  }
+}
+
+// It has ended: by a failure, or because it was told to.
+void Agent::finish() {
+  Deployment& d = *deployment_;
+  const Problems failures = d.supervised->failures();
+  const bool started = d.ready_since.has_value();
+  const std::vector<Command> preparers = std::move(d.preparers);
+  const std::vector<Command> undeployers = std::move(d.undeployers);
+  ended_at_ = options_.now();
+  nlohmann::ordered_json texts = nlohmann::ordered_json::array();
+  for (const Problem& problem : failures) texts.push_back(to_text(problem));
+  last_id_ = d.id;
+  last_data_ = dump({{"report", d.supervised->report()}, {"failures", texts}});
+  if (!started && preparers.empty() && undeployers.empty() && !failures.empty())
+    last_refusal_ = to_text(failures[0]);
+
+  if (undeployers.empty() && started && d.undone.empty()) {
+    d.over = true;
+    return;
+  }
+  if (!undeployers.empty()) {
+    forget_kept();
+    log("cell " + d.cell.name + " is undeployed");
+  }
+  clear();
+  tell_status();  // who has the answer finds the device free
+  const Problems reasons = failures.empty() ? Problems{fail("it was undeployed")} : failures;
+  for (const Command& preparer : preparers)
+    answer(preparer, REPLY_FAILED, in_words({reasons[0]}), dump(problems_json(reasons)));
+  for (const Command& undeployer : undeployers) answer(undeployer, REPLY_OK, "", last_data_);
+}
+
+void Agent::forget_kept() {
+  if (!options_.file) return;
+  if (const auto forgotten = options_.file->forget(); !forgotten)
+    log("warning: " + in_words(forgotten.problems()));
+}
+
+void Agent::clear() {
+  if (deployment_->supervised && !deployment_->modules.empty())
+    outlet_.take_back(deployment_->modules, deployment_->supervised->measures());
+  deployment_.reset();
+}
+
+void Agent::resume() {
+  if (!options_.file) return;
+  const auto kept = options_.file->kept();
+  if (!kept) {
+    log("nothing is taken up again: " + in_words(kept.problems()));
+    return;
+  }
+  if (!*kept) return;
+  auto deployment = std::make_unique<Deployment>();
+  deployment->id = (*kept)->id;
+  deployment->file = (*kept)->file;
+  deployment->text = (*kept)->text;
+  deployment->require_real_time = (*kept)->require_real_time || options_.require_real_time;
+  deployment->t0_wall_ns = (*kept)->t0_ns;
+  begin(std::move(deployment));
+}
+
+}  // namespace takt::node

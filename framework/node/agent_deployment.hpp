@@ -1,0 +1,36 @@
+// What an agent knows of its deployment.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <takt/node/agent.hpp>
+
+namespace takt::node {
+
+struct Agent::Deployment {
+  std::string id;
+  std::string file;
+  std::string text;
+  bool require_real_time = false;
+  model::Cell cell;
+  std::size_t device = 0;
+
+  std::unique_ptr<Inspection> inspection;  ///< while it is under way
+  std::unique_ptr<Supervised> supervised;  ///< after that
+  std::string description;
+  std::vector<LifecycleStatus> modules;  ///< as last told
+
+  std::vector<Command> preparers;    ///< to be answered when every module is in START, or why not
+  std::vector<Command> undeployers;  ///< to be answered when it has ended
+  std::optional<Instant> ready_since;
+  std::optional<std::int64_t> t0_wall_ns;  ///< to run from then on
+  std::string undone;                      ///< why it is undone before it ran; empty: it is not
+  bool over = false;                       ///< it ended by itself and is kept to be looked at
+
+  [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
+};
+
+}  // namespace takt::node

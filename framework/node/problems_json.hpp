@@ -1,0 +1,33 @@
+// Problems as JSON: in replies, and between a node and the program that looks at its components.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/result.hpp>
+
+namespace takt::node {
+
+/// [{"where", "what", "fix"}]
+inline nlohmann::ordered_json problems_json(const Problems& problems) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Problem& problem : problems)
+    list.push_back({{"where", problem.where}, {"what", problem.what}, {"fix", problem.fix}});
+  return list;
+}
+
+inline Problems problems_from(const nlohmann::ordered_json& list) {
+  Problems problems;
+  for (const auto& entry : list)
+    problems.push_back({entry.value("where", ""), entry.value("what", ""), entry.value("fix", "")});
+  if (problems.empty()) problems.push_back(fail("no reason was given"));
+  return problems;
+}
+
+/// One line; bytes that are no UTF-8 are replaced.
+inline std::string dump(const nlohmann::ordered_json& value) {
+  return value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace takt::node

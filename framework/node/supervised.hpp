@@ -1,0 +1,95 @@
+// A deployment on this device as its agent sees it: brought up, let go, looked at, told what to do, ended.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <takt/wire/takt.h>
+#include <takt/component/component.hpp>
+#include <takt/core/result.hpp>
+#include <takt/core/time.hpp>
+#include <takt/lifecycle/machine.hpp>
+#include <takt/os/fd.hpp>
+
+namespace takt::node {
+
+/// A module took a step through its lifecycle.
+struct Step {
+  std::uint32_t module = 0;  ///< its index on the device
+  lifecycle::Transition transition;
+  ErrorType error = ErrorType::none;  ///< of the event `error`
+  std::string text{};                 ///< why; may be empty
+};
+
+/// How the device stands at present.
+struct Standing {
+  bool real_time = true;
+  int host_pid = 0;
+  std::uint32_t host_restarts = 0;
+  std::uint32_t executing = 0;  ///< modules
+  std::string astray;  ///< the first module that is not in the state it should be in, and why; empty: none
+};
+
+/// What executors and modules published. Sequence numbers and times are the teller's.
+struct Measures {
+  std::vector<ModuleStatistics> modules;
+  std::vector<ExecutorStatistics> executors;
+  std::vector<PortStatus> ports;
+};
+
+/// What an operator may ask of a module, each an event of the lifecycle's table.
+enum class Verb { initialize, start, stop, recover, reset, destruct };
+const char* name_of(Verb verb) noexcept;
+
+/// What became of it.
+struct Outcome {
+  ReplyCode code = REPLY_OK;
+  lifecycle::State state = lifecycle::State::idle;  ///< of the module, after it
+  std::string text;                                 ///< why not, or what is still to come
+};
+
+class Supervised {
+ public:
+  enum class Phase {
+    preparing,  ///< modules are loaded, initialised, started
+    ready,      ///< every module is in START; go() is awaited
+    running,
+    stopping,
+    ended,
+  };
+  virtual ~Supervised() = default;
+
+  /// Starts everything. Fails when the device cannot be brought up at all; nothing is left then.
+  virtual Result<void> prepare() = 0;
+  /// Every module is in START: the first row runs at T0. With a T0 that has passed (a deployment that is
+  /// taken up again) it is the first row of that grid which can be met; those before are not missed.
+  virtual void go(Instant t0) = 0;
+  /// Ends everything in order; each step has a time limit and a kill after it.
+  virtual void stop() = 0;
+  /// Looks at what has happened, and never waits. To be called whenever one of wait_on() can be read, and
+  /// every few milliseconds.
+  virtual void step() = 0;
+  [[nodiscard]] virtual std::vector<const os::Fd*> wait_on() = 0;
+
+  /// `done` is called from step(), or at once.
+  virtual void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
+
+  [[nodiscard]] virtual Phase phase() const noexcept = 0;
+  /// Why the device failed as a whole, or which modules were given up; empty when all is well.
+  [[nodiscard]] virtual const Problems& failures() const noexcept = 0;
+  [[nodiscard]] virtual Standing standing() const = 0;
+  /// The device's object of the contract's status JSON.
+  [[nodiscard]] virtual nlohmann::ordered_json report() const = 0;
+  [[nodiscard]] virtual Measures measures() const = 0;
+
+ protected:
+  Supervised() = default;
+  Supervised(const Supervised&) = default;
+  Supervised& operator=(const Supervised&) = default;
+};
+
+}  // namespace takt::node

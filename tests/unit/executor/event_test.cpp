@@ -1,0 +1,359 @@
+// Sporadic modules that events release: how often, when, in which order, and what a storm of events does to
+// the rows.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include <takt/channel/link.hpp>
+
+#include "fake_device.hpp"
+
+namespace takt::executor {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+constexpr auto kThread = model::ModuleType::thread;
+constexpr auto kProcess = model::ModuleType::process;
+
+const char* hold(bool* ready) {
+  *ready = true;
+  return nullptr;
+}
+
+model::Module event_module(Nanoseconds deadline, Nanoseconds interarrival, model::Dispatch dispatch) {
+  model::Module module = sporadic(kThread, deadline);
+  if (interarrival != Nanoseconds{0}) module.interarrival = interarrival;
+  module.dispatch = dispatch;
+  return module;
+}
+
+TEST(Interarrival, IsTheLeastTimeBetweenTwoReleasesByRows) {
+  FakeDevice device{
+      {thread(milliseconds{1}), event_module(milliseconds{5}, microseconds{2500}, model::Dispatch::row)}};
+  std::vector<Instant> releases;
+  device.bodies[1].on_condition = hold;
+  device.bodies[1].on_run = [&](const Cycle& cycle) {
+    releases.push_back(cycle.time);
+    return nullptr;
+  };
+  device.join();
+  for (int i = 0; i < 10; ++i) {
+    device.cycle();
+    while (device.executor->run_sporadic()) {
+    }
+  }
+  // Rows at 0, 1, 2, 3 ...: the first one that is 2.5 ms after the last release is the third.
+  ASSERT_EQ(releases.size(), 4U);
+  for (std::size_t i = 1; i < releases.size(); ++i) EXPECT_EQ(releases[i] - releases[i - 1], milliseconds{3});
+  EXPECT_EQ(device.bodies[1].asked, 4) << "the condition is not asked where there could be no release";
+}
+
+TEST(Interarrival, HoldsForProgramsToo) {
+  model::Module program = sporadic(kProcess, milliseconds{5});
+  program.interarrival = milliseconds{4};
+  FakeDevice device{{thread(milliseconds{1}), program}};
+  device.join();
+  for (int i = 0; i < 12; ++i) {
+    device.cycle();
+    device.seats[1].done.store(device.seats[1].released.load());  // the program is quick
+  }
+  EXPECT_EQ(device.blocks[1].cycles.load(), 3U);
+}
+
+TEST(Immediate, RunsWithoutARow) {
+  FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
+  bool news = false;
+  Cycle told;
+  device.bodies[1].on_news = [&] { return news; };
+  device.bodies[1].on_condition = hold;
+  device.bodies[1].on_run = [&](const Cycle& cycle) {
+    told = cycle;
+    news = false;
+    return nullptr;
+  };
+  device.join();
+  device.cycle();
+  EXPECT_FALSE(device.executor->run_sporadic()) << "it has no news";
+  device.clock.time += microseconds{300};
+  news = true;
+  EXPECT_TRUE(device.executor->run_sporadic());
+  EXPECT_EQ(told.time, device.clock.time) << "released when it was seen, not at a row";
+  EXPECT_FALSE(device.executor->run_sporadic());
+  EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
+}
+
+TEST(Immediate, IsNeverAskedByARowWhichOnlyRingsForIt) {
+  FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
+  bool news = false;
+  device.bodies[1].on_news = [&] { return news; };
+  device.join();
+  EXPECT_EQ(device.cycle(), 0U);
+  news = true;
+  EXPECT_EQ(device.cycle(), channel::kSporadicBit);
+  EXPECT_EQ(device.bodies[1].asked, 0);
+}
+
+TEST(Immediate, WaitsForItsInterarrivalAndIsRungForByTheRowAfterIt) {
+  FakeDevice device{{thread(milliseconds{1}),
+                     event_module(milliseconds{5}, microseconds{1500}, model::Dispatch::immediate)}};
+  device.bodies[1].on_news = [] { return true; };
+  device.bodies[1].on_condition = hold;
+  device.join();
+  device.cycle();
+  EXPECT_TRUE(device.executor->run_sporadic());   // at 0
+  EXPECT_FALSE(device.executor->run_sporadic());  // at 0 still
+  EXPECT_EQ(device.cycle(), 0U) << "at 1 ms it may not run yet";
+  EXPECT_FALSE(device.executor->run_sporadic());
+  EXPECT_EQ(device.cycle(), channel::kSporadicBit);
+  EXPECT_TRUE(device.executor->run_sporadic());
+}
+
+TEST(Immediate, DoesNotRunOutOfTheTables) {
+  FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
+  device.bodies[1].on_news = [] { return true; };
+  device.bodies[1].on_condition = hold;
+  device.blocks[1].in_tables.store(0);
+  device.join();
+  device.cycle();
+  EXPECT_FALSE(device.executor->run_sporadic());
+  EXPECT_EQ(device.bodies[1].asked, 0);
+}
+
+TEST(Immediate, GoesBeforeALaterDeadlineThatARowReleased) {
+  FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{50}, {}, model::Dispatch::row),
+                     event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
+  std::string ran;
+  bool news = true;
+  device.bodies[1].on_condition = hold;
+  device.bodies[2].on_condition = hold;
+  device.bodies[2].on_news = [&] { return news; };
+  device.bodies[1].on_run = [&](const Cycle&) {
+    ran += "row ";
+    return nullptr;
+  };
+  device.bodies[2].on_run = [&](const Cycle&) {
+    ran += "event ";
+    news = false;
+    return nullptr;
+  };
+  device.join();
+  device.cycle();
+  while (device.executor->run_sporadic()) {
+  }
+  EXPECT_EQ(ran, "event row ");
+}
+
+TEST(Deadline, ThatIsMissedIsCountedAndOnlyAnErrorWhereTheDescriptorSaysSo) {
+  for (const model::Miss miss : {model::Miss::count, model::Miss::error}) {
+    model::Module late = sporadic(kThread, milliseconds{2});
+    late.miss = miss;
+    FakeDevice device{{thread(milliseconds{1}), late}};
+    device.bodies[1].on_condition = hold;
+    device.bodies[1].on_run = [&](const Cycle&) {
+      device.clock.time += microseconds{3250};
+      return nullptr;
+    };
+    device.join();
+    device.cycle();
+    EXPECT_TRUE(device.executor->run_sporadic());
+    EXPECT_EQ(device.blocks[1].overruns.load(), 1U);
+    const bool error = miss == model::Miss::error;
+    EXPECT_EQ(device.blocks[1].error.load(),
+              static_cast<std::uint32_t>(error ? ErrorType::deadline : ErrorType::none));
+    EXPECT_EQ(device.blocks[1].in_tables.load(), error ? 0U : 1U);
+    if (error) {
+      EXPECT_EQ(device.blocks[1].error_text.view(), "run() ended 1250 us after its deadline");
+    }
+  }
+}
+
+TEST(Deadline, ThatIsKeptToTheNanosecondIsNoError) {
+  model::Module punctual = sporadic(kThread, milliseconds{2});
+  punctual.miss = model::Miss::error;
+  FakeDevice device{{thread(milliseconds{1}), punctual}};
+  device.bodies[1].on_condition = hold;
+  device.bodies[1].on_run = [&](const Cycle&) {
+    device.clock.time += milliseconds{2};
+    return nullptr;
+  };
+  device.join();
+  device.cycle();
+  EXPECT_TRUE(device.executor->run_sporadic());
+  EXPECT_EQ(device.blocks[1].error.load(), 0U);
+  EXPECT_EQ(device.blocks[1].overruns.load(), 0U);
+}
+
+/// Memory of a link, aligned as it must be.
+class LinkMemory {
+ public:
+  explicit LinkMemory(const channel::Link::Options& options)
+      : memory_(static_cast<std::byte*>(std::aligned_alloc(64, channel::Link::layout(options).size()))) {
+    channel::Link::format(memory_.get(), options);
+  }
+  [[nodiscard]] channel::Link link() const { return channel::Link{memory_.get()}; }
+
+ private:
+  struct Free {
+    void operator()(std::byte* memory) const { std::free(memory); }
+  };
+  std::unique_ptr<std::byte, Free> memory_;
+};
+
+struct Storm {
+  model::Dispatch dispatch;
+  Nanoseconds interarrival;
+};
+
+/// 20,000 events a second for a minute, at random, to a module that takes 50 us for each. Rows preempt it, as
+/// they do where it runs one priority below: a row that falls due within its run() is walked in it.
+class StormOfEvents : public testing::TestWithParam<Storm> {};
+
+TEST_P(StormOfEvents, NeverMovesARow) {
+  constexpr std::uint32_t kDepth = 16;
+  constexpr auto kPeriod = milliseconds{1};
+  constexpr auto kWork = microseconds{50};
+  constexpr auto kLength = seconds{60};
+  FakeDevice device{
+      {thread(kPeriod), event_module(milliseconds{20}, GetParam().interarrival, GetParam().dispatch)}};
+  LinkMemory memory{{.depth = kDepth, .payload = 8, .is_queue = true}};
+  channel::LinkWriter writer{memory.link()};
+  channel::LinkReader reader{memory.link()};
+
+  std::uint64_t rows = 0;
+  std::uint64_t taken = 0;
+  Instant last_release{};
+  bool first = true;
+  device.bodies[0].on_run = [&](const Cycle& cycle) {
+    EXPECT_EQ(cycle.number, rows);
+    EXPECT_EQ(cycle.time, device.t0 + kPeriod * static_cast<std::int64_t>(rows));
+    EXPECT_EQ(cycle.start, cycle.time) << "it waits for nobody";
+    ++rows;
+    return nullptr;
+  };
+  device.bodies[1].on_news = [&] { return reader.has_news(); };
+  device.bodies[1].on_condition = [&](bool* ready) -> const char* {
+    *ready = reader.has_news();
+    return nullptr;
+  };
+  device.bodies[1].on_run = [&](const Cycle& cycle) {
+    if (!first) {
+      EXPECT_GE(cycle.time - last_release, GetParam().interarrival);
+    }
+    first = false;
+    last_release = cycle.time;
+    EXPECT_TRUE(reader.take());
+    ++taken;
+    const Instant end = device.clock.time + kWork;
+    while (device.executor->next_release() <= end) {
+      device.clock.time = device.executor->next_release();
+      device.executor->run_cycle(device.clock.time);
+    }
+    device.clock.time = end;
+    return nullptr;
+  };
+  device.join();
+
+  std::mt19937_64 random{7};
+  std::exponential_distribution<double> gap{20'000.0 / 1e9};
+  const auto next_gap = [&] { return Nanoseconds{1 + static_cast<std::int64_t>(gap(random))}; };
+  const Instant end = device.t0 + kLength;
+  Instant event = device.t0 + next_gap();
+  std::uint64_t written = 0;
+  const auto publish_due = [&] {
+    for (; event <= device.clock.time; event += next_gap(), ++written) writer.publish(8, to_ns(event));
+  };
+  while (device.executor->next_release() < end) {
+    if (event < device.executor->next_release()) {
+      device.clock.time = std::max(device.clock.time, event);
+    } else {
+      device.cycle();
+    }
+    publish_due();
+    while (device.executor->run_sporadic()) publish_due();
+  }
+
+  EXPECT_GE(rows, 60'000U);
+  EXPECT_LE(rows, 60'001U) << "the last run() may have reached into the next row";
+  EXPECT_EQ(device.block->missed.load(), 0U);
+  EXPECT_EQ(device.block->late.load(), 0U);
+  EXPECT_NEAR(static_cast<double>(written), 20'000.0 * 60, 5'000);
+  // All that came was taken, dropped by the full queue and counted, or waits.
+  const std::uint64_t dropped = memory.link().block().overwritten.load();
+  std::uint64_t waiting = 0;
+  while (reader.take()) ++waiting;
+  EXPECT_EQ(written, taken + dropped + waiting);
+  EXPECT_LE(waiting, kDepth);
+  const auto most =
+      static_cast<std::uint64_t>(kLength / std::max(GetParam().interarrival, Nanoseconds{kWork})) + 1;
+  EXPECT_LE(taken, most);
+  EXPECT_GT(taken, 0U);
+  if (GetParam().interarrival > Nanoseconds{kWork} && GetParam().dispatch == model::Dispatch::row) {
+    EXPECT_EQ(taken, 59'999U) << "one a row, but for the first, before which there was no event";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Dispatch, StormOfEvents,
+                         testing::Values(Storm{model::Dispatch::row, microseconds{500}},
+                                         Storm{model::Dispatch::immediate, microseconds{500}},
+                                         Storm{model::Dispatch::immediate, microseconds{0}},
+                                         Storm{model::Dispatch::row, microseconds{0}},
+                                         Storm{model::Dispatch::immediate, milliseconds{3}}),
+                         [](const auto& each) {
+                           return std::string{model::to_text(each.param.dispatch)} + "_" +
+                                  std::to_string(each.param.interarrival.count() / 1000) + "_us";
+                         });
+
+/// Random sets beside the rule itself: of those released, the earliest absolute deadline first, ties by
+/// priority.
+TEST(DeadlineOrder, IsThatOfTheRule) {
+  std::mt19937 random{11};
+  for (int set = 0; set < 300; ++set) {
+    const std::size_t count = 2 + random() % 6;
+    std::vector<model::Module> modules{thread(milliseconds{1})};
+    for (std::size_t i = 0; i < count; ++i) {
+      modules.push_back(event_module(milliseconds{2 + static_cast<int>(random() % 5)}, {},
+                                     random() % 2 == 0 ? model::Dispatch::row : model::Dispatch::immediate));
+      modules.back().priority = static_cast<int>(random() % 4);
+    }
+    FakeDevice device{modules};
+    std::vector<std::size_t> ran;
+    std::vector<bool> news(count + 1, false);
+    for (std::size_t i = 1; i <= count; ++i) {
+      news[i] = random() % 3 != 0;
+      device.bodies[i].on_news = [&news, i] { return news[i]; };
+      device.bodies[i].on_condition = [&news, i](bool* ready) -> const char* {
+        *ready = news[i];
+        return nullptr;
+      };
+      device.bodies[i].on_run = [&ran, &news, i](const Cycle&) {
+        ran.push_back(i);
+        news[i] = false;
+        return nullptr;
+      };
+    }
+    const std::vector<bool> wanted_news = news;
+    device.join();
+    device.cycle();
+    while (device.executor->run_sporadic()) {
+    }
+    std::vector<std::size_t> wanted;
+    for (std::size_t i = 1; i <= count; ++i) {
+      if (wanted_news[i]) wanted.push_back(i);
+    }
+    // All were released at the same instant, the clock stands still.
+    std::stable_sort(wanted.begin(), wanted.end(), [&](std::size_t a, std::size_t b) {
+      return std::pair{*modules[a].deadline, modules[a].priority} <
+             std::pair{*modules[b].deadline, modules[b].priority};
+    });
+    EXPECT_EQ(ran, wanted) << "set " << set;
+  }
+}
+
+}  // namespace
+}  // namespace takt::executor

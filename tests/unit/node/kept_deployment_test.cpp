@@ -1,0 +1,97 @@
+#include <takt/node/kept_deployment.hpp>
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <takt/os/environment.hpp>
+
+namespace takt::node {
+namespace {
+
+using testing::HasSubstr;
+
+class Kept : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string content() const {
+    std::ostringstream text;
+    text << std::ifstream{file_.path()}.rdbuf();
+    return text.str();
+  }
+  void write(const std::string& text) const { std::ofstream{file_.path()} << text; }
+
+  std::string folder_ = testing::TempDir() + "takt-kept-" + std::to_string(os::process_id());
+  DeploymentFile file_{folder_, "robot", 7};
+  KeptDeployment deployment_{.id = "a1",
+                             .file = "cell.xml",
+                             .text = "<cell name=\"\u00e9\">\n\"\\</cell>",
+                             .require_real_time = true,
+                             .t0_ns = 1'700'000'000'123'456'789};
+};
+
+TEST_F(Kept, NothingIsKeptAtFirst) {
+  const auto kept = file_.kept();
+  ASSERT_TRUE(kept.ok());
+  EXPECT_FALSE(kept->has_value());
+  EXPECT_TRUE(file_.forget().ok());
+}
+
+TEST_F(Kept, WhatWasKeptIsReadBackUntilItIsForgotten) {
+  ASSERT_TRUE(file_.keep(deployment_).ok());
+  EXPECT_EQ(**file_.kept(), deployment_);
+  deployment_.id = "a2";
+  ASSERT_TRUE(file_.keep(deployment_).ok());
+  EXPECT_EQ(**file_.kept(), deployment_);
+  ASSERT_TRUE(file_.forget().ok());
+  EXPECT_FALSE(file_.kept()->has_value());
+}
+
+TEST_F(Kept, EveryPartOfAFileIsADamagedFile) {
+  ASSERT_TRUE(file_.keep(deployment_).ok());
+  const std::string whole = content();
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    write(whole.substr(0, length));
+    const auto kept = file_.kept();
+    ASSERT_FALSE(kept.ok()) << length;
+    EXPECT_THAT(to_text(kept.problems()), HasSubstr("damaged"));
+  }
+}
+
+TEST_F(Kept, AChangedByteIsNoticedWhereverItIs) {
+  ASSERT_TRUE(file_.keep(deployment_).ok());
+  const std::string whole = content();
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(changed[at] ^ 1);
+    write(changed);
+    ASSERT_FALSE(file_.kept().ok()) << at;
+  }
+}
+
+TEST_F(Kept, EachDeviceOfEachDomainHasItsOwn) {
+  ASSERT_TRUE(file_.keep(deployment_).ok());
+  EXPECT_FALSE((DeploymentFile{folder_, "robot", 8}).kept()->has_value());
+  EXPECT_FALSE((DeploymentFile{folder_, "line", 7}).kept()->has_value());
+}
+
+TEST_F(Kept, AFolderThatCannotBeWrittenIsSaid) {
+  const DeploymentFile nowhere{"/proc/takt", "robot", 0};
+  const auto kept = nowhere.keep(deployment_);
+  ASSERT_FALSE(kept.ok());
+  EXPECT_THAT(to_text(kept.problems()), HasSubstr("/proc/takt"));
+}
+
+TEST(StateFolder, IsTheOneThatTheEnvironmentNames) {
+  ::setenv("TAKT_STATE_DIR", "/somewhere", 1);
+  EXPECT_EQ(default_state_folder(), "/somewhere");
+  ::unsetenv("TAKT_STATE_DIR");
+  EXPECT_THAT(default_state_folder(), HasSubstr("takt"));
+}
+
+}  // namespace
+}  // namespace takt::node

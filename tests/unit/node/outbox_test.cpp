@@ -1,0 +1,99 @@
+#include <takt/node/outbox.hpp>
+
+#include <gmock/gmock.h>
+
+#include <thread>
+#include <vector>
+
+namespace takt::node {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::ElementsAre;
+
+/// Writes down what is done with it.
+class Line final : public LifecycleLine {
+ public:
+  bool write(const LifecycleStatus& status) override {
+    said.push_back(status.path().to_string() + std::to_string(status.sequence_number()));
+    return true;
+  }
+  void dispose(const LifecycleStatus& key) override { said.push_back("no " + key.path().to_string()); }
+  bool wait_acknowledged(milliseconds limit) override {
+    said.push_back("wait " + std::to_string(limit.count()));
+    return acknowledges;
+  }
+
+  std::vector<std::string> said;
+  bool acknowledges = true;
+};
+
+LifecycleStatus status(const std::string& path, std::uint64_t sequence) {
+  LifecycleStatus s;
+  s.path(path);
+  s.sequence_number(sequence);
+  return s;
+}
+
+const std::string kPatientWait = "wait " + std::to_string(Outbox::kPatient.count());
+const std::string kImpatientWait = "wait " + std::to_string(Outbox::kImpatient.count());
+
+TEST(Outbox, SendsNothingWhenThereIsNothing) {
+  Outbox outbox;
+  Line line;
+  EXPECT_FALSE(outbox.serve(line, milliseconds{0}));
+  EXPECT_TRUE(line.said.empty());
+}
+
+TEST(Outbox, SendsInOrderAndWaitsForNothingWhileModulesDiffer) {
+  Outbox outbox;
+  Line line;
+  for (const char* path : {"b", "a", "c"}) outbox.put(status(path, 1));
+  while (outbox.serve(line, milliseconds{0})) {
+  }
+  EXPECT_THAT(line.said, ElementsAre("b1", "a1", "c1"));
+}
+
+TEST(Outbox, ASecondStateOfAModuleWaitsForTheFirst) {
+  Outbox outbox;
+  Line line;
+  outbox.put(status("a", 1));
+  outbox.put(status("b", 1));
+  outbox.put(status("a", 2));
+  outbox.put(status("b", 2));  // acknowledged with the first of a
+  outbox.put_disposal(status("a", 0));
+  while (outbox.serve(line, milliseconds{0})) {
+  }
+  EXPECT_THAT(line.said, ElementsAre("a1", "b1", kPatientWait, "a2", "b2", kPatientWait, "no a"));
+}
+
+TEST(Outbox, IsNotHeldUpForLongByAReaderThatIsGone) {
+  Outbox outbox;
+  Line line;
+  line.acknowledges = false;
+  for (std::uint64_t i = 1; i <= 3; ++i) outbox.put(status("a", i));
+  while (outbox.serve(line, milliseconds{0})) {
+  }
+  EXPECT_THAT(line.said, ElementsAre("a1", kPatientWait, "a2", kImpatientWait, "a3"));
+  line.acknowledges = true;
+  for (std::uint64_t i = 4; i <= 5; ++i) outbox.put(status("a", i));
+  while (outbox.serve(line, milliseconds{0})) {
+  }
+  EXPECT_EQ(line.said.back(), "a5");
+  EXPECT_EQ(line.said[line.said.size() - 2], kPatientWait) << "it is patient again";
+}
+
+TEST(Outbox, WhatIsPutWhileItWaitsGoesOut) {
+  Outbox outbox;
+  Line line;
+  std::thread other{[&] { outbox.put(status("a", 1)); }};
+  EXPECT_TRUE(outbox.serve(line, milliseconds{60'000}));
+  other.join();
+  EXPECT_THAT(line.said, ElementsAre("a1"));
+  std::thread third{[&] { outbox.wake(); }};
+  EXPECT_FALSE(outbox.serve(line, milliseconds{60'000}));
+  third.join();
+}
+
+}  // namespace
+}  // namespace takt::node
