@@ -19,7 +19,8 @@ Result<void> Supervisor::start_host() {
                     .executor_cpus = placement_.executors,
                     .background_cpus = placement_.background,
                     .seat_fds = {},
-                    .bell_fd = bell_memory_.fd().get()};
+                    .bell_fd = bell_memory_.fd().get(),
+                    .links = {}};
   std::vector<const os::Fd*> inherit{&bell_memory_.fd()};
   for (const auto& member : members_) {
     setup.left_out.push_back(member->lost);
