@@ -9,16 +9,20 @@ anything runs. What no port can carry is said all at once, one problem a line, `
 and ends with exit status 1. What is accepted here is accepted by fastddsgen and by Cyclone DDS's idlc too.
 """
 import argparse
+import functools
 import json
 import os
 import re
 import sys
 from dataclasses import dataclass, field, replace
 
-# Most bytes of a sample, fields of a type with those of its structs, and characters of a name; model/type.hpp has the same.
+# The bounds of model/type.hpp: bytes of a sample, fields of a type with those of its structs, structs within one another,
+# characters of a name, bytes of a description.
 MAX_SAMPLE = 64 * 1024 * 1024
 MAX_FIELDS = 4096
+MAX_NESTING = 16
 MAX_NAME = 255
+MAX_DESCRIPTION = 1024 * 1024
 
 # IDL's words: bytes, the type in C and C++.
 SCALARS = {
@@ -32,13 +36,14 @@ SAME = {"uint8": "octet", "int16": "short", "uint16": "unsigned short", "int32":
 INTEGERS = {name: (size, name.startswith("unsigned") or name == "octet")
             for name, (size, _) in SCALARS.items() if name not in ("boolean", "char", "float", "double")}
 
-# Words of IDL in any mix of upper and lower case, for idlc; those of the second group are no words for it, but for fastddsgen.
-IDL_WORDS = set("""abstract any alias attribute bitfield bitmask bitset boolean case char component connector const consumes
-    context custom default double emits enum eventtype exception factory false finder fixed float getraises home import in
-    inout interface int8 int16 int32 int64 local long manages map mirrorport module multiple native object octet oneway
-    out port porttype primarykey private provides public publishes raises readonly sequence setraises short string struct
-    supports switch true truncatable typedef typeid typename typeprefix uint8 uint16 uint32 uint64 union unsigned uses
-    valuebase valuetype void wchar wstring""".split()) - {"connector", "port"}
+# Words of IDL, for idlc in any mix of upper and lower case.
+ANY_CASE_WORDS = set("""any bitfield bitmask bitset boolean case char const default double enum false fixed float int8 int16
+    int32 int64 long map module native octet sequence short string struct switch true typedef uint8 uint16 uint32 uint64 union
+    unsigned wchar wstring""".split())
+# More of them, for fastddsgen as they are written here.
+WORDS = set("""Object ValueBase abstract annotation attribute component consumes context custom emits eventtype exception
+    factory finder getraises home import in inout interface local manages multiple oneway out primarykey private provides
+    public publishes raises readonly set setraises supports truncatable typeid typeprefix uses valuetype void""".split())
 # Names that the generated C and C++ cannot have.
 CODE_WORDS = set("""alignas alignof and and_eq asm auto bitand bitor bool break catch char8_t char16_t char32_t class compl
     concept consteval constexpr constinit const_cast continue co_await co_return co_yield decltype delete do dynamic_cast
@@ -89,11 +94,11 @@ class Shape:
     text: str = ""                  # the type as IDL, without the dimensions behind a name; constants are numbers
 
     def has_sequence(self):
-        return self.sequence > 0 or (self.scalar == "struct" and self.of.has_sequence())
+        return self.sequence > 0 or (self.scalar == "struct" and self.of.sequences)
 
     def may_not_fit(self):
         """A value in C++ may be none of the type: too long, or no enumerator."""
-        return self.sequence > 0 or self.scalar == "enum" or (self.scalar == "struct" and self.of.may_not_fit())
+        return self.sequence > 0 or self.scalar == "enum" or (self.scalar == "struct" and self.of.misfits)
 
 
 @dataclass
@@ -140,17 +145,34 @@ class Struct:
     fields: list = field(default_factory=list)
     complete: bool = False
 
-    def has_sequence(self):
+    def structs(self):
+        return [f.shape.of for f in self.fields if f.shape.scalar == "struct"]
+
+    # Asked once each: a struct that has another one twice would be asked for all of them again.
+
+    @functools.cached_property
+    def sequences(self):
         return any(f.shape.has_sequence() for f in self.fields)
 
-    def may_not_fit(self):
+    @functools.cached_property
+    def misfits(self):
         return any(f.shape.may_not_fit() for f in self.fields)
 
-    def is_sound(self):
-        return all(f.shape.scalar and (f.shape.scalar != "struct" or f.shape.of.is_sound()) for f in self.fields)
+    @functools.cached_property
+    def sound(self):
+        return all(f.shape.scalar for f in self.fields) and all(s.sound for s in self.structs())
 
+    @functools.cached_property
     def count(self):
-        return sum(1 + (f.shape.of.count() if f.shape.scalar == "struct" else 0) for f in self.fields)
+        return len(self.fields) + sum(s.count for s in self.structs())
+
+    @functools.cached_property
+    def nesting(self):
+        return 1 + max((s.nesting for s in self.structs()), default=0)
+
+    @functools.cached_property
+    def span(self):
+        return functools.reduce(both, (span_of(f.shape) for f in self.fields), NOTHING)
 
 
 class Scope:
@@ -329,9 +351,9 @@ class Parser:
             raise Wrong(self.place(token), f"{token.text!r} stands where the name of {what} is to be")
         name = token.text
         shown = full(name) if full else name
-        if name.lower() in IDL_WORDS:
-            same = "" if name in IDL_WORDS else ", written in any way"
-            self.problem(token, f"{shown}: {name!r} is a word of IDL{same}; take another name")
+        if name in WORDS or name.lower() in ANY_CASE_WORDS:
+            how = "" if name in WORDS or name in ANY_CASE_WORDS else ", in upper and lower case"
+            self.problem(token, f"{shown}: {name!r} is a word of IDL{how}; take another name")
         elif name in CODE_WORDS:
             self.problem(token, f"{shown}: {name!r} has a meaning in the C++ that is made of it; take another name")
         elif name.startswith("_"):
@@ -700,7 +722,7 @@ class Parser:
         if self.token.kind != "name" and not self.is_next("::"):
             raise Wrong(self.place(), f"{self.token.text!r} stands where a type is to be")
         absolute, parts, first = self.scoped_name()
-        if parts[0].lower() in IDL_WORDS:
+        if parts[0] in WORDS or parts[0].lower() in ANY_CASE_WORDS:
             raise Wrong(self.place(first), f"{name} is of type {parts[0]!r}, which ports cannot carry; write a type of IDL as double "
                         "or a struct")
         entity = self.find(absolute, parts, first, members)
@@ -782,7 +804,7 @@ class Parser:
             if re.fullmatch(r"0[0-9]+", token.text):
                 raise Wrong(self.place(token), f"{token.text} begins as an octal number and is none; leave out the 0")
             return int(token.text, 0)
-        if token.kind == "name" and token.text.lower() not in IDL_WORDS or self.is_next("::"):
+        if token.kind == "name" and token.text.lower() not in ANY_CASE_WORDS or self.is_next("::"):
             absolute, parts, first = self.scoped_name()
             entity = self.find(absolute, parts, first)
             if entity is not None and not isinstance(entity, Const):
@@ -881,11 +903,17 @@ class Library:
                     flat = c_name(declared.name)
                     if names.setdefault(flat, declared) is not declared:
                         self.problems.add(declared.place, f"{declared.name} and {names[flat].name} are both {flat} in C; take another name")
-                if not isinstance(declared, Struct) or not declared.is_sound():
+                if not isinstance(declared, Struct) or not declared.sound:
                     continue
-                if declared.count() > MAX_FIELDS:
-                    self.problems.add(declared.place, f"{declared.name} has {declared.count()} fields with those of its structs; a type "
+                if declared.count > MAX_FIELDS:
+                    self.problems.add(declared.place, f"{declared.name} has {declared.count} fields with those of its structs; a type "
                                       f"has at most {MAX_FIELDS}")
+                elif declared.nesting > MAX_NESTING:
+                    self.problems.add(declared.place, f"{declared.name} has structs within one another {declared.nesting} deep; a type "
+                                      f"has at most {MAX_NESTING}")
+                elif len(description(declared)) > MAX_DESCRIPTION:
+                    self.problems.add(declared.place, f"{declared.name} takes {len(description(declared))} bytes to describe; a type takes "
+                                      f"at most {MAX_DESCRIPTION}: fewer fields, fewer enumerators, shorter names")
                 elif max_size(declared) > MAX_SAMPLE:
                     self.problems.add(declared.place, f"a sample of {declared.name} has up to {max_size(declared)} bytes; it has at most "
                                       f"{MAX_SAMPLE}")
@@ -904,57 +932,42 @@ def padded(position, alignment):
     return (position + alignment - 1) // alignment * alignment
 
 
-def repeated(position, n, one):
-    """Where n of what `one` appends end. What it appends depends on the position's place in 8 bytes only."""
-    seen = {}
-    done = 0
-    while done < n:
-        place = position % 8
-        if place in seen:
-            then, at = seen[place]
-            rounds = (n - done) // (done - then)
-            position += rounds * (position - at)
-            done += rounds * (done - then)
-            seen = {}
-            if rounds == 0:
-                break
-            continue
-        seen[place] = (done, position)
-        position = one(position)
-        done += 1
-    while done < n:
-        position = one(position)
-        done += 1
-    return position
+# A span: the bytes that the longest value appends, by the place in 8 bytes where it begins; padding depends on nothing else.
+NOTHING = (0,) * 8
 
 
-def end_of(shape, position):
-    """Where the longest value of this shape ends, counted from the end of the encapsulation."""
-    if shape.dimensions:
-        inner = Shape(shape.scalar, shape.bound, shape.of, [], shape.sequence, shape.elements)
-        return repeated(position, product(shape.dimensions), lambda at: end_of(inner, at))
-    if shape.sequence:
-        inner = Shape(shape.scalar, shape.bound, shape.of)
-        return repeated(padded(position, 4) + 4, shape.sequence * product(shape.elements), lambda at: end_of(inner, at))
-    if shape.scalar == "string":
-        return padded(position, 4) + 4 + shape.bound + 1
-    if shape.scalar == "enum":
-        return padded(position, 4) + 4
+def both(first, second):
+    return tuple(first[at] + second[(at + first[at]) % 8] for at in range(8))
+
+
+def repeated(one, n):
+    span = NOTHING
+    while n:
+        if n % 2:
+            span = both(span, one)
+        one, n = both(one, one), n // 2
+    return span
+
+
+def aligned(size, more=0):
+    return tuple(padded(at, size) - at + size + more for at in range(8))
+
+
+def span_of(shape):
     if shape.scalar == "struct":
-        return struct_end(shape.of, position)
-    size = SCALARS[shape.scalar][0]
-    return padded(position, size) + size
-
-
-def struct_end(struct, position):
-    for each in struct.fields:
-        position = end_of(each.shape, position)
-    return position
+        one = shape.of.span
+    elif shape.scalar == "string":
+        one = aligned(4, shape.bound + 1)
+    else:
+        one = aligned(4 if shape.scalar == "enum" else SCALARS[shape.scalar][0])
+    if shape.sequence:
+        one = both(aligned(4), repeated(one, shape.sequence * product(shape.elements)))
+    return repeated(one, product(shape.dimensions))
 
 
 def max_size(struct):
     """With the encapsulation, and in whole words, as RTPS sends it."""
-    return padded(4 + struct_end(struct, 0), 4)
+    return padded(4 + struct.span[0], 4)
 
 
 def description(struct):
@@ -1158,7 +1171,7 @@ class Code:
 
     def sequence_fits(self, shape, at):
         self.line(f"if ({at}.size() > {shape.sequence}) return false;")
-        if shape.scalar == "enum" or (shape.scalar == "struct" and shape.of.may_not_fit()):
+        if shape.scalar == "enum" or (shape.scalar == "struct" and shape.of.misfits):
             self.nest(1 + len(shape.elements), at, True, lambda e: self.one_fits(shape, e))
 
     def one_fits(self, shape, at):
@@ -1257,6 +1270,15 @@ def c_source(file):
     return lines + ["}"]
 
 
+def in_idl(declared, name):
+    """A declaration without typedefs, for fastddsgen leaves an array of a typedef without values. Sequences need theirs."""
+    shape = declared.shape
+    if shape.sequence:
+        return f"{shape.text} {name}{sizes(declared.own)};"
+    kind = f"string<{shape.bound}>" if shape.scalar == "string" else shape.of.name if shape.of else shape.scalar
+    return f"{kind} {name}{sizes(shape.dimensions)};"
+
+
 def plain_idl(file):
     """The same declarations for fastddsgen, with numbers for constants: the code that it makes of their names does not compile."""
     guard = f"{file.stem.upper()}_PLAIN_IDL"
@@ -1268,12 +1290,12 @@ def plain_idl(file):
         if isinstance(declared, Const):
             lines.append(f"const {declared.type} {name} = {declared.value};")
         elif isinstance(declared, Alias):
-            lines.append(f"typedef {declared.shape.text} {name}{sizes(declared.own)};")
+            lines.append(f"typedef {in_idl(declared, name)}")
         elif isinstance(declared, Enum):
             lines.append(f"enum {name} {{ {', '.join(declared.enumerators)} }};")
         else:
             lines += [f"@final struct {name} {{"]
-            lines += [f"  {each.shape.text} {each.name}{sizes(each.own)};" for each in declared.fields] + ["};"]
+            lines += [f"  {in_idl(each, each.name)}" for each in declared.fields] + ["};"]
         lines += ["};" for module in modules]
     return lines + ["#endif"]
 
@@ -1298,7 +1320,7 @@ def header(file):
             "template <>", f"struct PortType<{name}> {{", "  static constexpr TypeInfo info{",
             f"      {json.dumps(struct.name)},", f"      {literal(description(struct))},", f"      {max_size(struct)}}};",
             f"  static std::uint32_t encode(const {name}& value, std::byte* to, std::uint32_t size) noexcept;",
-            f"  static bool fits(const {name}& value) noexcept;" if struct.may_not_fit() else
+            f"  static bool fits(const {name}& value) noexcept;" if struct.misfits else
             f"  static constexpr bool fits(const {name}&) noexcept {{ return true; }}",
             f"  static bool decode(const std::byte* from, std::uint32_t size, {name}& value) noexcept;",
             f"  static void reserve({name}& value);",
@@ -1315,7 +1337,7 @@ def source(file):
         name, port = "::" + struct.name, f"PortType<::{struct.name}>"
         lines += [f"void {port}::put(CdrWriter& to, const {name}& value) noexcept {{"] + code_of("c++", struct, "put") + ["}", ""]
         lines += [f"void {port}::get(CdrReader& from, {name}& value) {{"] + code_of("c++", struct, "get") + ["}", ""]
-        if struct.may_not_fit():
+        if struct.misfits:
             lines += [f"bool {port}::fits(const {name}& value) noexcept {{"] + code_of("c++", struct, "fits") + [
                 "  return true;", "}", ""]
         lines += [f"void {port}::reserve({name}& value) {{"] + code_of("c++", struct, "reserve") + ["}", ""]
@@ -1324,7 +1346,7 @@ def source(file):
         lines += [f"bool {port}::decode(const std::byte* from, std::uint32_t size, {name}& value) noexcept {{",
                   "  CdrReader reader{from, size};"]
         # Only a value without room for its sequences throws.
-        lines += (["  try {", "    get(reader, value);", "  } catch (...) {", "    return false;", "  }"] if struct.has_sequence()
+        lines += (["  try {", "    get(reader, value);", "  } catch (...) {", "    return false;", "  }"] if struct.sequences
                   else ["  get(reader, value);"]) + ["  return reader.complete();", "}", ""]
     return lines + ["}  // namespace takt"]
 

@@ -133,6 +133,7 @@ void Agent::look_at_inspection() {
   d.supervised = workshop_.supervise({.cell = d.cell,
                                       .device = d.device,
                                       .paths = (*result)->paths,
+                                      .ports = (*result)->ports,
                                       .require_real_time = d.require_real_time,
                                       .stepped = [this](const Step& step) { stepped(step); }});
   if (const auto prepared = d.supervised->prepare(); !prepared) refuse(prepared.problems());

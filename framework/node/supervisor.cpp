@@ -74,6 +74,11 @@ Result<void> Supervisor::prepare() {
   bell_memory_ = std::move(*bell);
   bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
 
+  options_.ports.resize(device().modules.size());
+  auto wiring = Wiring::create(plan_wiring(options_.cell, options_.device, options_.ports));
+  if (!wiring) return wiring.problems();
+  wiring_ = std::move(*wiring);
+
   for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
     members_.push_back(std::make_unique<Member>(device().modules[i], i, channel_.module(i)));
     Member& member = *members_.back();

@@ -25,6 +25,7 @@
 #include <takt/node/member.hpp>
 #include <takt/node/placement.hpp>
 #include <takt/node/supervised.hpp>
+#include <takt/node/wiring.hpp>
 
 namespace takt::node {
 
@@ -33,7 +34,8 @@ class Supervisor final : public Supervised {
   struct Options {
     model::Cell cell;
     std::size_t device = 0;
-    host::ComponentPaths paths;  ///< of the device's modules
+    host::ComponentPaths paths;                ///< of the device's modules
+    std::vector<model::ModulePorts> ports{};   ///< the same; empty: nothing is known
     bool require_real_time = false;
     std::function<void(const Step&)> stepped{};  ///< told of every step of a module
   };
@@ -115,6 +117,7 @@ class Supervisor final : public Supervised {
   channel::Channel channel_;
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;
+  Wiring wiring_;
   std::vector<std::unique_ptr<Member>> members_;
   HostLink host_;
   bool rows_begun_ = false;

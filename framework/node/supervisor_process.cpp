@@ -76,6 +76,8 @@ Result<void> Supervisor::spawn(Member& member) {
     options.environment = {{"TAKT_SEAT_FD", std::to_string(member.seat_memory.fd().get())},
                            {"TAKT_BELL_FD", std::to_string(bell_memory_.fd().get())}};
     options.inherit = {&member.seat_memory.fd(), &bell_memory_.fd()};
+    options.environment.emplace_back("TAKT_LINKS", wiring_.of_program(member.index));
+    wiring_.inherit(options.inherit, member.index);
   }
   auto child = os::Child::spawn(options);
   if (!child) return child.problems();
