@@ -152,9 +152,18 @@ json inspect_here(const InspectionRequest& request) {
   json modules = json::array();
   for (std::size_t i = 0; i < mine.devices[0].modules.size(); ++i) {
     const std::string& path = components->paths.at(0)[i];
-    const auto description = host::describe(path);
+    const model::Module& module = mine.devices[0].modules[i];
+    // A program's ports are known where a connection names it; another is not started only to be looked at.
+    const auto description =
+        module.type == model::ModuleType::process
+            ? Result<host::Description>{{fs::path{path}.stem().string(),
+                                         "process",
+                                         {},
+                                         {},
+                                         components->ports.at(0)[i].value_or(std::vector<model::Port>{})}}
+            : host::describe(path);
     if (!description) return refuse(description.problems());
-    modules.push_back(describe(mine.devices[0].modules[i], path, *description));
+    modules.push_back(describe(module, path, *description));
   }
   return {{"paths", components->paths.at(0)},
           {"ports", ports},
