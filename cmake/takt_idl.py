@@ -96,6 +96,10 @@ class Shape:
     def has_sequence(self):
         return self.sequence > 0 or (self.scalar == "struct" and self.of.sequences)
 
+    def may_not_fit(self):
+        """A value in C++ may be none of the type: too long, or no enumerator."""
+        return self.sequence > 0 or self.scalar == "enum" or (self.scalar == "struct" and self.of.misfits)
+
 
 @dataclass
 class Const:
@@ -149,6 +153,10 @@ class Struct:
     @functools.cached_property
     def sequences(self):
         return any(f.shape.has_sequence() for f in self.fields)
+
+    @functools.cached_property
+    def misfits(self):
+        return any(f.shape.may_not_fit() for f in self.fields)
 
     @functools.cached_property
     def sound(self):
@@ -1184,6 +1192,23 @@ class Code:
         else:
             self.line(f"{at} = from.get<{SCALARS[shape.scalar][1]}>();")
 
+    # -- Whether put() takes it; in C++
+
+    def fits(self, each):
+        shape = each.shape
+        if shape.may_not_fit():
+            self.nest(len(shape.dimensions), self.access(each), True,
+                      lambda e: self.sequence_fits(shape, e) if shape.sequence else self.one_fits(shape, e))
+
+    def sequence_fits(self, shape, at):
+        self.line(f"if ({at}.size() > {shape.sequence}) return false;")
+        if shape.scalar == "enum" or (shape.scalar == "struct" and shape.of.misfits):
+            self.nest(1 + len(shape.elements), at, True, lambda e: self.one_fits(shape, e))
+
+    def one_fits(self, shape, at):
+        self.line(f"if (static_cast<std::uint32_t>({at}) >= {len(shape.of.enumerators)}) return false;" if shape.scalar == "enum"
+                  else f"if (!{self.function(shape, 'fits')}({at})) return false;")
+
     # -- Room for sequences
 
     def reserve(self, each):
@@ -1326,6 +1351,8 @@ def header(file):
             "template <>", f"struct PortType<{name}> {{", "  static constexpr TypeInfo info{",
             f"      {json.dumps(struct.name)},", f"      {literal(description(struct))},", f"      {max_size(struct)}}};",
             f"  static std::uint32_t encode(const {name}& value, std::byte* to, std::uint32_t size) noexcept;",
+            f"  static bool fits(const {name}& value) noexcept;" if struct.misfits else
+            f"  static constexpr bool fits(const {name}&) noexcept {{ return true; }}",
             f"  static bool decode(const std::byte* from, std::uint32_t size, {name}& value) noexcept;",
             f"  static void reserve({name}& value);",
             "  // As a field of another struct.",
@@ -1341,6 +1368,9 @@ def source(file):
         name, port = "::" + struct.name, f"PortType<::{struct.name}>"
         lines += [f"void {port}::put(CdrWriter& to, const {name}& value) noexcept {{"] + code_of("c++", struct, "put") + ["}", ""]
         lines += [f"void {port}::get(CdrReader& from, {name}& value) {{"] + code_of("c++", struct, "get") + ["}", ""]
+        if struct.misfits:
+            lines += [f"bool {port}::fits(const {name}& value) noexcept {{"] + code_of("c++", struct, "fits") + [
+                "  return true;", "}", ""]
         lines += [f"void {port}::reserve({name}& value) {{"] + code_of("c++", struct, "reserve") + ["}", ""]
         lines += [f"std::uint32_t {port}::encode(const {name}& value, std::byte* to, std::uint32_t size) noexcept {{",
                   "  CdrWriter writer{to, size};", "  put(writer, value);", "  return writer.size();", "}", ""]

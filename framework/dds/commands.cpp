@@ -8,12 +8,15 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include <takt/wire/taktPubSubTypes.h>
+#include <takt/dds/guarded.hpp>
 #include <takt/dds/inside.hpp>
+#include <takt/dds/sensible.hpp>
 
 namespace takt::dds {
 
@@ -23,13 +26,19 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::int32_t kDepth = 32;
-constexpr std::size_t kPart = 32768;        // of idl/takt.idl
-constexpr std::size_t kPaced = kDepth / 2;  // parts that are sent before their arrival is waited for
-constexpr std::size_t kRemembered = 256;    // answers, and commands in work
-constexpr std::size_t kUnfinished = 64;     // commands or replies of which parts are missing
+constexpr std::size_t kPart = 32768;              // of idl/takt.idl
+constexpr std::size_t kPaced = kDepth / 2;        // parts that are sent before their arrival is waited for
+constexpr std::size_t kRemembered = 256;          // commands: answered, in work or waiting
+constexpr std::size_t kUnfinished = 64;           // commands or replies of which parts are missing
+constexpr std::size_t kMostBytes = 4 * kMaxData;  // of the unfinished, of those waiting, of the answers
 constexpr auto kResend = milliseconds{1000};
+constexpr auto kSlowestResend = milliseconds{8000};  // of what has many parts
 constexpr auto kAcknowledge = milliseconds{2000};
 constexpr auto kMatchWait = milliseconds{3000};  // for the asker's reader; then the reply is sent anyway
+// A writer asks after what is not acknowledged; by default after 3 s, and a reader lets 5 ms pass.
+constexpr Nanoseconds kHeartbeat = milliseconds{10};
+constexpr Nanoseconds kNackDelay = milliseconds{1};
+constexpr Nanoseconds kFirstAck = milliseconds{10};
 
 std::int64_t wall_ns() {
   return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -54,34 +63,64 @@ void set_quality(Qos& qos) {
 template <class Head, class Whole>
 class Assembly {
  public:
-  /// The whole, once its last part has come. Nothing for a part that makes no sense.
+  /// The whole, once its last part has come. False for a part that makes no sense, or that others are missing
+  /// before.
   bool add(const Head& part, const std::string& key, Whole& whole) {
-    const std::uint32_t parts = part.parts();
-    if (parts == 0 || part.part() >= parts || std::size_t{parts} * kPart > kMaxData + kPart) return false;
-    if (parts > 1 && part.part() + 1 < parts && part.data().size() != kPart) return false;
-    const auto text = [&part] { return std::string{part.data().begin(), part.data().end()}; };
+    const std::size_t parts = part.parts();
+    const bool last = part.part() + 1 == parts;
+    if (parts > kMaxData / kPart || (!last && part.data().size() != kPart) || part.data().size() > kPart) {
+      ++refused_;
+      return false;
+    }
+    const std::string_view data{reinterpret_cast<const char*>(part.data().data()), part.data().size()};
     if (parts == 1) {
       whole.head = part;
-      whole.data = text();
+      whole.data = data;
       return true;
     }
     if (part.part() == 0) {
-      if (unfinished_.size() >= kUnfinished && unfinished_.find(key) == unfinished_.end())
-        unfinished_.erase(unfinished_.begin());
-      unfinished_[key] = {0, {}};
+      forget(key);
+      while (unfinished_.size() >= kUnfinished || bytes_ > kMostBytes - kMaxData) forget_oldest();
+      unfinished_[key].begun = ++begun_;
     }
     const auto found = unfinished_.find(key);
-    if (found == unfinished_.end() || found->second.first != part.part()) return false;
-    found->second.second += text();
-    if (++found->second.first < parts) return false;
+    if (found == unfinished_.end() || found->second.next != part.part()) return false;
+    found->second.data += data;
+    bytes_ += data.size();
+    if (++found->second.next < parts) return false;
     whole.head = part;
-    whole.data = std::move(found->second.second);
+    whole.data = std::move(found->second.data);
+    bytes_ -= whole.data.size();
     unfinished_.erase(found);
     return true;
   }
+  [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 
  private:
-  std::map<std::string, std::pair<std::uint32_t, std::string>> unfinished_;
+  struct Unfinished {
+    std::uint64_t begun = 0;
+    std::uint32_t next = 0;  // part that is to come
+    std::string data;
+  };
+
+  void forget(const std::string& key) {
+    const auto found = unfinished_.find(key);
+    if (found == unfinished_.end()) return;
+    bytes_ -= found->second.data.size();
+    unfinished_.erase(found);
+  }
+  void forget_oldest() {
+    const auto oldest =
+        std::min_element(unfinished_.begin(), unfinished_.end(),
+                         [](const auto& a, const auto& b) { return a.second.begun < b.second.begun; });
+    bytes_ -= oldest->second.data.size();
+    unfinished_.erase(oldest);
+  }
+
+  std::map<std::string, Unfinished> unfinished_;
+  std::size_t bytes_ = 0;
+  std::uint64_t begun_ = 0;
+  std::uint64_t refused_ = 0;
 };
 
 /// Writes data in parts; waits now and then for the other side to have them, because the history keeps 32.
@@ -109,22 +148,30 @@ struct Ends {
   fast::Topic* in_topic = nullptr;
   fast::DataWriter* writer = nullptr;
   fast::DataReader* reader = nullptr;
+  Undecoded* undecoded = nullptr;
 
   Result<void> make(const char* out, const fast::TypeSupport& out_type, const char* in,
                     const fast::TypeSupport& in_type, fast::DataWriterListener* writer_listener,
                     fast::DataReaderListener* reader_listener) {
     OwnParticipant& mine = own(*participant);
-    out_topic = mine.topic(out, out_type);
-    in_topic = mine.topic(in, in_type);
-    if (out_topic == nullptr || in_topic == nullptr)
-      return fail("DDS made no topic for commands", "see what it printed");
+    auto topic = mine.topic(out, out_type);
+    if (!topic) return topic.problems();
+    out_topic = *topic;
+    topic = mine.topic(in, in_type);
+    if (!topic) return topic.problems();
+    in_topic = *topic;
+    undecoded = &dds::undecoded(mine.participant(), *in_topic);
     fast::DataWriterQos writer_qos;
     set_quality(writer_qos);
     writer_qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
+    writer_qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
+    writer_qos.reliable_writer_qos().times.nackResponseDelay = duration(kNackDelay);
     writer = mine.publisher().create_datawriter(out_topic, writer_qos, writer_listener,
                                                 fast::StatusMask::publication_matched());
     fast::DataReaderQos reader_qos;
     set_quality(reader_qos);
+    reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
+    reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
     reader = mine.subscriber().create_datareader(in_topic, reader_qos, reader_listener,
                                                  fast::StatusMask::data_available());
     if (writer == nullptr || reader == nullptr)
@@ -181,9 +228,12 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
   bool ending = false;
   Assembly<Command, WholeCommand> assembly;
   std::deque<WholeCommand> to_handle;
+  std::size_t to_handle_bytes = 0;
   std::deque<Outgoing> to_send;
   std::map<std::string, Asked> asked;
   std::deque<std::string> asked_order;
+  std::size_t answer_bytes = 0;
+  std::uint64_t senseless = 0;
   std::multiset<std::uint64_t> matched;  // participants of reply readers
   std::thread handler;
   std::thread sender;
@@ -203,28 +253,69 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     Command command;
     fast::SampleInfo info;
     while (from->take_next_sample(&command, &info) == ReturnCode::RETCODE_OK) {
-      if (!info.valid_data || device != command.device().c_str()) continue;
-      if (command.node().size() != 0 && node != command.node().c_str()) continue;
+      if (!info.valid_data) continue;
       const std::lock_guard lock{mutex};
-      const std::uint64_t asker = number_of(info.sample_identity.writer_guid().guidPrefix);
-      const std::string id = command.id().c_str();
-      WholeCommand whole;
-      if (!assembly.add(command, std::to_string(asker) + id, whole)) continue;
-      if (const auto found = asked.find(id); found != asked.end()) {
-        found->second.asker = asker;
-        if (found->second.answered) to_send.push_back({found->second.reply, asker, Clock::now()});
-        changed.notify_all();
+      if (!make_sensible(command)) {
+        ++senseless;
         continue;
       }
+      if (device != command.device().c_str()) continue;
+      if (command.node().size() != 0 && node != command.node().c_str()) continue;
+      const std::uint64_t asker = number_of(info.sample_identity.writer_guid().guidPrefix);
+      WholeCommand whole;
+      if (assembly.add(command, std::to_string(asker) + command.id().c_str(), whole))
+        arrived(std::move(whole), asker);
+    }
+  }
+
+  void arrived(WholeCommand command, std::uint64_t asker) {
+    const std::string id = command.head.id().to_string();
+    if (const auto found = asked.find(id); found != asked.end()) {
+      found->second.asker = asker;
+      if (found->second.answered) to_send.push_back({found->second.reply, asker, Clock::now()});
+    } else if (make_room(command.data.size())) {
       asked[id].asker = asker;
       asked_order.push_back(id);
-      if (asked_order.size() > kRemembered) {
-        asked.erase(asked_order.front());
-        asked_order.pop_front();
-      }
-      to_handle.push_back(std::move(whole));
-      changed.notify_all();
+      to_handle_bytes += command.data.size();
+      to_handle.push_back(std::move(command));
+    }  // else it will be asked again
+    changed.notify_all();
+  }
+
+  // For one more command. False where as many as may be are still without an answer.
+  bool make_room(std::size_t bytes) {
+    if (to_handle_bytes + bytes > kMostBytes) return false;
+    if (asked_order.size() < kRemembered) return true;
+    return forget_an_answer();
+  }
+  bool forget_an_answer() {
+    const auto oldest = std::find_if(asked_order.begin(), asked_order.end(),
+                                     [this](const std::string& id) { return asked[id].answered; });
+    if (oldest == asked_order.end()) return false;
+    answer_bytes -= asked[*oldest].reply.data.size();
+    asked.erase(*oldest);
+    asked_order.erase(oldest);
+    return true;
+  }
+
+  void answered(const WholeReply& reply) {
+    const auto found = asked.find(reply.head.id().to_string());
+    if (found == asked.end() || found->second.answered) return;
+    WholeReply full = reply;
+    full.head.device(device.c_str());
+    full.head.node(node.c_str());
+    if (full.data.size() > kMaxData) {
+      full.data.clear();
+      full.head.code(REPLY_FAILED);
+      full.head.text("the answer is longer than 16 MiB");
     }
+    to_send.push_back({full, found->second.asker, Clock::now()});
+    answer_bytes += full.data.size();
+    found->second.reply = std::move(full);
+    while (answer_bytes > kMostBytes && forget_an_answer()) {
+    }
+    found->second.answered = true;  // now it may be forgotten too
+    changed.notify_all();
   }
 
   void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
@@ -247,6 +338,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       }
       const WholeCommand command = std::move(to_handle.front());
       to_handle.pop_front();
+      to_handle_bytes -= command.data.size();
       lock.unlock();
       handle(command);
       lock.lock();
@@ -285,8 +377,9 @@ Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> partici
   inside->device = std::move(device);
   inside->node = std::move(node);
   inside->handle = std::move(handle);
-  if (auto made = inside->ends.make("takt/reply", fast::TypeSupport{new ReplyPubSubType}, "takt/command",
-                                    fast::TypeSupport{new CommandPubSubType}, inside.get(), inside.get());
+  if (auto made =
+          inside->ends.make("takt/reply", fast::TypeSupport{new Guarded<ReplyPubSubType>}, "takt/command",
+                            fast::TypeSupport{new Guarded<CommandPubSubType>}, inside.get(), inside.get());
       !made) {
     return made.problems();
   }
@@ -302,15 +395,13 @@ CommandServer::~CommandServer() = default;
 
 void CommandServer::reply(const WholeReply& reply) {
   const std::lock_guard lock{inside_->mutex};
-  const auto found = inside_->asked.find(reply.head.id().c_str());
-  if (found == inside_->asked.end()) return;  // so long ago that nobody waits
-  WholeReply full = reply;
-  full.head.device(inside_->device.c_str());
-  full.head.node(inside_->node.c_str());
-  found->second.answered = true;
-  found->second.reply = full;
-  inside_->to_send.push_back({std::move(full), found->second.asker, Clock::now()});
-  inside_->changed.notify_all();
+  inside_->answered(reply);
+}
+
+std::uint64_t CommandServer::refused() const {
+  const std::lock_guard lock{inside_->mutex};
+  return inside_->senseless + inside_->assembly.refused() +
+         inside_->ends.undecoded->count.load(std::memory_order_relaxed);
 }
 
 // ---- The asker's end
@@ -319,6 +410,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
   struct Open {
     WholeCommand command;
     Clock::time_point again;
+    milliseconds pause = kResend;
   };
 
   Ends ends;
@@ -345,7 +437,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     Reply reply;
     fast::SampleInfo info;
     while (from->take_next_sample(&reply, &info) == ReturnCode::RETCODE_OK) {
-      if (!info.valid_data) continue;
+      if (!info.valid_data || !make_sensible(reply)) continue;
       WholeReply whole;
       {
         const std::lock_guard lock{mutex};
@@ -385,8 +477,9 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
           changed.wait_for(lock, milliseconds{20});
         continue;
       }
-      due->second.again = now + kResend;
       const WholeCommand command = due->second.command;
+      if (command.data.size() > kPart) due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
+      due->second.again = now + due->second.pause;
       lock.unlock();
       write_parts(*ends.writer, command);
       lock.lock();
@@ -399,8 +492,9 @@ Result<CommandClient> CommandClient::create(std::shared_ptr<Participant> partici
   auto inside = std::make_unique<Inside>();
   inside->ends.participant = std::move(participant);
   inside->heard = std::move(heard);
-  if (auto made = inside->ends.make("takt/command", fast::TypeSupport{new CommandPubSubType}, "takt/reply",
-                                    fast::TypeSupport{new ReplyPubSubType}, inside.get(), inside.get());
+  if (auto made =
+          inside->ends.make("takt/command", fast::TypeSupport{new Guarded<CommandPubSubType>}, "takt/reply",
+                            fast::TypeSupport{new Guarded<ReplyPubSubType>}, inside.get(), inside.get());
       !made) {
     return made.problems();
   }
@@ -413,10 +507,12 @@ CommandClient::CommandClient(CommandClient&&) noexcept = default;
 CommandClient& CommandClient::operator=(CommandClient&&) noexcept = default;
 CommandClient::~CommandClient() = default;
 
-void CommandClient::send(const WholeCommand& command) {
+bool CommandClient::send(const WholeCommand& command) {
+  if (command.data.size() > kMaxData) return false;
   const std::lock_guard lock{inside_->mutex};
-  inside_->open[command.head.id().c_str()] = {command, Clock::now()};
+  inside_->open[command.head.id().to_string()] = {command, Clock::now()};
   inside_->changed.notify_all();
+  return true;
 }
 
 }  // namespace takt::dds

@@ -29,8 +29,8 @@ class CommandServer {
  public:
   /// `handle` is called once for each command id that names `device` (and this node, if it names one), on a
   /// thread of its own that is neither real-time nor one of Fast DDS, in the order of arrival. A repeated id
-  /// is answered again by what reply() said, without a call. Commands that do not decode are counted and
-  /// dropped.
+  /// is answered again by what reply() said, without a call. At most 256 commands and 64 MiB wait for an
+  /// answer at a time; more are left for their askers to send again.
   static Result<CommandServer> create(std::shared_ptr<Participant> participant, std::string device,
                                       std::string node, std::function<void(const WholeCommand&)> handle);
   CommandServer(CommandServer&&) noexcept;
@@ -40,6 +40,9 @@ class CommandServer {
   /// From any thread, at once or much later. Sent once the asker's reader has matched, so that no first
   /// answer is lost. Kept for repeated ids (the last 256).
   void reply(const WholeReply& reply);
+
+  /// Samples that came and were no command, or made no sense. Whoever sent them gets no answer.
+  [[nodiscard]] std::uint64_t refused() const;
 
  private:
   struct Inside;
@@ -57,10 +60,11 @@ class CommandClient {
   CommandClient& operator=(CommandClient&&) noexcept;
   ~CommandClient();
 
-  /// Sends it (head.id is given by the caller) once the command reader of a node has matched, and again each
-  /// second and whenever another has matched, until an answer came or head.deadline_ns has passed. One answer
-  /// is heard for each id.
-  void send(const WholeCommand& command);
+  /// Sends it (head.id is given by the caller, and no other on the domain has it) once the command reader of
+  /// a node has matched, and again each second and whenever another has matched, until an answer came or
+  /// head.deadline_ns has passed. One answer is heard for each id. False where the data is longer than
+  /// kMaxData.
+  bool send(const WholeCommand& command);
 
  private:
   struct Inside;

@@ -2,6 +2,7 @@
 // it is, and what comes in is held against the type's description before it reaches a link.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -55,7 +56,9 @@ class Gateway {
   virtual Result<FlowId> add_outgoing(const Flow& flow, channel::Link from) = 0;
   /// The gateway becomes the writer of all of `to`.
   virtual Result<FlowId> add_incoming(const Flow& flow, std::vector<channel::Link> to) = 0;
+  /// Afterwards nobody touches the memory of its links. Others are not disturbed.
   virtual void remove(FlowId flow) = 0;
+  /// All 0 for one that was removed.
   [[nodiscard]] virtual FlowHealth health(FlowId flow) const = 0;
 
  protected:
@@ -74,6 +77,19 @@ class Tap {
 
  protected:
   Tap() = default;
+};
+
+/// Writes one topic without a device, for a program that gives a cell what no module gives it.
+class Feed {
+ public:
+  static Result<std::unique_ptr<Feed>> create(std::shared_ptr<Participant> participant, const Flow& flow);
+  virtual ~Feed() = default;
+  /// Bytes of a sample, with the time of its value (ns since 1970; 0: now). False when DDS did not take them.
+  virtual bool write(const std::byte* bytes, std::size_t size, std::int64_t time_ns = 0) = 0;
+  [[nodiscard]] virtual FlowHealth health() const = 0;
+
+ protected:
+  Feed() = default;
 };
 
 }  // namespace takt::dds

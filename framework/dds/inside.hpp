@@ -1,6 +1,7 @@
 // What the sources of this room share: Fast DDS's objects behind a Participant. Not for other rooms.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -16,6 +17,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
+#include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 #include <takt/dds/participant.hpp>
 
@@ -33,9 +35,9 @@ class OwnParticipant final : public Participant {
   ~OwnParticipant() override;
   void rescan_interfaces() override;
 
-  /// The topic of this name, made if there is none yet. Null where there is one of another type, or none can
-  /// be made.
-  fast::Topic* topic(const std::string& name, const fast::TypeSupport& type);
+  /// The topic of this name, made if there is none yet. Fails where it has another type here, or its type is
+  /// another one of the same name.
+  Result<fast::Topic*> topic(const std::string& name, const fast::TypeSupport& type);
   /// Lets go of what topic() gave; it is deleted with its last user.
   void release(fast::Topic* topic);
 
@@ -48,11 +50,16 @@ class OwnParticipant final : public Participant {
     fast::Topic* topic = nullptr;
     int users = 0;
   };
+  struct Known {
+    std::uint32_t size = 0;  // of the largest sample: all that use the type must agree on it
+    int topics = 0;
+  };
   fast::DomainParticipant* participant_;
   fast::Publisher* publisher_;
   fast::Subscriber* subscriber_;
   std::mutex mutex_;
   std::map<std::string, Shared> topics_;
+  std::map<std::string, Known> types_;
 };
 
 /// Every Participant is one of ours.

@@ -18,6 +18,7 @@
 #include <takt/core/check.hpp>
 #include <takt/dds/inside.hpp>
 #include <takt/os/network.hpp>
+#include <takt/os/real_time.hpp>
 
 namespace takt::dds {
 
@@ -32,11 +33,12 @@ constexpr std::uint32_t kPeerParticipants = 40;
 
 std::atomic<bool> there_is_one{false};
 
-// What stands in the environment is for other programs of this machine; it would change how ours are found.
+// What stands in the environment, or in a file of the working directory, is for other programs of this
+// machine; it would change how ours are found.
 void ignore_environment() {
   ::setenv("SKIP_DEFAULT_XML", "1", 1);
-  ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
-  ::unsetenv("ROS_DISCOVERY_SERVER");
+  for (const char* name : {"FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_DISCOVERY_SERVER", "FASTDDS_STATISTICS"})
+    ::unsetenv(name);
 }
 
 Result<rtps::Locator_t> locator(const std::string& host, std::uint32_t port) {
@@ -123,6 +125,11 @@ Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<st
 Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOptions& options) {
   if (options.domain < 0 || options.domain > 232)
     return fail("there is no DDS domain " + std::to_string(options.domain), "a domain is 0 to 232");
+  if (os::is_real_time()) {
+    return fail(
+        "a participant of DDS cannot be made on a real-time thread: its threads would be real-time too",
+        "make it before the thread is made real-time, or on another thread");
+  }
   if (there_is_one.exchange(true)) return fail("this process has a DDS participant already", "use that one");
   const auto refuse = [](Problems problems) {
     there_is_one = false;
@@ -170,19 +177,38 @@ void OwnParticipant::rescan_interfaces() {
   if (participant_->get_qos(qos) == ReturnCode::RETCODE_OK) participant_->set_qos(qos);
 }
 
-fast::Topic* OwnParticipant::topic(const std::string& name, const fast::TypeSupport& type) {
+Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::TypeSupport& type) {
   const std::lock_guard lock{mutex_};
-  Shared& shared = topics_[name];
-  if (shared.topic == nullptr) {
-    participant_->register_type(type, type.get_type_name());
-    shared.topic = participant_->create_topic(name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
+  const std::string& type_name = type.get_type_name();
+  if (const auto found = types_.find(type_name);
+      found != types_.end() && found->second.size != type->m_typeSize) {
+    return fail("there are two types of the name '" + type_name + "' in this process",
+                "components that are built with different versions of a type cannot be used together");
   }
-  if (shared.topic == nullptr || shared.topic->get_type_name() != type.get_type_name()) {
-    if (shared.users == 0) topics_.erase(name);
-    return nullptr;
+  if (const auto found = topics_.find(name); found != topics_.end()) {
+    if (found->second.topic->get_type_name() != type_name) {
+      return fail("the topic '" + name + "' has the type '" + found->second.topic->get_type_name() + "' here",
+                  "give the topic of type '" + type_name + "' another name");
+    }
+    ++found->second.users;
+    return found->second.topic;
   }
-  ++shared.users;
-  return shared.topic;
+  Known& known = types_[type_name];
+  if (known.topics == 0) {
+    known.size = type->m_typeSize;
+    participant_->register_type(type, type_name);
+  }
+  fast::Topic* made = participant_->create_topic(name, type_name, fast::TOPIC_QOS_DEFAULT);
+  if (made == nullptr) {
+    if (known.topics == 0) {
+      participant_->unregister_type(type_name);
+      types_.erase(type_name);
+    }
+    return fail("DDS made no topic '" + name + "' of type '" + type_name + "'", "see what it printed");
+  }
+  ++known.topics;
+  topics_[name] = {made, 1};
+  return made;
 }
 
 void OwnParticipant::release(fast::Topic* topic) {
@@ -190,8 +216,12 @@ void OwnParticipant::release(fast::Topic* topic) {
   const auto found = topics_.find(topic->get_name());
   TAKT_CHECK(found != topics_.end());
   if (--found->second.users > 0) return;
+  const std::string type = topic->get_type_name();
   participant_->delete_topic(topic);
   topics_.erase(found);
+  if (--types_[type].topics > 0) return;
+  participant_->unregister_type(type);
+  types_.erase(type);
 }
 
 OwnParticipant& own(Participant& participant) { return static_cast<OwnParticipant&>(participant); }

@@ -18,12 +18,12 @@ struct ParticipantOptions {
 };
 
 /// All of a process's topics hang on one participant; several in a process deadlock in this version of Fast
-/// DDS. Its threads inherit policy and processors of the thread that creates it: create it from a thread that
-/// is not real-time. Deleted with everything that it made when the last owner lets go; must be before main()
-/// returns.
+/// DDS. Its threads inherit policy and processors of the thread that creates it. Deleted with everything that
+/// it made when the last owner lets go, which must be before main() returns.
 class Participant {
  public:
-  /// Fails where the domain or an address cannot be used; says which.
+  /// Fails where the domain or an address cannot be used and says which, in a process that has a participant
+  /// already, and on a real-time thread.
   static Result<std::shared_ptr<Participant>> create(const ParticipantOptions& options);
   virtual ~Participant() = default;
 

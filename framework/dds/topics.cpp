@@ -1,17 +1,17 @@
 #include <takt/dds/topics.hpp>
 
-#include <algorithm>
-#include <array>
 #include <atomic>
-#include <cstring>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 
 #include <takt/wire/takt.h>
 #include <takt/wire/taktPubSubTypes.h>
+#include <takt/dds/guarded.hpp>
 #include <takt/dds/inside.hpp>
+#include <takt/dds/sensible.hpp>
 
 namespace takt::dds {
 
@@ -22,22 +22,11 @@ constexpr int kMaxKeys =
 constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
 constexpr std::int32_t kReaderDepth =
     64;  ///< so that a burst is not overwritten before the listener has taken it
-
-/// The generated types compute a key in one buffer for all writers and readers of a participant, and leave in
-/// it what an earlier key wrote.
-template <class Generated>
-class KeySafe final : public Generated {
- public:
-  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5 = false) override {
-    const std::lock_guard lock{mutex_};
-    std::memset(this->m_keyBuffer, 0,
-                std::max<std::size_t>(16, Generated::type::getKeyMaxCdrSerializedSize()));
-    return Generated::getKey(data, handle, force_md5);
-  }
-
- private:
-  std::mutex mutex_;
-};
+// A writer asks after what is not acknowledged; by default after 3 s, and a reader lets 5 ms pass before it
+// answers. A transition must not wait that long for the one before it.
+constexpr Nanoseconds kHeartbeat = std::chrono::milliseconds{5};
+constexpr Nanoseconds kNackDelay = std::chrono::milliseconds{1};
+constexpr Nanoseconds kFirstAck = std::chrono::milliseconds{10};
 
 /// What the contract says of each topic.
 template <class T>
@@ -97,7 +86,7 @@ void set_quality(Qos& qos, std::int32_t depth) {
 
 template <class T>
 fast::TypeSupport type_of() {
-  return fast::TypeSupport{new KeySafe<typename TopicOf<T>::Generated>};
+  return fast::TypeSupport{new Guarded<typename TopicOf<T>::Generated>};
 }
 
 template <class T>
@@ -125,11 +114,14 @@ Result<Writer<T>> Writer<T>::create(std::shared_ptr<Participant> participant) {
   auto inside = std::make_unique<Inside>();
   inside->participant = std::move(participant);
   OwnParticipant& mine = own(*inside->participant);
-  inside->topic = mine.topic(TopicOf<T>::name, type_of<T>());
-  if (inside->topic == nullptr) return no_entity<T>("topic");
+  auto topic = mine.topic(TopicOf<T>::name, type_of<T>());
+  if (!topic) return topic.problems();
+  inside->topic = *topic;
   fast::DataWriterQos qos;
   set_quality<T>(qos, 1);
   qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
+  qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
+  qos.reliable_writer_qos().times.nackResponseDelay = duration(kNackDelay);
   qos.writer_data_lifecycle().autodispose_unregistered_instances = true;
   inside->writer = mine.publisher().create_datawriter(inside->topic, qos, nullptr, fast::StatusMask::none());
   if (inside->writer == nullptr) return no_entity<T>("writer");
@@ -184,6 +176,9 @@ struct Reader<T>::Inside final : fast::DataReaderListener {
   std::atomic<int> matched{0};
   std::mutex calling;  // data and status come on different threads
   T sample;
+  std::set<WriterId> living;
+  Undecoded* undecoded = nullptr;
+  std::atomic<std::uint64_t> refused{0};
   // What was disposed comes without a key of its own, only with the handle of its instance.
   std::map<rtps::InstanceHandle_t, std::string> paths;
 
@@ -195,20 +190,32 @@ struct Reader<T>::Inside final : fast::DataReaderListener {
     if (topic != nullptr) own(*participant).release(topic);
   }
 
+  void lives(WriterId writer) {
+    if (living.insert(writer).second && heard.alive) heard.alive(writer);
+  }
+  void is_lost(WriterId writer) {
+    if (living.erase(writer) > 0 && heard.lost) heard.lost(writer);
+  }
+
   void on_data_available(fast::DataReader* from) override {
     const std::lock_guard lock{calling};
     fast::SampleInfo info;
     while (from->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK) {
       const WriterId writer = number_of(info.sample_identity.writer_guid());
       if (info.valid_data) {
-        if (TopicOf<T>::state) paths[info.instance_handle] = sample.path().c_str();
+        if (!make_sensible(sample)) {
+          refused.fetch_add(1, std::memory_order_relaxed);
+          continue;
+        }
+        lives(writer);
+        if (heard.disposed) paths[info.instance_handle] = sample.path().to_string();
         heard.sample(sample, writer);
       } else if (const auto found = paths.find(info.instance_handle);
                  info.instance_state == fast::NOT_ALIVE_DISPOSED_INSTANCE_STATE && found != paths.end()) {
         T gone;
         gone.path(found->second.c_str());
         paths.erase(found);
-        if (heard.disposed) heard.disposed(gone, writer);
+        heard.disposed(gone, writer);
       }
     }
   }
@@ -216,14 +223,14 @@ struct Reader<T>::Inside final : fast::DataReaderListener {
   void on_liveliness_changed(fast::DataReader*, const fast::LivelinessChangedStatus& status) override {
     const std::lock_guard lock{calling};
     const WriterId writer = number_of(status.last_publication_handle);
-    if (status.not_alive_count_change > 0 && heard.lost) heard.lost(writer);
-    if (status.alive_count_change > 0 && heard.alive) heard.alive(writer);
+    if (status.not_alive_count_change > 0) is_lost(writer);
+    if (status.alive_count_change > 0) lives(writer);
   }
 
   void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override {
     const std::lock_guard lock{calling};
     matched = status.current_count;
-    if (status.current_count_change < 0 && heard.lost) heard.lost(number_of(status.last_publication_handle));
+    if (status.current_count_change < 0) is_lost(number_of(status.last_publication_handle));
   }
 };
 
@@ -233,10 +240,14 @@ Result<Reader<T>> Reader<T>::create(std::shared_ptr<Participant> participant, He
   inside->participant = std::move(participant);
   inside->heard = std::move(heard);
   OwnParticipant& mine = own(*inside->participant);
-  inside->topic = mine.topic(TopicOf<T>::name, type_of<T>());
-  if (inside->topic == nullptr) return no_entity<T>("topic");
+  auto topic = mine.topic(TopicOf<T>::name, type_of<T>());
+  if (!topic) return topic.problems();
+  inside->topic = *topic;
+  inside->undecoded = &undecoded(mine.participant(), **topic);
   fast::DataReaderQos qos;
   set_quality<T>(qos, kReaderDepth);
+  qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
+  qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
   fast::StatusMask mask = fast::StatusMask::data_available();
   mask << fast::StatusMask::liveliness_changed() << fast::StatusMask::subscription_matched();
   inside->reader = mine.subscriber().create_datareader(inside->topic, qos, inside.get(), mask);
@@ -256,6 +267,12 @@ Reader<T>::~Reader() = default;
 template <class T>
 int Reader<T>::matched() const noexcept {
   return inside_->matched;
+}
+
+template <class T>
+std::uint64_t Reader<T>::refused() const noexcept {
+  return inside_->refused.load(std::memory_order_relaxed) +
+         inside_->undecoded->count.load(std::memory_order_relaxed);
 }
 
 template class Writer<LifecycleStatus>;

@@ -1,11 +1,12 @@
 // The topics on which nodes say what goes on, typed: Writer<T> and Reader<T> for T of idl/takt.idl, each with
 // the QoS of its topic.
 //
-//   T                          topic             QoS
-//   takt::LifecycleStatus      takt/lifecycle    reliable, transient local, keep last 1, liveliness manual by
-//   topic takt::DeviceStatus         takt/device       the same, lease 300 ms takt::ModuleStatistics
-//   takt/statistics   best effort, keep last 1 takt::ExecutorStatistics   takt/executor     best effort, keep
-//   last 1 takt::PortStatus           takt/port         best effort, keep last 1
+//   LifecycleStatus      takt/lifecycle    a state: reliable, transient local, keep last 1, liveliness manual
+//                                          by topic with a lease of 300 ms
+//   DeviceStatus         takt/device       a state
+//   ModuleStatistics     takt/statistics   best effort, volatile, keep last 1
+//   ExecutorStatistics   takt/executor     the same
+//   PortStatus           takt/port         the same
 #pragma once
 
 #include <chrono>
@@ -37,7 +38,8 @@ class Writer {
   void dispose(const T& sample);
   /// Where the topic has a liveliness: this writer lives. write() says so too.
   void assert_liveliness();
-  /// Waits until every reliable reader has everything that was written, at most this long.
+  /// Waits until every reliable reader has everything that was written, at most this long. A reader of Takt
+  /// says so after 5 ms. Until then a second sample of a key would overwrite the first.
   bool wait_acknowledged(std::chrono::milliseconds limit);
   [[nodiscard]] std::uint64_t failures() const noexcept;
 
@@ -47,16 +49,16 @@ class Writer {
   std::unique_ptr<Inside> inside_;
 };
 
-/// What a reader is told, on a thread of Fast DDS, one call at a time for each reader. Not to take long, and
-/// not to create or delete anything of DDS.
+/// What a reader is told, on a thread of Fast DDS, one call at a time for each reader. Not to take long, not
+/// to call anything of DDS, and to take no lock that somebody holds while calling DDS.
 template <class T>
 struct Heard {
   std::function<void(const T&, WriterId)> sample;
   /// The key of this sample was disposed; other fields are not set.
   std::function<void(const T&, WriterId)> disposed{};
-  /// The writer is not alive any more: its lease ran out, or it left.
+  /// A writer that was alive is not any more: its lease ran out, or it left. Told once.
   std::function<void(WriterId)> lost{};
-  /// A writer is alive: the first time, and after it was lost. What it wrote before is not told again.
+  /// A writer is alive: before its first sample, and when it is back. What it wrote before is not told again.
   std::function<void(WriterId)> alive{};
 };
 
@@ -69,6 +71,8 @@ class Reader {
   ~Reader();
   /// Writers that match at present.
   [[nodiscard]] int matched() const noexcept;
+  /// What came and was no sample, or made no sense, and was not told.
+  [[nodiscard]] std::uint64_t refused() const noexcept;
 
  private:
   struct Inside;

@@ -108,6 +108,8 @@ std::string Element::text() const {
   return all;
 }
 
+Given Element::given_text() const { return {tag(xml_.Name()), text(), line(), has_unknown_children()}; }
+
 std::optional<Given> Element::attribute(const char* name) const {
   const auto* attribute = xml_.FindAttribute(name);
   if (attribute == nullptr) return std::nullopt;
@@ -136,8 +138,7 @@ const tinyxml2::XMLElement* Element::child(const char* name) const { return xml_
 std::optional<Given> Element::child_text(const char* name) const {
   const auto* xml = child(name);
   if (xml == nullptr) return std::nullopt;
-  const Element leaf{*xml, {.text = true}, report_};
-  return Given{tag(name), leaf.text(), leaf.line(), leaf.has_unknown_children()};
+  return Element{*xml, {.text = true}, report_}.given_text();
 }
 
 bool Element::was_meant(std::string_view name) const { return contains(meant_, name); }

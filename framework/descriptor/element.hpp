@@ -47,6 +47,8 @@ class Element {
 
   [[nodiscard]] int line() const;
   [[nodiscard]] std::string text() const;
+  /// The same, to be read as a value.
+  [[nodiscard]] Given given_text() const;
 
   [[nodiscard]] std::optional<Given> attribute(const char* name) const;
   /// As attribute(), and reports one that is not there.

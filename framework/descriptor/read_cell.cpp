@@ -1,5 +1,8 @@
 #include <takt/descriptor/read_cell.hpp>
 
+#include <algorithm>
+#include <optional>
+
 #include <tinyxml2.h>
 
 #include <takt/core/words.hpp>
@@ -13,10 +16,12 @@ namespace {
 using tinyxml2::XMLElement;
 
 const Shape kRoot{.many = {"executor", "module"}};
-const Shape kCell{.attributes = {"name", "domain"}, .many = {"device", "connection"}};
+const Shape kCell{.attributes = {"name", "domain", "discovery", "peers", "server", "server-device"},
+                  .many = {"device", "connection"}};
 const Shape kDevice{.attributes = {"name"}, .many = {"executor", "module"}};
 const Shape kExecutor{.attributes = {"name", "cpu", "priority", "wakeup"}};
-const Shape kConnection{.attributes = {"from", "to", "kind", "depth", "deadline", "stale"}};
+const Shape kConnection{.attributes = {"from", "to", "kind", "depth", "reliability", "deadline", "lifespan",
+                                       "stale", "topic", "domain"}};
 
 class CellReader {
  public:
@@ -55,14 +60,66 @@ class CellReader {
       reading_.cell.domain = number ? static_cast<int>(*number) : 0;
       reading_.cell.domain_given = true;
     }
+    read_discovery(cell);
     reading_.gaps.devices = cell.has_unknown_children();
     for (const XMLElement* child : cell.children("device")) {
+      if (report_.full()) break;
       const Element device{*child, kDevice, report_};
       const auto device_name = device.required_attribute("name");
       if (!device_name) reading_.gaps.devices = true;
       read_device(device, device_name ? device_name->trimmed() : stand_in());
     }
-    for (const XMLElement* child : cell.children("connection")) read_connection(*child);
+    for (const XMLElement* child : cell.children("connection")) {
+      // One too many is enough to be refused.
+      if (report_.full() || reading_.cell.connections.size() > model::kMaxConnections) break;
+      read_connection(*child);
+    }
+  }
+
+  void read_discovery(const Element& cell) {
+    using Kind = model::Discovery::Kind;
+    model::Discovery& discovery = reading_.cell.discovery;
+    bool& gap = reading_.gaps.discovery;
+    for (const char* name : {"discovery", "peers", "server", "server-device"}) {
+      if (cell.was_meant(name)) gap = true;
+    }
+    if (const auto given = cell.attribute("discovery")) {
+      constexpr Kind kKinds[] = {Kind::multicast, Kind::peers, Kind::server};
+      const auto choice = read_choice(*given, {"multicast", "peers", "server"}, report_);
+      if (choice) discovery.kind = kKinds[*choice];
+      if (!choice) gap = true;
+    }
+    if (const auto given = cell.attribute("peers")) {
+      const std::string text = given->text;
+      constexpr const char* kBlanks = " \t\r\n";
+      std::size_t at = text.find_first_not_of(kBlanks);
+      while (at != std::string::npos && discovery.peers.size() <= model::kMaxPeers) {
+        const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
+        discovery.peers.push_back(text.substr(at, end - at));
+        at = text.find_first_not_of(kBlanks, end);
+      }
+      if (discovery.peers.empty()) {
+        report_.add(given->line, given->what + " is empty",
+                    "name at least one, as in peers=\"10.0.0.1 line.local\"");
+        gap = true;
+      }
+    }
+    if (const auto given = cell.attribute("server")) {
+      discovery.server = given->trimmed();
+      if (discovery.server.empty()) {
+        report_.add(given->line, given->what + " is empty",
+                    "say where it is, as in server=\"10.0.0.1:11811\"");
+        gap = true;
+      }
+    }
+    if (const auto given = cell.attribute("server-device")) {
+      reading_.cell.server_device = given->trimmed();
+      if (reading_.cell.server_device.empty()) {
+        report_.add(given->line, given->what + " is empty",
+                    "name the device whose node starts the server, or remove it");
+        gap = true;
+      }
+    }
   }
 
   void read_device(const Element& element, const std::string& name) {
@@ -72,10 +129,12 @@ class CellReader {
     model::Gaps::OfDevice gaps{.executors = element.has_unknown_children(),
                                .modules = element.has_unknown_children()};
     for (const XMLElement* child : element.children("executor")) {
+      if (report_.full()) break;
       device.executors.push_back(read_executor(*child, gaps));
     }
     if (device.executors.empty()) device.executors.emplace_back().line = device.line;
     for (const XMLElement* child : element.children("module")) {
+      if (report_.full()) break;
       ModuleReading module = read_module(*child, device.executors, report_);
       if (!module.name_known) {
         module.module.name = stand_in();
@@ -115,40 +174,88 @@ class CellReader {
     const Element element{xml, kConnection, report_};
     model::Connection connection;
     connection.line = element.line();
-    const auto from = element.required_attribute("from");
-    const auto to = element.required_attribute("to");
-    if (from) connection.from = endpoint(from->trimmed());
-    if (to) connection.to = endpoint(to->trimmed());
+    const bool from_known = read_end(element, "from", connection.from);
+    const bool to_known = read_end(element, "to", connection.to);
+    read_kind(element, connection);
+    read_times(element, connection);
+    if (const auto given = element.attribute("stale")) {
+      if (read_choice(*given, {"hold", "error"}, report_) == 1U) connection.stale = model::Stale::error;
+    }
+    read_topic(element, connection);
+    reading_.cell.connections.push_back(std::move(connection));
+    reading_.gaps.without_ends.push_back(!from_known || !to_known);
+  }
 
-    bool kind_known = !element.was_meant("kind");
+  /// False when something was given and cannot be read. An end may be left out.
+  bool read_end(const Element& element, const char* side, model::Endpoint& end) {
+    const auto given = element.attribute(side);
+    if (!given) return !element.was_meant(side);
+    const std::string text = given->trimmed();
+    end = endpoint(text);
+    // ".." has three parts and nothing in them: not to be taken for an end that was left out.
+    if (text.find_first_not_of('.') != std::string::npos) return true;
+    report_.add(given->line, given->what + (text.empty() ? " is empty" : " is " + in_quotes(text)),
+                "it is device.module.port");
+    return false;
+  }
+
+  void read_kind(const Element& element, model::Connection& connection) {
+    bool known = !element.was_meant("kind");
     if (const auto given = element.attribute("kind")) {
       const auto choice = read_choice(*given, {"latest", "queue"}, report_);
-      kind_known = choice.has_value();
+      known = choice.has_value();
       if (choice == 1U) connection.kind = model::ConnectionKind::queue;
     }
     // A queue may have everything that a connection can have.
-    if (!kind_known) connection.kind = model::ConnectionKind::queue;
+    if (!known) connection.kind = model::ConnectionKind::queue;
+    const bool queue = connection.kind == model::ConnectionKind::queue;
 
     if (const auto given = element.attribute("depth")) {
       const auto number = read_number(*given, {1, model::kMaxDepth}, "", report_);
-      if (connection.kind == model::ConnectionKind::latest) {
+      if (!queue) {
         report_.add(given->line, "a connection of kind latest has a depth",
                     "remove depth, or say kind=\"queue\"");
       } else if (number) {
         connection.depth = static_cast<int>(*number);
       }
     }
-    if (const auto given = element.attribute("deadline")) {
-      const auto number = read_number(*given, {.from = 1}, " of nanoseconds", report_);
-      connection.deadline = Nanoseconds{number.value_or(1)};
-    } else if (element.was_meant("deadline")) {
-      connection.deadline = Nanoseconds{1};
+    // Of a latest value the next is as good as one that was lost; of a queue each is wanted.
+    connection.reliability = queue ? model::Reliability::reliable : model::Reliability::best_effort;
+    if (const auto given = element.attribute("reliability")) {
+      constexpr model::Reliability kReliabilities[] = {model::Reliability::best_effort,
+                                                       model::Reliability::reliable};
+      const auto choice = read_choice(*given, {"best-effort", "reliable"}, report_);
+      if (choice) connection.reliability = kReliabilities[*choice];
     }
-    if (const auto given = element.attribute("stale")) {
-      if (read_choice(*given, {"hold", "error"}, report_) == 1U) connection.stale = model::Stale::error;
+  }
+
+  void read_times(const Element& element, model::Connection& connection) {
+    const auto read = [&](const char* name) -> std::optional<Nanoseconds> {
+      if (const auto given = element.attribute(name)) {
+        return Nanoseconds{read_number(*given, {.from = 1}, " of nanoseconds", report_).value_or(1)};
+      }
+      if (element.was_meant(name)) return Nanoseconds{1};
+      return std::nullopt;
+    };
+    connection.deadline = read("deadline");
+    connection.lifespan = read("lifespan");
+  }
+
+  void read_topic(const Element& element, model::Connection& connection) {
+    if (const auto given = element.attribute("topic")) {
+      connection.topic = given->trimmed();
+      if (connection.topic.empty()) {
+        report_.add(given->line, given->what + " is empty",
+                    "name a topic, or remove it: the connection then has one by itself");
+        connection.topic = stand_in();
+      }
+    } else if (element.was_meant("topic")) {
+      connection.topic = stand_in();
     }
-    reading_.cell.connections.push_back(std::move(connection));
-    reading_.gaps.without_ends.push_back(!from || !to);
+    if (const auto given = element.attribute("domain")) {
+      const auto number = read_number(*given, {0, model::kMaxDomain}, "", report_);
+      if (number) connection.domain = static_cast<int>(*number);
+    }
   }
 
   /// device.module.port; what has other parts is refused by validate, which shows it as it was.

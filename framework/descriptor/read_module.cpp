@@ -17,7 +17,9 @@ constexpr const char* kNs = " of nanoseconds";
 constexpr Nanoseconds kStandIn = milliseconds{1};  // for a time that could not be read
 
 const Shape kModule{.once = {"name", "filename", "moduletype", "operationtype", "period", "deadline",
-                             "priority", "executor", "budget", "recovery", "property"}};
+                             "dispatch", "interarrival", "priority", "executor", "budget", "recovery",
+                             "property"}};
+const Shape kDeadline{.attributes = {"miss"}, .text = true};
 const Shape kRecovery{.attributes = {"attempts", "backoff", "then"}};
 const Shape kProperty{.many = {"value"}};
 const Shape kValue{.attributes = {"name"}, .text = true};
@@ -85,21 +87,48 @@ class ModuleReader {
 
   std::optional<Nanoseconds> read_time(const char* name, int& line) {
     const auto given = element_.child_text(name);
-    if (!given) return std::nullopt;
-    line = given->line;
-    const auto ns = read_number(*given, {.from = 1}, kNs, report_);
+    return given ? std::optional{time_of(*given, line)} : std::nullopt;
+  }
+
+  Nanoseconds time_of(const Given& given, int& line) {
+    line = given.line;
+    const auto ns = read_number(given, {.from = 1}, kNs, report_);
     return ns ? Nanoseconds{*ns} : kStandIn;
+  }
+
+  void read_deadline() {
+    const auto* xml = element_.child("deadline");
+    if (xml == nullptr) return;
+    const Element deadline{*xml, kDeadline, report_};
+    module_.deadline = time_of(deadline.given_text(), module_.lines.deadline);
+    if (const auto given = deadline.attribute("miss")) {
+      if (read_choice(*given, {"count", "error"}, report_) == 1U) module_.miss = model::Miss::error;
+    }
+  }
+
+  void read_dispatch() {
+    const auto given = element_.child_text("dispatch");
+    if (!given) return;
+    module_.lines.dispatch = given->line;
+    if (read_choice(*given, {"row", "immediate"}, report_) == 1U)
+      module_.dispatch = model::Dispatch::immediate;
   }
 
   void read_times() {
     module_.period = read_time("period", module_.lines.period);
-    module_.deadline = read_time("deadline", module_.lines.deadline);
+    read_deadline();
+    read_dispatch();
+    module_.interarrival = read_time("interarrival", module_.lines.interarrival);
     module_.budget = read_time("budget", module_.lines.budget);
     if (!operation_known_) {
       // Nobody can tell which of the times are right: stand in for a module that may have none.
       module_.operation = Operation::non_real;
       module_.period.reset();
       module_.deadline.reset();
+      module_.miss = model::Miss::count;
+      module_.dispatch = model::Dispatch::row;
+      module_.lines.dispatch = 0;
+      module_.interarrival.reset();
       module_.budget.reset();
     } else if (module_.operation == Operation::periodic && !module_.period && element_.was_meant("period")) {
       module_.period = kStandIn;
@@ -161,6 +190,7 @@ class ModuleReader {
     if (xml == nullptr) return;
     const Element property{*xml, kProperty, report_};
     for (const auto* child : property.children("value")) {
+      if (report_.full()) break;
       const Element value{*child, kValue, report_};
       const auto name = value.required_attribute("name");
       if (name) module_.properties.push_back({name->trimmed(), value.text(), value.line()});

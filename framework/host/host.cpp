@@ -3,15 +3,16 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include <takt/channel/channel.hpp>
 #include <takt/channel/seat.hpp>
 #include <takt/host/executor_threads.hpp>
 #include <takt/host/hook_caller.hpp>
+#include <takt/host/host_links.hpp>
 #include <takt/host/protocol.hpp>
 #include <takt/host/thread_module.hpp>
 #include <takt/os/clock.hpp>
@@ -53,8 +54,9 @@ class Host {
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;
   std::vector<os::SharedMemory> seat_memories_;
+  HostLinks links_;
   std::vector<std::unique_ptr<ThreadModule>> modules_;  // of thread modules
-  std::map<std::string, int> loads_;                    // of each path, so far
+  std::set<std::string> c_form_;                        // files of modules in C form that were loaded
   std::mutex loading_;
   os::NoDeepIdle no_deep_idle_;
   Result<void> memory_locked_;
@@ -74,6 +76,7 @@ Result<void> Host::prepare() {
   bell_memory_ = std::move(*bell);
   bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
 
+  if (auto attached = links_.attach(setup_.links); !attached) return attached;
   std::vector<executor::Unit> units;
   for (std::uint32_t i = 0; i < setup_.device.modules.size(); ++i) {
     const model::Module& m = module(i);
@@ -86,6 +89,7 @@ Result<void> Host::prepare() {
                         .immediate = m.dispatch == model::Dispatch::immediate,
                         .late_is_error = m.miss == model::Miss::error};
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
+    if (modules_.back()) modules_.back()->ring_with(bell_);
     unit.body = modules_.back().get();
     if (setup_.seat_fds[i] >= 0) {
       auto memory = os::SharedMemory::attach(os::Fd{setup_.seat_fds[i]});
@@ -134,19 +138,20 @@ Result<void> Host::call(const Request& request) {
   switch (request.hook) {
     case Doing::load: {
       const std::string& path = setup_.paths[request.module];
-      bool again = false;
+      const bool sporadic = m.operation == model::Operation::sporadic;
+      // Objects of a C++ component share nothing but what its author made static; a C module's variables are
+      // its state, so each further one gets a copy of the file.
+      os::Library::Globals globals = os::Library::Globals::shared;
       {
         const std::lock_guard lock{loading_};
-        again = loads_[path]++ > 0;
+        if (c_form_.count(path) != 0) globals = os::Library::Globals::own;
       }
-      auto loaded =
-          instance.load(path, os::Library::Globals::shared, m.operation == model::Operation::sporadic);
-      // Objects of a C++ component share nothing but what its author made static; a C module's variables are
-      // its state.
-      if (loaded && again && instance.component() == nullptr) {
-        loaded = instance.load(path, os::Library::Globals::own, m.operation == model::Operation::sporadic);
+      auto loaded = instance.load(path, globals, sporadic);
+      if (loaded && instance.component() == nullptr) {
+        const std::lock_guard lock{loading_};
+        c_form_.insert(path);
       }
-      return loaded;
+      return loaded ? links_.connect(request.module, instance) : loaded;
     }
     case Doing::initialize: {
       irp::Property::Values values;

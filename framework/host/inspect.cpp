@@ -8,8 +8,11 @@
 
 #include <takt/host/component_path.hpp>
 #include <takt/host/thread_module.hpp>
+#include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
+#include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
+#include <takt/os/signals.hpp>
 
 namespace takt::host {
 
@@ -32,10 +35,47 @@ Problems problems_from(const json& list) {
 
 std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
 
+/// As model::parse_ports() reads it.
+std::string ports_of(const ThreadModule& module) {
+  json list = json::array();
+  for (const PortBase* port : module.ports()) {
+    list.push_back({{"name", port->name()},
+                    {"direction", to_text(port->direction())},
+                    {"description", port->type().description},
+                    {"text", port->text()},
+                    {"object", port->value_size() != 0}});
+  }
+  return dump({{"ports", list}});
+}
+
+/// What a program says of its ports when it is told to say them and end.
+Result<std::vector<model::Port>> ports_of_program(const std::string& path) {
+  auto sockets = os::MessageSocket::pair();
+  if (!sockets) return sockets.problems();
+  os::MessageSocket& ours = sockets->first;
+  auto child =
+      os::Child::spawn({.program = path,
+                        .environment = {{"TAKT_DESCRIBE_FD", std::to_string(sockets->second.fd().get())}},
+                        .inherit = {&sockets->second.fd()},
+                        .capture_output = true});
+  if (!child) return child.problems();
+  sockets->second.close();
+  const Instant limit = os::now() + kLimit;
+  while (os::now() < limit) {
+    if (const auto text = ours.receive()) return model::parse_ports(*text);
+    if (ours.closed()) break;
+    os::wait_readable({&ours.fd()}, 20);
+  }
+  return fail(path + " did not say which ports it has",
+              "call initPeriodExe() or initSporadicExe() within " + std::to_string(kLimit.count()) +
+                  " s of the beginning of main(), and link with libtakt_process");
+}
+
 json describe_loaded(const ThreadModule& module, const std::string& path) {
   json answer{
       {"name", std::filesystem::path{path}.stem().string()}, {"interface", "c"}, {"hooks", module.hooks()}};
   answer["properties"] = json::array();
+  answer["ports"] = ports_of(module);
   if (module.component() == nullptr) return answer;
   answer["name"] = module.component_name();
   answer["interface"] = "c++";
@@ -58,23 +98,22 @@ struct Use {
 
 json check_uses(const std::string& path, const model::Cell& cell, const std::vector<Use>& uses) {
   json answer = json::array();
-  std::set<std::size_t> devices;  // whose host has loaded the file already
+  std::set<std::size_t> loaded;  // devices whose host has loaded the file in C form already
   for (const Use& use : uses) {
     const model::Module& wanted = cell.devices[use.device].modules[use.module];
-    const bool sporadic = wanted.operation == model::Operation::sporadic;
     ThreadModule module;
-    Result<void> result = module.load(path, os::Library::Globals::shared, sporadic);
-    const bool again = !devices.insert(use.device).second;
-    if (result && again && module.component() == nullptr) {
-      result = module.load(path, os::Library::Globals::own, sporadic);  // as the host will
-    }
+    const bool again = loaded.count(use.device) != 0;  // as the host will
+    Result<void> result = module.load(path, again ? os::Library::Globals::own : os::Library::Globals::shared,
+                                      wanted.operation == model::Operation::sporadic);
+    if (result && module.component() == nullptr) loaded.insert(use.device);
     if (result) {
       irp::Property::Values values;
       for (const model::PropertyValue& property : wanted.properties)
         values.emplace_back(property.name, property.value);
       result = module.assign(values);
     }
-    answer.push_back(problems_json(result ? Problems{} : result.problems()));
+    answer.push_back(
+        {{"problems", problems_json(result ? Problems{} : result.problems())}, {"ports", ports_of(module)}});
   }
   return answer;
 }
@@ -95,13 +134,25 @@ void add_at(const model::Cell& cell, const model::Module& module, const Problems
   }
 }
 
+bool is_connected(const model::Cell& cell, const std::string& device, const std::string& module) {
+  return std::any_of(cell.connections.begin(), cell.connections.end(), [&](const model::Connection& c) {
+    return (c.from.device == device && c.from.module == module) ||
+           (c.to.device == device && c.to.module == module);
+  });
+}
+
 }  // namespace
 
 Result<Description> describe(const std::string& path) {
   if (!os::is_shared_object(path)) {
     if (!os::is_executable(path))
       return fail(path + " is neither a shared object nor a program", "name a component's file");
-    return Description{std::filesystem::path{path}.stem().string(), "process", {}, {}};
+    auto ports = ports_of_program(path);
+    return Description{std::filesystem::path{path}.stem().string(),
+                       "process",
+                       {},
+                       {},
+                       ports ? std::move(*ports) : std::vector<model::Port>{}};
   }
   const auto work = [&path]() -> std::string {
     ThreadModule module;
@@ -115,7 +166,9 @@ Result<Description> describe(const std::string& path) {
   const json answer = json::parse(*text, nullptr, false);
   if (answer.is_discarded()) return fail("loading " + path + " gave no answer");
   if (answer.contains("problems")) return problems_from(answer["problems"]);
-  Description description{answer["name"], answer["interface"], answer["hooks"], {}};
+  auto ports = model::parse_ports(answer["ports"]);
+  if (!ports) return ports.problems();
+  Description description{answer["name"], answer["interface"], answer["hooks"], {}, std::move(*ports)};
   for (const json& property : answer["properties"]) {
     description.properties.push_back({property["name"], property["type"], property["default"],
                                       property["range"], property["unit"], property["text"]});
@@ -123,13 +176,16 @@ Result<Description> describe(const std::string& path) {
   return description;
 }
 
-Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Problems* missing) {
+Result<Components> check_components(const model::Cell& cell, Problems* missing) {
   Problems problems;
-  std::vector<ComponentPaths> paths;
+  Components found;
+  std::vector<ComponentPaths>& paths = found.paths;
   std::map<std::string, std::vector<Use>> thread_modules;
+  std::map<std::string, std::vector<Use>> programs;  // that connections name
   for (std::size_t d = 0; d < cell.devices.size(); ++d) {
     const model::Device& device = cell.devices[d];
     paths.emplace_back();
+    found.ports.emplace_back(device.modules.size());
     for (std::size_t m = 0; m < device.modules.size(); ++m) {
       const model::Module& module = device.modules[m];
       auto path = find_component(module.filename, cell.file);
@@ -146,6 +202,8 @@ Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Pr
               cell, module,
               {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
               problems);
+        } else if (is_connected(cell, device.name, module.name)) {
+          programs[*path].push_back({d, m});
         }
       } else if (!os::is_shared_object(*path)) {
         add_at(cell, module,
@@ -164,7 +222,12 @@ Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Pr
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const model::Module& module = cell.devices[uses[i].device].modules[uses[i].module];
       if (answer.is_array()) {
-        add_at(cell, module, problems_from(answer[i]), problems);
+        add_at(cell, module, problems_from(answer[i].at("problems")), problems);
+        auto ports = model::parse_ports(answer[i].at("ports"));
+        if (ports)
+          found.ports[uses[i].device][uses[i].module] = std::move(*ports);
+        else
+          add_at(cell, module, ports.problems(), problems);
       } else {
         Problem problem = text ? fail("loading " + path + " gave no answer") : text.problems()[0];
         problem.fix = "mend its constructors, which run when it is loaded";
@@ -172,15 +235,18 @@ Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Pr
       }
     }
   }
-  for (const model::Connection& connection : cell.connections) {
-    for (const model::Endpoint* end : {&connection.from, &connection.to}) {
-      problems.push_back(
-          at(cell, connection.line,
-             fail("module " + end->device + "." + end->module + " has no port '" + end->port + "'",
-                  "connect ports that the components have")));
+  for (const auto& [path, uses] : programs) {
+    const auto ports = ports_of_program(path);
+    for (const Use& use : uses) {
+      if (ports)
+        found.ports[use.device][use.module] = *ports;
+      else
+        add_at(cell, cell.devices[use.device].modules[use.module], ports.problems(), problems);
     }
   }
-  if (problems.empty()) return paths;
+  const Problems connections = model::check_connections(cell, found.ports);
+  problems.insert(problems.end(), connections.begin(), connections.end());
+  if (problems.empty()) return found;
   std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
     const auto line = [](const Problem& p) { return std::stoi(p.where.substr(p.where.rfind(':') + 1)); };
     return line(a) < line(b);

@@ -8,6 +8,7 @@
 
 #include <takt/core/result.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/model/ports.hpp>
 
 namespace takt::host {
 
@@ -25,17 +26,28 @@ struct Description {
   std::string interface;           ///< "c++", "c" or "process"
   std::vector<std::string> hooks;  ///< of a C module
   std::vector<PropertyDescription> properties;
+  std::vector<model::Port> ports;
 };
 
-/// Loads a .so and says what it is; a program is only looked at. `path` as from find_component().
+/// Loads a .so and says what it is. A program is started, with what tells it to say its ports and end at
+/// once; one that has not done so within 5 s, or does not call initPeriodExe() or initSporadicExe(), has
+/// none. `path` as from find_component().
 Result<Description> describe(const std::string& path);
 
 /// The files of a device's modules, by the module's index.
 using ComponentPaths = std::vector<std::string>;
 
+/// What was found of a cell's components, by device and module.
+struct Components {
+  std::vector<ComponentPaths> paths;
+  model::CellPorts
+      ports;  ///< known for every component that is here; of a program where a connection names it
+};
+
 /// Looks up and loads the component of every module: whether it is there, is what the descriptor says it is,
-/// and takes the properties that it is given. Every problem at once, each at its module's line. With
-/// `missing`, a file that is not on this machine goes there and is no problem; its path is empty then.
-Result<std::vector<ComponentPaths>> check_components(const model::Cell& cell, Problems* missing = nullptr);
+/// takes the properties that it is given, and has the ports that connections name. Every problem at once,
+/// each at its module's or connection's line. With `missing`, a file that is not on this machine goes there
+/// and is no problem; its path is empty then, and nothing is known of its ports.
+Result<Components> check_components(const model::Cell& cell, Problems* missing = nullptr);
 
 }  // namespace takt::host

@@ -99,6 +99,8 @@ std::string encode(const Setup& setup) {
   for (const auto& module : setup.device.modules) modules.push_back(to_json(module));
   json executors = json::array();
   for (const auto& executor : setup.device.executors) executors.push_back(to_json(executor));
+  json links = json::array();
+  for (const PortLink& link : setup.links) links.push_back({link.module, link.port, link.fd, link.typed});
   return dump({{"name", setup.device.name},
                {"modules", modules},
                {"executors", executors},
@@ -107,7 +109,8 @@ std::string encode(const Setup& setup) {
                {"executor_cpus", setup.executor_cpus},
                {"background_cpus", setup.background_cpus},
                {"seat_fds", setup.seat_fds},
-               {"bell_fd", setup.bell_fd}});
+               {"bell_fd", setup.bell_fd},
+               {"links", links}});
 }
 
 std::string encode(const Request& request) { return dump(to_json(request)); }
@@ -132,6 +135,7 @@ Result<Setup> decode_setup(const std::string& text) {
     setup.background_cpus = value.at("background_cpus").get<std::vector<int>>();
     setup.seat_fds = value.at("seat_fds").get<std::vector<int>>();
     setup.bell_fd = value.at("bell_fd");
+    for (const json& link : value.at("links")) setup.links.push_back({link[0], link[1], link[2], link[3]});
     return setup;
   });
 }

@@ -12,6 +12,15 @@
 
 namespace takt::host {
 
+/// An end of a link that a thread module has. Of a link between two modules of the host there are two, with
+/// the same descriptor.
+struct PortLink {
+  std::uint32_t module = 0;
+  std::string port;
+  int fd = -1;
+  bool typed = false;  ///< its payloads are values in the host's memory
+};
+
 /// What a host needs to know of its device. Processors are where the node decided; empty lists mean any.
 struct Setup {
   model::Device device;
@@ -21,6 +30,7 @@ struct Setup {
   std::vector<int> background_cpus;             ///< of everything that is not real-time
   std::vector<int> seat_fds;                    ///< of each module; -1: it has no seat
   int bell_fd = -1;
+  std::vector<PortLink> links{};
 };
 
 /// node -> host

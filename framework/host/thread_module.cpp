@@ -6,6 +6,8 @@
 
 #include <takt/component/current_cycle.hpp>
 #include <takt/component/failure.hpp>
+#include <takt/core/words.hpp>
+#include <takt/model/validate.hpp>
 #include <takt/os/clock.hpp>
 
 namespace takt::host {
@@ -54,9 +56,11 @@ ThreadModule::~ThreadModule() { unload(); }
 
 Result<void> ThreadModule::load(const std::string& path, os::Library::Globals globals, bool sporadic) {
   unload();
+  static_cast<void>(take_loose_ports());
   auto library = os::Library::open(path, globals);
   if (!library) return library.problems();
   library_ = std::move(*library);
+  ports_ = take_loose_ports();  // their constructors ran just now
 
   if (void* get_factory = library_.own_function("takt_component_factory"); get_factory != nullptr) {
     factory_ = reinterpret_cast<const ComponentFactory* (*)()>(get_factory)();
@@ -65,10 +69,18 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
       unload();
       return fail(path + " was compiled against another version of Takt", "compile it again");
     }
-    return guarded([this]() -> Result<void> {
+    auto created = guarded([this]() -> Result<void> {
       component_ = factory_->create();
       return {};
     });
+    if (created) created = take_ports(path);
+    if (!created) unload();
+    if (created && sporadic && !may_be_ready()) {
+      unload();
+      return fail(path + " has neither condition() nor an event port, so it would never run",
+                  "override condition(), give it an EventPort, or make the module periodic");
+    }
+    return created;
   }
 
   const auto find = [this](auto& hook, const char* name) {
@@ -88,15 +100,54 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
     return fail(path + " has no function run()",
                 R"(define extern "C" void run(void), or a class with TAKT_COMPONENT)");
   }
-  if (sporadic && condition_ == nullptr) {
+  if (sporadic && !may_be_ready()) {
     unload();
-    return fail(path + " has no function condition(), so it would never run",
+    return fail(path + " has neither a function condition() nor an event port, so it would never run",
                 R"(define extern "C" int condition(), or make the module periodic)");
+  }
+  auto taken = take_ports(path);
+  if (!taken) unload();
+  return taken;
+}
+
+Result<void> ThreadModule::take_ports(const std::string& path) {
+  if (component_ != nullptr) {
+    if (!ports_.empty()) {
+      return fail(path + " has the port '" + ports_.front()->name() + "' outside its component",
+                  "make it a member: InPort<T> name{*this, \"name\"}");
+    }
+    ports_ = component_->ports();
+  }
+  for (auto port = ports_.begin(); port != ports_.end(); ++port) {
+    if (!model::is_valid_name((*port)->name())) {
+      return fail(path + " has a port " + in_quotes((*port)->name()),
+                  "a name is a letter or '_', then letters, digits, '_' and '-'");
+    }
+    if (std::any_of(ports_.begin(), port,
+                    [&](const PortBase* other) { return other->name() == (*port)->name(); })) {
+      return fail(path + " has two ports '" + (*port)->name() + "'", "give each a name of its own");
+    }
+    (*port)->serve(context_);
   }
   return {};
 }
 
+bool ThreadModule::may_be_ready() const noexcept {
+  if (component_ != nullptr ? factory_->own_condition : condition_ != nullptr) return true;
+  return std::any_of(ports_.begin(), ports_.end(),
+                     [](const PortBase* port) { return port->direction() == PortDirection::event; });
+}
+
+PortBase* ThreadModule::port(const std::string& name) const noexcept {
+  const auto found = std::find_if(ports_.begin(), ports_.end(),
+                                  [&name](const PortBase* port) { return port->name() == name; });
+  return found == ports_.end() ? nullptr : *found;
+}
+
+void ThreadModule::begin_hook() noexcept { context_.start_ns = to_ns(os::now()); }
+
 void ThreadModule::unload() {
+  ports_.clear();
   if (component_ != nullptr) factory_->destroy(component_);
   component_ = nullptr;
   factory_ = nullptr;
@@ -108,6 +159,7 @@ void ThreadModule::unload() {
 }
 
 void ThreadModule::abandon() noexcept {
+  ports_.clear();
   component_ = nullptr;
   library_.abandon();
 }
@@ -136,6 +188,7 @@ Result<void> ThreadModule::assign(const irp::Property::Values& values) {
 }
 
 Result<void> ThreadModule::initialize(const irp::Property& property) {
+  begin_hook();
   if (component_ != nullptr) {
     if (auto assigned = assign(property.values()); !assigned) return assigned;
     return guarded([this] { return component_->initialize(); });
@@ -144,10 +197,12 @@ Result<void> ThreadModule::initialize(const irp::Property& property) {
 }
 
 Result<void> ThreadModule::start() {
+  begin_hook();
   return component_ != nullptr ? guarded([this] { return component_->start(); }) : call(start_);
 }
 
 Result<void> ThreadModule::error(ErrorType type) {
+  begin_hook();
   if (component_ == nullptr) return call(error_, static_cast<int>(type));
   return guarded([this, type]() -> Result<void> {
     component_->error(type);
@@ -156,10 +211,12 @@ Result<void> ThreadModule::error(ErrorType type) {
 }
 
 Result<void> ThreadModule::recover() {
+  begin_hook();
   return component_ != nullptr ? guarded([this] { return component_->recover(); }) : call(recover_);
 }
 
 Result<void> ThreadModule::destruct() {
+  begin_hook();
   if (component_ == nullptr) return call(destruct_);
   return guarded([this]() -> Result<void> {
     component_->destruct();
@@ -169,6 +226,7 @@ Result<void> ThreadModule::destruct() {
 
 executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
   serve_cycle(&cycle);
+  context_.start_ns = to_ns(cycle.start);
   try {
     if (component_ != nullptr) {
       component_->run(cycle);
@@ -186,8 +244,14 @@ executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
 
 executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexcept {
   serve_cycle(&cycle);
+  context_.start_ns = to_ns(cycle.start);
   try {
-    *ready = component_ != nullptr ? component_->condition() : condition_() != FALSE;
+    if (component_ != nullptr)
+      *ready = component_->condition();
+    else if (condition_ != nullptr)
+      *ready = condition_() != FALSE;
+    else
+      *ready = has_news();
   } catch (const std::exception& exception) {
     say_failure(exception.what());
   } catch (...) {
@@ -195,6 +259,12 @@ executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexc
   }
   serve_cycle(nullptr);
   return take_failure();
+}
+
+bool ThreadModule::has_news() const noexcept {
+  return std::any_of(ports_.begin(), ports_.end(), [](const PortBase* port) {
+    return port->direction() == PortDirection::event && port->has_news();
+  });
 }
 
 std::vector<std::string> ThreadModule::hooks() const {

@@ -6,6 +6,7 @@
 
 #include <takt/component/module.h>
 #include <takt/component/component.hpp>
+#include <takt/component/port.hpp>
 #include <takt/core/result.hpp>
 #include <takt/executor/body.hpp>
 #include <takt/os/library.hpp>
@@ -43,16 +44,30 @@ class ThreadModule final : public executor::Body {
   executor::Outcome run(const Cycle& cycle) noexcept override;
   executor::Outcome condition(const Cycle& cycle, bool* ready) noexcept override;
 
+  [[nodiscard]] bool has_news() const noexcept override;
+
   /// Null for a module in the C form.
   [[nodiscard]] const Component* component() const noexcept { return component_; }
   [[nodiscard]] const char* component_name() const noexcept {
     return factory_ == nullptr ? "" : factory_->name;
   }
+  /// Its ports, in the order of their declaration; of a module in the C form those of the file.
+  [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
+  /// Null when it has none of that name.
+  [[nodiscard]] PortBase* port(const std::string& name) const noexcept;
+  /// For ports that wake somebody; null: they wake nobody. Before it is loaded.
+  void ring_with(channel::Bell* bell) noexcept { context_.bell = bell; }
   /// The hooks that it defines, in the order of their lives.
   [[nodiscard]] std::vector<std::string> hooks() const;
 
  private:
   using Hook = void (*)();
+  Result<void> take_ports(const std::string& path);
+  /// It has a condition, of its own or by an event port.
+  [[nodiscard]] bool may_be_ready() const noexcept;
+  /// What a hook writes has the time at which it was called.
+  void begin_hook() noexcept;
+
   os::Library library_;
   const ComponentFactory* factory_ = nullptr;
   Component* component_ = nullptr;  // made and destroyed by its factory, in its own library
@@ -60,6 +75,8 @@ class ThreadModule final : public executor::Body {
   Hook start_ = nullptr;
   Hook run_ = nullptr;
   int (*condition_)() = nullptr;
+  std::vector<PortBase*> ports_;
+  PortContext context_;
   void (*error_)(int) = nullptr;
   Hook recover_ = nullptr;
   Hook destruct_ = nullptr;

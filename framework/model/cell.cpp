@@ -49,4 +49,16 @@ const char* to_text(Discovery::Kind kind) {
   return "?";
 }
 
+std::string to_text(const Endpoint& end) {
+  std::string text = end.device + "." + end.module + "." + end.port;
+  while (!text.empty() && text.back() == '.') text.pop_back();
+  return text;
+}
+
+std::string topic_of(const Cell& cell, const Connection& connection) {
+  if (!connection.topic.empty()) return connection.topic;
+  const Endpoint& writer = connection.from;
+  return std::string{kOwnTopics} + cell.name + "/" + writer.device + "/" + writer.module + "/" + writer.port;
+}
+
 }  // namespace takt::model

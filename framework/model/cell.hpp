@@ -139,4 +139,12 @@ struct Cell {
   int line = 0;
 };
 
+/// What the names of Takt's own topics begin with.
+inline constexpr const char* kOwnTopics = "takt/";
+
+/// "robot.servo.setpoint"; without the dots of parts that are missing.
+std::string to_text(const Endpoint& end);
+/// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer.
+std::string topic_of(const Cell& cell, const Connection& connection);
+
 }  // namespace takt::model

@@ -2,43 +2,19 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
-#include <tuple>
 #include <utility>
 
 #include <takt/core/words.hpp>
+#include <takt/model/findings.hpp>
+#include <takt/model/validate_network.hpp>
 
 namespace takt::model {
 
 namespace {
 
-constexpr const char* kNameRule =
-    "a name is a letter or _, then letters, digits, _ and -, at most 63 characters";
-
-template <class Named>
-std::vector<std::string_view> names_of(const std::vector<Named>& all) {
-  std::vector<std::string_view> names;
-  names.reserve(all.size());
-  for (const Named& one : all) names.emplace_back(one.name);
-  return names;
-}
-
-/// The fix for a name that nobody has.
-std::string choose(const char* kind, std::string_view wrong, const std::vector<std::string_view>& names) {
-  if (names.empty()) return std::string{"add a <"} + kind + "> of this name";
-  return suggestion(wrong, names);
-}
-
-/// "robot.servo.setpoint"; without the dots of parts that are missing.
-std::string written(const Endpoint& end) {
-  std::string text = end.device + "." + end.module + "." + end.port;
-  while (!text.empty() && text.back() == '.') text.pop_back();
-  return text;
-}
-
 class Validation {
  public:
-  Validation(const Cell& cell, const Gaps& gaps) : cell_(cell), gaps_(gaps) {
+  Validation(const Cell& cell, const Gaps& gaps) : cell_(cell), gaps_(gaps), findings_(cell) {
     gaps_.of_device.resize(cell.devices.size());
   }
 
@@ -47,9 +23,9 @@ class Validation {
  private:
   using OfDevice = Gaps::OfDevice;
 
-  void add(int line, std::string what, std::string fix);
-  /// Looking on would cost time, guesses above all, and tell nobody anything.
-  [[nodiscard]] bool full() const { return problems_.size() >= kMaxProblems; }
+  void add(int line, std::string what, std::string fix) {
+    findings_.add(line, std::move(what), std::move(fix));
+  }
   template <class Named>
   bool check_names(const char* kind, const std::vector<Named>& all, const std::string& owner);
   void check_device(const Device& device, OfDevice& gaps);
@@ -57,23 +33,13 @@ class Validation {
   void check_executor(const Executor& executor);
   void check_module(const Module& module, const Device& device, const OfDevice& gaps);
   void check_times(const Module& module);
+  void check_release(const Module& module);
   void check_executor_of(const Module& module, const Device& device, const OfDevice& gaps);
-  void check_connections();
-  void check_connection(const Connection& connection);
-  bool check_endpoint(const Endpoint& endpoint, const char* side, int line);
 
   const Cell& cell_;
   Gaps gaps_;
-  std::map<std::string_view, std::pair<std::size_t, std::set<std::string_view>>>
-      devices_;  // by name: index, modules
-  std::vector<std::pair<int, Problem>> problems_;
+  Findings findings_;
 };
-
-void Validation::add(int line, std::string what, std::string fix) {
-  if (full()) return;
-  std::string where = cell_.file.empty() && line == 0 ? "cell " + brief(cell_.name) : place(cell_.file, line);
-  problems_.emplace_back(line, Problem{std::move(where), std::move(what), std::move(fix)});
-}
 
 /// False when a name is not valid, so that nobody can refer to its owner.
 template <class Named>
@@ -184,6 +150,35 @@ void Validation::check_times(const Module& module) {
   }
 }
 
+/// What only a sporadic module may say of its releases.
+void Validation::check_release(const Module& module) {
+  const std::string name = in_quotes(module.name);
+  const auto or_module = [&](int line) { return line > 0 ? line : module.line; };
+  if (module.interarrival && module.interarrival->count() <= 0) {
+    add(or_module(module.lines.interarrival),
+        "module " + name + " has an interarrival of " + std::to_string(module.interarrival->count()) + " ns",
+        "an interarrival is a whole number of nanoseconds, at least 1");
+  }
+  if (module.operation == Operation::sporadic) return;
+  const std::string kind = std::string{to_text(module.operation)} + " module " + name;
+  const std::string reason = module.operation == Operation::periodic
+                                 ? ": its period says when it runs"
+                                 : ": what is non-real runs outside the scheduler";
+  if (module.lines.dispatch > 0 || module.dispatch != Dispatch::row) {
+    add(or_module(module.lines.dispatch), kind + " has a <dispatch>",
+        "remove the <dispatch>, or make the module sporadic" + reason);
+  }
+  if (module.interarrival) {
+    add(or_module(module.lines.interarrival), kind + " has an <interarrival>",
+        "remove the <interarrival>, or make the module sporadic" + reason);
+  }
+  // With a deadline, that is what is wrong.
+  if (module.miss != Miss::count && !module.deadline) {
+    add(module.line, kind + " says what a missed deadline is and has none",
+        "leave that at count, or make the module sporadic");
+  }
+}
+
 void Validation::check_executor_of(const Module& module, const Device& device, const OfDevice& gaps) {
   const int line = module.lines.executor > 0 ? module.lines.executor : module.line;
   if (module.operation == Operation::non_real) {
@@ -220,6 +215,7 @@ void Validation::check_module(const Module& module, const Device& device, const 
     add(filename_line, "the filename " + in_quotes(module.filename) + " has a zero byte", "remove it");
   }
   check_times(module);
+  check_release(module);
   check_executor_of(module, device, gaps);
 
   const Recovery& recovery = module.recovery;
@@ -258,95 +254,8 @@ void Validation::check_device(const Device& device, OfDevice& gaps) {
     gaps.executors = true;  // comparing with them all would take hours
   for (const Executor& executor : device.executors) check_executor(executor);
   for (const Module& module : device.modules) {
-    if (full()) return;
+    if (findings_.full()) return;
     check_module(module, device, gaps);
-  }
-}
-
-/// False when the endpoint cannot be compared with others.
-bool Validation::check_endpoint(const Endpoint& endpoint, const char* side, int line) {
-  if (!is_valid_name(endpoint.device) || !is_valid_name(endpoint.module) || !is_valid_name(endpoint.port)) {
-    add(line, std::string{side} + " is " + in_quotes(written(endpoint)),
-        std::string{"it is device.module.port; "} + kNameRule);
-    return false;
-  }
-  const auto found = devices_.find(endpoint.device);
-  if (found == devices_.end()) {
-    if (gaps_.devices) return true;
-    add(line, std::string{side} + " names the unknown device " + in_quotes(endpoint.device),
-        choose("device", endpoint.device, names_of(cell_.devices)));
-    return false;
-  }
-  const auto& [index, modules] = found->second;
-  if (modules.count(endpoint.module) > 0 || gaps_.of_device[index].modules) return true;
-  add(line,
-      std::string{side} + " names the unknown module " + in_quotes(endpoint.module) + " of device " +
-          in_quotes(endpoint.device),
-      choose("module", endpoint.module, names_of(cell_.devices[index].modules)));
-  return false;
-}
-
-void Validation::check_connection(const Connection& connection) {
-  if (connection.kind == ConnectionKind::latest && connection.depth != 1) {
-    add(connection.line, "a connection of kind latest has a depth", "remove depth, or say kind=\"queue\"");
-  } else if (connection.depth < 1 || connection.depth > kMaxDepth) {
-    add(connection.line, "a connection has depth " + std::to_string(connection.depth), "depth is 1 to 65536");
-  }
-  if (connection.deadline && connection.deadline->count() <= 0) {
-    add(connection.line,
-        "a connection has a deadline of " + std::to_string(connection.deadline->count()) + " ns",
-        "a deadline is a whole number of nanoseconds, at least 1");
-  }
-  if (connection.stale == Stale::error && !connection.deadline) {
-    add(connection.line, "a connection has stale=\"error\" and no deadline",
-        "say with deadline, in nanoseconds, when a value is stale");
-  }
-}
-
-void Validation::check_connections() {
-  const auto key = [](const Endpoint& end) { return std::tie(end.device, end.module, end.port); };
-  const auto text = [](const Endpoint& end) {
-    return in_quotes(end.device + "." + end.module + "." + end.port);
-  };
-  using Key = decltype(key(std::declval<const Endpoint&>()));
-  std::map<std::pair<Key, Key>, const Connection*> same;
-  std::map<Key, const Connection*> writer;
-
-  for (std::size_t i = 0; i < cell_.devices.size(); ++i) {
-    auto& modules = devices_.emplace(cell_.devices[i].name, std::pair{i, std::set<std::string_view>{}})
-                        .first->second.second;
-    for (const Module& module : cell_.devices[i].modules) modules.insert(module.name);
-  }
-  for (std::size_t index = 0; index < cell_.connections.size() && !full(); ++index) {
-    const Connection& connection = cell_.connections[index];
-    check_connection(connection);
-    if (index < gaps_.without_ends.size() && gaps_.without_ends[index]) continue;
-    const bool from_known = check_endpoint(connection.from, "from", connection.line);
-    const bool to_known = check_endpoint(connection.to, "to", connection.line);
-    if (!from_known || !to_known) continue;
-
-    const Key from = key(connection.from);
-    const Key to = key(connection.to);
-    if (from == to) {
-      add(connection.line, "the port " + text(connection.from) + " is connected to itself",
-          "connect an output of one module to an input of another");
-      continue;
-    }
-    const auto [twin, is_new] = same.emplace(std::pair{from, to}, &connection);
-    if (!is_new) {
-      add(connection.line,
-          "duplicate connection from " + text(connection.from) + " to " + text(connection.to),
-          "remove it; the first is on line " + std::to_string(twin->second->line));
-      continue;
-    }
-    const auto [other, is_first] = writer.emplace(to, &connection);
-    if (is_first) continue;
-    const bool both_queues =
-        connection.kind == ConnectionKind::queue && other->second->kind == ConnectionKind::queue;
-    if (both_queues) continue;
-    add(connection.line, "two writers of " + text(connection.to) + ", which holds one latest value",
-        "remove one; the first is on line " + std::to_string(other->second->line) +
-            ", or make every connection to it kind=\"queue\"");
   }
 }
 
@@ -364,13 +273,8 @@ Problems Validation::run() {
   }
   if (!check_names("device", cell_.devices, " in cell " + in_quotes(cell_.name))) gaps_.devices = true;
   for (std::size_t i = 0; i < cell_.devices.size(); ++i) check_device(cell_.devices[i], gaps_.of_device[i]);
-  check_connections();
-
-  std::stable_sort(problems_.begin(), problems_.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  Problems sorted;
-  for (auto& [line, problem] : problems_) sorted.push_back(std::move(problem));
-  return sorted;
+  validate_network(cell_, gaps_, findings_);
+  return findings_.take();
 }
 
 }  // namespace

@@ -25,10 +25,23 @@ inline constexpr int kMaxExecutorPriority = 98;
 inline constexpr int kMaxAttempts = 1000;
 inline constexpr Nanoseconds kMaxBackoff = std::chrono::hours{1};
 inline constexpr int kMaxDepth = 65536;
+inline constexpr std::size_t kMaxConnections = 100000;  ///< of one cell
+inline constexpr std::size_t kMaxTopic = 255;           ///< bytes; Fast DDS cuts longer names off
+inline constexpr std::size_t kMaxPeers = 256;
+inline constexpr std::size_t kMaxHost = 253;  ///< bytes
 
 /// A name of a cell, device, executor, module, port or property: a letter or '_', then letters, digits, '_'
 /// and '-', at most kMaxNameLength bytes. No dot: `device.module.port` must have one reading.
 bool is_valid_name(std::string_view name);
+
+/// A name that a topic of a connection may have: 1 to kMaxTopic printable ASCII characters, no space.
+bool is_valid_topic(std::string_view topic);
+
+/// An IPv4 address or a host name, without a port.
+bool is_valid_host(std::string_view host);
+
+/// HOST:PORT with a port of 1 to 65535.
+bool is_valid_server(std::string_view server);
 
 /// What a reader of a descriptor did not understand, so that nothing is said that only follows from that: a
 /// module that could not be read is not a module that a connection names in vain.
@@ -38,6 +51,7 @@ struct Gaps {
     bool modules = false;
   };
   bool devices = false;
+  bool discovery = false;           ///< how the nodes find each other
   std::vector<OfDevice> of_device;  ///< as Cell::devices; one that is missing has no gaps
   std::vector<bool> without_ends;   ///< as Cell::connections: true where `from` and `to` are not known
 };

@@ -78,6 +78,10 @@ void Agent::report(const Command& command) {
               {"modules", json::array()}};
   if (deployment_ && deployment_->supervised) report = deployment_->supervised->report();
   report["lost"] = lost_devices();
+  report["devices"] = json::array();
+  if (deployment_) {
+    for (const model::Device& device : deployment_->cell.devices) report["devices"].push_back(device.name);
+  }
   answer(command, REPLY_OK, "", dump(report));
 }
 

@@ -64,7 +64,15 @@ class Program final : public Inspection {
     const json answer = json::parse(text, nullptr, false);
     if (answer.is_discarded()) return failed("gave an answer that cannot be read");
     if (answer.contains("problems")) return problems_from(answer["problems"]);
-    return Inspected{answer.at("paths").get<host::ComponentPaths>(), dump(answer.at("description"))};
+    Inspected inspected{answer.at("paths").get<host::ComponentPaths>(), {}, dump(answer.at("description"))};
+    for (const json& module : answer.at("ports")) {
+      inspected.ports.emplace_back();
+      if (module.is_null()) continue;
+      auto ports = model::parse_ports(module.get<std::string>());
+      if (!ports) return ports.problems();
+      inspected.ports.back() = std::move(*ports);
+    }
+    return inspected;
   }
 
   os::MessageSocket socket_;
@@ -113,7 +121,6 @@ json inspect_here(const InspectionRequest& request) {
   // This device alone; what of it is not there is left out.
   model::Cell mine = *cell;
   mine.devices = {*device};
-  mine.connections.clear();
   Problems problems;
   if (!request.as_written) {
     std::vector<model::Module> found;
@@ -131,21 +138,27 @@ json inspect_here(const InspectionRequest& request) {
     }
     mine.devices[0].modules = std::move(found);
   }
-  auto paths = host::check_components(mine);
-  if (!paths) problems.insert(problems.end(), paths.problems().begin(), paths.problems().end());
+  auto components = host::check_components(mine);
+  if (!components)
+    problems.insert(problems.end(), components.problems().begin(), components.problems().end());
   if (!problems.empty()) {
     for (Problem& problem : problems) problem.what = "device " + request.device + ": " + problem.what;
     return refuse(problems);
   }
 
+  json ports = json::array();
+  for (const model::ModulePorts& module : components->ports.at(0))
+    ports.push_back(module ? json(model::ports_json(*module)) : json(nullptr));
   json modules = json::array();
   for (std::size_t i = 0; i < mine.devices[0].modules.size(); ++i) {
-    const std::string& path = paths->at(0)[i];
+    const std::string& path = components->paths.at(0)[i];
     const auto description = host::describe(path);
     if (!description) return refuse(description.problems());
     modules.push_back(describe(mine.devices[0].modules[i], path, *description));
   }
-  return {{"paths", paths->at(0)}, {"description", {{"device", request.device}, {"modules", modules}}}};
+  return {{"paths", components->paths.at(0)},
+          {"ports", ports},
+          {"description", {{"device", request.device}, {"modules", modules}}}};
 }
 
 }  // namespace

@@ -15,7 +15,4 @@ std::vector<std::string> ipv4_addresses();
 /// there is none.
 Result<std::string> resolve_ipv4(const std::string& host);
 
-/// The name of this machine, as others know it; "?" where the system does not say.
-std::string host_name();
-
 }  // namespace takt::os

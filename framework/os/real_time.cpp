@@ -92,6 +92,11 @@ std::vector<int> allowed_cpus() {
   return cpus;
 }
 
+bool is_real_time() noexcept {
+  const int policy = ::sched_getscheduler(0) & ~SCHED_RESET_ON_FORK;
+  return policy != SCHED_OTHER && policy != SCHED_BATCH && policy != SCHED_IDLE;
+}
+
 Result<void> make_real_time(int tid, int priority) {
   const sched_param parameter{.sched_priority = priority};
   if (::sched_setscheduler(tid, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameter) != 0) {

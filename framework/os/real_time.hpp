@@ -15,6 +15,9 @@ namespace takt::os {
 /// The processors this process may run on, ascending.
 std::vector<int> allowed_cpus();
 
+/// Whether the calling thread is scheduled before all ordinary ones (SCHED_FIFO, SCHED_RR or SCHED_DEADLINE).
+bool is_real_time() noexcept;
+
 /// SCHED_FIFO for a thread of any process (0: the caller), priority 1 to 99.
 Result<void> make_real_time(int tid, int priority);
 /// SCHED_OTHER at the lowest priority (nice 19) for a thread of any process (0: the caller).

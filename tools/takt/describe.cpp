@@ -23,6 +23,10 @@ std::string as_text(const std::string& path, const host::Description& component)
   if (component.interface == "c") text += "  properties  any; initialize() reads them\n";
   if (component.interface == "process")
     text += "  properties  any; the program gets each as an argument NAME=VALUE\n";
+  for (const model::Port& port : component.ports) {
+    text += fmt::format("  {:<11} {:<16} {}{}{}\n", to_text(port.direction), port.name, port.type.name,
+                        port.text.empty() ? "" : "  ", port.text);
+  }
   if (component.interface != "c++") return text;
   text += component.properties.empty() ? "  properties  none\n" : "  properties\n";
   for (const auto& p : component.properties) {
@@ -46,7 +50,8 @@ std::string as_json(const host::Description& component) {
   return nlohmann::ordered_json{{"name", component.name},
                                 {"interface", component.interface},
                                 {"hooks", component.hooks},
-                                {"properties", properties}}
+                                {"properties", properties},
+                                {"ports", nlohmann::ordered_json::parse(model::ports_json(component.ports))["ports"]}}
              .dump() +
          "\n";
 }

@@ -150,6 +150,7 @@ TYPED_TEST(EveryValue, FitsExactlyAndNotInOneByteLess) {
   using T = typename TypeParam::Type;
   const T value = TypeParam::value();
   const Bytes right = encoded(value);
+  EXPECT_TRUE(PortType<T>::fits(value));
   for (std::uint32_t size = 0; size <= right.size(); ++size) {
     Bytes bytes(size + 1, std::byte{0x5A});  // one more, which must stay
     EXPECT_EQ(PortType<T>::encode(value, bytes.data(), size), size == right.size() ? size : 0);
@@ -213,6 +214,7 @@ template <class F>
 bool is_encoded(F change) {
   everything::Whole value = whole(1);
   change(value);
+  EXPECT_EQ(PortType<everything::Whole>::fits(value), !encoded(value).empty());
   return !encoded(value).empty();
 }
 

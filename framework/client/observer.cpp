@@ -1,0 +1,165 @@
+#include <takt/client/observer.hpp>
+
+#include <optional>
+
+#include <takt/dds/topics.hpp>
+
+namespace takt::client {
+
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+/// A node that is there has usually been found by then.
+constexpr milliseconds kQuiet{600};
+
+bool same(const DeviceStatus& a, const DeviceStatus& b) {
+  return a.path() == b.path() && a.node() == b.node() && a.state() == b.state() && a.health() == b.health() &&
+         a.text() == b.text() && a.deployment() == b.deployment() && a.real_time() == b.real_time() &&
+         a.host_process_id() == b.host_process_id() && a.host_restarts() == b.host_restarts() &&
+         a.modules() == b.modules() && a.executing() == b.executing();
+}
+
+}  // namespace
+
+struct Observer::Readers {
+  std::optional<dds::Reader<DeviceStatus>> devices;
+  std::optional<dds::Reader<LifecycleStatus>> modules;
+  std::optional<dds::Reader<ModuleStatistics>> statistics;
+  std::optional<dds::Reader<ExecutorStatistics>> executors;
+  std::optional<dds::Reader<PortStatus>> ports;
+};
+
+Observer::Observer(Options options) : options_(std::move(options)), readers_(std::make_unique<Readers>()) {}
+
+Observer::~Observer() = default;
+
+void Observer::changed(const std::function<void(dds::Picture&)>& change) {
+  {
+    const std::lock_guard lock{mutex_};
+    change(picture_);
+  }
+  changed_.notify_all();
+}
+
+void Observer::heard(const DeviceStatus& status, dds::WriterId writer) {
+  std::optional<dds::SeenDevice> news;
+  {
+    const std::lock_guard lock{mutex_};
+    bool known = false;
+    for (const dds::SeenDevice& before : picture_.devices(status.device().to_string()))
+      known |= before.alive && same(before.status, status);
+    picture_.heard(status, writer);
+    if (known) return;
+    for (const dds::SeenDevice& now : picture_.devices(status.device().to_string())) {
+      if (now.status.node() == status.node()) news = now;
+    }
+  }
+  changed_.notify_all();
+  if (news && options_.news.device) options_.news.device(*news);
+}
+
+Result<std::unique_ptr<Observer>> Observer::create(std::shared_ptr<dds::Participant> participant,
+                                                   Options options) {
+  std::unique_ptr<Observer> observer{new Observer{std::move(options)}};
+  Observer* const self = observer.get();
+  Readers& readers = *observer->readers_;
+  Problems problems;
+  const auto keep = [&problems](auto& place, auto reader) {
+    if (reader)
+      place.emplace(std::move(*reader));
+    else
+      problems.insert(problems.end(), reader.problems().begin(), reader.problems().end());
+  };
+
+  keep(readers.modules, dds::Reader<LifecycleStatus>::create(
+                            participant, {.sample =
+                                              [self](const LifecycleStatus& status, dds::WriterId) {
+                                                self->changed([&](dds::Picture& p) { p.heard(status); });
+                                                if (self->options_.news.module)
+                                                  self->options_.news.module(status);
+                                              },
+                                          .disposed =
+                                              [self](const LifecycleStatus& key, dds::WriterId) {
+                                                self->changed([&](dds::Picture& p) { p.gone(key); });
+                                              },
+                                          .lost = {}}));
+  keep(readers.devices,
+       dds::Reader<DeviceStatus>::create(
+           participant, {.sample = [self](const DeviceStatus& status,
+                                          dds::WriterId writer) { self->heard(status, writer); },
+                         .disposed =
+                             [self](const DeviceStatus& key, dds::WriterId writer) {
+                               self->changed([&](dds::Picture& p) { p.gone(key, writer); });
+                             },
+                         .lost =
+                             [self](dds::WriterId writer) {
+                               std::vector<dds::SeenDevice> lost;
+                               self->changed([&](dds::Picture& p) {
+                                 lost = p.devices();
+                                 p.lost(writer);
+                                 const std::vector<dds::SeenDevice> now = p.devices();
+                                 for (std::size_t i = 0; i < now.size(); ++i)
+                                   lost[i].alive = lost[i].alive && !now[i].alive;
+                               });
+                               for (dds::SeenDevice& device : lost) {
+                                 if (!device.alive || !self->options_.news.device) continue;
+                                 device.alive = false;
+                                 self->options_.news.device(device);
+                               }
+                             }}));
+  if (self->options_.statistics) {
+    keep(readers.statistics, dds::Reader<ModuleStatistics>::create(
+                                 participant, {.sample = [self](const ModuleStatistics& s, dds::WriterId) {
+                                   self->changed([&](dds::Picture& p) { p.heard(s); });
+                                 }}));
+    keep(readers.executors, dds::Reader<ExecutorStatistics>::create(
+                                participant, {.sample = [self](const ExecutorStatistics& s, dds::WriterId) {
+                                  self->changed([&](dds::Picture& p) { p.heard(s); });
+                                }}));
+    keep(readers.ports,
+         dds::Reader<PortStatus>::create(participant, {.sample = [self](const PortStatus& s, dds::WriterId) {
+                                           self->changed([&](dds::Picture& p) { p.heard(s); });
+                                         }}));
+  }
+  if (!problems.empty()) return problems;
+  return observer;
+}
+
+std::vector<dds::SeenDevice> Observer::devices() const {
+  const std::lock_guard lock{mutex_};
+  return picture_.devices();
+}
+
+std::vector<dds::SeenDevice> Observer::devices(const std::string& name) const {
+  const std::lock_guard lock{mutex_};
+  return picture_.devices(name);
+}
+
+bool Observer::wait(const std::function<bool(const std::vector<dds::SeenDevice>&)>& condition,
+                    Nanoseconds limit) const {
+  const auto end = Clock::now() + limit;
+  std::unique_lock lock{mutex_};
+  while (!condition(picture_.devices())) {
+    if (Clock::now() >= end) return false;
+    changed_.wait_for(lock, milliseconds{20});
+  }
+  return true;
+}
+
+void Observer::settle(Nanoseconds limit) const {
+  const auto begin = Clock::now();
+  std::size_t found = 0;
+  auto since = begin;
+  wait(
+      [&](const std::vector<dds::SeenDevice>& devices) {
+        const auto now = Clock::now();
+        if (devices.size() != found) since = now;
+        found = devices.size();
+        return found != 0 && now - since >= kQuiet;
+      },
+      limit);
+}
+
+}  // namespace takt::client

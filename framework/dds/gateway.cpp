@@ -1,0 +1,281 @@
+#include <takt/dds/gateway.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include <takt/dds/raw.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/futex.hpp>
+#include <takt/os/real_time.hpp>
+
+namespace takt::dds {
+
+namespace {
+
+constexpr int kAtOnce = 16;  // samples of one link before the others have their turn
+constexpr Nanoseconds kLongestSleep = std::chrono::milliseconds{100};
+// A writer's time that is older says that its clock is another one than ours.
+constexpr std::int64_t kOldest = std::int64_t{60} * 1'000'000'000;
+
+/// Both clocks, read together.
+struct Now {
+  std::int64_t wall_ns =
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  std::int64_t monotonic_ns = to_ns(os::now());
+
+  [[nodiscard]] std::int64_t wall_of(std::int64_t monotonic) const {
+    return wall_ns - (monotonic_ns - monotonic);
+  }
+  [[nodiscard]] std::int64_t monotonic_of(std::int64_t wall) const {
+    const std::int64_t age = wall_ns - wall;
+    return age >= 0 && age < kOldest ? monotonic_ns - age : monotonic_ns;
+  }
+};
+
+void ring(channel::Bell& bell, std::uint32_t bits) noexcept {
+  bell.rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(bell.rings, bits);
+}
+
+Result<void> fits(const Flow& flow, const channel::Link& link) {
+  const std::size_t size = model::max_size(flow.type);
+  if (link.stride() >= size) return {};
+  return fail("samples of '" + flow.type.name + "' have up to " + std::to_string(size) +
+              " bytes and the link of '" + flow.topic + "' has room for " + std::to_string(link.stride()));
+}
+
+/// From a link to DDS.
+class Outgoing {
+ public:
+  Outgoing(std::unique_ptr<RawWriter> writer, channel::Link from) : writer_(std::move(writer)), from_(from) {}
+
+  [[nodiscard]] bool has_news() const noexcept { return from_.has_news(); }
+  [[nodiscard]] FlowHealth health() const { return writer_->health(); }
+
+  /// A few samples. False where there was none.
+  bool move() {
+    if (!from_.take()) return false;
+    const Now now;
+    int moved = 0;
+    do {
+      const channel::SampleInfo info = from_.info();
+      writer_->write({from_.link().payload(from_.buffer()), info.size}, now.wall_of(info.stamp_ns));
+    } while (++moved < kAtOnce && from_.take());
+    return true;
+  }
+
+ private:
+  std::unique_ptr<RawWriter> writer_;
+  channel::LinkReader from_;
+};
+
+/// From DDS to links.
+class Incoming final : RawReader::Receiver {
+ public:
+  Incoming(const std::vector<channel::Link>& to, channel::Bell& bell) : bell_(bell) {
+    for (const channel::Link& link : to) to_.push_back({channel::LinkWriter{link}});
+  }
+  Result<void> start(std::shared_ptr<Participant> participant, const Flow& flow) {
+    auto made = RawReader::create(std::move(participant), flow, *this);
+    if (!made) return made.problems();
+    reader_ = std::move(*made);
+    return {};
+  }
+  [[nodiscard]] FlowHealth health() const { return reader_->health(); }
+
+ private:
+  struct End {
+    channel::LinkWriter writer;
+    std::uint32_t size = 0;  // of what lies in its own buffer; 0: nothing
+  };
+
+  // The links' own buffers, which nobody sees before they are published.
+  void receive(const Bytes& bytes) override {
+    for (End& end : to_) {
+      const channel::Link& link = end.writer.link();
+      end.size = 0;
+      if (link.block().enabled.load(std::memory_order_relaxed) == 0) continue;
+      // Bytes of alignment at its end may make a sample longer than its type says.
+      end.size = static_cast<std::uint32_t>(std::min<std::size_t>(bytes.size, link.stride()));
+      std::memcpy(link.payload(end.writer.buffer()), bytes.data, end.size);
+    }
+  }
+  void received(std::int64_t time_ns) override {
+    const std::int64_t stamp = Now{}.monotonic_of(time_ns);
+    for (End& end : to_) {
+      if (end.size == 0) continue;
+      end.writer.publish(end.size, stamp);
+      to_ring_ |= end.writer.link().block().wake_bits;
+    }
+  }
+  void done() override {
+    if (const std::uint32_t bits = std::exchange(to_ring_, 0); bits != 0) ring(bell_, bits);
+  }
+
+  channel::Bell& bell_;
+  std::vector<End> to_;
+  std::uint32_t to_ring_ = 0;
+  std::unique_ptr<RawReader> reader_;  // the last: it calls this until it is gone
+};
+
+class OwnGateway final : public Gateway {
+ public:
+  OwnGateway(std::shared_ptr<Participant> participant, channel::Bell& bell)
+      : participant_(std::move(participant)), bell_(bell) {}
+
+  Result<void> start() {
+    auto started = os::Thread::start(
+        {.name = "takt-gateway"}, [this] { pump(); }, nullptr);
+    if (!started) return started.problems();
+    pump_ = std::move(*started);
+    return {};
+  }
+
+  ~OwnGateway() override {
+    ending_ = true;
+    ring(bell_, channel::kGatewayBit);
+    pump_.join();
+  }
+
+  Result<FlowId> add_outgoing(const Flow& flow, channel::Link from) override {
+    if (auto fit = fits(flow, from); !fit) return fit.problems();
+    auto writer = RawWriter::create(participant_, flow);
+    if (!writer) return writer.problems();
+    auto made = std::make_unique<Outgoing>(std::move(*writer), from);
+    const std::lock_guard lock{mutex_};
+    outgoing_[++last_id_] = std::move(made);
+    return last_id_;
+  }
+
+  Result<FlowId> add_incoming(const Flow& flow, std::vector<channel::Link> to) override {
+    for (const channel::Link& link : to) {
+      if (auto fit = fits(flow, link); !fit) return fit.problems();
+    }
+    auto made = std::make_unique<Incoming>(to, bell_);
+    if (auto started = made->start(participant_, flow); !started) return started.problems();
+    const std::lock_guard lock{mutex_};
+    incoming_[++last_id_] = std::move(made);
+    return last_id_;
+  }
+
+  void remove(FlowId flow) override {
+    // Taken out under the lock, deleted without: who deletes waits for callbacks to end.
+    std::unique_ptr<Outgoing> outgoing;
+    std::unique_ptr<Incoming> incoming;
+    const std::lock_guard lock{mutex_};
+    if (const auto found = outgoing_.find(flow); found != outgoing_.end()) {
+      outgoing = std::move(found->second);
+      outgoing_.erase(found);
+    } else if (const auto other = incoming_.find(flow); other != incoming_.end()) {
+      incoming = std::move(other->second);
+      incoming_.erase(other);
+    }
+  }
+
+  FlowHealth health(FlowId flow) const override {
+    const std::lock_guard lock{mutex_};
+    if (const auto found = outgoing_.find(flow); found != outgoing_.end()) return found->second->health();
+    if (const auto found = incoming_.find(flow); found != incoming_.end()) return found->second->health();
+    return {};
+  }
+
+ private:
+  void pump() {
+    while (!ending_.load()) {
+      const std::uint32_t rings = bell_.rings.load(std::memory_order_seq_cst);
+      if (move()) continue;
+      // SYNC: gateway sleeps. Who writes publishes and then looks here; either he sees that we sleep and
+      // rings, or we see his sample.
+      bell_.gateway_sleeps.store(1, std::memory_order_seq_cst);
+      if (!has_news() && !ending_.load()) {
+        // A host that died before it rang must not hold up what it wrote.
+        os::futex_wait(bell_.rings, rings, channel::kGatewayBit, os::now() + kLongestSleep);
+      }
+      bell_.gateway_sleeps.store(0, std::memory_order_seq_cst);
+    }
+  }
+  bool move() {
+    const std::lock_guard lock{mutex_};
+    bool moved = false;
+    for (auto& [id, flow] : outgoing_) moved = flow->move() || moved;
+    return moved;
+  }
+  bool has_news() {
+    const std::lock_guard lock{mutex_};
+    for (const auto& [id, flow] : outgoing_) {
+      if (flow->has_news()) return true;
+    }
+    return false;
+  }
+
+  std::shared_ptr<Participant> participant_;
+  channel::Bell& bell_;
+  mutable std::mutex mutex_;
+  FlowId last_id_ = 0;
+  std::map<FlowId, std::unique_ptr<Outgoing>> outgoing_;
+  std::map<FlowId, std::unique_ptr<Incoming>> incoming_;
+  std::atomic<bool> ending_{false};
+  os::Thread pump_;
+};
+
+class OwnTap final : public Tap, RawReader::Receiver {
+ public:
+  explicit OwnTap(std::function<void(const std::byte*, std::size_t, std::int64_t)> sample)
+      : sample_(std::move(sample)) {}
+  Result<void> start(std::shared_ptr<Participant> participant, const Flow& flow) {
+    auto made = RawReader::create(std::move(participant), flow, *this);
+    if (!made) return made.problems();
+    reader_ = std::move(*made);
+    return {};
+  }
+  FlowHealth health() const override { return reader_->health(); }
+
+ private:
+  void receive(const Bytes& bytes) override { bytes_.assign(bytes.data, bytes.data + bytes.size); }
+  void received(std::int64_t time_ns) override { sample_(bytes_.data(), bytes_.size(), time_ns); }
+
+  std::function<void(const std::byte*, std::size_t, std::int64_t)> sample_;
+  std::vector<std::byte> bytes_;
+  std::unique_ptr<RawReader> reader_;  // the last: it calls this until it is gone
+};
+
+class OwnFeed final : public Feed {
+ public:
+  explicit OwnFeed(std::unique_ptr<RawWriter> writer) : writer_(std::move(writer)) {}
+  bool write(const std::byte* bytes, std::size_t size, std::int64_t time_ns) override {
+    return writer_->write({bytes, size}, time_ns == 0 ? Now{}.wall_ns : time_ns);
+  }
+  FlowHealth health() const override { return writer_->health(); }
+
+ private:
+  std::unique_ptr<RawWriter> writer_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Gateway>> Gateway::create(std::shared_ptr<Participant> participant,
+                                                 channel::Bell& bell) {
+  auto made = std::make_unique<OwnGateway>(std::move(participant), bell);
+  if (auto started = made->start(); !started) return started.problems();
+  return std::unique_ptr<Gateway>{std::move(made)};
+}
+
+Result<std::unique_ptr<Tap>> Tap::create(
+    std::shared_ptr<Participant> participant, const Flow& flow,
+    std::function<void(const std::byte*, std::size_t, std::int64_t)> sample) {
+  auto made = std::make_unique<OwnTap>(std::move(sample));
+  if (auto started = made->start(std::move(participant), flow); !started) return started.problems();
+  return std::unique_ptr<Tap>{std::move(made)};
+}
+
+Result<std::unique_ptr<Feed>> Feed::create(std::shared_ptr<Participant> participant, const Flow& flow) {
+  auto writer = RawWriter::create(std::move(participant), flow);
+  if (!writer) return writer.problems();
+  return std::unique_ptr<Feed>{std::make_unique<OwnFeed>(std::move(*writer))};
+}
+
+}  // namespace takt::dds

@@ -1,0 +1,215 @@
+#include <takt/dds/raw.hpp>
+
+#include <algorithm>
+#include <cstring>
+
+#include <fastdds/rtps/common/Time_t.h>
+
+namespace takt::dds {
+
+namespace {
+
+constexpr std::size_t kWriters = 64;  // whose numbers are followed
+constexpr std::int32_t kReliableReaderDepth = 32;
+constexpr std::size_t kPreallocated = 4 * 1024 * 1024;  // bytes at most that are made ready for one flow
+// What is lost is noticed by the writer's next sample, or after a heartbeat; 3 s by default.
+constexpr Nanoseconds kHeartbeat = std::chrono::milliseconds{10};
+constexpr Nanoseconds kDelay = std::chrono::milliseconds{1};
+constexpr Nanoseconds kFirstAck = std::chrono::milliseconds{10};
+
+template <class Qos>
+void set_quality(Qos& qos, const Quality& quality, std::int32_t depth, std::size_t sample) {
+  qos.reliability().kind =
+      quality.reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
+  qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = depth;
+  if (quality.deadline) qos.deadline().period = duration(*quality.deadline);
+  if (quality.lifespan) qos.lifespan().duration = duration(*quality.lifespan);
+  qos.resource_limits().max_instances = 1;
+  qos.resource_limits().max_samples = depth;
+  qos.resource_limits().max_samples_per_instance = depth;
+  qos.resource_limits().allocated_samples =
+      std::clamp(static_cast<std::int32_t>(std::min<std::size_t>(kPreallocated / sample, 65536)), 1, depth);
+  qos.data_sharing().off();
+}
+
+Result<fast::Topic*> topic_of(Participant& participant, const Flow& flow) {
+  return own(participant)
+      .topic(flow.topic, fast::TypeSupport{new RawType{flow.type.name, model::max_size(flow.type)}});
+}
+
+std::int32_t depth_of(const Quality& quality) {
+  return static_cast<std::int32_t>(std::clamp<std::uint32_t>(quality.depth, 1, 65536));
+}
+
+}  // namespace
+
+RawType::RawType(const std::string& name, std::size_t max_size) {
+  setName(name.c_str());
+  m_typeSize = static_cast<std::uint32_t>((max_size + 3) / 4 * 4);
+  m_isGetKeyDefined = false;
+  auto_fill_type_object(false);
+  auto_fill_type_information(false);
+}
+
+bool RawType::serialize(void* data, rtps::SerializedPayload_t* payload) {
+  const Bytes& bytes = *static_cast<const Bytes*>(data);
+  if (bytes.size < 4 || bytes.size > payload->max_size) return false;
+  std::memcpy(payload->data, bytes.data, bytes.size);
+  payload->length = static_cast<std::uint32_t>(bytes.size);
+  payload->encapsulation = bytes.data[1] == std::byte{0} ? CDR_BE : CDR_LE;
+  return true;
+}
+
+bool RawType::deserialize(rtps::SerializedPayload_t* payload, void* data) {
+  static_cast<Taker*>(data)->take({reinterpret_cast<const std::byte*>(payload->data), payload->length});
+  return true;
+}
+
+std::function<std::uint32_t()> RawType::getSerializedSizeProvider(void* data) {
+  return [data] { return static_cast<std::uint32_t>(static_cast<const Bytes*>(data)->size); };
+}
+
+void Health::incompatible(fast::QosPolicyId_t policy) {
+  const std::lock_guard lock{mutex_};
+  incompatible_ = policy_name(policy);
+}
+
+FlowHealth Health::read() const {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  const std::lock_guard lock{mutex_};
+  return {.matched = matched_.load(relaxed),
+          .samples = samples_.load(relaxed),
+          .lost = lost_.load(relaxed),
+          .refused = refused_.load(relaxed),
+          .failures = failures_.load(relaxed),
+          .incompatible = incompatible_};
+}
+
+// ---- Writer
+
+Result<std::unique_ptr<RawWriter>> RawWriter::create(std::shared_ptr<Participant> participant,
+                                                     const Flow& flow) {
+  std::unique_ptr<RawWriter> made{new RawWriter{std::move(participant)}};
+  OwnParticipant& mine = own(*made->participant_);
+  auto topic = topic_of(mine, flow);
+  if (!topic) return topic.problems();
+  made->topic_ = *topic;
+  fast::DataWriterQos qos;
+  set_quality(qos, flow.quality, depth_of(flow.quality), model::max_size(flow.type));
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
+  qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
+  qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
+  qos.reliable_writer_qos().times.nackResponseDelay = duration(kDelay);
+  qos.writer_resource_limits().reader_filters_allocation.maximum = 0;
+  fast::StatusMask mask = fast::StatusMask::publication_matched();
+  mask << fast::StatusMask::offered_incompatible_qos();
+  made->writer_ = mine.publisher().create_datawriter(made->topic_, qos, made.get(), mask);
+  if (made->writer_ == nullptr)
+    return fail("DDS made no writer of '" + flow.topic + "'", "see what it printed");
+  return made;
+}
+
+RawWriter::~RawWriter() {
+  if (writer_ != nullptr) {
+    writer_->set_listener(nullptr);
+    own(*participant_).publisher().delete_datawriter(writer_);
+  }
+  if (topic_ != nullptr) own(*participant_).release(topic_);
+}
+
+bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns) {
+  Bytes sample = bytes;
+  const eprosima::fastrtps::Time_t time{static_cast<std::int32_t>(time_ns / 1'000'000'000),
+                                        static_cast<std::uint32_t>(time_ns % 1'000'000'000)};
+  const bool taken =
+      writer_->write_w_timestamp(&sample, rtps::c_InstanceHandle_Unknown, time) == ReturnCode::RETCODE_OK;
+  taken ? health_.moved() : health_.failed();
+  return taken;
+}
+
+void RawWriter::on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) {
+  health_.matched(status.current_count);
+}
+
+void RawWriter::on_offered_incompatible_qos(fast::DataWriter*,
+                                            const fast::OfferedIncompatibleQosStatus& status) {
+  health_.incompatible(status.last_policy_id);
+}
+
+// ---- Reader
+
+Result<std::unique_ptr<RawReader>> RawReader::create(std::shared_ptr<Participant> participant,
+                                                     const Flow& flow, Receiver& receiver) {
+  std::unique_ptr<RawReader> made{new RawReader{std::move(participant), flow.type, receiver}};
+  OwnParticipant& mine = own(*made->participant_);
+  auto topic = topic_of(mine, flow);
+  if (!topic) return topic.problems();
+  made->topic_ = *topic;
+  fast::DataReaderQos qos;
+  // What comes before a sample that is sent again is kept until that one is here.
+  const std::int32_t depth =
+      flow.quality.reliable ? std::max(depth_of(flow.quality), kReliableReaderDepth) : depth_of(flow.quality);
+  set_quality(qos, flow.quality, depth, model::max_size(flow.type));
+  // With a fixed size, a sample that is too long would be offered again and again, and never be counted.
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(kDelay);
+  qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
+  fast::StatusMask mask = fast::StatusMask::data_available();
+  mask << fast::StatusMask::subscription_matched() << fast::StatusMask::requested_incompatible_qos();
+  made->reader_ = mine.subscriber().create_datareader(made->topic_, qos, made.get(), mask);
+  if (made->reader_ == nullptr)
+    return fail("DDS made no reader of '" + flow.topic + "'", "see what it printed");
+  return made;
+}
+
+RawReader::~RawReader() {
+  if (reader_ != nullptr) {
+    reader_->set_listener(nullptr);
+    own(*participant_).subscriber().delete_datareader(reader_);
+  }
+  if (topic_ != nullptr) own(*participant_).release(topic_);
+}
+
+void RawReader::take(const Bytes& bytes) {
+  is_sample_ = model::is_sample(type_, bytes.data, bytes.size);
+  if (is_sample_) receiver_.receive(bytes);
+}
+
+void RawReader::on_data_available(fast::DataReader* from) {
+  const std::lock_guard lock{calling_};
+  fast::SampleInfo info;
+  while (from->take_next_sample(static_cast<Taker*>(this), &info) == ReturnCode::RETCODE_OK) {
+    count_gap(info);
+    if (!info.valid_data) continue;
+    if (!is_sample_) {
+      health_.refused();
+      continue;
+    }
+    health_.moved();
+    receiver_.received(info.source_timestamp.to_ns());
+  }
+  receiver_.done();
+}
+
+void RawReader::count_gap(const fast::SampleInfo& info) {
+  const std::uint64_t writer = number_of(info.sample_identity.writer_guid());
+  const std::int64_t number = info.sample_identity.sequence_number().to64long();
+  if (last_.size() >= kWriters && last_.find(writer) == last_.end()) last_.clear();
+  const auto [last, first] = last_.try_emplace(writer, number);
+  if (!first && number > last->second + 1)
+    health_.lost(static_cast<std::uint64_t>(number - last->second - 1));
+  last->second = std::max(last->second, number);
+}
+
+void RawReader::on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) {
+  health_.matched(status.current_count);
+}
+
+void RawReader::on_requested_incompatible_qos(fast::DataReader*,
+                                              const fast::RequestedIncompatibleQosStatus& status) {
+  health_.incompatible(status.last_policy_id);
+}
+
+}  // namespace takt::dds

@@ -1,0 +1,244 @@
+#include <takt/model/ports.hpp>
+
+#include <algorithm>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/words.hpp>
+
+namespace takt::model {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+std::string written(const Endpoint& end) { return end.device + "." + end.module + "." + end.port; }
+
+/// "double[6]", "sequence<octet, 8>", "string<15>", "motion::Mode"
+std::string spelled(const Field& field) {
+  std::string text = field.type_name.empty() ? to_text(field.scalar) : field.type_name;
+  if (field.scalar == Scalar::text) text += "<" + std::to_string(field.bound) + ">";
+  if (field.sequence != 0) text = "sequence<" + text + ", " + std::to_string(field.sequence) + ">";
+  for (const std::size_t dimension : field.dimensions) text += "[" + std::to_string(dimension) + "]";
+  return text;
+}
+
+std::string fields_differ(const std::vector<Field>& first, const std::vector<Field>& second,
+                          const std::string& prefix) {
+  for (std::size_t i = 0; i < std::max(first.size(), second.size()); ++i) {
+    if (i >= first.size()) return prefix + second[i].name + " is only in the second";
+    if (i >= second.size()) return prefix + first[i].name + " is only in the first";
+    const Field& a = first[i];
+    const Field& b = second[i];
+    const std::string name = prefix + a.name;
+    if (a.name != b.name) return "where the first has " + name + ", the second has " + prefix + b.name;
+    if (spelled(a) != spelled(b))
+      return name + " is " + spelled(a) + " in the first and " + spelled(b) + " in the second";
+    if (a.enumerators != b.enumerators) return name + " has other enumerators in the second";
+    if (std::string inner = fields_differ(a.fields, b.fields, name + "."); !inner.empty()) return inner;
+  }
+  return {};
+}
+
+struct Place {
+  std::size_t device;
+  std::size_t module;
+};
+
+std::optional<Place> find(const Cell& cell, const Endpoint& end) {
+  for (std::size_t d = 0; d < cell.devices.size(); ++d) {
+    if (cell.devices[d].name != end.device) continue;
+    for (std::size_t m = 0; m < cell.devices[d].modules.size(); ++m) {
+      if (cell.devices[d].modules[m].name == end.module) return Place{d, m};
+    }
+  }
+  return std::nullopt;
+}
+
+const std::vector<Port>* known(const CellPorts& ports, const Place& place) {
+  if (place.device >= ports.size() || place.module >= ports[place.device].size()) return nullptr;
+  const ModulePorts& of = ports[place.device][place.module];
+  return of ? &*of : nullptr;
+}
+
+class Check {
+ public:
+  Check(const Cell& cell, const CellPorts& ports) : cell_(cell), ports_(ports) {}
+
+  Problems run() {
+    for (const Connection& connection : cell_.connections) check(connection);
+    check_immediate();
+    return std::move(problems_);
+  }
+
+ private:
+  void add(int line, std::string what, std::string fix) {
+    problems_.push_back({cell_.file.empty() ? "cell " + cell_.name : cell_.file + ":" + std::to_string(line),
+                         std::move(what), std::move(fix)});
+  }
+
+  const Port* check_end(const Endpoint& end, bool output, int line) {
+    const auto place = find(cell_, end);
+    if (!place) return nullptr;
+    const std::vector<Port>* ports = known(ports_, *place);
+    if (ports == nullptr) return nullptr;
+    const std::string module = end.device + "." + end.module;
+    std::vector<std::string_view> names;
+    for (const Port& port : *ports) {
+      if ((port.direction == Direction::out) == output) names.push_back(port.name);
+    }
+    const char* kind = output ? "output" : "input";
+    const auto found =
+        std::find_if(ports->begin(), ports->end(), [&](const Port& p) { return p.name == end.port; });
+    if (found == ports->end()) {
+      add(line, "module " + module + " has no port " + in_quotes(end.port),
+          names.empty() ? std::string{"it has no "} + kind : suggestion(end.port, names));
+      return nullptr;
+    }
+    if ((found->direction == Direction::out) != output) {
+      add(line, "port " + written(end) + " is an " + (output ? "input" : "output"),
+          output ? std::string{"a connection goes from an output to an input; "} +
+                       (names.empty() ? "module " + module + " has no output" : suggestion(end.port, names))
+                 : std::string{"a connection goes from an output to an input; "} +
+                       (names.empty() ? "module " + module + " has no input" : suggestion(end.port, names)));
+      return nullptr;
+    }
+    return &*found;
+  }
+
+  void check(const Connection& connection) {
+    const Port* from = connection.from.given() ? check_end(connection.from, true, connection.line) : nullptr;
+    const Port* to = connection.to.given() ? check_end(connection.to, false, connection.line) : nullptr;
+    if (from == nullptr || to == nullptr || from->type == to->type) return;
+    if (from->type.name != to->type.name) {
+      add(connection.line,
+          "port " + written(connection.from) + " is of type " + from->type.name + " and port " +
+              written(connection.to) + " of type " + to->type.name,
+          "connect ports of one type");
+    } else {
+      add(connection.line,
+          "ports " + written(connection.from) + " and " + written(connection.to) + " know different types " +
+              from->type.name + ": " + difference(from->type, to->type),
+          "build both components from the same IDL");
+    }
+  }
+
+  void check_immediate() {
+    for (const Device& device : cell_.devices) {
+      for (const Module& module : device.modules) {
+        if (module.dispatch != Dispatch::immediate) continue;
+        const auto place = find(cell_, {device.name, module.name, {}});
+        const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
+        if (ports == nullptr) continue;
+        const int line = module.lines.dispatch != 0 ? module.lines.dispatch : module.line;
+        const bool has_event = std::any_of(ports->begin(), ports->end(),
+                                           [](const Port& p) { return p.direction == Direction::event; });
+        if (!has_event) {
+          add(line,
+              "module " + module.name + " is dispatched at once, but has no event port that could say when",
+              "say <dispatch>row</dispatch>, or give the component an EventPort");
+          continue;
+        }
+        const bool fed =
+            std::any_of(cell_.connections.begin(), cell_.connections.end(), [&](const Connection& c) {
+              if (c.to.device != device.name || c.to.module != module.name) return false;
+              return std::any_of(ports->begin(), ports->end(), [&](const Port& p) {
+                return p.direction == Direction::event && p.name == c.to.port;
+              });
+            });
+        if (!fed) {
+          add(line,
+              "module " + module.name + " is dispatched at once, but none of its event ports is connected",
+              "add a <connection> to one of them");
+        }
+      }
+    }
+  }
+
+  const Cell& cell_;
+  const CellPorts& ports_;
+  Problems problems_;
+};
+
+std::optional<Direction> direction_of(std::string_view text) {
+  for (const Direction direction : {Direction::in, Direction::event, Direction::out}) {
+    if (text == to_text(direction)) return direction;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+const char* to_text(Direction direction) {
+  switch (direction) {
+    case Direction::in:
+      return "in";
+    case Direction::event:
+      return "event";
+    case Direction::out:
+      return "out";
+  }
+  return "?";
+}
+
+std::string ports_json(const std::vector<Port>& ports) {
+  json list = json::array();
+  for (const Port& port : ports) {
+    list.push_back({{"name", port.name},
+                    {"direction", to_text(port.direction)},
+                    {"type", port.type.name},
+                    {"description", to_text(port.type)},
+                    {"text", port.text},
+                    {"object", port.object}});
+  }
+  return json{{"ports", list}}.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+Result<std::vector<Port>> parse_ports(const std::string& text) {
+  const json value = json::parse(text, nullptr, false);
+  if (!value.is_object() || !value.contains("ports") || !value["ports"].is_array())
+    return fail("a list of ports was expected and is none");
+  std::vector<Port> ports;
+  Problems problems;
+  for (const json& each : value["ports"]) {
+    const auto string_of = [&each](const char* name) {
+      return each.is_object() && each.contains(name) && each[name].is_string() ? each[name].get<std::string>()
+                                                                               : "";
+    };
+    Port port{.name = string_of("name"), .direction = Direction::in, .type = {}, .text = string_of("text")};
+    port.object = each.is_object() && each.contains("object") && each["object"] == true;
+    const auto direction = direction_of(string_of("direction"));
+    auto type = parse_type(string_of("description"));
+    if (port.name.empty() || !direction) {
+      problems.push_back(fail("a port without a name or a direction"));
+    } else if (!type) {
+      for (const Problem& problem : type.problems())
+        problems.push_back(fail("port " + port.name + ": " + problem.what, problem.fix));
+    } else {
+      port.direction = *direction;
+      port.type = std::move(*type);
+      ports.push_back(std::move(port));
+    }
+  }
+  if (!problems.empty()) return problems;
+  return ports;
+}
+
+const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& end) {
+  const auto place = find(cell, end);
+  const std::vector<Port>* of = place ? known(ports, *place) : nullptr;
+  if (of == nullptr) return nullptr;
+  const auto found =
+      std::find_if(of->begin(), of->end(), [&](const Port& port) { return port.name == end.port; });
+  return found == of->end() ? nullptr : &*found;
+}
+
+Problems check_connections(const Cell& cell, const CellPorts& ports) { return Check{cell, ports}.run(); }
+
+std::string difference(const Type& first, const Type& second) {
+  if (first.name != second.name) return "the first is " + first.name + " and the second " + second.name;
+  return fields_differ(first.fields, second.fields, "");
+}
+
+}  // namespace takt::model

@@ -1,0 +1,328 @@
+#include <takt/model/validate_network.hpp>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <takt/core/words.hpp>
+
+namespace takt::model {
+
+namespace {
+
+constexpr const char* kTopicRule = "a topic is 1 to 255 printable ASCII characters, none of them a space";
+
+/// The fix for a name that nobody has.
+std::string choose(const char* kind, std::string_view wrong, const std::vector<std::string_view>& names) {
+  if (names.empty()) return std::string{"add a <"} + kind + "> of this name";
+  return suggestion(wrong, names);
+}
+
+/// Nothing was given, not even something that is no endpoint.
+bool is_missing(const Endpoint& end) { return end.device.empty() && end.module.empty() && end.port.empty(); }
+
+using Key = std::tuple<const std::string&, const std::string&, const std::string&>;
+Key key(const Endpoint& end) { return {end.device, end.module, end.port}; }
+
+using Connections = std::vector<const Connection*>;
+
+class Network {
+ public:
+  Network(const Cell& cell, const Gaps& gaps, Findings& findings)
+      : cell_(cell), gaps_(gaps), findings_(findings) {}
+
+  void check_discovery();
+  void check_connections();
+
+ private:
+  struct Known {
+    std::size_t index;
+    std::set<std::string_view> modules;
+  };
+
+  void add(int line, std::string what, std::string fix) {
+    findings_.add(line, std::move(what), std::move(fix));
+  }
+  [[nodiscard]] bool full() const { return findings_.full(); }
+  /// Of a topic of the connection's own.
+  [[nodiscard]] int domain_of(const Connection& connection) const {
+    return connection.domain.value_or(cell_.domain);
+  }
+  void check_peers();
+  void check_server();
+  void check_connection(const Connection& connection);
+  void check_topic(const Connection& connection);
+  bool check_ends(const Connection& connection);
+  bool check_endpoint(const Endpoint& endpoint, const char* side, int line);
+  void check_writers(const Connections& connections);
+  void check_shared_topics(const Connections& connections);
+
+  const Cell& cell_;
+  const Gaps& gaps_;
+  Findings& findings_;
+  std::map<std::string_view, Known> devices_;
+};
+
+void Network::check_discovery() {
+  if (gaps_.discovery) return;
+  check_peers();
+  check_server();
+}
+
+void Network::check_peers() {
+  using Kind = Discovery::Kind;
+  const Discovery& discovery = cell_.discovery;
+  if (discovery.kind != Kind::peers && !discovery.peers.empty()) {
+    add(cell_.line, "the cell has peers and no discovery=\"peers\"",
+        "say discovery=\"peers\", or remove them");
+  }
+  if (discovery.kind == Kind::peers && discovery.peers.empty()) {
+    add(cell_.line, "discovery=\"peers\" without peers",
+        "name at least one, as in peers=\"10.0.0.1 line.local\"");
+  }
+  if (discovery.peers.size() > kMaxPeers) {
+    add(cell_.line, "the cell has more than 256 peers", "use a discovery server for so many");
+    return;
+  }
+  std::set<std::string_view> seen;
+  for (const std::string& peer : discovery.peers) {
+    if (!is_valid_host(peer)) {
+      add(cell_.line, in_quotes(peer) + " is not a valid peer",
+          "a peer is an IPv4 address or a host name, without a port; put spaces between peers");
+    } else if (!seen.insert(peer).second) {
+      add(cell_.line, "duplicate peer " + in_quotes(peer), "name it once");
+    }
+  }
+}
+
+void Network::check_server() {
+  using Kind = Discovery::Kind;
+  const Discovery& discovery = cell_.discovery;
+  if (discovery.kind == Kind::server && discovery.server.empty()) {
+    add(cell_.line, "discovery=\"server\" without a server",
+        "say where it is, as in server=\"10.0.0.1:11811\"");
+  }
+  if (!discovery.server.empty()) {
+    if (!is_valid_server(discovery.server)) {
+      add(cell_.line, in_quotes(discovery.server) + " is not a valid discovery server",
+          "write host:port, as in 10.0.0.1:11811");
+    }
+    if (discovery.kind != Kind::server) {
+      add(cell_.line, "the cell has a server and no discovery=\"server\"",
+          "say discovery=\"server\", or remove the server");
+    }
+  }
+  if (cell_.server_device.empty()) return;
+  if (discovery.kind != Kind::server) {
+    add(cell_.line, "the cell has a server-device and no discovery=\"server\"",
+        "say discovery=\"server\", or remove the server-device");
+  }
+  const std::vector<std::string_view> names = names_of(cell_.devices);
+  if (gaps_.devices || std::find(names.begin(), names.end(), cell_.server_device) != names.end()) return;
+  add(cell_.line, "server-device names the unknown device " + in_quotes(cell_.server_device),
+      choose("device", cell_.server_device, names));
+}
+
+/// False when the endpoint cannot be compared with others.
+bool Network::check_endpoint(const Endpoint& endpoint, const char* side, int line) {
+  if (!is_valid_name(endpoint.device) || !is_valid_name(endpoint.module) || !is_valid_name(endpoint.port)) {
+    add(line, std::string{side} + " is " + in_quotes(to_text(endpoint)),
+        std::string{"it is device.module.port; "} + kNameRule);
+    return false;
+  }
+  const auto found = devices_.find(endpoint.device);
+  if (found == devices_.end()) {
+    if (gaps_.devices) return true;
+    add(line, std::string{side} + " names the unknown device " + in_quotes(endpoint.device),
+        choose("device", endpoint.device, names_of(cell_.devices)));
+    return false;
+  }
+  const auto& [index, modules] = found->second;
+  if (modules.count(endpoint.module) > 0 || gaps_.of_device[index].modules) return true;
+  add(line,
+      std::string{side} + " names the unknown module " + in_quotes(endpoint.module) + " of device " +
+          in_quotes(endpoint.device),
+      choose("module", endpoint.module, names_of(cell_.devices[index].modules)));
+  return false;
+}
+
+void Network::check_connection(const Connection& connection) {
+  if (connection.kind == ConnectionKind::latest && connection.depth != 1) {
+    add(connection.line, "a connection of kind latest has a depth", "remove depth, or say kind=\"queue\"");
+  } else if (connection.depth < 1 || connection.depth > kMaxDepth) {
+    add(connection.line, "a connection has depth " + std::to_string(connection.depth), "depth is 1 to 65536");
+  }
+  const auto positive = [&](const char* what, const std::optional<Nanoseconds>& time) {
+    if (!time || time->count() > 0) return;
+    add(connection.line,
+        std::string{"a connection has a "} + what + " of " + std::to_string(time->count()) + " ns",
+        std::string{"a "} + what + " is a whole number of nanoseconds, at least 1");
+  };
+  positive("deadline", connection.deadline);
+  positive("lifespan", connection.lifespan);
+  if (connection.stale == Stale::error && !connection.deadline) {
+    add(connection.line, "a connection has stale=\"error\" and no deadline",
+        "say with deadline, in nanoseconds, when a value is stale");
+  }
+  check_topic(connection);
+}
+
+void Network::check_topic(const Connection& connection) {
+  const std::string& topic = connection.topic;
+  if (!topic.empty() && !is_valid_topic(topic)) {
+    add(connection.line, in_quotes(topic) + " is not a valid topic", kTopicRule);
+  } else if (topic.rfind(kOwnTopics, 0) == 0) {
+    add(connection.line, "the topic " + in_quotes(topic) + " begins with takt/, as only Takt's own do",
+        "name it otherwise, or leave topic out: the connection then has a topic by itself");
+  }
+  if (!connection.domain) return;
+  if (*connection.domain < 0 || *connection.domain > kMaxDomain) {
+    add(connection.line, "a connection has domain " + std::to_string(*connection.domain),
+        "a domain is 0 to 232");
+  }
+  if (topic.empty()) {
+    add(connection.line, "a connection has a domain and no topic",
+        "the domain is that of a topic: name the topic, or remove the domain");
+  }
+}
+
+/// False when there is nothing to compare with other connections.
+bool Network::check_ends(const Connection& connection) {
+  const bool from_missing = is_missing(connection.from);
+  const bool to_missing = is_missing(connection.to);
+  if (from_missing && to_missing) {
+    add(connection.line, "a connection has neither from nor to",
+        "say from which port to which port; with a topic one of them is enough");
+    return false;
+  }
+  const bool from_known = from_missing || check_endpoint(connection.from, "from", connection.line);
+  const bool to_known = to_missing || check_endpoint(connection.to, "to", connection.line);
+  if (connection.topic.empty() && (from_missing || to_missing)) {
+    add(connection.line, std::string{"a connection has no "} + (from_missing ? "from" : "to"),
+        from_missing ? "say which port it comes from, or name the topic that another program writes"
+                     : "say which port it goes to, or name the topic that another program reads");
+    return false;
+  }
+  if (to_missing && connection.stale == Stale::error) {
+    add(connection.line, "a connection without a to has stale=\"error\"",
+        "remove stale: no module of this cell would be in error");
+  }
+  if (!from_known || !to_known) return false;
+  if (from_missing || to_missing) return true;
+
+  if (key(connection.from) == key(connection.to)) {
+    add(connection.line, "the port " + in_quotes(to_text(connection.from)) + " is connected to itself",
+        "connect an output of one module to an input of another");
+    return false;
+  }
+  const std::size_t length = topic_of(cell_, connection).size();
+  if (connection.from.device != connection.to.device && length > kMaxTopic) {
+    add(connection.line,
+        "the topic from " + in_quotes(to_text(connection.from)) + " would have " + std::to_string(length) +
+            " characters",
+        "a topic has at most 255: use shorter names, or give the connection a topic of its own");
+  }
+  return true;
+}
+
+/// An input that holds one latest value has one writer, from wherever.
+void Network::check_writers(const Connections& connections) {
+  // Of two connections with both ends the topic makes no difference: the same would be written twice.
+  using Same = std::tuple<Key, Key, std::string_view, int>;
+  std::map<Same, const Connection*> same;
+  std::map<Key, const Connection*> writer;
+  for (const Connection* connection : connections) {
+    if (full()) return;
+    const bool both = !is_missing(connection->from) && !is_missing(connection->to);
+    const Same ends{key(connection->from), key(connection->to),
+                    both ? std::string_view{} : std::string_view{connection->topic},
+                    both ? 0 : domain_of(*connection)};
+    const auto [twin, is_new] = same.emplace(ends, connection);
+    if (!is_new) {
+      const auto named = [](const char* side, const Endpoint& end) {
+        return is_missing(end) ? std::string{} : std::string{side} + in_quotes(to_text(end));
+      };
+      add(connection->line,
+          "duplicate connection" + named(" from ", connection->from) + named(" to ", connection->to) +
+              (both ? "" : ", topic " + in_quotes(connection->topic)),
+          "remove it; the first is on line " + std::to_string(twin->second->line));
+      continue;
+    }
+    if (is_missing(connection->to)) continue;
+    const auto [other, is_first] = writer.emplace(key(connection->to), connection);
+    if (is_first) continue;
+    const bool both_queues =
+        connection->kind == ConnectionKind::queue && other->second->kind == ConnectionKind::queue;
+    if (both_queues) continue;
+    add(connection->line,
+        "two writers of " + in_quotes(to_text(connection->to)) + ", which holds one latest value",
+        "remove one; the first is on line " + std::to_string(other->second->line) +
+            ", or make every connection to it kind=\"queue\"");
+  }
+}
+
+/// Who reads a topic reads everybody who writes it.
+void Network::check_shared_topics(const Connections& connections) {
+  struct Writers {
+    const Connection* first = nullptr;
+    const Connection* other = nullptr;  // the first of another port
+  };
+  std::map<std::pair<std::string_view, int>, Writers> topics;
+  const auto place = [&](const Connection& connection) {
+    return std::pair{std::string_view{connection.topic}, domain_of(connection)};
+  };
+  for (const Connection* connection : connections) {
+    if (connection->topic.empty() || is_missing(connection->from)) continue;
+    Writers& writers = topics[place(*connection)];
+    if (writers.first == nullptr) {
+      writers.first = connection;
+    } else if (writers.other == nullptr && key(writers.first->from) != key(connection->from)) {
+      writers.other = connection;
+    }
+  }
+  for (const Connection* connection : connections) {
+    if (full()) return;
+    if (connection->topic.empty() || is_missing(connection->to)) continue;
+    if (connection->kind != ConnectionKind::latest) continue;
+    const auto found = topics.find(place(*connection));
+    if (found == topics.end() || found->second.other == nullptr) continue;
+    const Writers& writers = found->second;
+    add(connection->line,
+        "two writers of " + in_quotes(to_text(connection->to)) +
+            ", which holds one latest value: " + in_quotes(to_text(writers.first->from)) + " and " +
+            in_quotes(to_text(writers.other->from)) + " both write the topic " + in_quotes(connection->topic),
+        "give one of them another topic, or make this connection kind=\"queue\"");
+  }
+}
+
+void Network::check_connections() {
+  if (cell_.connections.size() > kMaxConnections) {
+    add(cell_.line, "the cell has more than 100000 connections", "make several cells of it");
+    return;
+  }
+  for (std::size_t i = 0; i < cell_.devices.size(); ++i) {
+    const auto [device, is_first] = devices_.emplace(cell_.devices[i].name, Known{i, {}});
+    for (const Module& module : cell_.devices[i].modules) device->second.modules.insert(module.name);
+  }
+  Connections comparable;
+  for (std::size_t index = 0; index < cell_.connections.size() && !full(); ++index) {
+    const Connection& connection = cell_.connections[index];
+    check_connection(connection);
+    if (index < gaps_.without_ends.size() && gaps_.without_ends[index]) continue;
+    if (check_ends(connection)) comparable.push_back(&connection);
+  }
+  check_writers(comparable);
+  check_shared_topics(comparable);
+}
+
+}  // namespace
+
+void validate_network(const Cell& cell, const Gaps& gaps, Findings& findings) {
+  Network network{cell, gaps, findings};
+  network.check_discovery();
+  network.check_connections();
+}
+
+}  // namespace takt::model
