@@ -627,6 +627,13 @@ class Parser:
         for token, own, whole in self.declarators(shape, "a field", full):
             if token.text.lower() == struct.name.split("::")[-1].lower():
                 self.problem(token, f"{struct.name}.{token.text} has the name of its struct; take another name")
+            if whole.sequence and whole.scalar in ("enum", "string"):
+                # Fast CDR has no function for vectors of these within other things.
+                what = ("an array of sequences", "the sequence", "an array") if whole.dimensions else \
+                    ("a sequence of arrays", "the array", "a sequence") if whole.elements else None
+                if what:
+                    self.problem(token, f"{full(token.text)} is {what[0]} of {whole.scalar}s, of which fastddsgen makes code that does not "
+                                 f"compile; put {what[1]} into a struct and write {what[2]} of those")
             twin = next((f for f in struct.fields if f.name.lower() == token.text.lower()), None)
             if twin:
                 how = "is there twice" if twin.name == token.text else f"differs only in upper and lower case from {twin.name}"
