@@ -226,8 +226,12 @@ void Guest::sleep_on_bell() {
 void Guest::body_done() {
   const Instant now = os::now();
   seat_->run.record((now - started_).count());
-  const std::int64_t deadline = seat_->release_ns.load(std::memory_order_relaxed) + seat_->deadline_ns;
-  if (seat_->deadline_ns != 0 && to_ns(now) > deadline) seat_->late.fetch_add(1, std::memory_order_relaxed);
+  if (seat_->deadline_ns == 0) return;
+  const std::int64_t late =
+      to_ns(now) - seat_->release_ns.load(std::memory_order_relaxed) - seat_->deadline_ns;
+  if (late <= 0) return;
+  seat_->late_by_ns.store(late, std::memory_order_relaxed);
+  seat_->late.fetch_add(1, std::memory_order_release);  // SYNC: late
 }
 
 void Guest::wait(const char* function) {

@@ -78,11 +78,12 @@ class Supervisor final : public Supervised {
   Result<void> create_seat(Member& member);
   Result<void> spawn(Member& member);
   void watch_process(Member& member, Instant now);
+  void watch_body(Member& member, Instant now);
   void process_ended(Member& member, const os::ProcessEnd& end);
   void process_ready(Member& member);
   void end_process(Member& member, Instant now);
   void forward_output();
-  void ring_all();
+  void ring(std::uint32_t bits);
 
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
@@ -98,8 +99,12 @@ class Supervisor final : public Supervised {
   void not_recovered(Member& member, const std::string& text);
   void give_up(Member& member);
   std::uint64_t cycles_of(const Member& member) const;
+  channel::Place place_of(const Member& member) const;
   void put_in_tables(Member& member);
   void take_from_tables(Member& member);
+  /// Whether nothing of it runs any more since it was taken from the tables: no row, sporadic run, background
+  /// run or body of its program that began before. Its hooks may be called then.
+  bool is_out(const Member& member) const;
   void join_grid(Instant t0);
   void prepare_step();
   void running_step(Instant now);
