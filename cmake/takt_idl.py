@@ -9,16 +9,20 @@ anything runs. What no port can carry is said all at once, one problem a line, `
 and ends with exit status 1. What is accepted here is accepted by fastddsgen and by Cyclone DDS's idlc too.
 """
 import argparse
+import functools
 import json
 import os
 import re
 import sys
 from dataclasses import dataclass, field, replace
 
-# Most bytes of a sample, fields of a type with those of its structs, and characters of a name; model/type.hpp has the same.
+# The bounds of model/type.hpp: bytes of a sample, fields of a type with those of its structs, structs within one another,
+# characters of a name, bytes of a description.
 MAX_SAMPLE = 64 * 1024 * 1024
 MAX_FIELDS = 4096
+MAX_NESTING = 16
 MAX_NAME = 255
+MAX_DESCRIPTION = 1024 * 1024
 
 # IDL's words: bytes, the type in C and C++.
 SCALARS = {
@@ -32,13 +36,14 @@ SAME = {"uint8": "octet", "int16": "short", "uint16": "unsigned short", "int32":
 INTEGERS = {name: (size, name.startswith("unsigned") or name == "octet")
             for name, (size, _) in SCALARS.items() if name not in ("boolean", "char", "float", "double")}
 
-# Words of IDL in any mix of upper and lower case, for idlc; those of the second group are no words for it, but for fastddsgen.
-IDL_WORDS = set("""abstract any alias attribute bitfield bitmask bitset boolean case char component connector const consumes
-    context custom default double emits enum eventtype exception factory false finder fixed float getraises home import in
-    inout interface int8 int16 int32 int64 local long manages map mirrorport module multiple native object octet oneway
-    out port porttype primarykey private provides public publishes raises readonly sequence setraises short string struct
-    supports switch true truncatable typedef typeid typename typeprefix uint8 uint16 uint32 uint64 union unsigned uses
-    valuebase valuetype void wchar wstring""".split()) - {"connector", "port"}
+# Words of IDL, for idlc in any mix of upper and lower case.
+ANY_CASE_WORDS = set("""any bitfield bitmask bitset boolean case char const default double enum false fixed float int8 int16
+    int32 int64 long map module native octet sequence short string struct switch true typedef uint8 uint16 uint32 uint64 union
+    unsigned wchar wstring""".split())
+# More of them, for fastddsgen as they are written here.
+WORDS = set("""Object ValueBase abstract annotation attribute component consumes context custom emits eventtype exception
+    factory finder getraises home import in inout interface local manages multiple oneway out primarykey private provides
+    public publishes raises readonly set setraises supports truncatable typeid typeprefix uses valuetype void""".split())
 # Names that the generated C and C++ cannot have.
 CODE_WORDS = set("""alignas alignof and and_eq asm auto bitand bitor bool break catch char8_t char16_t char32_t class compl
     concept consteval constexpr constinit const_cast continue co_await co_return co_yield decltype delete do dynamic_cast
@@ -89,11 +94,11 @@ class Shape:
     text: str = ""                  # the type as IDL, without the dimensions behind a name; constants are numbers
 
     def has_sequence(self):
-        return self.sequence > 0 or (self.scalar == "struct" and self.of.has_sequence())
+        return self.sequence > 0 or (self.scalar == "struct" and self.of.sequences)
 
     def may_not_fit(self):
         """A value in C++ may be none of the type: too long, or no enumerator."""
-        return self.sequence > 0 or self.scalar == "enum" or (self.scalar == "struct" and self.of.may_not_fit())
+        return self.sequence > 0 or self.scalar == "enum" or (self.scalar == "struct" and self.of.misfits)
 
 
 @dataclass
@@ -140,17 +145,34 @@ class Struct:
     fields: list = field(default_factory=list)
     complete: bool = False
 
-    def has_sequence(self):
+    def structs(self):
+        return [f.shape.of for f in self.fields if f.shape.scalar == "struct"]
+
+    # Asked once each: a struct that has another one twice would be asked for all of them again.
+
+    @functools.cached_property
+    def sequences(self):
         return any(f.shape.has_sequence() for f in self.fields)
 
-    def may_not_fit(self):
+    @functools.cached_property
+    def misfits(self):
         return any(f.shape.may_not_fit() for f in self.fields)
 
-    def is_sound(self):
-        return all(f.shape.scalar and (f.shape.scalar != "struct" or f.shape.of.is_sound()) for f in self.fields)
+    @functools.cached_property
+    def sound(self):
+        return all(f.shape.scalar for f in self.fields) and all(s.sound for s in self.structs())
 
+    @functools.cached_property
     def count(self):
-        return sum(1 + (f.shape.of.count() if f.shape.scalar == "struct" else 0) for f in self.fields)
+        return len(self.fields) + sum(s.count for s in self.structs())
+
+    @functools.cached_property
+    def nesting(self):
+        return 1 + max((s.nesting for s in self.structs()), default=0)
+
+    @functools.cached_property
+    def span(self):
+        return functools.reduce(both, (span_of(f.shape) for f in self.fields), NOTHING)
 
 
 class Scope:
@@ -213,8 +235,8 @@ def tokens_of(text, path, problems):
     tokens, at, line, fresh = [], 0, 1, True
     while at < len(text):
         match = TOKEN.match(text, at)
-        if not match or (match.lastgroup == "directive" and not fresh):
-            open_comment = text.startswith("/*", at)
+        open_comment = text.startswith("/*", at) and (not match or match.lastgroup != "space")
+        if open_comment or not match or (match.lastgroup == "directive" and not fresh):
             problems.add((path, line), "a comment without an end; write */" if open_comment
                          else f"{text[at]!r} means nothing here; take it out")
             at = len(text) if open_comment else at + 1
@@ -306,8 +328,10 @@ class Parser:
                 return
             token = self.next()
             depth += (token.text == "{") - (token.text == "}")
-            if depth == 0 and token.text in (";", "}"):
-                self.take(";")
+            if depth == 0 and token.text == "}" and not self.is_next(";"):
+                if self.token.kind != "name" or self.tokens[self.at + 1].text not in (";", ",", "["):
+                    return  # else the names of what was declared follow
+            if depth == 0 and token.text == ";":
                 return
 
     def guarded(self, parse):
@@ -329,9 +353,9 @@ class Parser:
             raise Wrong(self.place(token), f"{token.text!r} stands where the name of {what} is to be")
         name = token.text
         shown = full(name) if full else name
-        if name.lower() in IDL_WORDS:
-            same = "" if name in IDL_WORDS else ", written in any way"
-            self.problem(token, f"{shown}: {name!r} is a word of IDL{same}; take another name")
+        if name in WORDS or name.lower() in ANY_CASE_WORDS:
+            how = "" if name in WORDS or name in ANY_CASE_WORDS else ", in upper and lower case"
+            self.problem(token, f"{shown}: {name!r} is a word of IDL{how}; take another name")
         elif name in CODE_WORDS:
             self.problem(token, f"{shown}: {name!r} has a meaning in the C++ that is made of it; take another name")
         elif name.startswith("_"):
@@ -371,12 +395,12 @@ class Parser:
             if not self.take("::"):
                 return absolute, parts, first
 
-    def find(self, absolute, parts, token, members=()):
-        """The entity of a name as it is seen here, or None with a problem told."""
-        shown = ("::" if absolute else "") + "::".join(parts)
-        for member in members:
+    def find(self, absolute, parts, token, where="", members=()):
+        """The entity of a name as it is seen here, or None with a problem told of what is declared there."""
+        shown = where + ("::" if absolute else "") + "::".join(parts)
+        for member in members if len(parts) == 1 and not absolute else ():
             if member.lower() == parts[0].lower():
-                self.problem(token, f"{parts[0]} means a field here, for one before it is named {member}, and IDL does not tell upper "
+                self.problem(token, f"{where}{parts[0]} means a field here, for one before it is named {member}, and IDL does not tell upper "
                              "from lower case; name the field otherwise")
                 return None
         scope, known = (self.library.root if absolute else self.scope), None
@@ -385,12 +409,15 @@ class Parser:
             if known is not None:
                 break
             scope = None if absolute else scope.outer
-        for part in parts[1:]:
-            if known is None or known[0] != parts[parts.index(part) - 1] or not isinstance(known[1], Scope):
-                break
-            known = known[1].names.get(part.lower())
-        if known is None or isinstance(known[1], Scope):
+        for before, part in zip(parts, parts[1:]):
+            if known is not None:
+                inner = isinstance(known[1], Scope) and known[0] == before
+                known = known[1].names.get(part.lower()) if inner else None
+        if known is None:
             self.problem(token, f"{shown} is not declared before this line; declare it, or #include the file that does")
+            return None
+        if isinstance(known[1], Scope):
+            self.problem(token, f"{shown} is a module; write the name of something in it")
             return None
         if known[0] != parts[-1]:
             self.problem(token, f"{shown} is declared as {known[0]}; write it so")
@@ -438,9 +465,10 @@ class Parser:
         found = []
         while self.is_next("@"):
             self.next()
+            if self.token.kind != "name" or self.is_next("struct", "enum", "module", "typedef", "const"):
+                self.problem(self.token, "an '@' without a name; write @final")
+                continue
             name = self.next()
-            if name.kind != "name":
-                raise Wrong(self.place(name), "an '@' without a name; write @final")
             argument = None
             if self.take("("):
                 depth, argument = 1, ""
@@ -465,7 +493,14 @@ class Parser:
         while not self.is_next("}"):
             if self.token.kind == "end":
                 raise Wrong(self.place(opened), f"{what} has no end; write '}};'")
-            each()
+            try:
+                each()
+            except Wrong as wrong:
+                self.problems.add(wrong.place, str(wrong))
+                while not self.is_next("}", "{", ";") and self.token.kind != "end":
+                    self.next()
+                if not self.is_next("}"):
+                    raise Wrong(self.place(opened), f"{what} has no end; write '}};'") from None
         self.next()
         if not self.take(";"):
             self.problem(self.tokens[self.at - 1], f"{what} ends without ';'; write it")
@@ -491,6 +526,8 @@ class Parser:
         type_token = self.token
         kind = self.basic_type()
         name = None
+        if kind is None and self.take("string"):
+            kind = "string"
         if kind is None and self.token.kind == "name":
             absolute, parts, first = self.scoped_name()
             entity = self.find(absolute, parts, first)
@@ -549,11 +586,9 @@ class Parser:
 
     def typedef(self):
         self.next()
-        first = self.token
-        holder = f"{self.scope.name or 'a'} typedef"
-        shape = self.type_of(lambda: holder, first)
-        for token, own, full in self.declarators(shape, "a typedef", self.scope.full):
-            alias = Alias(self.scope.full(token.text), full, own, self.place(token))
+        shape = self.type_of(self.declared_name(self.scope.full, "a typedef"), self.token)
+        for token, own, whole in self.declarators(shape, "a typedef", self.scope.full):
+            alias = Alias(self.scope.full(token.text), whole, own, self.place(token))
             if self.declare(token, alias):
                 self.file.declares.append(alias)
 
@@ -582,35 +617,29 @@ class Parser:
 
     def fields(self, struct):
         annotations = self.annotations()
-        first = self.token
-        names = [f.name for f in struct.fields]
-
-        def shown():
-            # The name stands after the type, and the problem of the type wants it now.
-            at, depth = self.at, 0
-            while self.tokens[at].kind != "end":
-                text = self.tokens[at].text
-                depth += (text == "<") - (text == ">")
-                if depth <= 0 and text in (";", ",", "[", "}"):
-                    break
-                at += 1
-            token = self.tokens[at - 1]
-            return f"{struct.name}.{token.text}" if token.kind == "name" else f"a field of {struct.name}"
-
+        full = lambda name: f"{struct.name}.{name}"
+        shown = self.declared_name(full, f"a field of {struct.name}")
         for annotation in annotations:
             told = ("is a key; the types of ports have none" if annotation.text in ("key", "Key")
                     else f"has @{annotation.text}; the fields of a port's type have no annotations")
-            self.problem(annotation, f"{shown()} {told}")
-        shape = self.type_of(shown, first, names, struct)
-        for token, own, full in self.declarators(shape, "a field", lambda name: f"{struct.name}.{name}"):
+            self.problem(annotation, f"{shown} {told}")
+        shape = self.type_of(shown, self.token, [f.name for f in struct.fields])
+        for token, own, whole in self.declarators(shape, "a field", full):
             if token.text.lower() == struct.name.split("::")[-1].lower():
                 self.problem(token, f"{struct.name}.{token.text} has the name of its struct; take another name")
+            if whole.sequence and whole.scalar in ("enum", "string"):
+                # Fast CDR has no function for vectors of these within other things.
+                what = ("an array of sequences", "the sequence", "an array") if whole.dimensions else \
+                    ("a sequence of arrays", "the array", "a sequence") if whole.elements else None
+                if what:
+                    self.problem(token, f"{full(token.text)} is {what[0]} of {whole.scalar}s, of which fastddsgen makes code that does not "
+                                 f"compile; put {what[1]} into a struct and write {what[2]} of those")
             twin = next((f for f in struct.fields if f.name.lower() == token.text.lower()), None)
             if twin:
                 how = "is there twice" if twin.name == token.text else f"differs only in upper and lower case from {twin.name}"
                 self.problem(token, f"{struct.name}.{token.text} {how}; take another name")
             else:
-                struct.fields.append(Field(token.text, full, own, self.place(token)))
+                struct.fields.append(Field(token.text, whole, own, self.place(token)))
 
     def declarators(self, shape, what, full):
         """a, b[3], c[2][4]; as (token, dimensions, shape)."""
@@ -641,7 +670,7 @@ class Parser:
                 return "unsigned short"
             if self.take("long"):
                 return "unsigned long long" if self.take("long") else "unsigned long"
-            raise Wrong(self.place(token), f"'unsigned {self.token.text}' is no type; write unsigned short, unsigned long or unsigned "
+            raise Wrong(self.place(token), f"unsigned {self.token.text} is no type; write unsigned short, unsigned long or unsigned "
                         "long long")
         if self.take("long"):
             if self.take("double"):
@@ -652,12 +681,23 @@ class Parser:
             return SAME.get(token.text, token.text)
         return None
 
-    def type_of(self, shown, token, members=(), inside=None):
-        """A type as it is written before a name. `shown` names the field for problems."""
+    def declared_name(self, full, otherwise):
+        """Of a declaration that begins here: it stands after the type, and the problems of the type are to name it."""
+        at, depth = self.at, 0
+        while self.tokens[at].kind != "end":
+            text = self.tokens[at].text
+            depth += (text in "<{") - (text in ">}")
+            if depth < 0 or depth == 0 and text in (";", ",", "["):
+                break
+            at += 1
+        token = self.tokens[at - 1]
+        return full(token.text) if at > self.at and token.kind == "name" else otherwise
+
+    def type_of(self, name, token, members=()):
+        """A type as it is written before a name, which is for problems."""
         wrong = Shape("")
-        name = shown()
         if self.take("string"):
-            if not self.take("<"):
+            if not self.take("<") or self.take(">"):
                 self.problem(token, f"{name} is a string without a bound; write string<64>")
                 return wrong
             bound = self.bound(name, "the bound of a string")
@@ -665,7 +705,7 @@ class Parser:
             return Shape("string", bound, text=f"string<{bound}>")
         if self.take("sequence"):
             self.expect("<", f"the sequence of {name}")
-            element = self.type_of(shown, token, members, inside)
+            element = self.type_of(name, token, members)
             if element.scalar and element.has_sequence():
                 how = ("is a sequence of sequences" if element.sequence else
                        f"is a sequence of {element.of.name}, which has a sequence itself")
@@ -673,7 +713,8 @@ class Parser:
                              "sequence<double, 8> rows[4]")
                 element = wrong
             if not self.take(","):
-                self.expect(">", f"the sequence of {name}")
+                if not self.take(">"):
+                    self.expect(",", f"the sequence of {name}")
                 word = element.of.name if element.of else element.scalar or "T"
                 if element.scalar == "string":
                     word = f"string<{element.bound}>"
@@ -696,14 +737,15 @@ class Parser:
                           "struct": "its name, and declare it before", "enum": "its name, and declare it before",
                           "Object": "a struct"}.items():
             if self.is_next(word):
-                raise Wrong(self.place(token), f"{name} is a {word}, which ports cannot carry; write {fix}")
+                article = "an" if word[0] in "aeO" else "a"
+                raise Wrong(self.place(token), f"{name} is {article} {word}, which ports cannot carry; write {fix}")
         if self.token.kind != "name" and not self.is_next("::"):
             raise Wrong(self.place(), f"{self.token.text!r} stands where a type is to be")
         absolute, parts, first = self.scoped_name()
-        if parts[0].lower() in IDL_WORDS:
+        if parts[0] in WORDS or parts[0].lower() in ANY_CASE_WORDS:
             raise Wrong(self.place(first), f"{name} is of type {parts[0]!r}, which ports cannot carry; write a type of IDL as double "
                         "or a struct")
-        entity = self.find(absolute, parts, first, members)
+        entity = self.find(absolute, parts, first, f"{name}: ", members)
         if isinstance(entity, Struct):
             if not entity.complete:
                 self.problem(first, f"{name} has {entity.name} within itself, which ports cannot carry; write an array or a bounded "
@@ -715,7 +757,7 @@ class Parser:
         if isinstance(entity, Alias):
             return replace(entity.shape, text=entity.name)
         if entity is not None:
-            self.problem(first, f"{'::'.join(parts)} is no type; write a struct, an enum or a typedef")
+            self.problem(first, f"{name}: {'::'.join(parts)} is no type; write a struct, an enum or a typedef")
         return wrong
 
     def bound(self, name, what):
@@ -736,7 +778,7 @@ class Parser:
     def expression(self, level=0, in_angles=False):
         """An integer, None where it is wrong (and told)."""
         if level == len(self.LEVELS):
-            return self.unary(in_angles)
+            return self.unary()
         left = self.expression(level + 1, in_angles)
         while True:
             token = self.token
@@ -761,16 +803,25 @@ class Parser:
             self.problem(token, f"a shift by {right}; it is from 0 to 63")
             return None
         quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1) if sign in ("/", "%") else 0
-        return {"|": lambda: left | right, "^": lambda: left ^ right, "&": lambda: left & right, "<<": lambda: left << right,
-                ">>": lambda: left >> right, "+": lambda: left + right, "-": lambda: left - right, "*": lambda: left * right,
-                "/": lambda: quotient, "%": lambda: left - quotient * right}[sign]()
+        result = {"|": lambda: left | right, "^": lambda: left ^ right, "&": lambda: left & right, "<<": lambda: left << right,
+                  ">>": lambda: left >> right, "+": lambda: left + right, "-": lambda: left - right, "*": lambda: left * right,
+                  "/": lambda: quotient, "%": lambda: left - quotient * right}[sign]()
+        # Beyond this idlc refuses it, or is wrong: -4 / 2 is 9223372036854775806.
+        if sign not in ("|", "^", "&") and not all(0 <= n < 2 ** 32 for n in (left, right, result)):
+            self.problem(token, f"{left} {sign} {right} is {result}, but compilers of IDL agree only on numbers from 0 to {2 ** 32 - 1}; write "
+                         "the result")
+        return result
 
-    def unary(self, in_angles):
+    def unary(self):
         token = self.token
         if self.is_next("+", "-", "~"):
             sign = self.next().text
-            value = self.unary(in_angles)
+            value = self.primary()
             return None if value is None else {"+": value, "-": -value, "~": ~value}[sign]
+        return self.primary()
+
+    def primary(self):
+        token = self.token
         if self.take("("):
             value = self.expression()
             self.expect(")", "the expression")
@@ -782,7 +833,7 @@ class Parser:
             if re.fullmatch(r"0[0-9]+", token.text):
                 raise Wrong(self.place(token), f"{token.text} begins as an octal number and is none; leave out the 0")
             return int(token.text, 0)
-        if token.kind == "name" and token.text.lower() not in IDL_WORDS or self.is_next("::"):
+        if token.kind == "name" and token.text.lower() not in ANY_CASE_WORDS or self.is_next("::"):
             absolute, parts, first = self.scoped_name()
             entity = self.find(absolute, parts, first)
             if entity is not None and not isinstance(entity, Const):
@@ -823,7 +874,7 @@ class Library:
     def include(self, by, name, place):
         path = os.path.join(os.path.dirname(by.path), name)
         if not os.path.isfile(path):
-            self.problems.add(place, f"{name} is not there; it is looked for in {os.path.dirname(by.real)}")
+            self.problems.add(place, f"{name} is not there; it is looked for from the folder of this file")
             return
         file = self.read(path)
         if not file.complete:
@@ -859,6 +910,7 @@ class Library:
                 other = outputs.setdefault(output, file)
                 if other is not file:
                     self.problems.add((file.path, 1), f"{other.path} becomes {output} too; name one of the files otherwise")
+                    break
             for included, place in file.includes:
                 if included not in self.named:
                     self.problems.add(place, f"{os.path.basename(included.path)} is not in the same library; name it in takt_add_idl too")
@@ -867,7 +919,8 @@ class Library:
         """fastddsgen does not know ::a::b, so a::b has to mean the same everywhere."""
         for name, entity in scope.names.values():
             outer = self.root.names.get(name.lower())
-            if scope is not self.root and outer and isinstance(outer[1], Scope):
+            own = scope.name.split("::")[-1].lower() == name.lower()  # told already
+            if scope is not self.root and outer and isinstance(outer[1], Scope) and not own:
                 self.problems.add(entity.place, f"{scope.full(name)} hides module {outer[0]}; take another name")
             if isinstance(entity, Scope):
                 self.check_hidden(entity)
@@ -881,11 +934,17 @@ class Library:
                     flat = c_name(declared.name)
                     if names.setdefault(flat, declared) is not declared:
                         self.problems.add(declared.place, f"{declared.name} and {names[flat].name} are both {flat} in C; take another name")
-                if not isinstance(declared, Struct) or not declared.is_sound():
+                if not isinstance(declared, Struct) or not declared.sound:
                     continue
-                if declared.count() > MAX_FIELDS:
-                    self.problems.add(declared.place, f"{declared.name} has {declared.count()} fields with those of its structs; a type "
+                if declared.count > MAX_FIELDS:
+                    self.problems.add(declared.place, f"{declared.name} has {declared.count} fields with those of its structs; a type "
                                       f"has at most {MAX_FIELDS}")
+                elif declared.nesting > MAX_NESTING:
+                    self.problems.add(declared.place, f"{declared.name} has structs within one another {declared.nesting} deep; a type "
+                                      f"has at most {MAX_NESTING}")
+                elif len(description(declared)) > MAX_DESCRIPTION:
+                    self.problems.add(declared.place, f"{declared.name} takes {len(description(declared))} bytes to describe; a type takes "
+                                      f"at most {MAX_DESCRIPTION}: fewer fields, fewer enumerators, shorter names")
                 elif max_size(declared) > MAX_SAMPLE:
                     self.problems.add(declared.place, f"a sample of {declared.name} has up to {max_size(declared)} bytes; it has at most "
                                       f"{MAX_SAMPLE}")
@@ -904,57 +963,42 @@ def padded(position, alignment):
     return (position + alignment - 1) // alignment * alignment
 
 
-def repeated(position, n, one):
-    """Where n of what `one` appends end. What it appends depends on the position's place in 8 bytes only."""
-    seen = {}
-    done = 0
-    while done < n:
-        place = position % 8
-        if place in seen:
-            then, at = seen[place]
-            rounds = (n - done) // (done - then)
-            position += rounds * (position - at)
-            done += rounds * (done - then)
-            seen = {}
-            if rounds == 0:
-                break
-            continue
-        seen[place] = (done, position)
-        position = one(position)
-        done += 1
-    while done < n:
-        position = one(position)
-        done += 1
-    return position
+# A span: the bytes that the longest value appends, by the place in 8 bytes where it begins; padding depends on nothing else.
+NOTHING = (0,) * 8
 
 
-def end_of(shape, position):
-    """Where the longest value of this shape ends, counted from the end of the encapsulation."""
-    if shape.dimensions:
-        inner = Shape(shape.scalar, shape.bound, shape.of, [], shape.sequence, shape.elements)
-        return repeated(position, product(shape.dimensions), lambda at: end_of(inner, at))
-    if shape.sequence:
-        inner = Shape(shape.scalar, shape.bound, shape.of)
-        return repeated(padded(position, 4) + 4, shape.sequence * product(shape.elements), lambda at: end_of(inner, at))
-    if shape.scalar == "string":
-        return padded(position, 4) + 4 + shape.bound + 1
-    if shape.scalar == "enum":
-        return padded(position, 4) + 4
+def both(first, second):
+    return tuple(first[at] + second[(at + first[at]) % 8] for at in range(8))
+
+
+def repeated(one, n):
+    span = NOTHING
+    while n:
+        if n % 2:
+            span = both(span, one)
+        one, n = both(one, one), n // 2
+    return span
+
+
+def aligned(size, more=0):
+    return tuple(padded(at, size) - at + size + more for at in range(8))
+
+
+def span_of(shape):
     if shape.scalar == "struct":
-        return struct_end(shape.of, position)
-    size = SCALARS[shape.scalar][0]
-    return padded(position, size) + size
-
-
-def struct_end(struct, position):
-    for each in struct.fields:
-        position = end_of(each.shape, position)
-    return position
+        one = shape.of.span
+    elif shape.scalar == "string":
+        one = aligned(4, shape.bound + 1)
+    else:
+        one = aligned(4 if shape.scalar == "enum" else SCALARS[shape.scalar][0])
+    if shape.sequence:
+        one = both(aligned(4), repeated(one, shape.sequence * product(shape.elements)))
+    return repeated(one, product(shape.dimensions))
 
 
 def max_size(struct):
     """With the encapsulation, and in whole words, as RTPS sends it."""
-    return padded(4 + struct_end(struct, 0), 4)
+    return padded(4 + struct.span[0], 4)
 
 
 def description(struct):
@@ -1158,7 +1202,7 @@ class Code:
 
     def sequence_fits(self, shape, at):
         self.line(f"if ({at}.size() > {shape.sequence}) return false;")
-        if shape.scalar == "enum" or (shape.scalar == "struct" and shape.of.may_not_fit()):
+        if shape.scalar == "enum" or (shape.scalar == "struct" and shape.of.misfits):
             self.nest(1 + len(shape.elements), at, True, lambda e: self.one_fits(shape, e))
 
     def one_fits(self, shape, at):
@@ -1257,6 +1301,15 @@ def c_source(file):
     return lines + ["}"]
 
 
+def in_idl(declared, name):
+    """A declaration without typedefs, for fastddsgen leaves an array of a typedef without values. Sequences need theirs."""
+    shape = declared.shape
+    if shape.sequence:
+        return f"{shape.text} {name}{sizes(declared.own)};"
+    kind = f"string<{shape.bound}>" if shape.scalar == "string" else shape.of.name if shape.of else shape.scalar
+    return f"{kind} {name}{sizes(shape.dimensions)};"
+
+
 def plain_idl(file):
     """The same declarations for fastddsgen, with numbers for constants: the code that it makes of their names does not compile."""
     guard = f"{file.stem.upper()}_PLAIN_IDL"
@@ -1268,12 +1321,12 @@ def plain_idl(file):
         if isinstance(declared, Const):
             lines.append(f"const {declared.type} {name} = {declared.value};")
         elif isinstance(declared, Alias):
-            lines.append(f"typedef {declared.shape.text} {name}{sizes(declared.own)};")
+            lines.append(f"typedef {in_idl(declared, name)}")
         elif isinstance(declared, Enum):
             lines.append(f"enum {name} {{ {', '.join(declared.enumerators)} }};")
         else:
             lines += [f"@final struct {name} {{"]
-            lines += [f"  {each.shape.text} {each.name}{sizes(each.own)};" for each in declared.fields] + ["};"]
+            lines += [f"  {in_idl(each, each.name)}" for each in declared.fields] + ["};"]
         lines += ["};" for module in modules]
     return lines + ["#endif"]
 
@@ -1298,7 +1351,7 @@ def header(file):
             "template <>", f"struct PortType<{name}> {{", "  static constexpr TypeInfo info{",
             f"      {json.dumps(struct.name)},", f"      {literal(description(struct))},", f"      {max_size(struct)}}};",
             f"  static std::uint32_t encode(const {name}& value, std::byte* to, std::uint32_t size) noexcept;",
-            f"  static bool fits(const {name}& value) noexcept;" if struct.may_not_fit() else
+            f"  static bool fits(const {name}& value) noexcept;" if struct.misfits else
             f"  static constexpr bool fits(const {name}&) noexcept {{ return true; }}",
             f"  static bool decode(const std::byte* from, std::uint32_t size, {name}& value) noexcept;",
             f"  static void reserve({name}& value);",
@@ -1315,7 +1368,7 @@ def source(file):
         name, port = "::" + struct.name, f"PortType<::{struct.name}>"
         lines += [f"void {port}::put(CdrWriter& to, const {name}& value) noexcept {{"] + code_of("c++", struct, "put") + ["}", ""]
         lines += [f"void {port}::get(CdrReader& from, {name}& value) {{"] + code_of("c++", struct, "get") + ["}", ""]
-        if struct.may_not_fit():
+        if struct.misfits:
             lines += [f"bool {port}::fits(const {name}& value) noexcept {{"] + code_of("c++", struct, "fits") + [
                 "  return true;", "}", ""]
         lines += [f"void {port}::reserve({name}& value) {{"] + code_of("c++", struct, "reserve") + ["}", ""]
@@ -1324,7 +1377,7 @@ def source(file):
         lines += [f"bool {port}::decode(const std::byte* from, std::uint32_t size, {name}& value) noexcept {{",
                   "  CdrReader reader{from, size};"]
         # Only a value without room for its sequences throws.
-        lines += (["  try {", "    get(reader, value);", "  } catch (...) {", "    return false;", "  }"] if struct.has_sequence()
+        lines += (["  try {", "    get(reader, value);", "  } catch (...) {", "    return false;", "  }"] if struct.sequences
                   else ["  get(reader, value);"]) + ["  return reader.complete();", "}", ""]
     return lines + ["}  // namespace takt"]
 

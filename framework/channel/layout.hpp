@@ -17,9 +17,8 @@ using Name = FixedText<64>;
 /// comes first in as few cache lines as that takes: after a sleep they are no longer in its caches, and each
 /// is waited for.
 struct alignas(64) ModuleBlock {
-  /// Whether the executor may call or release it. Set and cleared by the node; cleared by the executor when
-  /// it raises an error. Who clears it and must know that the module is not running any more waits for the
-  /// row to end and for the activities that name it. SYNC: in tables
+  /// Whether the executor may call or release it. Set and cleared by the node (departure.hpp says when the
+  /// module is out then); cleared by the executor when it raises an error. SYNC: in tables
   std::atomic<std::uint32_t> in_tables;
   /// An ErrorType that waits for the supervisor, which sets it back to 0. SYNC: error raised, publishes
   /// error_text.
@@ -53,8 +52,7 @@ struct alignas(64) ExecutorBlock {
   std::atomic<std::uint64_t> missed;    ///< rows skipped
   std::atomic<std::uint64_t> late;      ///< rows that ended after the next release
   std::atomic<std::uint64_t> next_row;  ///< counted from T0, with a gap for every row missed
-  /// Odd while a row is walked. SYNC: row. Who takes a module out of the tables waits for it to be even or to
-  /// change.
+  /// Odd while a row is walked. SYNC: row
   std::atomic<std::uint64_t> row_sequence;
   std::atomic<std::int64_t> margin_ns;  ///< of the wake-up, as learned
   Activity row;                         ///< of the executor's thread

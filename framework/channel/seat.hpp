@@ -5,6 +5,10 @@
 // A program that finds no release where it expects one sleeps on the bell, a word that all programs of the
 // device share, each with a bit of its own: so the scheduler needs one wake-up call a cycle, however many
 // sleep.
+//
+// A sporadic program that is dispatched at once is released by nobody but itself, when its event ports have
+// news: it does to its own seat what the scheduler does to another's. So "released and not done" means "in
+// its body" whoever released it, and no row ever meets it half way.
 #pragma once
 
 #include <atomic>
@@ -17,10 +21,11 @@ namespace takt::channel {
 
 struct Bell {
   std::atomic<std::uint32_t> rings;
-  /// Bits that are to be rung once the cycle is over, because a sample was written for somebody who waits. Whoever
-  /// wrote takes them with take_pending() at the end of its cycle and rings. SYNC: pending
+  /// Bits that are to be rung once the cycle is over, because a sample was written for somebody who waits.
+  /// Whoever wrote takes them with take_pending() at the end of its cycle and rings. SYNC: pending
   std::atomic<std::uint32_t> pending;
-  /// The gateway sleeps, or is about to: the only case in which a sample for it needs a ring. SYNC: gateway sleeps
+  /// The gateway sleeps, or is about to: the only case in which a sample for it needs a ring. SYNC: gateway
+  /// sleeps
   std::atomic<std::uint32_t> gateway_sleeps;
 
   /// Real-time. To be called after a sample was published on a link with these wake bits.
@@ -31,14 +36,15 @@ struct Bell {
   }
 };
 
-/// The bell's bits: one for the threads of sporadic modules, one for the node's gateway, the others for programs in
-/// turn.
+/// The bell's bits: one for the threads of sporadic modules, one for the node's gateway, the others for
+/// programs in turn.
 inline constexpr std::uint32_t kSporadicBit = 1U << 31;
 inline constexpr std::uint32_t kGatewayBit = 1U << 30;
 constexpr std::uint32_t bell_bit(std::size_t seat) { return 1U << (seat % 30); }
 
 inline void Bell::note(std::uint32_t wake_bits) noexcept {
-  if ((wake_bits & kGatewayBit) != 0 && gateway_sleeps.load(std::memory_order_seq_cst) == 0) wake_bits &= ~kGatewayBit;
+  if ((wake_bits & kGatewayBit) != 0 && gateway_sleeps.load(std::memory_order_seq_cst) == 0)
+    wake_bits &= ~kGatewayBit;
   if (wake_bits != 0) pending.fetch_or(wake_bits, std::memory_order_seq_cst);
 }
 
@@ -50,7 +56,7 @@ enum class SeatPhase : std::uint32_t {
 };
 
 struct alignas(64) Seat {
-  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0002;  // "seat", layout 2
+  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0003;  // "seat", layout 3
 
   // Written by the node before the program starts.
   std::uint64_t magic;
@@ -60,14 +66,19 @@ struct alignas(64) Seat {
   std::int64_t period_ns;      ///< between releases
   std::int64_t margin_cap_ns;  ///< the longest time before a release that the program may spin
   std::uint32_t lock_memory;
-  std::int64_t deadline_ns;  ///< of a sporadic program, from its release to its next wait; 0: none
+  std::int64_t deadline_ns;      ///< of a sporadic program, from its release to its next wait; 0: none
+  std::uint32_t immediate;       ///< it releases itself: begin(); the scheduler never does
+  std::int64_t interarrival_ns;  ///< of one that does: the least time between two releases
 
-  // Written by the scheduler.
+  // Written by the scheduler; of a program that releases itself, by the program.
   alignas(
       64) std::atomic<std::uint32_t> released;  ///< releases so far. SYNC: released, publishes the two below
   std::atomic<std::uint64_t> cycle;
   std::atomic<std::int64_t> release_ns;
-  std::atomic<std::uint32_t> end;  ///< by the node: the program is to end
+  std::atomic<std::uint32_t> end;   ///< by the node: the program is to end
+  std::atomic<std::uint32_t> open;  ///< by the node: the module is in the tables, it may release itself.
+                                    ///< SYNC: open
+  std::atomic<std::int64_t> t0_ns;  ///< by the node: T0 of the rows
 
   // Written by the program.
   alignas(64) std::atomic<std::uint32_t> done;  ///< the last release that it has finished. SYNC: done
@@ -75,13 +86,19 @@ struct alignas(64) Seat {
   std::atomic<SeatPhase> phase;
   std::atomic<std::int32_t> thread;
   std::atomic<std::int64_t> margin_ns;
-  std::atomic<std::uint64_t> late;  ///< bodies that ended after the deadline
-  Statistics jitter;                ///< Eq. (1), P_n - T_n, with T_n taken by the program
+  std::atomic<std::uint64_t>
+      late;  ///< bodies that ended after the deadline. SYNC: late, publishes late_by_ns
+  std::atomic<std::int64_t> late_by_ns;  ///< how long after, the last of them
+  std::atomic<std::uint64_t> begun;      ///< bodies for which it released itself
+  Statistics jitter;                     ///< Eq. (1), P_n - T_n, with T_n taken by the program
   Statistics run;
 
+  /// It was released and is not done.
+  [[nodiscard]] bool in_body() const noexcept {
+    return done.load(std::memory_order_acquire) != released.load(std::memory_order_seq_cst);
+  }
   [[nodiscard]] bool waiting() const noexcept {
-    return phase.load(std::memory_order_acquire) == SeatPhase::ready &&
-           done.load(std::memory_order_acquire) == released.load(std::memory_order_relaxed);
+    return phase.load(std::memory_order_acquire) == SeatPhase::ready && !in_body();
   }
 };
 
@@ -101,6 +118,37 @@ inline Release release(Seat& seat, std::uint64_t cycle, std::int64_t release_ns)
   // sleeps.
   seat.released.store(seat.released.load(std::memory_order_relaxed) + 1, std::memory_order_seq_cst);
   return seat.sleeping.load(std::memory_order_seq_cst) != 0 ? Release::wake : Release::given;
+}
+
+/// By a program that is dispatched at once, when it has news and its interarrival time has passed: the
+/// release that it gives itself at `now_ns`. False when the module is not in the tables; then there was none.
+/// Real-time.
+inline bool begin(Seat& seat, std::int64_t now_ns) noexcept {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  if (seat.open.load(relaxed) == 0) return false;
+  // As in a row: the number of the one that comes next.
+  const std::int64_t since_t0 = now_ns - seat.t0_ns.load(relaxed);
+  const bool rows = seat.period_ns > 0 && since_t0 > 0;
+  const std::int64_t row = rows ? (since_t0 + seat.period_ns - 1) / seat.period_ns : 0;
+  seat.cycle.store(static_cast<std::uint64_t>(row), relaxed);
+  seat.release_ns.store(now_ns, relaxed);
+  const std::uint32_t mine = seat.released.load(relaxed) + 1;
+  // SYNC: open. The program says that it is in its body and then looks whether it may be; who takes the
+  // module out says so and then looks whether the program waits. In one total order: at least one sees the
+  // other.
+  seat.released.store(mine, std::memory_order_seq_cst);
+  if (seat.open.load(std::memory_order_seq_cst) == 0) {
+    seat.done.store(mine, std::memory_order_release);
+    return false;
+  }
+  seat.begun.store(seat.begun.load(relaxed) + 1, relaxed);
+  return true;
+}
+
+/// By a program that is dispatched at once: the first instant at which it may release itself again.
+inline std::int64_t not_before_ns(const Seat& seat) noexcept {
+  if (seat.begun.load(std::memory_order_relaxed) == 0) return 0;
+  return seat.release_ns.load(std::memory_order_relaxed) + seat.interarrival_ns;
 }
 
 /// By the node, for a program that is not running and a module that is out of the tables.

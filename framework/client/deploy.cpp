@@ -180,16 +180,15 @@ Problems Deployment::run(std::int64_t t0_ns) {
 
 void Deployment::undo() {
   tell("undoing it");
-  std::vector<Question> questions;
+  Devices devices{.names = {}, .process_ids = options_.process_ids, .deployment = id_};
   for (const model::Device& device : cell_.devices) {
-    Question q = question(COMMAND_UNDEPLOY, device);
-    q.limit = std::chrono::seconds{30};
-    // A device that is not there has nothing to undo, and is not waited for.
+    // One that is not there has nothing to undo, and is not waited for.
     const auto seen = asker_.observer().devices(device.name);
     if (std::any_of(seen.begin(), seen.end(), [](const dds::SeenDevice& s) { return s.alive; }))
-      questions.push_back(std::move(q));
+      devices.names.push_back(device.name);
   }
-  static_cast<void>(asker_.ask(questions));
+  auto undone = undeploy(asker_, devices, [this] { static_cast<void>(cancelled()); });
+  if (options_.undone != nullptr) *options_.undone = std::move(undone);
 }
 
 }  // namespace
@@ -213,20 +212,24 @@ Result<Deployed> deploy(Operator& asker, const model::Cell& cell, const std::str
   return Deployed{.id = deployment.id(), .t0_ns = t0_ns};
 }
 
-std::vector<Undeployed> undeploy(Operator& asker, const std::vector<std::string>& devices,
-                                 const std::map<std::string, std::int32_t>& process_ids) {
+std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
+                                 const std::function<void()>& meanwhile) {
   std::vector<Question> questions;
-  for (const std::string& device : devices) {
-    const auto process = process_ids.find(device);
+  for (const std::string& device : devices.names) {
+    const auto process = devices.process_ids.find(device);
     questions.push_back({.kind = COMMAND_UNDEPLOY,
                          .device = device,
+                         .deployment = devices.deployment,
                          .limit = std::nullopt,
-                         .process_id = process == process_ids.end() ? 0 : process->second});
+                         .process_id = process == devices.process_ids.end() ? 0 : process->second});
   }
   std::vector<Undeployed> all;
-  auto answers = asker.ask(questions);
+  auto answers = asker.ask(questions, [&meanwhile] {
+    if (meanwhile) meanwhile();
+    return false;
+  });
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    Undeployed one{.device = devices[i], .problems = {}, .report = {}, .failures = {}};
+    Undeployed one{.device = devices.names[i]};
     const auto answer = accepted(std::move(answers[i]));
     if (answer) {
       const json data = json::parse(answer->data, nullptr, false);
@@ -235,7 +238,7 @@ std::vector<Undeployed> undeploy(Operator& asker, const std::vector<std::string>
         one.failures = data.value("failures", std::vector<std::string>{});
       }
     } else {
-      one.problems = of_device(devices[i], answer.problems());
+      one.problems = of_device(one.device, answer.problems());
     }
     all.push_back(std::move(one));
   }

@@ -16,6 +16,14 @@
 
 namespace takt::client {
 
+/// What one device said when it had ended.
+struct Undeployed {
+  std::string device;
+  Problems problems{};                  ///< why it could not be undeployed; empty: it was
+  nlohmann::ordered_json report{};      ///< its object of the status JSON; null where it gave none
+  std::vector<std::string> failures{};  ///< why it, or modules of it, had failed
+};
+
 struct DeployOptions {
   /// For all devices to be found.
   Nanoseconds discovery = std::chrono::seconds{5};
@@ -28,8 +36,10 @@ struct DeployOptions {
   std::map<std::string, std::int32_t> process_ids;
   /// One line for a person: what is being waited for.
   std::function<void(const std::string&)> progress;
-  /// Whether it is to be given up; all is undone then.
+  /// Whether it is to be given up; all is undone then. Asked all the time.
   std::function<bool()> cancelled;
+  /// Gets what each device said when it was undone, after a failure.
+  std::vector<Undeployed>* undone = nullptr;
 };
 
 struct Deployed {
@@ -42,17 +52,15 @@ struct Deployed {
 Result<Deployed> deploy(Operator& asker, const model::Cell& cell, const std::string& text,
                         const DeployOptions& options);
 
-/// What one device said when it had ended.
-struct Undeployed {
-  std::string device;
-  Problems problems;                  ///< why it could not be undeployed; empty: it was
-  nlohmann::ordered_json report;      ///< its object of the status JSON; null where it gave none
-  std::vector<std::string> failures;  ///< why it, or modules of it, had failed
+/// Which devices, and whose.
+struct Devices {
+  std::vector<std::string> names;
+  std::map<std::string, std::int32_t> process_ids{};  ///< as when it was deployed
+  std::string deployment{};                           ///< only this one; empty: whichever there is
 };
-
-/// Ends it on these devices, at once. With process ids, as when it was deployed.
-std::vector<Undeployed> undeploy(Operator& asker, const std::vector<std::string>& devices,
-                                 const std::map<std::string, std::int32_t>& process_ids = {});
+/// Ends it on these devices, all at once, however long that takes. `meanwhile` is called all the time.
+std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
+                                 const std::function<void()>& meanwhile = {});
 
 /// The devices on which a cell runs, or is otherwise held. Fails where there is none, and says which cells
 /// there are.

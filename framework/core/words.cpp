@@ -16,25 +16,31 @@ constexpr std::size_t kMostChoicesTried = 1000;
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// How many letters to change, insert, drop or swap with the neighbour; `limit` + 1 when it is more than
-/// `limit`.
+/// `limit`. Whatever is further than `limit` from the diagonal of the table is more, and not computed.
 std::size_t distance(std::string_view a, std::string_view b, std::size_t limit) {
   const std::size_t apart = a.size() > b.size() ? a.size() - b.size() : b.size() - a.size();
   if (apart > limit) return limit + 1;
 
-  std::vector<std::size_t> above_that(b.size() + 1);
-  std::vector<std::size_t> above(b.size() + 1);
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
+  const std::size_t far = limit + 1;
+  std::vector<std::size_t> above_that(b.size() + 2, far);
+  std::vector<std::size_t> above(b.size() + 2, far);
+  std::vector<std::size_t> row(b.size() + 2, far);
+  for (std::size_t j = 0; j <= std::min(b.size(), limit); ++j) above[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
+    const std::size_t first = i > limit ? i - limit : 1;
+    const std::size_t last = std::min(b.size(), i + limit);
+    row[first - 1] = first == 1 ? std::min(i, far) : far;
+    row[last + 1] = far;
+    std::size_t least = row[first - 1];
+    for (std::size_t j = first; j <= last; ++j) {
       const bool same = lower(a[i - 1]) == lower(b[j - 1]);
-      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (same ? 0U : 1U)});
+      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (same ? 0U : 1U), far});
       const bool swapped =
           i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
       if (swapped) row[j] = std::min(row[j], above_that[j - 2] + 1);
+      least = std::min(least, row[j]);
     }
-    if (*std::min_element(row.begin(), row.end()) > limit) return limit + 1;
+    if (least > limit) return far;
     above_that.swap(above);
     above.swap(row);
   }

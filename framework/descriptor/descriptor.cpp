@@ -42,7 +42,7 @@ Result<model::Cell> parse(std::string_view xml, const std::string& file) {
   return std::move(reading.cell);
 }
 
-Result<model::Cell> load(const std::string& file) {
+Result<model::Cell> load(const std::string& file, std::string* text) {
   errno = 0;
   std::ifstream stream{file, std::ios::binary};
   std::string content(kMaxBytes + 1, '\0');
@@ -54,6 +54,7 @@ Result<model::Cell> load(const std::string& file) {
     return Problem{place(file, 1), "the file cannot be read" + reason, "give the path of a descriptor"};
   }
   content.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text != nullptr) *text = content;
   return parse(content, file);
 }
 

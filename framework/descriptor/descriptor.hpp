@@ -17,7 +17,7 @@ inline constexpr std::size_t kMaxBytes = std::size_t{16} * 1024 * 1024;
 /// cell and device are named after its stem.
 Result<model::Cell> parse(std::string_view xml, const std::string& file);
 
-/// parse() of a file's content. Fails too when the file cannot be read.
-Result<model::Cell> load(const std::string& file);
+/// parse() of a file's content. Fails too when the file cannot be read. `text`, if given, gets the content.
+Result<model::Cell> load(const std::string& file, std::string* text = nullptr);
 
 }  // namespace takt::descriptor

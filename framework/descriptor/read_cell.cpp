@@ -63,12 +63,17 @@ class CellReader {
     read_discovery(cell);
     reading_.gaps.devices = cell.has_unknown_children();
     for (const XMLElement* child : cell.children("device")) {
+      if (report_.full()) break;
       const Element device{*child, kDevice, report_};
       const auto device_name = device.required_attribute("name");
       if (!device_name) reading_.gaps.devices = true;
       read_device(device, device_name ? device_name->trimmed() : stand_in());
     }
-    for (const XMLElement* child : cell.children("connection")) read_connection(*child);
+    for (const XMLElement* child : cell.children("connection")) {
+      // One too many is enough to be refused.
+      if (report_.full() || reading_.cell.connections.size() > model::kMaxConnections) break;
+      read_connection(*child);
+    }
   }
 
   void read_discovery(const Element& cell) {
@@ -87,7 +92,8 @@ class CellReader {
     if (const auto given = cell.attribute("peers")) {
       const std::string text = given->text;
       constexpr const char* kBlanks = " \t\r\n";
-      for (std::size_t at = text.find_first_not_of(kBlanks); at != std::string::npos;) {
+      std::size_t at = text.find_first_not_of(kBlanks);
+      while (at != std::string::npos && discovery.peers.size() <= model::kMaxPeers) {
         const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
         discovery.peers.push_back(text.substr(at, end - at));
         at = text.find_first_not_of(kBlanks, end);
@@ -123,10 +129,12 @@ class CellReader {
     model::Gaps::OfDevice gaps{.executors = element.has_unknown_children(),
                                .modules = element.has_unknown_children()};
     for (const XMLElement* child : element.children("executor")) {
+      if (report_.full()) break;
       device.executors.push_back(read_executor(*child, gaps));
     }
     if (device.executors.empty()) device.executors.emplace_back().line = device.line;
     for (const XMLElement* child : element.children("module")) {
+      if (report_.full()) break;
       ModuleReading module = read_module(*child, device.executors, report_);
       if (!module.name_known) {
         module.module.name = stand_in();

@@ -190,6 +190,7 @@ class ModuleReader {
     if (xml == nullptr) return;
     const Element property{*xml, kProperty, report_};
     for (const auto* child : property.children("value")) {
+      if (report_.full()) break;
       const Element value{*child, kValue, report_};
       const auto name = value.required_attribute("name");
       if (name) module_.properties.push_back({name->trimmed(), value.text(), value.line()});

@@ -91,6 +91,13 @@ class Scanner {
   }
   bool fail(std::string what, std::string fix) { return fail(line_, std::move(what), std::move(fix)); }
 
+  /// One more of what tinyxml2 keeps.
+  bool count_part() {
+    if (++parts_ <= kMaxParts) return true;
+    return fail("more than " + std::to_string(kMaxParts) + " elements, attributes, texts and comments",
+                "a descriptor has far fewer: is this the right file?");
+  }
+
   [[nodiscard]] bool done() const { return at_ == xml_.size(); }
   [[nodiscard]] std::string_view rest() const { return xml_.substr(at_); }
   [[nodiscard]] bool next_is(std::string_view word) const { return rest().starts_with(word); }
@@ -124,6 +131,7 @@ class Scanner {
   int line_ = 1;
   std::vector<Open> open_;
   bool root_seen_ = false;
+  std::size_t parts_ = 0;
   std::optional<Fault> fault_;
 };
 
@@ -193,8 +201,8 @@ bool Scanner::scan_declaration() {
 }
 
 bool Scanner::scan_markup() {
-  if (next_is("<!--")) return scan_comment();
-  if (next_is("<![CDATA[")) return scan_cdata();
+  if (next_is("<!--")) return scan_comment() && count_part();
+  if (next_is("<![CDATA[")) return scan_cdata() && count_part();
   if (next_is("<!")) {
     return fail("a document type or entity declaration (<!DOCTYPE, <!ENTITY)",
                 "remove it: a descriptor has elements and comments only");
@@ -203,7 +211,7 @@ bool Scanner::scan_markup() {
     return fail("a processing instruction (<?...)",
                 "remove it: only the XML declaration may stand in a descriptor, as its first characters");
   }
-  return next_is("</") ? scan_end_tag() : scan_start_tag();
+  return next_is("</") ? scan_end_tag() : scan_start_tag() && count_part();
 }
 
 bool Scanner::scan_comment() {
@@ -245,7 +253,7 @@ bool Scanner::scan_text() {
     }
   }
   advance(text.size());
-  return true;
+  return start == std::string_view::npos || count_part();  // tinyxml2 keeps no blanks
 }
 
 /// `at` stands on & and is moved past the reference.
@@ -345,7 +353,7 @@ bool Scanner::scan_start_tag() {
                   "put a space before each attribute, and close the tag with > or />");
     }
     if (attributes.size() >= 100) return fail("more than 100 attributes", "no element has more than ten");
-    if (!scan_attribute(attributes)) return false;
+    if (!scan_attribute(attributes) || !count_part()) return false;
   }
 }
 

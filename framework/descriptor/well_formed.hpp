@@ -20,10 +20,13 @@ struct Fault {
 
 /// Elements in elements; tinyxml2 goes no deeper than 100.
 inline constexpr std::size_t kMaxDepth = 50;
+/// Tags, attributes, comments and texts together, so that a text that is all tags cannot take a hundred times
+/// its size in memory.
+inline constexpr std::size_t kMaxParts = 1'000'000;
 
 /// The first fault; nothing after it has a sure meaning. None means: UTF-8 without control characters, one
-/// root element, no document type, no processing instruction but the XML declaration, no entity but the five
-/// of XML.
+/// root element, not more than kMaxParts, no document type, no processing instruction but the XML
+/// declaration, no entity but the five of XML.
 std::optional<Fault> find_fault(std::string_view xml);
 
 }  // namespace takt::descriptor

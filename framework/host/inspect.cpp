@@ -42,7 +42,8 @@ std::string ports_of(const ThreadModule& module) {
     list.push_back({{"name", port->name()},
                     {"direction", to_text(port->direction())},
                     {"description", port->type().description},
-                    {"text", port->text()}});
+                    {"text", port->text()},
+                    {"object", port->value_size() != 0}});
   }
   return dump({{"ports", list}});
 }

@@ -30,7 +30,7 @@ struct Setup {
   std::vector<int> background_cpus;             ///< of everything that is not real-time
   std::vector<int> seat_fds;                    ///< of each module; -1: it has no seat
   int bell_fd = -1;
-  std::vector<PortLink> links;
+  std::vector<PortLink> links{};
 };
 
 /// node -> host

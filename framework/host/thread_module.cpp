@@ -226,6 +226,7 @@ Result<void> ThreadModule::destruct() {
 
 executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
   serve_cycle(&cycle);
+  context_.start_ns = to_ns(cycle.start);
   try {
     if (component_ != nullptr) {
       component_->run(cycle);
@@ -243,13 +244,14 @@ executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
 
 executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexcept {
   serve_cycle(&cycle);
+  context_.start_ns = to_ns(cycle.start);
   try {
     if (component_ != nullptr)
       *ready = component_->condition();
     else if (condition_ != nullptr)
       *ready = condition_() != FALSE;
     else
-      *ready = has_event();
+      *ready = has_news();
   } catch (const std::exception& exception) {
     say_failure(exception.what());
   } catch (...) {
@@ -259,7 +261,7 @@ executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexc
   return take_failure();
 }
 
-bool ThreadModule::has_event() const noexcept {
+bool ThreadModule::has_news() const noexcept {
   return std::any_of(ports_.begin(), ports_.end(), [](const PortBase* port) {
     return port->direction() == PortDirection::event && port->has_news();
   });

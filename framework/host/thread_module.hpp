@@ -44,6 +44,8 @@ class ThreadModule final : public executor::Body {
   executor::Outcome run(const Cycle& cycle) noexcept override;
   executor::Outcome condition(const Cycle& cycle, bool* ready) noexcept override;
 
+  [[nodiscard]] bool has_news() const noexcept override;
+
   /// Null for a module in the C form.
   [[nodiscard]] const Component* component() const noexcept { return component_; }
   [[nodiscard]] const char* component_name() const noexcept {
@@ -63,7 +65,6 @@ class ThreadModule final : public executor::Body {
   Result<void> take_ports(const std::string& path);
   /// It has a condition, of its own or by an event port.
   [[nodiscard]] bool may_be_ready() const noexcept;
-  [[nodiscard]] bool has_event() const noexcept;
   /// What a hook writes has the time at which it was called.
   void begin_hook() noexcept;
 

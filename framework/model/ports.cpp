@@ -189,7 +189,8 @@ std::string ports_json(const std::vector<Port>& ports) {
                     {"direction", to_text(port.direction)},
                     {"type", port.type.name},
                     {"description", to_text(port.type)},
-                    {"text", port.text}});
+                    {"text", port.text},
+                    {"object", port.object}});
   }
   return json{{"ports", list}}.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -206,6 +207,7 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
                                                                                : "";
     };
     Port port{.name = string_of("name"), .direction = Direction::in, .type = {}, .text = string_of("text")};
+    port.object = each.is_object() && each.contains("object") && each["object"] == true;
     const auto direction = direction_of(string_of("direction"));
     auto type = parse_type(string_of("description"));
     if (port.name.empty() || !direction) {

@@ -21,6 +21,8 @@ struct Port {
   Direction direction = Direction::in;
   Type type;
   std::string text;  ///< one sentence; may be empty
+  /// A port in C++ of a thread module: within one host its samples are handed over as objects, not as bytes.
+  bool object = false;
   bool operator==(const Port&) const = default;
 };
 

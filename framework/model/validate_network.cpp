@@ -83,8 +83,8 @@ void Network::check_peers() {
         "name at least one, as in peers=\"10.0.0.1 line.local\"");
   }
   if (discovery.peers.size() > kMaxPeers) {
-    add(cell_.line, "the cell has " + std::to_string(discovery.peers.size()) + " peers",
-        "a cell has at most 256");
+    add(cell_.line, "the cell has more than 256 peers", "use a discovery server for so many");
+    return;
   }
   std::set<std::string_view> seen;
   for (const std::string& peer : discovery.peers) {
@@ -299,8 +299,7 @@ void Network::check_shared_topics(const Connections& connections) {
 
 void Network::check_connections() {
   if (cell_.connections.size() > kMaxConnections) {
-    add(cell_.line, "the cell has " + std::to_string(cell_.connections.size()) + " connections",
-        "a cell has at most 100000");
+    add(cell_.line, "the cell has more than 100000 connections", "make several cells of it");
     return;
   }
   for (std::size_t i = 0; i < cell_.devices.size(); ++i) {

@@ -87,6 +87,7 @@ class Agent {
   void refuse(const Problems& problems);
   void go(std::int64_t t0_wall_ns);
   void finish();
+  void forget_kept();
   void clear();
   void stepped(const Step& step);
   [[nodiscard]] std::string occupied() const;
@@ -102,7 +103,9 @@ class Agent {
   Outlet& outlet_;
   dds::Picture others_;
   std::unique_ptr<Deployment> deployment_;
-  std::string clash_;         // who else has this name; empty: nobody
+  std::string clash_;    // who else has this name; empty: nobody
+  std::string last_id_;  // of the deployment that ended last, and what was said of it
+  std::string last_data_;
   std::string last_refusal_;  // why a deployment could not be taken up again
   DeviceStatus told_;
   bool told_once_ = false;

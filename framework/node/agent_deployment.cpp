@@ -133,6 +133,7 @@ void Agent::look_at_inspection() {
   d.supervised = workshop_.supervise({.cell = d.cell,
                                       .device = d.device,
                                       .paths = (*result)->paths,
+                                      .ports = (*result)->ports,
                                       .require_real_time = d.require_real_time,
                                       .stepped = [this](const Step& step) { stepped(step); }});
   if (const auto prepared = d.supervised->prepare(); !prepared) refuse(prepared.problems());
@@ -240,9 +241,10 @@ void Agent::undeploy(const Command& command) {
     return;
   }
   if (!deployment_) {
-    if (options_.file) static_cast<void>(options_.file->forget());
+    forget_kept();
     last_refusal_.clear();
-    answer(command, REPLY_OK, "device " + options_.device + " has no deployment");
+    answer(command, REPLY_OK, "device " + options_.device + " has no deployment",
+           !id.empty() && id == last_id_ ? last_data_ : "");
     return;
   }
   deployment_->undeployers.push_back(command);
@@ -258,31 +260,38 @@ void Agent::undeploy(const Command& command) {
 // It has ended: by a failure, or because it was told to.
 void Agent::finish() {
   Deployment& d = *deployment_;
-  const Problems& failures = d.supervised->failures();
+  const Problems failures = d.supervised->failures();
   const bool started = d.ready_since.has_value();
-  const bool undeployed = !d.undeployers.empty();
+  const std::vector<Command> preparers = std::move(d.preparers);
+  const std::vector<Command> undeployers = std::move(d.undeployers);
   ended_at_ = options_.now();
-  if (!started) {
-    const Problems reasons = failures.empty() ? Problems{fail("it was undeployed")} : failures;
-    for (const Command& preparer : d.preparers)
-      answer(preparer, REPLY_FAILED, in_words({reasons[0]}), dump(problems_json(reasons)));
-    if (d.preparers.empty() && !undeployed && !failures.empty()) last_refusal_ = to_text(failures[0]);
+  nlohmann::ordered_json texts = nlohmann::ordered_json::array();
+  for (const Problem& problem : failures) texts.push_back(to_text(problem));
+  last_id_ = d.id;
+  last_data_ = dump({{"report", d.supervised->report()}, {"failures", texts}});
+  if (!started && preparers.empty() && undeployers.empty() && !failures.empty())
+    last_refusal_ = to_text(failures[0]);
+
+  if (undeployers.empty() && started && d.undone.empty()) {
+    d.over = true;
+    return;
   }
-  if (undeployed) {
-    nlohmann::ordered_json texts = nlohmann::ordered_json::array();
-    for (const Problem& problem : failures) texts.push_back(to_text(problem));
-    const std::string data = dump({{"report", d.supervised->report()}, {"failures", texts}});
-    for (const Command& undeployer : d.undeployers) answer(undeployer, REPLY_OK, "", data);
-    if (options_.file) {
-      if (const auto forgotten = options_.file->forget(); !forgotten)
-        log("warning: " + in_words(forgotten.problems()));
-    }
+  if (!undeployers.empty()) {
+    forget_kept();
     log("cell " + d.cell.name + " is undeployed");
   }
-  if (undeployed || !started || !d.undone.empty())
-    clear();
-  else
-    d.over = true;
+  clear();
+  tell_status();  // who has the answer finds the device free
+  const Problems reasons = failures.empty() ? Problems{fail("it was undeployed")} : failures;
+  for (const Command& preparer : preparers)
+    answer(preparer, REPLY_FAILED, in_words({reasons[0]}), dump(problems_json(reasons)));
+  for (const Command& undeployer : undeployers) answer(undeployer, REPLY_OK, "", last_data_);
+}
+
+void Agent::forget_kept() {
+  if (!options_.file) return;
+  if (const auto forgotten = options_.file->forget(); !forgotten)
+    log("warning: " + in_words(forgotten.problems()));
 }
 
 void Agent::clear() {

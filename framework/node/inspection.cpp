@@ -64,7 +64,15 @@ class Program final : public Inspection {
     const json answer = json::parse(text, nullptr, false);
     if (answer.is_discarded()) return failed("gave an answer that cannot be read");
     if (answer.contains("problems")) return problems_from(answer["problems"]);
-    return Inspected{answer.at("paths").get<host::ComponentPaths>(), dump(answer.at("description"))};
+    Inspected inspected{answer.at("paths").get<host::ComponentPaths>(), {}, dump(answer.at("description"))};
+    for (const json& module : answer.at("ports")) {
+      inspected.ports.emplace_back();
+      if (module.is_null()) continue;
+      auto ports = model::parse_ports(module.get<std::string>());
+      if (!ports) return ports.problems();
+      inspected.ports.back() = std::move(*ports);
+    }
+    return inspected;
   }
 
   os::MessageSocket socket_;
@@ -113,7 +121,6 @@ json inspect_here(const InspectionRequest& request) {
   // This device alone; what of it is not there is left out.
   model::Cell mine = *cell;
   mine.devices = {*device};
-  mine.connections.clear();
   Problems problems;
   if (!request.as_written) {
     std::vector<model::Module> found;
@@ -139,14 +146,27 @@ json inspect_here(const InspectionRequest& request) {
     return refuse(problems);
   }
 
+  json ports = json::array();
+  for (const model::ModulePorts& module : components->ports.at(0))
+    ports.push_back(module ? json(model::ports_json(*module)) : json(nullptr));
   json modules = json::array();
   for (std::size_t i = 0; i < mine.devices[0].modules.size(); ++i) {
     const std::string& path = components->paths.at(0)[i];
-    const auto description = host::describe(path);
+    const model::Module& module = mine.devices[0].modules[i];
+    // A program's ports are known where a connection names it; another is not started only to be looked at.
+    const auto description =
+        module.type == model::ModuleType::process
+            ? Result<host::Description>{{fs::path{path}.stem().string(),
+                                         "process",
+                                         {},
+                                         {},
+                                         components->ports.at(0)[i].value_or(std::vector<model::Port>{})}}
+            : host::describe(path);
     if (!description) return refuse(description.problems());
-    modules.push_back(describe(mine.devices[0].modules[i], path, *description));
+    modules.push_back(describe(module, path, *description));
   }
   return {{"paths", components->paths.at(0)},
+          {"ports", ports},
           {"description", {{"device", request.device}, {"modules", modules}}}};
 }
 

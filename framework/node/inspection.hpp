@@ -25,6 +25,7 @@ struct InspectionRequest {
 
 struct Inspected {
   host::ComponentPaths paths;
+  std::vector<model::ModulePorts> ports;  ///< of the device's modules
   std::string description;  ///< JSON: {"device", "modules": [{"name", "path", "interface", "properties":
                             ///< [...], ...}]}
 };

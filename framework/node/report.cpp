@@ -42,6 +42,10 @@ const Statistics& jitter_of(const Member& member) {
 const Statistics& run_of(const Member& member) {
   return member.seat == nullptr ? member.block.run : member.seat->run;
 }
+std::uint64_t releases_of(const Member& member) {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  return member.block.cycles.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->begun.load(relaxed));
+}
 std::uint64_t overruns_of(const Member& member) {
   constexpr auto relaxed = std::memory_order_relaxed;
   return member.block.overruns.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->late.load(relaxed));
@@ -89,7 +93,7 @@ Measures Supervisor::measures() const {
     const channel::ModuleBlock& block = member->block;
     ModuleStatistics entry;
     name(entry, member->model.name);
-    entry.cycles(block.cycles.load(relaxed));
+    entry.cycles(releases_of(*member));
     entry.missed(block.missed.load(relaxed));
     entry.overruns(overruns_of(*member));
     entry.errors(block.errors.load(relaxed) + member->errors);
@@ -119,7 +123,7 @@ json Supervisor::report() const {
                        {"type", model::to_text(member->model.type)},
                        {"operation", model::to_text(member->model.operation)},
                        {"state", lifecycle::to_text(member->state())},
-                       {"cycles", block.cycles.load(relaxed)},
+                       {"cycles", releases_of(*member)},
                        {"overruns", overruns_of(*member)},
                        {"errors", block.errors.load(relaxed) + member->errors},
                        {"jitter_us", in_microseconds(jitter_of(*member).read())},

@@ -22,7 +22,7 @@ struct Step {
   std::uint32_t module = 0;  ///< its index on the device
   lifecycle::Transition transition;
   ErrorType error = ErrorType::none;  ///< of the event `error`
-  std::string text;                   ///< why; may be empty
+  std::string text{};                 ///< why; may be empty
 };
 
 /// How the device stands at present.

@@ -74,6 +74,11 @@ Result<void> Supervisor::prepare() {
   bell_memory_ = std::move(*bell);
   bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
 
+  options_.ports.resize(device().modules.size());
+  auto wiring = Wiring::create(plan_wiring(options_.cell, options_.device, options_.ports));
+  if (!wiring) return wiring.problems();
+  wiring_ = std::move(*wiring);
+
   for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
     members_.push_back(std::make_unique<Member>(device().modules[i], i, channel_.module(i)));
     Member& member = *members_.back();
@@ -143,6 +148,9 @@ void Supervisor::go(Instant t0) {
   t0_ = t0;
   if (t0 < os::now()) join_grid(t0);
   channel_.host().t0_ns.store(to_ns(t0), std::memory_order_release);
+  for (auto& member : members_) {
+    if (member->seat != nullptr) member->seat->t0_ns.store(to_ns(t0), std::memory_order_relaxed);
+  }
   begin_rows();
 }
 
@@ -167,13 +175,25 @@ std::uint64_t Supervisor::cycles_of(const Member& member) const {
   return cycles.load(std::memory_order_relaxed);
 }
 
-void Supervisor::put_in_tables(Member& member) {
-  member.seen_cycles = cycles_of(member);
-  member.block.in_tables.store(1, std::memory_order_seq_cst);  // SYNC: in tables
+channel::Place Supervisor::place_of(const Member& member) const {
+  return {.index = member.index,
+          .block = &member.block,
+          .executor = member.scheduled() ? &channel_.executor(executor_of(member)) : nullptr,
+          .seat = member.seat};
 }
 
-void Supervisor::take_from_tables(Member& member) {
-  member.block.in_tables.store(0, std::memory_order_seq_cst);
+void Supervisor::put_in_tables(Member& member) {
+  member.seen_cycles = cycles_of(member);
+  channel::put_in(place_of(member));
+  // What came while it was out is there already, and nobody will ring for it.
+  if (member.seat != nullptr && member.seat->immediate != 0) ring(member.seat->bell_bit);
+}
+
+void Supervisor::take_from_tables(Member& member) { member.departure.begin(place_of(member)); }
+
+bool Supervisor::is_out(const Member& member) const {
+  if (member.is_process() && !member.scheduled()) return !member.child.running();
+  return member.departure.over(place_of(member));
 }
 
 std::size_t Supervisor::executor_of(const Member& member) const {
@@ -240,8 +260,9 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text,
 }
 
 void Supervisor::attempt_recovery(Member& member) {
-  if (member.is_process() && member.child.running())
-    return;  // until it is started again it must have ended, or be ready
+  const bool alive = member.is_process() && member.child.running();
+  // A program that was started again becomes ready or ends; one that goes on has to come out of its body.
+  if (alive && (member.started_again || !is_out(member))) return;
   if (phase_ == Phase::stopping || (member.is_thread() && !host_.running())) return;
   switch (member.recovery.next(os::now())) {
     case lifecycle::Recovery::Step::wait:
@@ -256,15 +277,20 @@ void Supervisor::attempt_recovery(Member& member) {
                   std::to_string(member.model.recovery.attempts));
   if (member.is_thread()) {
     ask(member, Doing::recover);
+  } else if (alive) {
+    recovered(member);
   } else if (auto spawned = spawn(member); !spawned) {
     not_recovered(member, in_words(spawned.problems()));
   } else if (!member.scheduled()) {
     recovered(member);
+  } else {
+    member.started_again = true;
   }
 }
 
 void Supervisor::recovered(Member& member) {
   member.recovery.attempted(os::now(), true);
+  member.started_again = false;
   if (!apply(member, Event::recover)) return;
   ++member.recoveries;
   if (rows_begun_ && member.wanted && (member.scheduled() || member.is_thread())) put_in_tables(member);

@@ -25,6 +25,7 @@
 #include <takt/node/member.hpp>
 #include <takt/node/placement.hpp>
 #include <takt/node/supervised.hpp>
+#include <takt/node/wiring.hpp>
 
 namespace takt::node {
 
@@ -33,7 +34,8 @@ class Supervisor final : public Supervised {
   struct Options {
     model::Cell cell;
     std::size_t device = 0;
-    host::ComponentPaths paths;  ///< of the device's modules
+    host::ComponentPaths paths;                ///< of the device's modules
+    std::vector<model::ModulePorts> ports{};   ///< the same; empty: nothing is known
     bool require_real_time = false;
     std::function<void(const Step&)> stepped{};  ///< told of every step of a module
   };
@@ -76,11 +78,12 @@ class Supervisor final : public Supervised {
   Result<void> create_seat(Member& member);
   Result<void> spawn(Member& member);
   void watch_process(Member& member, Instant now);
+  void watch_body(Member& member, Instant now);
   void process_ended(Member& member, const os::ProcessEnd& end);
   void process_ready(Member& member);
   void end_process(Member& member, Instant now);
   void forward_output();
-  void ring_all();
+  void ring(std::uint32_t bits);
 
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
@@ -96,8 +99,12 @@ class Supervisor final : public Supervised {
   void not_recovered(Member& member, const std::string& text);
   void give_up(Member& member);
   std::uint64_t cycles_of(const Member& member) const;
+  channel::Place place_of(const Member& member) const;
   void put_in_tables(Member& member);
   void take_from_tables(Member& member);
+  /// Whether nothing of it runs any more since it was taken from the tables: no row, sporadic run, background
+  /// run or body of its program that began before. Its hooks may be called then.
+  bool is_out(const Member& member) const;
   void join_grid(Instant t0);
   void prepare_step();
   void running_step(Instant now);
@@ -115,6 +122,7 @@ class Supervisor final : public Supervised {
   channel::Channel channel_;
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;
+  Wiring wiring_;
   std::vector<std::unique_ptr<Member>> members_;
   HostLink host_;
   bool rows_begun_ = false;

@@ -19,13 +19,15 @@ Result<void> Supervisor::start_host() {
                     .executor_cpus = placement_.executors,
                     .background_cpus = placement_.background,
                     .seat_fds = {},
-                    .bell_fd = bell_memory_.fd().get()};
+                    .bell_fd = bell_memory_.fd().get(),
+                    .links = wiring_.of_host(device())};
   std::vector<const os::Fd*> inherit{&bell_memory_.fd()};
   for (const auto& member : members_) {
     setup.left_out.push_back(member->lost);
     setup.seat_fds.push_back(member->seat == nullptr ? -1 : member->seat_memory.fd().get());
     if (member->seat != nullptr) inherit.push_back(&member->seat_memory.fd());
   }
+  wiring_.inherit(inherit, setup.links);
   return host_.start(channel_, setup, inherit);
 }
 

@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
   }
   options.domain = *domain;
   options.discovery = takt::tool::discovery_of(network);
+  options.interfaces = takt::tool::interfaces();
   if (port != 0) {
     options.discovery.kind = takt::model::Discovery::Kind::server;
     options.discovery.serve = true;

@@ -8,6 +8,8 @@
 
 #include <takt/core/check.hpp>
 
+#include "page.hpp"
+
 namespace takt::tool {
 namespace {
 
@@ -16,132 +18,9 @@ using model::Module;
 using model::ModuleType;
 using schedule::DevicePlan;
 using schedule::ExecutorPlan;
-using Words = std::vector<std::string>;
+using Words = Page::Words;
 
 constexpr std::size_t kIndent = 4;
-/// Of a longer list of modules, the first so many are named.
-constexpr std::size_t kNamedModules = 32;
-
-std::string count(std::size_t number, std::string_view noun) {
-  return fmt::format("{} {}{}", number, noun, number == 1 ? "" : "s");
-}
-
-/// Lines up columns, marks what matters, and never passes the width: what does not fit beside the first
-/// column goes below.
-class Page {
- public:
-  explicit Page(Style style) : colour_{style.colour}, width_{std::clamp<std::size_t>(style.width, 80, 100)} {}
-
-  void line(std::size_t indent, std::string_view text) { put(std::string(indent, ' ').append(text)); }
-  void dim(std::size_t indent, std::string_view text) { put(std::string(indent, ' ').append(text), true); }
-  /// "TITLE: rest", with the rest below where it does not fit beside.
-  void heading(std::size_t indent, const std::string& title, const std::string& rest) {
-    if (indent + title.size() + 2 + rest.size() <= width_) {
-      line(indent, in_colour("1", title + ":") + " " + rest);
-    } else {
-      line(indent, in_colour("1", title + ":"));
-      line(indent + 2, rest);
-    }
-  }
-  void blank() { text_ += '\n'; }
-
-  [[nodiscard]] std::string bold(std::string_view text) const { return in_colour("1", text); }
-  [[nodiscard]] std::string warning(std::string_view text) const { return in_colour("33", text); }
-
-  /// `lead`, then the words with commas between them, as many on a line as fit; further lines begin under the
-  /// first word. A lead that leaves no room for the longest word stands alone.
-  void words(std::size_t indent, std::string_view lead, Words words) {
-    if (words.size() > kNamedModules + 1) {
-      const std::size_t more = words.size() - kNamedModules;
-      words.resize(kNamedModules);
-      words.push_back(fmt::format("and {} more", more));
-    }
-    std::size_t longest = 0;
-    for (const auto& word : words) longest = std::max(longest, word.size() + 1);
-    std::string line(indent, ' ');
-    line += lead;
-    std::size_t begin = line.size();
-    if (begin + longest > width_) {
-      put(line);
-      begin = indent + 2;
-      line.assign(begin, ' ');
-    }
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      const std::string word = words[i] + (i + 1 < words.size() ? "," : "");
-      const std::size_t space = line.size() > begin ? 1 : 0;
-      if (space == 1 && line.size() + 1 + word.size() > width_) {
-        put(line);
-        line.assign(begin, ' ');
-      } else {
-        line.append(space, ' ');
-      }
-      line += word;
-    }
-    put(line);
-  }
-
-  /// A sentence, broken between its words.
-  void sentence(std::size_t indent, std::string_view text) {
-    std::string line(indent, ' ');
-    while (!text.empty()) {
-      const std::size_t end = std::min(text.find(' '), text.size());
-      const std::string_view word = text.substr(0, end);
-      text.remove_prefix(std::min(end + 1, text.size()));
-      if (line.size() > indent && line.size() + 1 + word.size() > width_) {
-        put(line);
-        line.assign(indent, ' ');
-      }
-      if (line.size() > indent) line += ' ';
-      line += word;
-    }
-    put(line);
-  }
-
-  /// The first row is the heading. All rows have as many cells.
-  void table(std::size_t indent, const std::vector<Words>& rows) {
-    const std::vector<std::size_t> widths = widths_of(rows);
-    std::size_t total = indent;
-    for (const std::size_t width : widths) total += width + 2;
-    const bool below = total - 2 > width_;
-    for (const Words& row : rows) {
-      std::string line(indent, ' ');
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        if (i == 1 && below) {
-          put(line, &row == &rows.front());
-          line.assign(indent + 2, ' ');
-        }
-        line += row[i];
-        if (i + 1 < row.size() && !(i == 0 && below)) line.append(widths[i] - row[i].size() + 2, ' ');
-      }
-      put(line, &row == &rows.front());
-    }
-  }
-
-  static std::vector<std::size_t> widths_of(const std::vector<Words>& rows) {
-    std::vector<std::size_t> widths;
-    for (const Words& row : rows) {
-      widths.resize(row.size());
-      for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-    }
-    return widths;
-  }
-
-  [[nodiscard]] std::string take() && { return std::move(text_); }
-
- private:
-  void put(std::string line, bool dim = false) {
-    while (!line.empty() && line.back() == ' ') line.pop_back();
-    text_ += (dim ? in_colour("2", line) : line) + "\n";
-  }
-
-  [[nodiscard]] std::string in_colour(std::string_view code, std::string_view text) const {
-    return colour_ ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string{text};
-  }
-
-  bool colour_;
-  std::size_t width_;
-  std::string text_;
-};
 
 /// "vision (process)"; a thread module is only named.
 std::string called(const Module& module) {

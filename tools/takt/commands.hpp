@@ -2,8 +2,11 @@
 // standard error.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+
+#include "network.hpp"
 
 namespace takt::tool {
 
@@ -17,6 +20,7 @@ int check(const CheckOptions& options);
 
 struct RunOptions {
   std::string file;
+  Network network;
   std::optional<double> seconds;  ///< none: until Ctrl-C
   bool json = false;
   bool require_real_time = false;
@@ -30,5 +34,12 @@ struct DescribeOptions {
   bool xml = false;  ///< a <module> element to paste into a descriptor
 };
 int describe(const DescribeOptions& options);
+
+/// What the command line asks for, once it was read.
+using Chosen = std::function<int()>;
+/// Each adds its command, which sets `chosen`. Both outlive the parsing.
+void add_deploy(CLI::App& app, Chosen& chosen);
+void add_undeploy(CLI::App& app, Chosen& chosen);
+void add_status(CLI::App& app, Chosen& chosen);
 
 }  // namespace takt::tool

@@ -6,8 +6,18 @@
 
 namespace takt::tool {
 
+Result<Loaded> load_remote(const std::string& file) {
+  std::string text;
+  auto cell = descriptor::load(file, &text);
+  if (!cell) return cell.problems();
+  auto plans = schedule::plan(*cell);
+  if (!plans) return plans.problems();
+  return Loaded{std::move(text), std::move(*cell), std::move(*plans), {}, {}};
+}
+
 Result<Loaded> load(const std::string& file, Problems* missing) {
-  auto cell = descriptor::load(file);
+  std::string text;
+  auto cell = descriptor::load(file, &text);
   if (!cell) return cell.problems();
   Problems problems;
   auto plans = schedule::plan(*cell);
@@ -16,7 +26,7 @@ Result<Loaded> load(const std::string& file, Problems* missing) {
   if (!components)
     problems.insert(problems.end(), components.problems().begin(), components.problems().end());
   if (!problems.empty()) return problems;
-  return Loaded{std::move(*cell), std::move(*plans), std::move(components->paths),
+  return Loaded{std::move(text), std::move(*cell), std::move(*plans), std::move(components->paths),
                 std::move(components->ports)};
 }
 

@@ -56,6 +56,12 @@ int main(int argc, char** argv) {
   run_command->add_flag("--require-realtime", run_options.require_real_time,
                         "refuse to run where the system refuses real-time scheduling");
   run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
+  add_network_options(*run_command, run_options.network);
+
+  Chosen chosen;
+  add_deploy(app, chosen);
+  add_undeploy(app, chosen);
+  add_status(app, chosen);
 
   DescribeOptions describe_options;
   auto* describe_command =
@@ -77,6 +83,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   if (for_option->count() != 0) run_options.seconds = seconds;
+  if (chosen) return chosen();
   if (*check_command) return check(check_options);
   if (*run_command) return run(run_options);
   return describe(describe_options);

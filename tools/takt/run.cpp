@@ -1,17 +1,21 @@
-// Runs a descriptor on this machine: one takt-node for each device, all from one instant.
+// Runs a descriptor on this machine: starts one takt-node for each device, and deploys to them as to any
+// other.
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <memory>
 
 #include <nlohmann/json.hpp>
 
-#include <takt/node/control.hpp>
+#include <takt/client/deploy.hpp>
 #include <takt/node/log.hpp>
+#include <takt/node/node.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
 #include <takt/os/signals.hpp>
 
+#include "client.hpp"
 #include "commands.hpp"
 #include "load.hpp"
 #include "run_report.hpp"
@@ -23,156 +27,233 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
+/// All nodes are here: from the moment on that all are ready to the first row.
+constexpr std::chrono::milliseconds kLead{250};
+constexpr std::chrono::milliseconds kMargin{50};
+
 /// One device's node, seen from here.
 struct Node {
   std::string device;
   os::Child process;
-  os::MessageSocket control;
-  bool ready = false;
-  bool ended = false;
-  json report;
-  std::vector<std::string> failures;
-
-  void tell(const json& message) { control.send(message.dump()); }
+  int pid = 0;
+  os::MessageSocket lifetime;  ///< it ends in order when this closes
+  bool ended = false;          ///< the process
+  bool told = false;           ///< what it has to say at the end is known
+  json report{};
+  std::vector<std::string> failures{};
 };
 
-class Cell {
+class Run {
  public:
-  explicit Cell(const RunOptions& options) : options_(options) {}
+  Run(const RunOptions& options, const Loaded& loaded, const os::SignalQueue& signals)
+      : options_(options), loaded_(loaded), signals_(signals) {}
 
-  Result<void> start(const model::Cell& cell);
-  /// Until every node has ended.
-  void serve(const os::SignalQueue& signals);
-  json report(const std::string& cell) const;
+  Result<void> start_nodes(int domain);
+  Result<void> deploy(const Client& client);
+  /// Until it is time, somebody asks, or every device has ended.
+  void serve(const Client& client);
+  /// Ends what still runs.
+  void undeploy(const Client& client);
+  /// Ends the nodes.
+  void end_nodes();
+
+  [[nodiscard]] json report() const;
   [[nodiscard]] std::vector<std::string> failures() const;
   /// Whether the first row was agreed; else there is nothing to report but why not.
   [[nodiscard]] bool went() const noexcept { return went_; }
 
  private:
-  void take_messages(Node& node);
-  void watch_end(Node& node);
-  void stop();
-  [[nodiscard]] int milliseconds_left() const {
-    if (!end_at_ || stopping_) return 20;
-    return static_cast<int>(
-        std::min<std::int64_t>((*end_at_ - os::now()) / std::chrono::milliseconds{1}, 20));
-  }
-  bool all(bool Node::*flag) const {
-    for (const auto& node : nodes_) {
-      if (!((*node).*flag)) return false;
-    }
-    return true;
-  }
+  void watch();
+  void note(const client::Undeployed& undeployed);
+  void ask_one(const Client& client, Node& node);
+  [[nodiscard]] std::map<std::string, std::int32_t> process_ids() const;
+  [[nodiscard]] client::Devices still_running() const;
 
   const RunOptions& options_;
+  const Loaded& loaded_;
+  const os::SignalQueue& signals_;
   std::vector<std::unique_ptr<Node>> nodes_;
   bool went_ = false;
-  bool stopping_ = false;
+  bool asked_to_end_ = false;
+  bool undeploying_ = false;
   std::optional<Instant> end_at_;
 };
 
-Result<void> Cell::start(const model::Cell& cell) {
-  for (const model::Device& device : cell.devices) {
+Result<void> Run::start_nodes(int domain) {
+  const model::Discovery discovery = discovery_of(options_.network, &loaded_.cell);
+  for (const model::Device& device : loaded_.cell.devices) {
     auto sockets = os::MessageSocket::pair();
     if (!sockets) return sockets.problems();
     auto node = std::make_unique<Node>();
     node->device = device.name;
-    node->control = std::move(sockets->first);
-    os::MessageSocket theirs = std::move(sockets->second);
+    node->lifetime = std::move(sockets->first);
+    const os::MessageSocket theirs = std::move(sockets->second);
     os::SpawnOptions spawn{.program = os::program_directory() + "/takt-node",
-                           .arguments = {"--device", device.name, "--file", cell.file},
-                           .environment = {{node::kControlFd, std::to_string(theirs.fd().get())}},
+                           .arguments = {"--device", device.name, "--domain", std::to_string(domain)},
+                           .environment = {{node::kLifetimeFd, std::to_string(theirs.fd().get())}},
                            .inherit = {&theirs.fd()},
                            .dies_with_parent = false};  // it ends in order when the socket does
+    const auto add = [&spawn](const std::string& option, const std::string& value) {
+      spawn.arguments.push_back(option);
+      spawn.arguments.push_back(value);
+    };
+    if (discovery.kind == model::Discovery::Kind::peers) {
+      std::string peers = "127.0.0.1";
+      for (const std::string& peer : discovery.peers) peers += "," + peer;
+      add("--peers", peers);
+    }
+    if (discovery.kind == model::Discovery::Kind::server) {
+      add("--server", discovery.server);
+      if (device.name == loaded_.cell.server_device)
+        add("--serve-discovery", discovery.server.substr(discovery.server.rfind(':') + 1));
+    }
     if (options_.require_real_time) spawn.arguments.emplace_back("--require-realtime");
     if (options_.quiet) spawn.arguments.emplace_back("--quiet");
     auto process = os::Child::spawn(spawn);
     if (!process) return process.problems();
     node->process = std::move(*process);
+    node->pid = node->process.pid();
     nodes_.push_back(std::move(node));
   }
   return {};
 }
 
-void Cell::serve(const os::SignalQueue& signals) {
-  while (!all(&Node::ended)) {
-    std::vector<const os::Fd*> fds{&signals.fd()};
-    for (const auto& node : nodes_) {
-      if (!node->control.closed()) fds.push_back(&node->control.fd());
-    }
-    os::wait_readable(fds, std::clamp(milliseconds_left(), 0, 20));
+std::map<std::string, std::int32_t> Run::process_ids() const {
+  std::map<std::string, std::int32_t> ids;
+  for (const auto& node : nodes_) ids[node->device] = node->pid;
+  return ids;
+}
 
-    while (signals.next()) {
-      if (stopping_) {
-        for (auto& node : nodes_) node->process.signal(os::kKill);  // asked a second time
-      }
-      stop();
+// Looks after signals and the nodes' processes, whatever else is waited for.
+void Run::watch() {
+  while (signals_.next()) {
+    if (asked_to_end_) {
+      for (auto& node : nodes_) node->process.signal(os::kKill);  // asked a second time
     }
-    for (auto& node : nodes_) {
-      take_messages(*node);
-      watch_end(*node);
-    }
-    if (!went_ && !stopping_ && all(&Node::ready)) {
-      went_ = true;
-      const Instant t0 = os::now() + std::chrono::milliseconds{50};
-      for (auto& node : nodes_) node->tell({{"do", "go"}, {"t0", to_ns(t0)}});
-      if (options_.seconds) {
-        end_at_ =
-            t0 + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(*options_.seconds));
-      }
-    }
-    if (end_at_ && os::now() >= *end_at_) stop();
+    asked_to_end_ = true;
+  }
+  for (auto& pointer : nodes_) {
+    Node& node = *pointer;
+    const auto end = node.process.poll();
+    if (!end) continue;
+    node.ended = true;
+    if (node.told) continue;
+    // It had no time for a report: refused at once with a reason of its own, or killed.
+    node.told = true;
+    if (went_ && !undeploying_ && !options_.quiet)
+      node::log(node.device, "", "its node " + end->text() + "; the other devices run on");
+    const bool refused = !end->signalled && end->code != 0 && !went_;
+    node.failures.push_back("device " + node.device + ": error: its node " +
+                            (refused ? "refused to run it, see above" : end->text()));
   }
 }
 
-void Cell::take_messages(Node& node) {
-  while (auto text = node.control.receive()) {
-    const json message = json::parse(*text, nullptr, false);
-    const std::string event = message.value("event", "");
-    if (event == "ready") node.ready = true;
-    if (event != "ended") continue;
-    node.report = message.at("report");
-    node.failures = message.at("failures").get<std::vector<std::string>>();
-    if (!went_) stop();  // all devices reach START, or none runs
+Result<void> Run::deploy(const Client& client) {
+  std::vector<client::Undeployed> undone;
+  client::DeployOptions deploy{.lead = kLead,
+                               .margin = kMargin,
+                               .require_real_time = options_.require_real_time,
+                               .process_ids = process_ids(),
+                               .progress = {},
+                               .cancelled =
+                                   [this] {
+                                     watch();
+                                     return asked_to_end_ ||
+                                            std::any_of(nodes_.begin(), nodes_.end(),
+                                                        [](const auto& n) { return n->ended; });
+                                   },
+                               .undone = &undone};
+  const auto deployed = client::deploy(*client.asker, loaded_.cell, loaded_.text, deploy);
+  for (const client::Undeployed& one : undone) note(one);
+  if (!deployed) {
+    watch();
+    for (auto& node : nodes_) node->told = true;
+    // Nobody has to be told that it was given up who asked for that, or is told why a node ended.
+    const bool said = asked_to_end_ || !failures().empty();
+    return said ? Result<void>{} : deployed.problems();
   }
+  went_ = true;
+  const auto wall = std::chrono::system_clock::now().time_since_epoch();
+  const Instant t0 =
+      os::now() + (Nanoseconds{deployed->t0_ns} - std::chrono::duration_cast<Nanoseconds>(wall));
+  if (options_.seconds) {
+    end_at_ = t0 + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(*options_.seconds));
+  }
+  return {};
 }
 
-void Cell::watch_end(Node& node) {
-  const auto end = node.process.poll();
-  if (!end) return;
-  take_messages(node);
-  node.ended = true;
-  if (!node.report.is_null()) return;
-  // It had no time for a report: refused at once with a reason of its own, or killed.
-  node.report = {{"name", node.device},
-                 {"alive", false},
-                 {"real_time", false},
-                 {"executors", json::array()},
-                 {"modules", json::array()}};
-  if (went_ && !options_.quiet)
-    node::log(node.device, "", "its node " + end->text() + "; the other devices run on");
-  if (end->signalled || end->code == 0 || went_)
-    node.failures.push_back("device " + node.device + ": error: its node " + end->text());
-  else
-    node.failures.push_back("device " + node.device + ": error: its node refused to run it, see above");
-  if (!went_) stop();
-}
-
-void Cell::stop() {
-  if (stopping_) return;
-  stopping_ = true;
+void Run::note(const client::Undeployed& undeployed) {
   for (auto& node : nodes_) {
-    if (!node->ended) node->tell({{"do", "stop"}});
+    if (node->device != undeployed.device || node->ended || !undeployed.problems.empty()) continue;
+    node->told = true;
+    node->report = undeployed.report;
+    if (went_) node->failures = undeployed.failures;  // else they are the reasons why it did not go
   }
 }
 
-json Cell::report(const std::string& cell) const {
-  json devices = json::array();
-  for (const auto& node : nodes_) devices.push_back(node->report);
-  return {{"cell", cell}, {"devices", devices}};
+client::Devices Run::still_running() const {
+  client::Devices devices{.names = {}, .process_ids = process_ids()};
+  for (const auto& node : nodes_) {
+    if (!node->told) devices.names.push_back(node->device);
+  }
+  return devices;
 }
 
-std::vector<std::string> Cell::failures() const {
+void Run::serve(const Client& client) {
+  while (!asked_to_end_ && !(end_at_ && os::now() >= *end_at_)) {
+    std::int64_t limit = 20;
+    if (end_at_)
+      limit = std::clamp<std::int64_t>((*end_at_ - os::now()) / std::chrono::milliseconds{1}, 0, limit);
+    os::wait_readable({&signals_.fd()}, static_cast<int>(limit));
+    watch();
+    bool all = true;
+    for (auto& node : nodes_) {
+      if (!node->told) ask_one(client, *node);
+      all &= node->told;
+    }
+    if (all) return;
+  }
+}
+
+// A device that has ended by itself says why, and its node is not needed any more.
+void Run::ask_one(const Client& client, Node& node) {
+  for (const dds::SeenDevice& seen : client.observer->devices(node.device)) {
+    if (!seen.alive || seen.status.process_id() != node.pid || seen.status.state() != DEVICE_ENDED) continue;
+    client::Devices one{.names = {node.device}, .process_ids = {{node.device, node.pid}}};
+    for (const auto& undeployed : client::undeploy(*client.asker, one, [this] { watch(); })) note(undeployed);
+    node.lifetime.close();
+    return;
+  }
+}
+
+void Run::undeploy(const Client& client) {
+  undeploying_ = true;
+  for (const auto& undeployed : client::undeploy(*client.asker, still_running(), [this] { watch(); }))
+    note(undeployed);
+}
+
+void Run::end_nodes() {
+  for (auto& node : nodes_) node->lifetime.close();
+  while (std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->ended; })) {
+    os::wait_readable({&signals_.fd()}, 2);
+    watch();
+  }
+}
+
+json Run::report() const {
+  json devices = json::array();
+  for (const auto& node : nodes_) {
+    const json nothing{{"name", node->device},
+                       {"alive", false},
+                       {"real_time", false},
+                       {"executors", json::array()},
+                       {"modules", json::array()}};
+    devices.push_back(node->report.is_object() ? node->report : nothing);
+  }
+  return {{"cell", loaded_.cell.name}, {"devices", devices}};
+}
+
+std::vector<std::string> Run::failures() const {
   std::vector<std::string> all;
   for (const auto& node : nodes_) all.insert(all.end(), node->failures.begin(), node->failures.end());
   return all;
@@ -186,24 +267,40 @@ int run(const RunOptions& options) {
     complain(loaded.problems());
     return 1;
   }
+  const auto domain = domain_of(options.network, &loaded->cell);
+  if (!domain) {
+    complain(domain.problems());
+    return 1;
+  }
   os::survive_broken_pipes();
-  const auto signals = os::SignalQueue::of_requests_to_end();
+  const auto signals = os::SignalQueue::of_requests_to_end();  // before there are threads, which inherit it
   if (!signals) {
     complain(signals.problems());
     return 1;
   }
-  Cell cell{options};
-  if (const auto started = cell.start(loaded->cell); !started) {
-    complain(started.problems());
-    return 1;
+  Run run{options, *loaded, *signals};
+  Problems problems;
+  const auto keep = [&problems](const auto& result) {
+    if (!result) problems = result.problems();
+    return result.ok();
+  };
+  if (keep(run.start_nodes(*domain))) {
+    Network network = options.network;
+    network.domain = *domain;
+    const auto client = connect(network, &loaded->cell);
+    if (keep(client) && keep(run.deploy(*client)) && run.went()) {
+      run.serve(*client);
+      run.undeploy(*client);
+    }
   }
-  cell.serve(*signals);
+  run.end_nodes();
 
-  const json report = cell.report(loaded->cell.name);
-  const bool printed = print(options.json ? report.dump() + "\n" : cell.went() ? run_text(report) : "");
-  const auto failures = cell.failures();
+  const json report = run.report();
+  const bool printed = print(options.json ? report.dump() + "\n" : run.went() ? run_text(report) : "");
+  if (!problems.empty()) complain(problems);
+  const auto failures = run.failures();
   for (const std::string& failure : failures) std::fprintf(stderr, "%s\n", failure.c_str());
-  return failures.empty() && printed ? 0 : 1;
+  return problems.empty() && failures.empty() && printed ? 0 : 1;
 }
 
 }  // namespace takt::tool

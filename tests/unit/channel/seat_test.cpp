@@ -9,7 +9,10 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <random>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
@@ -206,9 +209,209 @@ TEST(Seat, CountsOnAfterTheNumberOfReleasesHasWrapped) {
   EXPECT_EQ(release(seat, 2, 2), Release::given);
 }
 
+/// A program that releases itself, as libtakt_process makes it: here a thread, so that a thread sanitizer
+/// sees what it and the node share without agreement.
+class SeatOfItsOwn : public testing::Test {
+ protected:
+  static constexpr std::int64_t kInterarrival = 1'000;
+
+  void SetUp() override {
+    seat.bell_bit = bell_bit(1);
+    seat.immediate = 1;
+    seat.period_ns = 1'000'000;
+    seat.interarrival_ns = kInterarrival;
+    seat.phase.store(SeatPhase::ready);
+  }
+
+  Seat seat{};
+};
+
+TEST_F(SeatOfItsOwn, IsInItsBodyFromItsReleaseOn) {
+  seat.open.store(1);
+  EXPECT_TRUE(seat.waiting());
+  ASSERT_TRUE(begin(seat, 5'000'000));
+  EXPECT_FALSE(seat.waiting());
+  EXPECT_EQ(seat.release_ns.load(), 5'000'000) << "its deadline and its hang are reckoned from there";
+  EXPECT_EQ(seat.begun.load(), 1U);
+  seat.done.store(seat.released.load());
+  EXPECT_TRUE(seat.waiting());
+}
+
+TEST_F(SeatOfItsOwn, DoesNotBeginOutOfTheTables) {
+  EXPECT_FALSE(begin(seat, 5));
+  EXPECT_TRUE(seat.waiting());
+  EXPECT_EQ(seat.begun.load(), 0U);
+}
+
+TEST_F(SeatOfItsOwn, ServesTheRowThatComesNext) {
+  seat.open.store(1);
+  seat.t0_ns.store(10'000'000);
+  for (const auto& [now, row] :
+       {std::pair{9'000'000, 0U}, {10'000'000, 0U}, {10'000'001, 1U}, {11'000'000, 1U}, {11'000'001, 2U}}) {
+    ASSERT_TRUE(begin(seat, now));
+    EXPECT_EQ(seat.cycle.load(), row) << now;
+    seat.done.store(seat.released.load());
+  }
+}
+
+TEST_F(SeatOfItsOwn, WaitsForItsInterarrivalAlsoAsANewProgram) {
+  seat.open.store(1);
+  EXPECT_EQ(not_before_ns(seat), 0);
+  ASSERT_TRUE(begin(seat, 5'000'000));
+  EXPECT_EQ(not_before_ns(seat), 5'000'000 + kInterarrival);
+  clear_for_new_program(seat);
+  EXPECT_EQ(not_before_ns(seat), 5'000'000 + kInterarrival);
+  EXPECT_EQ(seat.begun.load(), 1U) << "counts go on";
+}
+
+// Nothing but the seat keeps the two apart: what the body writes, the node writes while the module is out.
+TEST_F(SeatOfItsOwn, IsOutOnceItIsClosedAndWaits) {
+  std::uint64_t shared = 0;
+  std::atomic<bool> inside{false};
+  std::atomic<bool> end{false};
+  std::uint64_t bodies = 0;
+  std::thread program{[&] {
+    std::int64_t now = 0;
+    while (!end.load()) {
+      if (!begin(seat, ++now)) continue;
+      inside.store(true, std::memory_order_relaxed);
+      ++shared;
+      ++bodies;
+      inside.store(false, std::memory_order_relaxed);
+      seat.done.store(seat.released.load(), std::memory_order_release);
+    }
+  }};
+  std::uint64_t outs = 0;
+  std::uint64_t met = 0;
+  std::mt19937 random{1};
+  while (outs < kReleases / 10 || seat.begun.load() < kReleases / 10) {
+    seat.open.store(1, std::memory_order_seq_cst);
+    for (std::uint64_t i = random() % 200; i > 0; --i) static_cast<void>(seat.waiting());
+    seat.open.store(0, std::memory_order_seq_cst);
+    while (!seat.waiting()) ::sched_yield();
+    for (int i = 0; i < 20; ++i) met += inside.load(std::memory_order_relaxed) ? 1 : 0;
+    ++shared;
+    ++outs;
+  }
+  end.store(true);
+  program.join();
+  EXPECT_EQ(met, 0U) << "bodies";
+  EXPECT_EQ(shared, bodies + outs);
+  EXPECT_EQ(seat.begun.load(), bodies);
+}
+
+/// Who waits on the bell for a word that another writes, and whether a wake-up is ever lost.
+class BellOfTwoThreads : public testing::Test {
+ protected:
+  void ring(std::uint32_t bits) {
+    bell.rings.fetch_add(1, std::memory_order_seq_cst);
+    os::futex_wake(bell.rings, bits);
+  }
+  Bell bell{};
+};
+
+// As the gateway: it says that it sleeps, and then looks once more.
+TEST_F(BellOfTwoThreads, WakesAGatewayThatSleepsAndNoOther) {
+  constexpr std::uint32_t kSamples = kReleases / 2;
+  std::atomic<std::uint32_t> published{0};
+  std::atomic<std::uint32_t> seen{0};
+  std::uint64_t announced = 0;
+  std::thread gateway{[&] {
+    while (seen.load(std::memory_order_relaxed) < kSamples) {
+      const std::uint32_t rings = bell.rings.load(std::memory_order_seq_cst);
+      ++announced;
+      bell.gateway_sleeps.store(1, std::memory_order_seq_cst);
+      if (published.load(std::memory_order_seq_cst) == seen.load(std::memory_order_relaxed)) {
+        os::futex_wait(bell.rings, rings, kGatewayBit);
+      }
+      bell.gateway_sleeps.store(0, std::memory_order_seq_cst);
+      seen.store(published.load(std::memory_order_seq_cst), std::memory_order_release);
+    }
+  }};
+  std::uint64_t rings = 0;
+  bool lost = false;
+  for (std::uint32_t i = 1; i <= kSamples && !lost; ++i) {
+    published.store(i, std::memory_order_seq_cst);
+    bell.note(kGatewayBit);
+    if (const std::uint32_t bits = bell.take_pending(); bits != 0) {
+      EXPECT_EQ(bits, kGatewayBit);
+      ++rings;
+      ring(bits);
+    }
+    const Instant limit = os::now() + std::chrono::seconds{10};
+    while (seen.load(std::memory_order_acquire) != i && !lost) {
+      if (i % 3 != 0) ::sched_yield();  // else it is met on its way to sleep
+      lost = os::now() > limit;
+    }
+    EXPECT_FALSE(lost) << "the wake-up for sample " << i << " was lost";
+  }
+  if (lost) {
+    published.store(kSamples);
+    ring(kGatewayBit);
+  }
+  gateway.join();
+  EXPECT_LE(rings, announced) << "one that was awake was rung for";
+  EXPECT_GT(rings, 0U) << "it was to sleep";
+}
+
+// Several write and each takes what is pending at the end of its cycle, its own or another's.
+TEST_F(BellOfTwoThreads, LosesNoBitBetweenSeveralWhoNoteAndRing) {
+  constexpr std::uint32_t kSamples = kReleases / 4;
+  constexpr int kWriters = 2;
+  const std::uint32_t bit = bell_bit(5);
+  std::atomic<std::uint32_t> published{0};
+  std::atomic<std::uint32_t> rung{0};
+  std::thread waiter{[&] {
+    std::uint32_t seen = 0;
+    while (seen < kSamples * kWriters) {
+      const std::uint32_t rings = bell.rings.load(std::memory_order_seq_cst);
+      if (published.load(std::memory_order_seq_cst) == seen) {
+        const Instant limit = os::now() + std::chrono::seconds{10};
+        os::futex_wait(bell.rings, rings, bit, limit);
+        if (os::now() >= limit) {
+          ADD_FAILURE() << "nobody rang for " << published.load() << " after " << seen;
+          return;
+        }
+      }
+      seen = published.load(std::memory_order_seq_cst);
+    }
+  }};
+  std::vector<std::thread> writers;
+  for (int w = 0; w < kWriters; ++w) {
+    writers.emplace_back([&] {
+      for (std::uint32_t i = 0; i < kSamples; ++i) {
+        published.fetch_add(1, std::memory_order_seq_cst);
+        bell.note(bit);
+        const std::uint32_t bits = bell.take_pending();
+        if (bits == 0) continue;  // the other took it, and rings
+        EXPECT_EQ(bits, bit);
+        ++rung;
+        ring(bits);
+      }
+    });
+  }
+  for (auto& writer : writers) writer.join();
+  waiter.join();
+  EXPECT_EQ(bell.pending.load(), 0U);
+  EXPECT_LE(rung.load(), kSamples * kWriters);
+}
+
+TEST(Bell, NotesNoGatewayThatIsAwake) {
+  Bell bell{};
+  bell.note(kGatewayBit);
+  EXPECT_EQ(bell.take_pending(), 0U);
+  bell.note(kGatewayBit | bell_bit(2));
+  EXPECT_EQ(bell.take_pending(), bell_bit(2));
+  bell.gateway_sleeps.store(1);
+  bell.note(kGatewayBit);
+  bell.note(kSporadicBit);
+  EXPECT_EQ(bell.take_pending(), kGatewayBit | kSporadicBit);
+  EXPECT_EQ(bell.take_pending(), 0U) << "they were taken";
+}
+
 TEST(BellBit, OfAProgramIsNeverThatOfTheSporadicThreads) {
   for (std::size_t seat = 0; seat < 1000; ++seat) {
-    EXPECT_EQ(bell_bit(seat) & kSporadicBit, 0U);
+    EXPECT_EQ(bell_bit(seat) & (kSporadicBit | kGatewayBit), 0U);
     EXPECT_NE(bell_bit(seat), 0U);
   }
 }

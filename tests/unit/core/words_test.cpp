@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <string>
+#include <vector>
+
 namespace takt {
 namespace {
 
@@ -36,6 +41,52 @@ TEST(Words, PlaceAlwaysHasALine) {
   EXPECT_EQ(place("a.xml", 0), "a.xml:1");
   EXPECT_EQ(place("a\nb.xml", 1), "a\\nb.xml:1");
   EXPECT_EQ(place("", 7), "line 7");
+}
+
+/// Letters to change, insert, drop or swap with the neighbour, from the whole table.
+std::size_t letters_apart(const std::string& a, const std::string& b) {
+  std::vector<std::vector<std::size_t>> table(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      std::size_t& least = table[i][j];
+      if (i == 0 || j == 0) {
+        least = i + j;
+        continue;
+      }
+      const std::size_t change = a[i - 1] == b[j - 1] ? 0 : 1;
+      least = std::min({table[i - 1][j] + 1, table[i][j - 1] + 1, table[i - 1][j - 1] + change});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        least = std::min(least, table[i - 2][j - 2] + 1);
+    }
+  }
+  return table[a.size()][b.size()];
+}
+
+TEST(Words, NearestIsAtMostThreeLettersAwayAndFewerOfAShortWord) {
+  std::mt19937 random{1};
+  std::size_t near = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    std::string word(2 + random() % 12, 'a');
+    for (char& c : word) c = static_cast<char>('a' + random() % 3);
+    std::string choice = word;
+    for (auto slips = random() % 5; slips > 0 && !choice.empty(); --slips) {
+      const std::size_t at = random() % choice.size();
+      const char letter = static_cast<char>('a' + random() % 3);
+      if (random() % 3 == 0) {
+        choice.erase(at, 1);
+      } else if (random() % 2 == 0) {
+        choice.insert(at, 1, letter);
+      } else {
+        choice[at] = letter;
+      }
+    }
+    const std::size_t most = std::clamp<std::size_t>(word.size() / 3, 1, 3);
+    const bool is_near = !choice.empty() && letters_apart(word, choice) <= most;
+    near += is_near ? 1 : 0;
+    ASSERT_EQ(!nearest(word, {choice}).empty(), is_near) << word << " and " << choice;
+  }
+  EXPECT_GT(near, 50'000U);
+  EXPECT_LT(near, 190'000U);
 }
 
 TEST(Words, NearestIsASlipAndNothingElse) {

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 
 #include <takt/descriptor/read_cell.hpp>
 #include <takt/descriptor/well_formed.hpp>
@@ -99,10 +100,75 @@ TEST(Descriptor, SaysNothingThatOnlyFollowsFromAMistake) {
               ElementsAre(HasSubstr("unknown attribute ot")));
   EXPECT_THAT(texts_of("<rot/>"), ElementsAre(HasSubstr("unknown root element <rot>")));
   EXPECT_THAT(
-      texts_of(
-          "<root><module><filename>a.so</filename><moduletype>thread</moduletype>"
-          "<operationtype>cyclic</operationtype><deadline>5</deadline><budget>5</budget></module></root>"),
+      texts_of("<root><module><filename>a.so</filename><moduletype>thread</moduletype>"
+               "<operationtype>cyclic</operationtype><deadline miss='error'>5</deadline><budget>5</budget>"
+               "<dispatch>row</dispatch><interarrival>5</interarrival></module></root>"),
       ElementsAre(HasSubstr("unknown value 'cyclic'")));
+}
+
+TEST(Descriptor, SaysNothingOfAConnectionThatOnlyFollowsFromAMistake) {
+  const auto of = [](const std::string& attributes) {
+    return texts_of("<cell name='c'><device name='d'>" + module("a") + module("b") +
+                    "</device>\n<connection " + attributes + "/></cell>");
+  };
+  // An end or a topic that was meant to be there is not missing, and a domain then has its topic.
+  EXPECT_THAT(of("form='d.a.x' to='d.b.x'"), ElementsAre(HasSubstr("unknown attribute form")));
+  EXPECT_THAT(of("from='d.a.x' topc='t' domain='3'"), ElementsAre(HasSubstr("unknown attribute topc")));
+  EXPECT_THAT(of("from='d.a.x' topic='' domain='3'"), ElementsAre(HasSubstr("attribute topic is empty")));
+  EXPECT_THAT(of("from='d.a.x' to='d.b.x' deadlin='5' stale='error'"),
+              ElementsAre(HasSubstr("unknown attribute deadlin")));
+  EXPECT_THAT(of("from='d.a.x' to='d.b.x' kind='cue' depth='5'"),
+              ElementsAre(HasSubstr("unknown value 'cue'")));
+  EXPECT_THAT(of("from='' to='d.b.x'"), ElementsAre(HasSubstr("attribute from is empty")));
+  EXPECT_THAT(of("from='nobody.a.x' topic='t'"), ElementsAre(HasSubstr("from names the unknown device")));
+  // Two topics that could not be read are not the same one.
+  EXPECT_THAT(of("to='d.b.x' topic=''/><connection from='d.a.x' topic=''/><connection from='d.b.y' topic=''"),
+              ElementsAre(HasSubstr("empty"), HasSubstr("empty"), HasSubstr("empty")));
+}
+
+TEST(Descriptor, SaysNothingOfDiscoveryThatOnlyFollowsFromAMistake) {
+  const auto of = [](const std::string& attributes) {
+    return texts_of("<cell name='c' " + attributes + "><device name='d'>" + module("a") + "</device></cell>");
+  };
+  EXPECT_THAT(of("discovery='peer' peers='10.0.0.1'"), ElementsAre(HasSubstr("did you mean peers?")));
+  EXPECT_THAT(of("discovry='peers' peers='10.0.0.1'"), ElementsAre(HasSubstr("unknown attribute discovry")));
+  EXPECT_THAT(of("discovery='peers' pers='10.0.0.1'"), ElementsAre(HasSubstr("unknown attribute pers")));
+  EXPECT_THAT(of("discovery='server' sever='h:1'"), ElementsAre(HasSubstr("unknown attribute sever")));
+  EXPECT_THAT(of("discovery='server' server='h:1' server_device='d'"),
+              ElementsAre(HasSubstr("did you mean server-device?")));
+  EXPECT_THAT(of("discovery='peers' peers=''"), ElementsAre(HasSubstr("attribute peers is empty")));
+}
+
+TEST(Descriptor, GivesTheReliabilityOfItsKindToAConnectionThatNamesNone) {
+  const auto of = [](const std::string& attributes) {
+    const auto cell = parse("<cell name='c'><device name='d'>" + module("a") + module("b") +
+                                "</device><connection from='d.a.x' to='d.b.x' " + attributes + "/></cell>",
+                            "f.xml");
+    return cell ? cell->connections.at(0).reliability : throw std::runtime_error{to_text(cell.problems())};
+  };
+  EXPECT_EQ(of(""), model::Reliability::best_effort);
+  EXPECT_EQ(of("kind='latest'"), model::Reliability::best_effort);
+  EXPECT_EQ(of("kind='queue'"), model::Reliability::reliable);
+  EXPECT_EQ(of("reliability='reliable'"), model::Reliability::reliable);
+  EXPECT_EQ(of("reliability='best-effort' kind='queue'"), model::Reliability::best_effort);
+}
+
+TEST(Descriptor, LeavesOutTheEndThatIsNotTakts) {
+  const auto cell = parse("<cell name='c' domain='4'><device name='d'>" + module("a") +
+                              "</device><connection to='d.a.in' topic='rt/in' domain='3'/>"
+                              "<connection from='d.a.out' topic=' rt/out '/></cell>",
+                          "f.xml");
+  ASSERT_TRUE(cell) << to_text(cell.problems());
+  const model::Connection& in = cell->connections.at(0);
+  EXPECT_FALSE(in.from.given());
+  EXPECT_TRUE(in.to.given());
+  EXPECT_EQ(in.topic, "rt/in");
+  EXPECT_EQ(in.domain, 3);
+  const model::Connection& out = cell->connections.at(1);
+  EXPECT_TRUE(out.from.given());
+  EXPECT_FALSE(out.to.given());
+  EXPECT_EQ(out.topic, "rt/out");
+  EXPECT_FALSE(out.domain);
 }
 
 TEST(Descriptor, TellsAThousandProblemsAndThatThereAreMore) {

@@ -103,6 +103,52 @@ TEST(CellDescriptor, GivesEverythingTheDesignShows) {
   EXPECT_EQ(connection.kind, model::ConnectionKind::latest);
   EXPECT_EQ(connection.deadline, 20ms);
   EXPECT_EQ(connection.stale, model::Stale::error);
+  EXPECT_EQ(connection.depth, 1);
+  EXPECT_EQ(connection.reliability, model::Reliability::best_effort);
+  EXPECT_FALSE(connection.lifespan);
+  EXPECT_EQ(connection.topic, "");
+  EXPECT_FALSE(connection.domain);
+
+  const model::Module& conveyor = cell->devices[1].modules[0];
+  EXPECT_EQ(conveyor.miss, model::Miss::count);
+  EXPECT_EQ(conveyor.dispatch, model::Dispatch::row);
+  EXPECT_FALSE(conveyor.interarrival);
+  EXPECT_EQ(cell->discovery.kind, model::Discovery::Kind::multicast);
+  EXPECT_EQ(cell->server_device, "");
+}
+
+TEST(CellDescriptor, GivesWhatACellCanSayBesides) {
+  const auto cell = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/everything.xml");
+  ASSERT_TRUE(cell) << to_text(cell.problems());
+  EXPECT_EQ(cell->discovery.kind, model::Discovery::Kind::server);
+  EXPECT_EQ(cell->discovery.server, "10.0.0.1:11811");
+  EXPECT_FALSE(cell->discovery.serve);
+  EXPECT_EQ(cell->server_device, "robot");
+
+  const model::Module& conveyor = cell->devices.at(1).modules.at(0);
+  EXPECT_EQ(conveyor.deadline, 5ms);
+  EXPECT_EQ(conveyor.miss, model::Miss::error);
+  EXPECT_EQ(conveyor.dispatch, model::Dispatch::immediate);
+  EXPECT_EQ(conveyor.interarrival, 1ms);
+  EXPECT_EQ(conveyor.lines.deadline, 27);
+  EXPECT_EQ(conveyor.lines.dispatch, 28);
+  EXPECT_EQ(conveyor.lines.interarrival, 29);
+
+  ASSERT_EQ(cell->connections.size(), 3U);
+  const model::Connection& connection = cell->connections[0];
+  EXPECT_EQ(connection.kind, model::ConnectionKind::queue);
+  EXPECT_EQ(connection.depth, 8);
+  EXPECT_EQ(connection.reliability, model::Reliability::best_effort);
+  EXPECT_EQ(connection.deadline, 20ms);
+  EXPECT_EQ(connection.lifespan, 50ms);
+  EXPECT_EQ(connection.stale, model::Stale::error);
+  EXPECT_EQ(connection.topic, "rt/setpoint");
+  EXPECT_EQ(connection.domain, 9);
+
+  const auto peers = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/peers.xml");
+  ASSERT_TRUE(peers) << to_text(peers.problems());
+  EXPECT_EQ(peers->discovery.kind, model::Discovery::Kind::peers);
+  EXPECT_THAT(peers->discovery.peers, testing::ElementsAre("10.0.0.1", "line.local"));
 }
 
 }  // namespace

@@ -166,9 +166,228 @@ TEST(Validate, RefusesConnectionsThatCannotBe) {
   latest.deadline.reset();
   latest.stale = Stale::error;
   EXPECT_THAT(with(latest), ElementsAre(said("c.xml:8", "no deadline")));
+  latest.stale = Stale::hold;
+  latest.lifespan = -1ns;
+  EXPECT_THAT(with(latest), ElementsAre(said("c.xml:8", "lifespan of -1 ns")));
   Connection itself = connection("x", "x", 8);
   itself.to.module = "a";
   EXPECT_THAT(with(itself), ElementsAre(said("c.xml:8", "connected to itself")));
+}
+
+/// As connection(), with one end and a topic.
+Connection from_topic(const std::string& topic, const std::string& to, int line) {
+  Connection outside = connection("", to, line);
+  outside.from = {};
+  outside.topic = topic;
+  return outside;
+}
+Connection to_topic(const std::string& from, const std::string& topic, int line) {
+  Connection outside = connection(from, "", line);
+  outside.to = {};
+  outside.topic = topic;
+  return outside;
+}
+
+TEST(Validate, AllowsOneEndWithATopicOnly) {
+  const auto with = [](auto... connections) {
+    return problems_after([&](Cell& c) { c.connections = {connections...}; });
+  };
+  EXPECT_THAT(with(from_topic("t", "in", 8), to_topic("out", "u", 9)), IsEmpty());
+  EXPECT_THAT(with(from_topic("", "in", 8)), ElementsAre(said("c.xml:8", "has no from")));
+  EXPECT_THAT(with(to_topic("out", "", 8)), ElementsAre(said("c.xml:8", "has no to")));
+  Connection nothing;
+  nothing.topic = "t";
+  nothing.line = 8;
+  EXPECT_THAT(with(nothing), ElementsAre(said("c.xml:8", "neither from nor to")));
+  Connection stale = to_topic("out", "t", 8);
+  stale.deadline = 1ms;
+  EXPECT_THAT(with(stale), IsEmpty());
+  stale.stale = Stale::error;
+  EXPECT_THAT(with(stale), ElementsAre(said("c.xml:8", "without a to has stale=\"error\"")));
+  // Half an end is not one that was left out.
+  Connection half = from_topic("t", "in", 8);
+  half.from.port = "out";
+  EXPECT_THAT(with(half), ElementsAre(said("c.xml:8", "from is '..out'")));
+  half = to_topic("out", "t", 8);
+  half.to.device = "robot";
+  EXPECT_THAT(with(half), ElementsAre(said("c.xml:8", "to is 'robot'")));
+}
+
+TEST(Validate, RefusesTopicsThatCannotBe) {
+  const auto with = [](const std::string& topic, std::optional<int> domain = {}) {
+    return problems_after([&](Cell& c) {
+      c.connections = {connection("out", "in", 8)};
+      c.connections[0].topic = topic;
+      c.connections[0].domain = domain;
+    });
+  };
+  EXPECT_THAT(with("rt/x"), IsEmpty());
+  EXPECT_THAT(with("takt"), IsEmpty());
+  EXPECT_THAT(with("a/takt/"), IsEmpty());
+  EXPECT_THAT(with(std::string(255, 'x')), IsEmpty());
+  EXPECT_THAT(with("t", 0), IsEmpty());
+  EXPECT_THAT(with("t", 232), IsEmpty());
+  EXPECT_THAT(with(std::string(256, 'x')), ElementsAre(said("c.xml:8", "not a valid topic")));
+  EXPECT_THAT(with("a b"), ElementsAre(said("c.xml:8", "not a valid topic")));
+  EXPECT_THAT(with("takt/x"), ElementsAre(said("c.xml:8", "begins with takt/")));
+  EXPECT_THAT(with("t", 233), ElementsAre(said("c.xml:8", "domain 233")));
+  EXPECT_THAT(with("t", -1), ElementsAre(said("c.xml:8", "domain -1")));
+  EXPECT_THAT(with("", 3), ElementsAre(said("c.xml:8", "a domain and no topic")));
+}
+
+TEST(Validate, CountsWritersOutsideOfTheCell) {
+  const auto with = [](auto... connections) {
+    return problems_after([&](Cell& c) { c.connections = {connections...}; });
+  };
+  const auto two = [](int line) {
+    return ElementsAre(said("c.xml:" + std::to_string(line), "two writers of 'robot.b.in'"));
+  };
+  EXPECT_THAT(with(connection("out", "in", 8), from_topic("t", "in", 9)), two(9));
+  EXPECT_THAT(with(from_topic("t", "in", 8), connection("out", "in", 9)), two(9));
+  EXPECT_THAT(with(from_topic("t", "in", 8), from_topic("u", "in", 9)), two(9));
+  EXPECT_THAT(with(from_topic("t", "in", 8), from_topic("t", "other", 9)), IsEmpty());
+
+  // By the topic, whatever the reader's connection names.
+  Connection named = connection("out", "in", 8);
+  named.topic = "t";
+  Connection other = to_topic("other", "t", 9);
+  EXPECT_THAT(with(named, other), two(8));
+  EXPECT_THAT(with(to_topic("out", "t", 7), other, from_topic("t", "in", 8)), two(8));
+  EXPECT_THAT(with(to_topic("out", "t", 7), from_topic("t", "in", 8)), IsEmpty());
+  EXPECT_THAT(with(named, to_topic("out", "t", 9)), IsEmpty()) << "the same writer";
+  other.domain = 5;
+  EXPECT_THAT(with(named, other), IsEmpty());
+  named.domain = 5;
+  EXPECT_THAT(with(named, other), two(8));
+  named.domain.reset();
+  other.domain = 0;
+  EXPECT_THAT(with(named, other), two(8)) << "0 is the cell's domain";
+  other.domain.reset();
+  named.kind = ConnectionKind::queue;
+  EXPECT_THAT(with(named, other), IsEmpty());
+}
+
+TEST(Validate, RefusesTheSameConnectionTwice) {
+  const auto with = [](auto... connections) {
+    return problems_after([&](Cell& c) { c.connections = {connections...}; });
+  };
+  Connection queue = from_topic("t", "in", 8);
+  queue.kind = ConnectionKind::queue;
+  Connection again = queue;
+  again.line = 9;
+  EXPECT_THAT(with(queue, again),
+              ElementsAre(said("c.xml:9", "duplicate connection to 'robot.b.in', topic 't'")));
+  again.domain = 0;
+  EXPECT_THAT(with(queue, again), ElementsAre(said("c.xml:9", "duplicate connection")));
+  again.domain = 1;
+  EXPECT_THAT(with(queue, again), IsEmpty());
+  EXPECT_THAT(with(to_topic("out", "t", 8), to_topic("out", "t", 9)),
+              ElementsAre(said("c.xml:9", "duplicate connection from 'robot.a.out', topic 't'")));
+  EXPECT_THAT(with(to_topic("out", "t", 8), to_topic("out", "u", 9)), IsEmpty());
+}
+
+TEST(Validate, RefusesATopicOfItsOwnThatIsTooLong) {
+  const auto of = [](std::size_t length, bool between_devices) {
+    return problems_after([&](Cell& c) {
+      c.name = std::string(length - 192 - 5, 'c');  // takt/, and three names of 63 with a / before each
+      Device other = c.devices[0];
+      for (std::string* name : {&c.devices[0].name, &c.devices[0].modules[0].name})
+        *name = std::string(63, 'x');
+      c.devices.push_back(other);
+      c.connections = {connection(std::string(63, 'x'), "in", 8)};
+      c.connections[0].from.device = c.connections[0].from.module = std::string(63, 'x');
+      if (!between_devices) c.connections[0].to.device = std::string(63, 'x');
+    });
+  };
+  EXPECT_THAT(of(255, true), IsEmpty());
+  EXPECT_THAT(of(256, true), ElementsAre(said("c.xml:8", "would have 256 characters")));
+  EXPECT_THAT(of(256, false), IsEmpty()) << "there is no topic on one device";
+}
+
+TEST(Validate, RefusesWhatOnlyASporadicModuleMaySay) {
+  const auto of_a = [](auto change) {
+    return problems_after([&](Cell& c) { change(c.devices[0].modules[0]); });
+  };
+  const auto sporadic = [](Module& m) {
+    m.operation = Operation::sporadic;
+    m.period.reset();
+    m.deadline = 1ms;
+  };
+  EXPECT_THAT(of_a([&](Module& m) {
+                sporadic(m);
+                m.miss = Miss::error;
+                m.dispatch = Dispatch::immediate;
+                m.interarrival = 1ns;
+              }),
+              IsEmpty());
+  EXPECT_THAT(of_a([&](Module& m) {
+                sporadic(m);
+                m.interarrival = 0ns;
+                m.lines.interarrival = 4;
+              }),
+              ElementsAre(said("c.xml:4", "interarrival of 0 ns")));
+  EXPECT_THAT(of_a([](Module& m) { m.dispatch = Dispatch::immediate; }),
+              ElementsAre(said("c.xml:3", "periodic module 'a' has a <dispatch>")));
+  EXPECT_THAT(of_a([](Module& m) { m.lines.dispatch = 4; }),
+              ElementsAre(said("c.xml:4", "has a <dispatch>")));
+  EXPECT_THAT(of_a([](Module& m) { m.interarrival = 1ms; }),
+              ElementsAre(said("c.xml:3", "has an <interarrival>")));
+  EXPECT_THAT(of_a([](Module& m) { m.miss = Miss::error; }), ElementsAre(said("c.xml:3", "missed deadline")));
+  EXPECT_THAT(of_a([](Module& m) {
+                m.operation = Operation::non_real;
+                m.executor.clear();
+                m.dispatch = Dispatch::immediate;
+                m.interarrival = 1ms;
+              }),
+              ElementsAre(said("c.xml:3", "non-real module 'a' has a <dispatch>"),
+                          said("c.xml:3", "has an <interarrival>")));
+}
+
+TEST(Validate, RefusesADiscoveryThatCannotBe) {
+  using Kind = Discovery::Kind;
+  const auto with = [](Discovery discovery, const std::string& server_device = "") {
+    return problems_after([&](Cell& c) {
+      c.discovery = std::move(discovery);
+      c.server_device = server_device;
+    });
+  };
+  const auto peers = [&](std::vector<std::string> names) {
+    return with({Kind::peers, std::move(names), {}, {}});
+  };
+  EXPECT_THAT(peers({"10.0.0.1", "line.local"}), IsEmpty());
+  EXPECT_THAT(peers({}), ElementsAre(said("c.xml:1", "without peers")));
+  EXPECT_THAT(peers({"a", "a"}), ElementsAre(said("c.xml:1", "duplicate peer 'a'")));
+  EXPECT_THAT(peers({"a:1", ""}), ElementsAre(said("c.xml:1", "'a:1' is not a valid peer"),
+                                              said("c.xml:1", "'' is not a valid peer")));
+  std::vector<std::string> many;
+  for (std::size_t i = 0; i < kMaxPeers; ++i) many.push_back("p" + std::to_string(i));
+  EXPECT_THAT(peers(many), IsEmpty());
+  many.emplace_back("one.more");
+  EXPECT_THAT(peers(many), ElementsAre(said("c.xml:1", "more than 256 peers")));
+  EXPECT_THAT(with({Kind::multicast, {"a"}, {}, {}}), ElementsAre(said("c.xml:1", "no discovery=\"peers\"")));
+
+  EXPECT_THAT(with({Kind::server, {}, "h:1", {}}), IsEmpty());
+  EXPECT_THAT(with({Kind::server, {}, "h:1", {}}, "robot"), IsEmpty());
+  EXPECT_THAT(with({Kind::server, {}, "", {}}), ElementsAre(said("c.xml:1", "without a server")));
+  EXPECT_THAT(with({Kind::server, {}, "h", {}}),
+              ElementsAre(said("c.xml:1", "'h' is not a valid discovery server")));
+  EXPECT_THAT(with({Kind::server, {}, "h:1", {}}, "robt"),
+              ElementsAre(said("c.xml:1", "unknown device 'robt'")));
+  EXPECT_THAT(
+      with({Kind::peers, {"a"}, "h:1", {}}, "robot"),
+      ElementsAre(said("c.xml:1", "no discovery=\"server\""), said("c.xml:1", "no discovery=\"server\"")));
+}
+
+TEST(Validate, RefusesMoreConnectionsThanTheBound) {
+  const auto many = [](std::size_t number) {
+    return problems_after([&](Cell& c) {
+      for (std::size_t i = 0; i < number; ++i) {
+        c.connections.push_back(connection("out", "in" + std::to_string(i), 8));
+      }
+    });
+  };
+  EXPECT_THAT(many(kMaxConnections), IsEmpty());
+  EXPECT_THAT(many(kMaxConnections + 1), ElementsAre(said("c.xml:1", "more than 100000 connections")));
 }
 
 TEST(Validate, NamesTheFirstOfADuplicate) {

@@ -1,0 +1,324 @@
+#include <takt/model/type.hpp>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/cdr.hpp>
+#include <takt/core/words.hpp>
+
+namespace takt::model {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<const char*, 15> kWords{
+    "boolean",        "octet",  "char",          "int8",      "short",
+    "unsigned short", "long",   "unsigned long", "long long", "unsigned long long",
+    "float",          "double", "string",        "enum",      "struct"};
+
+// ---- Sizes
+
+/// Bytes that something appends, by the place in 8 bytes where it begins: padding depends on nothing else.
+using Span = std::array<std::size_t, 8>;
+
+/// Far beyond every bound, and far from what a size can hold.
+constexpr std::size_t kTooMany = 4 * kMaxSampleSize;
+
+Span both(const Span& first, const Span& second) {
+  Span sum{};
+  for (std::size_t at = 0; at < sum.size(); ++at)
+    sum[at] = std::min(first[at] + second[(at + first[at]) % sum.size()], kTooMany);
+  return sum;
+}
+
+Span repeated(Span one, std::size_t n) {
+  Span sum{};
+  for (; n > 0; n /= 2) {
+    if (n % 2 == 1) sum = both(sum, one);
+    one = both(one, one);
+  }
+  return sum;
+}
+
+std::size_t product(const std::vector<std::size_t>& dimensions) {
+  std::size_t result = 1;
+  for (const std::size_t n : dimensions) result = n == 0 || result > kTooMany / n ? kTooMany : result * n;
+  return result;
+}
+
+Span aligned(std::size_t size, std::size_t more = 0) {
+  Span span{};
+  for (std::size_t at = 0; at < span.size(); ++at) span[at] = cdr_padding(at, size) + size + more;
+  return span;
+}
+
+std::size_t size_of(Scalar scalar) {
+  switch (scalar) {
+    case Scalar::boolean:
+    case Scalar::octet:
+    case Scalar::character:
+    case Scalar::int8:
+      return 1;
+    case Scalar::int16:
+    case Scalar::uint16:
+      return 2;
+    case Scalar::int64:
+    case Scalar::uint64:
+    case Scalar::float64:
+      return 8;
+    default:
+      return 4;
+  }
+}
+
+Span span_of(const std::vector<Field>& fields);
+
+Span span_of(const Field& field) {
+  Span one = field.scalar == Scalar::structure ? span_of(field.fields)
+             : field.scalar == Scalar::text    ? aligned(4, std::min(field.bound, kTooMany) + 1)
+                                               : aligned(size_of(field.scalar));
+  if (field.sequence > 0) {
+    const std::size_t n = std::min(field.sequence, kTooMany);
+    one = both(aligned(4), repeated(repeated(one, product(field.elements)), n));
+  }
+  return repeated(one, product(field.dimensions));
+}
+
+Span span_of(const std::vector<Field>& fields) {
+  Span sum{};
+  for (const Field& field : fields) sum = both(sum, span_of(field));
+  return sum;
+}
+
+// ---- From JSON
+
+bool is_name(std::string_view text) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  return !text.empty() && text.size() <= kMaxTypeName && is_letter(text[0]) &&
+         std::all_of(text.begin(), text.end(),
+                     [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
+}
+
+/// "motion::JointState".
+bool is_type_name(std::string_view text) {
+  if (text.size() > kMaxTypeName) return false;
+  for (std::size_t at = text.find("::"); at != std::string_view::npos; at = text.find("::")) {
+    if (!is_name(text.substr(0, at))) return false;
+    text.remove_prefix(at + 2);
+  }
+  return is_name(text);
+}
+
+class Reader {
+ public:
+  std::optional<Type> type(const Json& json) {
+    Type type;
+    if (!json.is_object()) {
+      problem("", "the description is no object", R"(it is {"name": ..., "fields": [...]})");
+      return std::nullopt;
+    }
+    type.name = name_of(json, "", "name", is_type_name);
+    type.fields = fields_of(json, type.name, 1);
+    only(json, type.name, {"name", "fields"});
+    return type;
+  }
+  Problems problems;
+
+ private:
+  void problem(const std::string& where, std::string what, std::string fix) {
+    // One problem too many is as bad as a thousand.
+    if (problems.size() < 100)
+      problems.push_back({where.empty() ? "the type" : where, std::move(what), std::move(fix)});
+  }
+
+  void only(const Json& json, const std::string& where, const std::set<std::string_view>& members) {
+    for (const auto& [name, value] : json.items()) {
+      if (name == "key") {
+        problem(where, "is a key", "the types of ports have none");
+      } else if (!members.contains(name)) {
+        problem(where, "has the member " + in_quotes(name),
+                "it is not known here, and may change the meaning");
+      }
+    }
+  }
+
+  template <class IsName>
+  std::string name_of(const Json& json, const std::string& where, const char* member, IsName is_right) {
+    const auto found = json.find(member);
+    if (found != json.end() && found->is_string() && is_right(found->template get_ref<const std::string&>()))
+      return found->template get<std::string>();
+    problem(where, std::string{"has no "} + member, "it is a name of IDL");
+    return "?";
+  }
+
+  std::vector<Field> fields_of(const Json& json, const std::string& where, std::size_t nesting) {
+    const auto found = json.find("fields");
+    if (found == json.end() || !found->is_array() || found->empty()) {
+      problem(where, "has no fields", "a struct has at least one");
+      return {};
+    }
+    if (nesting > kMaxNesting) {
+      problem(where, "is a struct too deep within others",
+              "at most " + std::to_string(kMaxNesting) + " are within one another");
+      return {};
+    }
+    std::vector<Field> fields;
+    std::set<std::string> names;
+    for (const Json& each : *found) {
+      if (++fields_ > kMaxFields) {
+        if (fields_ == kMaxFields + 1)
+          problem(where, "is beyond the most fields of a type",
+                  "there are at most " + std::to_string(kMaxFields));
+        return fields;
+      }
+      fields.push_back(field_of(each, where, nesting));
+      if (!names.insert(fields.back().name).second && fields.back().name != "?")
+        problem(where + '.' + fields.back().name, "is there twice", "take another name");
+    }
+    return fields;
+  }
+
+  Field field_of(const Json& json, const std::string& holder, std::size_t nesting) {
+    Field field;
+    if (!json.is_object()) {
+      problem(holder, "has a field that is no object", R"(it is {"name": ..., "type": ...})");
+      return field;
+    }
+    field.name = name_of(json, holder, "name", is_name);
+    const std::string where = holder + '.' + field.name;
+    std::set<std::string_view> members{"name", "type", "array", "sequence", "elements"};
+
+    const auto word = json.find("type");
+    const auto* scalar = word != json.end() && word->is_string()
+                             ? std::find(kWords.begin(), kWords.end(), word->get_ref<const std::string&>())
+                             : kWords.end();
+    if (scalar == kWords.end()) {
+      problem(where, "has no type that is known here", "it is one of IDL's, as double");
+      return field;
+    }
+    field.scalar = static_cast<Scalar>(scalar - kWords.begin());
+    field.dimensions = sizes_of(json, where, "array");
+    field.elements = sizes_of(json, where, "elements");
+    if (json.contains("sequence")) field.sequence = size_of_member(json["sequence"], where, "a sequence without a bound");
+    if (!field.elements.empty() && field.sequence == 0)
+      problem(where, "has elements and is no sequence", "an array has \"array\"");
+
+    if (field.scalar == Scalar::text) {
+      members.insert("bound");
+      if (json.contains("bound")) {
+        field.bound = size_of_member(json["bound"], where, "a string without a bound");
+      } else {
+        problem(where, "is a string without a bound", "string<64> has one");
+      }
+    }
+    if (field.scalar == Scalar::enumeration || field.scalar == Scalar::structure) {
+      members.insert("of");
+      field.type_name = name_of(json, where, "of", is_type_name);
+    }
+    if (field.scalar == Scalar::enumeration) {
+      members.insert("enumerators");
+      field.enumerators = enumerators_of(json, where);
+    }
+    if (field.scalar == Scalar::structure) {
+      members.insert("fields");
+      if (field.sequence > 0) ++sequences_;
+      field.fields = fields_of(json, where, nesting + 1);
+      if (field.sequence > 0) --sequences_;
+    }
+    if (field.sequence > 0 && sequences_ > 0)
+      problem(where, "is a sequence within a sequence", "an array of sequences can be");
+    only(json, where, members);
+    return field;
+  }
+
+  std::size_t size_of_member(const Json& json, const std::string& where, const char* what) {
+    if (json.is_number_unsigned() && json.get<std::uint64_t>() >= 1 &&
+        json.get<std::uint64_t>() <= kMaxSampleSize)
+      return json.get<std::size_t>();
+    problem(where, std::string{"is "} + what,
+            "it is from 1 to " + std::to_string(kMaxSampleSize));
+    return 1;
+  }
+
+  std::vector<std::size_t> sizes_of(const Json& json, const std::string& where, const char* member) {
+    const auto found = json.find(member);
+    if (found == json.end()) return {};
+    std::vector<std::size_t> sizes;
+    if (!found->is_array() || found->empty()) {
+      problem(where, std::string{"has no size in \""} + member + '"', "it is a list of sizes");
+      return {};
+    }
+    for (const Json& each : *found) sizes.push_back(size_of_member(each, where, "an array without a size"));
+    return sizes;
+  }
+
+  std::vector<std::string> enumerators_of(const Json& json, const std::string& where) {
+    const auto found = json.find("enumerators");
+    std::vector<std::string> enumerators;
+    std::set<std::string> names;
+    if (found != json.end() && found->is_array()) {
+      for (const Json& each : *found) {
+        if (!each.is_string() || !is_name(each.get_ref<const std::string&>()) ||
+            !names.insert(each.get<std::string>()).second) {
+          problem(where, "has an enumerator without a name of its own", "it is a name of IDL");
+          return {"?"};
+        }
+        enumerators.push_back(each.get<std::string>());
+      }
+    }
+    if (enumerators.empty()) problem(where, "has no enumerators", "an enum has at least one");
+    return enumerators;
+  }
+
+  std::size_t fields_ = 0;
+  int sequences_ = 0;  // that what is read now is an element of
+};
+
+Json to_json(const std::vector<Field>& fields) {
+  Json list = Json::array();
+  for (const Field& field : fields) {
+    Json json{{"name", field.name}, {"type", to_text(field.scalar)}};
+    if (field.scalar == Scalar::text) json["bound"] = field.bound;
+    if (!field.dimensions.empty()) json["array"] = field.dimensions;
+    if (field.sequence > 0) json["sequence"] = field.sequence;
+    if (!field.elements.empty()) json["elements"] = field.elements;
+    if (!field.type_name.empty()) json["of"] = field.type_name;
+    if (field.scalar == Scalar::enumeration) json["enumerators"] = field.enumerators;
+    if (field.scalar == Scalar::structure) json["fields"] = to_json(field.fields);
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+}  // namespace
+
+const char* to_text(Scalar scalar) { return kWords.at(static_cast<std::size_t>(scalar)); }
+
+Result<Type> parse_type(const std::string& text) {
+  if (text.size() > kMaxDescription)
+    return Problem{"the type", "its description has " + std::to_string(text.size()) + " bytes",
+                   "it has at most " + std::to_string(kMaxDescription)};
+  const Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded()) return Problem{"the type", "its description is no JSON", {}};
+  Reader reader;
+  auto type = reader.type(json);
+  if (!reader.problems.empty()) return std::move(reader.problems);
+  if (const std::size_t size = max_size(*type); size > kMaxSampleSize)
+    return Problem{type->name, "a sample has more than " + std::to_string(kMaxSampleSize) + " bytes",
+                   "make its bounds smaller"};
+  return std::move(*type);
+}
+
+std::string to_text(const Type& type) {
+  return Json{{"name", type.name}, {"fields", to_json(type.fields)}}.dump();
+}
+
+std::size_t max_size(const Type& type) { return padded_sample(kEncapsulation + span_of(type.fields)[0]); }
+
+}  // namespace takt::model

@@ -1,0 +1,241 @@
+#include <takt/node/wiring.hpp>
+
+#include <algorithm>
+#include <tuple>
+
+#include <takt/channel/seat.hpp>
+
+namespace takt::node {
+
+namespace {
+
+using model::Connection;
+using model::ConnectionKind;
+using model::Direction;
+using model::Endpoint;
+
+class Planner {
+ public:
+  Planner(const model::Cell& cell, std::size_t device, const std::vector<model::ModulePorts>& ports)
+      : cell_(cell), device_(cell.devices[device]), ports_(ports) {}
+
+  WiringPlan plan() {
+    for (const Connection& connection : cell_.connections) {
+      const bool from_here = is_here(connection.from);
+      const bool to_here = is_here(connection.to);
+      if (from_here && to_here && connection.topic.empty())
+        within(connection);
+      else {
+        if (from_here) outgoing(connection);
+        if (to_here) incoming(connection);
+      }
+    }
+    // What nobody is connected to can still be looked at.
+    for (std::uint32_t module = 0; module < ports_.size(); ++module) {
+      if (!ports_[module]) continue;
+      for (const model::Port& port : *ports_[module]) {
+        if (port.direction == Direction::out)
+          flow_of(module, port, topic_of(module, port.name), std::nullopt);
+      }
+    }
+    return std::move(plan_);
+  }
+
+ private:
+  [[nodiscard]] bool is_here(const Endpoint& end) const { return end.given() && end.device == device_.name; }
+
+  struct Port {
+    std::uint32_t module;
+    const model::Port* port;
+  };
+  /// None where the module is not described.
+  [[nodiscard]] std::optional<Port> find(const Endpoint& end) const {
+    for (std::uint32_t module = 0; module < ports_.size(); ++module) {
+      if (device_.modules[module].name != end.module || !ports_[module]) continue;
+      for (const model::Port& port : *ports_[module]) {
+        if (port.name == end.port) return Port{module, &port};
+      }
+    }
+    return std::nullopt;
+  }
+  [[nodiscard]] std::string topic_of(std::uint32_t module, const std::string& port) const {
+    return port_topic(cell_.name, {device_.name, device_.modules[module].name, port});
+  }
+  /// Who is to be woken by a sample for this port.
+  [[nodiscard]] std::uint32_t wake_bits(const Port& to) const {
+    const model::Module& module = device_.modules[to.module];
+    if (to.port->direction != Direction::event || module.dispatch != model::Dispatch::immediate) return 0;
+    return module.type == model::ModuleType::thread ? channel::kSporadicBit : channel::bell_bit(to.module);
+  }
+
+  static std::uint32_t payload_of(const model::Port& port) {
+    return static_cast<std::uint32_t>(model::max_size(port.type));
+  }
+  static channel::Link::Options options_of(const Connection& connection, const model::Port& port) {
+    return {.depth = static_cast<std::uint32_t>(connection.depth),
+            .payload = payload_of(port),
+            .is_queue = connection.kind == ConnectionKind::queue,
+            .wake_bits = 0,
+            .deadline_ns = connection.deadline.value_or(Nanoseconds{0}).count(),
+            .enabled = true};
+  }
+
+  void within(const Connection& connection) {
+    const auto from = find(connection.from);
+    const auto to = find(connection.to);
+    if (!from || !to) return;
+    PlannedLink link{.from = {from->module, from->port->name}, .to = {to->module, to->port->name}};
+    link.options = options_of(connection, *from->port);
+    link.options.wake_bits = wake_bits(*to);
+    link.stale = connection.stale;
+    link.typed = from->port->object && to->port->object;
+    if (link.typed) link.options.payload = 0;
+    plan_.links.push_back(link);
+  }
+
+  /// The flow of an output to a topic, and its link to the gateway.
+  PlannedFlow& flow_of(std::uint32_t module, const model::Port& port, const std::string& topic,
+                       std::optional<int> domain) {
+    for (PlannedFlow& flow : plan_.flows) {
+      if (flow.outgoing && flow.topic == topic && flow.domain == domain &&
+          plan_.links[flow.links.front()].from == LinkEnd{module, port.name}) {
+        return flow;
+      }
+    }
+    PlannedLink link{.from = {module, port.name}, .to = {}};
+    link.options = {
+        .depth = 1, .payload = payload_of(port), .wake_bits = channel::kGatewayBit, .enabled = false};
+    plan_.links.push_back(link);
+    plan_.flows.push_back({.outgoing = true,
+                           .topic = topic,
+                           .domain = domain,
+                           .type = port.type,
+                           .links = {plan_.links.size() - 1}});
+    return plan_.flows.back();
+  }
+
+  /// One flow serves all connections of the port to the topic, so it is as good as the best of them.
+  void outgoing(const Connection& connection) {
+    const auto from = find(connection.from);
+    if (!from) return;
+    const std::string topic =
+        connection.topic.empty() ? topic_of(from->module, from->port->name) : connection.topic;
+    PlannedFlow& flow = flow_of(from->module, *from->port, topic, connection.domain);
+    channel::Link::Options& link = plan_.links[flow.links.front()].options;
+    const auto depth = static_cast<std::uint32_t>(connection.depth);
+    link.enabled = true;
+    link.depth = std::max(link.depth, depth);
+    link.is_queue |= connection.kind == ConnectionKind::queue;
+    flow.depth = std::max(flow.depth, depth);
+    flow.reliable |= connection.reliability == model::Reliability::reliable;
+    // A promise to the most impatient; kept as long as anybody wants it.
+    if (connection.deadline)
+      flow.deadline = std::min(flow.deadline.value_or(*connection.deadline), *connection.deadline);
+    if (!flow.connected) {
+      flow.lifespan = connection.lifespan;
+    } else if (flow.lifespan) {
+      flow.lifespan =
+          connection.lifespan ? std::optional{std::max(*flow.lifespan, *connection.lifespan)} : std::nullopt;
+    }
+    flow.connected = true;
+  }
+
+  void incoming(const Connection& connection) {
+    const auto to = find(connection.to);
+    if (!to) return;
+    PlannedLink link{.from = {}, .to = {to->module, to->port->name}};
+    link.options = options_of(connection, *to->port);
+    link.options.wake_bits = wake_bits(*to);
+    link.stale = connection.stale;
+    plan_.links.push_back(link);
+
+    PlannedFlow flow{
+        .outgoing = false,
+        .topic = connection.topic.empty() ? port_topic(cell_.name, connection.from) : connection.topic,
+        .domain = connection.domain,
+        .type = to->port->type,
+        .reliable = connection.reliability == model::Reliability::reliable,
+        .depth = static_cast<std::uint32_t>(connection.depth),
+        .deadline = connection.deadline,
+        .lifespan = connection.lifespan,
+        .connected = true,
+        .links = {plan_.links.size() - 1}};
+    const auto same = [](const PlannedFlow& f) {
+      return std::tie(f.outgoing, f.topic, f.domain, f.reliable, f.depth, f.deadline, f.lifespan);
+    };
+    const auto other = std::find_if(plan_.flows.begin(), plan_.flows.end(), [&](const PlannedFlow& f) {
+      return same(f) == same(flow) && f.type == flow.type;
+    });
+    if (other == plan_.flows.end())
+      plan_.flows.push_back(std::move(flow));
+    else
+      other->links.push_back(plan_.links.size() - 1);
+  }
+
+  const model::Cell& cell_;
+  const model::Device& device_;
+  const std::vector<model::ModulePorts>& ports_;
+  WiringPlan plan_;
+};
+
+}  // namespace
+
+std::string port_topic(const std::string& cell, const Endpoint& port) {
+  return "takt/" + cell + "/" + port.device + "/" + port.module + "/" + port.port;
+}
+
+WiringPlan plan_wiring(const model::Cell& cell, std::size_t device,
+                       const std::vector<model::ModulePorts>& ports) {
+  return Planner{cell, device, ports}.plan();
+}
+
+Result<Wiring> Wiring::create(WiringPlan plan) {
+  Wiring wiring;
+  wiring.flows_ = std::move(plan.flows);
+  for (PlannedLink& planned : plan.links) {
+    auto memory = os::SharedMemory::create("takt-link", channel::Link::layout(planned.options).size());
+    if (!memory) return memory.problems();
+    channel::Link::format(memory->data(), planned.options);
+    const channel::Link link{memory->data()};
+    wiring.wires_.push_back({std::move(planned), std::move(*memory), link});
+  }
+  return wiring;
+}
+
+std::vector<host::PortLink> Wiring::of_host(const model::Device& device) const {
+  std::vector<host::PortLink> ends;
+  for (const Wire& wire : wires_) {
+    for (const LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
+      if (!end->module || device.modules[*end->module].type != model::ModuleType::thread) continue;
+      ends.push_back({*end->module, end->port, wire.memory.fd().get(), wire.plan.typed});
+    }
+  }
+  return ends;
+}
+
+std::string Wiring::of_program(std::uint32_t module) const {
+  std::string text;
+  for (const Wire& wire : wires_) {
+    for (const LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
+      if (end->module != module) continue;
+      text += (text.empty() ? "" : ",") + end->port + "=" + std::to_string(wire.memory.fd().get());
+    }
+  }
+  return text;
+}
+
+void Wiring::inherit(std::vector<const os::Fd*>& into, const std::vector<host::PortLink>& links) const {
+  for (const Wire& wire : wires_) {
+    const int fd = wire.memory.fd().get();
+    const auto is_it = [fd](const host::PortLink& link) { return link.fd == fd; };
+    if (std::any_of(links.begin(), links.end(), is_it)) into.push_back(&wire.memory.fd());
+  }
+}
+
+void Wiring::inherit(std::vector<const os::Fd*>& into, std::uint32_t module) const {
+  for (const Wire& wire : wires_) {
+    if (wire.plan.from.module == module || wire.plan.to.module == module) into.push_back(&wire.memory.fd());
+  }
+}
+
+}  // namespace takt::node

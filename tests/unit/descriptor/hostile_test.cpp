@@ -1,0 +1,144 @@
+// Texts that somebody made to hurt: a node reads what came over the network with the same parse(). Each is
+// refused, with few words and without taking many times its size of memory; none throws or ends the process.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/descriptor/well_formed.hpp>
+#include <takt/model/validate.hpp>
+
+namespace takt::descriptor {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kModule =
+    "<module><filename>a.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>"
+    "<period>1000000</period><priority>1</priority></module>";
+const std::string kDevice = "<device name='d'>" + kModule + "</device>";
+
+/// As long as a text may be.
+std::string filled(const std::string& before, const std::string& unit, const std::string& after,
+                   std::size_t size = kMaxBytes) {
+  std::string text = before;
+  text.reserve(size);
+  while (text.size() + unit.size() + after.size() <= size) text += unit;
+  return text + after;
+}
+
+/// The problems, each of which a person could read.
+Problems refused(const std::string& xml) {
+  Result<model::Cell> cell = model::Cell{};
+  EXPECT_NO_THROW(cell = parse(xml, "the network"));
+  EXPECT_FALSE(cell) << xml.substr(0, 200);
+  if (cell) return {};
+  EXPECT_LE(cell.problems().size(), model::kMaxProblems);
+  for (const Problem& problem : cell.problems()) {
+    EXPECT_EQ(problem.where.rfind("the network:", 0), 0U) << problem.where;
+    EXPECT_LT(to_text(problem).size(), 5000U);
+    EXPECT_EQ(to_text(problem).find('\n'), std::string::npos);
+  }
+  return cell.problems();
+}
+
+std::string first_of(const std::string& xml) {
+  const Problems problems = refused(xml);
+  return problems.empty() ? "nothing" : problems[0].what;
+}
+
+TEST(HostileText, OfMoreThanAMillionPartsIsRefusedBeforeAnythingIsMadeOfIt) {
+  std::string attributes;
+  for (int i = 0; i < 90; ++i) attributes += " a" + std::to_string(i) + "=''";
+  for (const std::string& unit :
+       {std::string{"<a/>"}, "<a" + attributes + "/>", std::string{"<!---->"}, std::string{"<![CDATA[]]>"},
+        std::string{"x<a/>"}, std::string{"<module/>"}}) {
+    EXPECT_THAT(first_of(filled("<root>", unit, "</root>")), HasSubstr("more than 1000000 elements")) << unit;
+  }
+  EXPECT_THAT(first_of(filled("<cell name='c'>" + kDevice, "<connection/>", "</cell>")),
+              HasSubstr("more than 1000000 elements"));
+}
+
+// Blanks are not kept, and closing tags are part of what they close.
+TEST(HostileText, OfAMillionPartsIsRead) {
+  const auto of_parts = [](std::size_t parts) {
+    std::string xml = "<root>";
+    for (std::size_t i = 1; i < parts; ++i) xml += "<a></a>\n";
+    return xml + "</root>";
+  };
+  EXPECT_FALSE(find_fault(of_parts(kMaxParts)));
+  const auto fault = find_fault(of_parts(kMaxParts + 1));
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->line, static_cast<int>(kMaxParts));
+}
+
+TEST(HostileText, OfFewLargePartsIsRefused) {
+  const std::string x(kMaxBytes - 1000, 'x');
+  for (const std::string& xml :
+       {"<" + x + "/>", "<root " + x + "='1'/>", "<cell name='" + x + "'>" + kDevice + "</cell>",
+        "<root><module><filename>" + x + "</filename></module></root>",
+        "<cell name='c' discovery='peers' peers='" + x + "'>" + kDevice + "</cell>",
+        "<cell name='c' discovery='server' server='" + x + ":1'>" + kDevice + "</cell>",
+        "<cell name='c'>" + kDevice + "<connection from='" + x + "' to='d.a.i'/></cell>",
+        "<cell name='c'>" + kDevice + "<connection from='d.a.o' topic='" + x + "'/></cell>", "<!--" + x,
+        "&" + x, "<root>&#" + x + ";</root>"}) {
+    EXPECT_LE(refused(xml).size(), 5U);
+  }
+}
+
+TEST(HostileText, OfMoreThanTheBoundsOfACellIsRefused) {
+  EXPECT_THAT(
+      first_of(filled("<cell name='c'>" + kDevice, "<connection from='d.a.o'/>", "</cell>", 6'000'000)),
+      HasSubstr("more than 100000 connections"));
+  EXPECT_EQ(
+      refused(filled("<cell name='c' discovery='peers' peers='", " a", "'>" + kDevice + "</cell>")).size(),
+      1U);
+  EXPECT_THAT(first_of(filled("<cell name='c'>", "<device name='d'/>", "</cell>", 8'000'000)),
+              HasSubstr(" devices"));
+  EXPECT_THAT(first_of(filled("<root>", "<executor name='e'/>", kModule + "</root>", 8'000'000)),
+              HasSubstr("executors"));
+}
+
+// A guess at what was meant looks at many names; there are not to be many guesses.
+TEST(HostileText, OfMistakesThatAskForGuessesIsRefused) {
+  std::string devices;
+  const std::string long_name(60, 'd');
+  for (int i = 100; i < 1000; ++i)
+    devices += "<device name='" + long_name + std::to_string(i) + "'>" + kModule + "</device>";
+  const std::string connection =
+      "<connection from='" + long_name + "xxx.a.o' to='" + long_name + "yyy.a.i'/>";
+  EXPECT_EQ(refused(filled("<cell name='c'>" + devices, connection, "</cell>", 8'000'000)).size(),
+            model::kMaxProblems);
+  EXPECT_EQ(refused(filled("<root>", "<modul" + std::string(50, 'e') + "/>", "</root>", 8'000'000)).size(),
+            model::kMaxProblems);
+}
+
+TEST(HostileText, OfRandomBytesIsRefused) {
+  std::mt19937 random{1};
+  std::uniform_int_distribution<int> byte{0, 255};
+  for (int i = 0; i < 2000; ++i) {
+    std::string xml(static_cast<std::size_t>(i % 97), '\0');
+    for (char& c : xml) c = static_cast<char>(byte(random));
+    refused(xml);
+    refused("<root>" + xml + "</root>");
+    refused("<cell name='c'>" + kDevice + "<connection from='" + xml + "'/></cell>");
+  }
+}
+
+// What is refused here is refused everywhere: what is right is read the same whatever it is called.
+TEST(HostileText, DoesNotHideBehindItsName) {
+  for (const std::string& name :
+       {std::string{}, std::string{"\n: error: nothing\n"}, std::string(100000, 'n')}) {
+    const auto cell = parse("<root><x/>" + kModule + "</root>", name);
+    ASSERT_FALSE(cell);
+    EXPECT_EQ(to_text(cell.problems()).find('\n'), std::string::npos);
+    EXPECT_TRUE(parse("<cell name='c'>" + kDevice + "</cell>", name));
+    EXPECT_TRUE(parse("<root>" + kModule + "</root>", name));
+  }
+}
+
+}  // namespace
+}  // namespace takt::descriptor

@@ -1,0 +1,168 @@
+// A module that is taken out of the tables while rows are walked as fast as they can be: once it is out,
+// nothing of it runs, and whoever took it out may touch what it touches.
+#include <takt/channel/departure.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <random>
+#include <thread>
+
+#include "fake_device.hpp"
+
+namespace takt::executor {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr auto kThread = model::ModuleType::thread;
+
+/// Each reading is a nanosecond after the last.
+class TickingClock final : public Clock {
+ public:
+  Instant now() noexcept override { return from_ns(ticks_.fetch_add(1, std::memory_order_relaxed)); }
+
+ private:
+  std::atomic<std::int64_t> ticks_{1'000'000'000};
+};
+
+model::Module at_once(Nanoseconds deadline) {
+  model::Module module = sporadic(kThread, deadline);
+  module.dispatch = model::Dispatch::immediate;
+  return module;
+}
+
+/// What run() and condition() share with whoever takes the module out, without any agreement but that.
+struct Shared {
+  std::atomic<bool> inside{false};
+  std::uint64_t plain = 0;
+  std::uint64_t calls = 0;
+
+  void touch() {
+    inside.store(true, std::memory_order_relaxed);
+    ++plain;
+    ++calls;
+    inside.store(false, std::memory_order_relaxed);
+  }
+};
+
+TEST(Departure, IsOverOnceNothingOfTheModuleRuns) {
+  constexpr std::size_t kModules = 3;  // periodic, released by rows, released at once
+  constexpr std::uint64_t kTimes = 1'500;
+  FakeDevice device{{thread(milliseconds{1}), sporadic(kThread, milliseconds{5}), at_once(milliseconds{5})}};
+  TickingClock clock;
+  Executor executor{device.plan.executors[0], device.periodic_units, device.sporadic_units, *device.block,
+                    clock};
+  std::array<Shared, kModules> shared;
+  for (std::size_t i = 0; i < kModules; ++i) {
+    device.bodies[i].on_news = [] { return true; };
+    device.bodies[i].on_condition = [&shared, i](bool* ready) -> const char* {
+      shared[i].touch();
+      *ready = true;
+      return nullptr;
+    };
+    device.bodies[i].on_run = [&shared, i](const Cycle&) -> const char* {
+      shared[i].touch();
+      return nullptr;
+    };
+  }
+  executor.join_grid(from_ns(2'000'000'000), from_ns(2'000'000'000));
+  std::atomic<bool> end{false};
+  std::thread rows{[&] {
+    while (!end.load(std::memory_order_relaxed)) executor.run_cycle(executor.next_release());
+  }};
+  std::thread sporadics{[&] {
+    while (!end.load(std::memory_order_relaxed)) {
+      if (!executor.run_sporadic()) std::this_thread::yield();
+    }
+  }};
+
+  std::mt19937 random{5};
+  std::array<channel::Departure, kModules> departures;
+  std::array<std::uint64_t, kModules> outs{};
+  const auto busy = [&] {  // each has run often, beside being taken out
+    for (std::size_t i = 0; i < kModules; ++i) {
+      if (device.blocks[i].cycles.load(std::memory_order_relaxed) < kTimes || outs[i] < kTimes / kModules)
+        return true;
+    }
+    return false;
+  };
+  std::uint64_t met = 0;
+  while (busy() && met == 0) {
+    const std::size_t i = random() % kModules;
+    const channel::Place place{.index = static_cast<std::uint32_t>(i),
+                               .block = &device.blocks[i],
+                               .executor = device.block.get(),
+                               .seat = nullptr};
+    departures[i].begin(place);
+    while (!departures[i].over(place)) std::this_thread::yield();
+    for (int look = 0; look < 20; ++look) met += shared[i].inside.load(std::memory_order_relaxed) ? 1 : 0;
+    ++shared[i].plain;
+    ++outs[i];
+    channel::put_in(place);
+    for (auto wait = random() % 300; wait > 0; --wait) static_cast<void>(departures[i].over(place));
+  }
+  end = true;
+  rows.join();
+  sporadics.join();
+  EXPECT_EQ(met, 0U) << "a module ran when it was out";
+  for (std::size_t i = 0; i < kModules; ++i) EXPECT_EQ(shared[i].plain, shared[i].calls + outs[i]) << i;
+}
+
+/// One step at a time: what it waits for, and what not.
+class DepartureStep : public testing::Test {
+ protected:
+  std::unique_ptr<channel::ExecutorBlock> executor = std::make_unique<channel::ExecutorBlock>();
+  std::unique_ptr<channel::ModuleBlock> block = std::make_unique<channel::ModuleBlock>();
+  channel::Seat seat{};
+  channel::Place place{.index = 4, .block = block.get(), .executor = executor.get(), .seat = nullptr};
+  channel::Departure departure;
+};
+
+TEST_F(DepartureStep, WaitsForTheRowThatIsWalkedAndNoLater) {
+  channel::put_in(place);
+  EXPECT_FALSE(departure.over(place)) << "it is in the tables";
+  executor->row_sequence = 7;
+  departure.begin(place);
+  EXPECT_FALSE(departure.over(place));
+  executor->row_sequence = 8;
+  EXPECT_TRUE(departure.over(place));
+  executor->row_sequence = 9;
+  EXPECT_TRUE(departure.over(place)) << "the next row has seen that it is out";
+}
+
+TEST_F(DepartureStep, WaitsForNoRowBetweenTwo) {
+  executor->row_sequence = 8;
+  departure.begin(place);
+  EXPECT_TRUE(departure.over(place));
+}
+
+TEST_F(DepartureStep, WaitsForItsSporadicRunAndItsBackgroundRunAlone) {
+  departure.begin(place);
+  executor->sporadic.begin(3, channel::Doing::run, 0);
+  EXPECT_TRUE(departure.over(place)) << "another's";
+  executor->sporadic.begin(4, channel::Doing::run, 0);
+  EXPECT_FALSE(departure.over(place));
+  executor->sporadic.end();
+  block->background.begin(4, channel::Doing::run, 0);
+  EXPECT_FALSE(departure.over(place));
+  block->background.end();
+  EXPECT_TRUE(departure.over(place));
+}
+
+TEST_F(DepartureStep, WaitsForTheProgramsBody) {
+  place.seat = &seat;
+  seat.phase = channel::SeatPhase::ready;
+  channel::put_in(place);
+  EXPECT_EQ(channel::release(seat, 0, 0), channel::Release::given);
+  departure.begin(place);
+  EXPECT_FALSE(departure.over(place));
+  seat.done = 1;
+  EXPECT_TRUE(departure.over(place));
+  EXPECT_EQ(seat.open.load(), 0U);
+  channel::clear_for_new_program(seat);
+  EXPECT_TRUE(departure.over(place)) << "no program is in no body";
+}
+
+}  // namespace
+}  // namespace takt::executor

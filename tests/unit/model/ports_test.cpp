@@ -1,0 +1,147 @@
+#include <takt/model/ports.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace takt::model {
+namespace {
+
+Field field(std::string name, Scalar scalar, std::vector<std::size_t> dimensions = {}) {
+  Field field;
+  field.name = std::move(name);
+  field.scalar = scalar;
+  field.dimensions = std::move(dimensions);
+  return field;
+}
+
+Type joint(std::size_t axes = 6) { return {"motion::Joint", {field("position", Scalar::float64, {axes})}}; }
+Type pick() { return {"motion::Pick", {field("number", Scalar::uint32)}}; }
+
+class Connections : public testing::Test {
+ protected:
+  void SetUp() override {
+    cell.name = "cell";
+    cell.file = "cell.xml";
+    for (const char* device : {"robot", "line"}) {
+      Device d;
+      d.name = device;
+      for (const char* module : {"a", "b"}) {
+        Module m;
+        m.name = module;
+        d.modules.push_back(m);
+      }
+      cell.devices.push_back(d);
+    }
+    const std::vector<Port> all{{"joint", Direction::in, joint(), ""},
+                                {"moved", Direction::event, pick(), ""},
+                                {"state", Direction::out, joint(), ""},
+                                {"pick", Direction::out, pick(), ""}};
+    ports = {{all, all}, {all, all}};
+  }
+
+  Problems check(Endpoint from, Endpoint to) {
+    Connection connection;
+    connection.from = std::move(from);
+    connection.to = std::move(to);
+    connection.line = 12;
+    cell.connections = {connection};
+    return check_connections(cell, ports);
+  }
+  static std::string text(const Problems& problems) { return to_text(problems); }
+
+  Cell cell;
+  CellPorts ports;
+};
+
+TEST_F(Connections, OfPortsThatFitAreRight) {
+  EXPECT_EQ(check({"robot", "a", "state"}, {"line", "b", "joint"}), Problems{});
+  EXPECT_EQ(check({"robot", "a", "pick"}, {"robot", "b", "moved"}), Problems{});
+}
+
+TEST_F(Connections, NameAPortThatIsNotThereWithTheOneThatWasMeant) {
+  EXPECT_EQ(text(check({"robot", "a", "sate"}, {"line", "b", "joint"})),
+            "cell.xml:12: error: module robot.a has no port 'sate'; did you mean state?");
+  EXPECT_EQ(text(check({"robot", "a", "state"}, {"line", "b", "zzz"})),
+            "cell.xml:12: error: module line.b has no port 'zzz'; it can be joint or moved");
+}
+
+TEST_F(Connections, TellBothEndsThatAreWrong) {
+  EXPECT_EQ(check({"robot", "a", "x"}, {"line", "b", "y"}).size(), 2U);
+}
+
+TEST_F(Connections, GoFromAnOutputToAnInput) {
+  EXPECT_THAT(text(check({"robot", "a", "joint"}, {"line", "b", "joint"})),
+              testing::StartsWith("cell.xml:12: error: port robot.a.joint is an input;"));
+  EXPECT_THAT(text(check({"robot", "a", "state"}, {"line", "b", "pick"})),
+              testing::StartsWith("cell.xml:12: error: port line.b.pick is an output;"));
+}
+
+TEST_F(Connections, NameBothTypes) {
+  EXPECT_EQ(text(check({"robot", "a", "state"}, {"line", "b", "moved"})),
+            "cell.xml:12: error: port robot.a.state is of type motion::Joint and port line.b.moved of type "
+            "motion::Pick; connect ports of one type");
+}
+
+TEST_F(Connections, NameTheFieldInWhichTwoTypesOfOneNameDiffer) {
+  (*ports[1][1])[0].type = joint(7);
+  EXPECT_THAT(text(check({"robot", "a", "state"}, {"line", "b", "joint"})),
+              testing::HasSubstr("position is double[6] in the first and double[7] in the second"));
+}
+
+TEST_F(Connections, OfAComponentThatIsNotHereAreNotJudged) {
+  ports[1][1].reset();
+  EXPECT_EQ(check({"robot", "a", "state"}, {"line", "b", "anything"}), Problems{});
+}
+
+TEST_F(Connections, WithOneEndAreHeldAgainstThatEnd) {
+  EXPECT_EQ(check({"robot", "a", "state"}, {}), Problems{});
+  EXPECT_EQ(check({}, {"robot", "a", "state"}).size(), 1U);
+}
+
+TEST_F(Connections, AModuleDispatchedAtOnceNeedsAnEventThatCanCome) {
+  cell.devices[0].modules[0].dispatch = Dispatch::immediate;
+  cell.devices[0].modules[0].lines.dispatch = 5;
+  EXPECT_EQ(check({"robot", "b", "pick"}, {"robot", "a", "moved"}), Problems{});
+  EXPECT_THAT(
+      text(check({"robot", "b", "state"}, {"robot", "a", "joint"})),
+      testing::HasSubstr("cell.xml:5: error: module a is dispatched at once, but none of its event ports"));
+  (*ports[0][0]).erase((*ports[0][0]).begin() + 1);
+  EXPECT_THAT(text(check({"robot", "b", "state"}, {"robot", "a", "joint"})),
+              testing::HasSubstr("has no event port"));
+}
+
+TEST(PortsJson, IsReadBackAsItWasWritten) {
+  const std::vector<Port> ports{{"joint", Direction::in, joint(), "Where it is."},
+                                {"moved", Direction::event, pick(), ""},
+                                {"state", Direction::out, joint(), "\"quoted\"\n"}};
+  const auto read = parse_ports(ports_json(ports));
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(*read, ports);
+}
+
+TEST(PortsJson, OfNonsenseIsRefused) {
+  for (const char* text :
+       {"", "[]", "{}", "{\"ports\": 5}", "{\"ports\": [5]}", "{\"ports\": [{\"name\": \"a\"}]}",
+        "{\"ports\": [{\"name\": \"a\", \"direction\": \"up\", \"description\": \"{}\"}]}",
+        "{\"ports\": [{\"name\": \"a\", \"direction\": \"in\", \"description\": \"{}\"}]}"}) {
+    EXPECT_FALSE(parse_ports(text).ok()) << text;
+  }
+}
+
+TEST(Difference, IsTheFirstOne) {
+  Type first = joint();
+  EXPECT_EQ(difference(first, first), "");
+  Type second = first;
+  second.fields.push_back(field("time", Scalar::int64));
+  EXPECT_EQ(difference(first, second), "time is only in the second");
+  EXPECT_EQ(difference(second, first), "time is only in the first");
+  second = first;
+  second.fields[0].name = "angle";
+  EXPECT_EQ(difference(first, second), "where the first has position, the second has angle");
+  second = first;
+  second.fields[0].scalar = Scalar::float32;
+  EXPECT_EQ(difference(first, second), "position is double[6] in the first and float[6] in the second");
+}
+
+}  // namespace
+}  // namespace takt::model

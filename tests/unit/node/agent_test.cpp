@@ -1,0 +1,569 @@
+#include <takt/node/agent.hpp>
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include <takt/dds/words.hpp>
+#include <takt/os/environment.hpp>
+
+#include "fake_device.hpp"
+
+namespace takt::node {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using Phase = Supervised::Phase;
+
+DeviceStatus other(const std::string& device, const std::string& node) {
+  DeviceStatus status;
+  dds::set(status.path(), "-/" + device);
+  dds::set(status.cell(), dds::kNoCell);
+  dds::set(status.device(), device);
+  dds::set(status.node(), node);
+  dds::set(status.host_name(), "elsewhere");
+  status.process_id(42);
+  return status;
+}
+
+TEST(Agent, WaitsAndSaysSo) {
+  FakeDevice device;
+  ASSERT_EQ(device.said.devices.size(), 1U);
+  EXPECT_EQ(device.status().path(), "-/robot");
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().node(), "here");
+  device.pass(seconds{1});
+  EXPECT_EQ(device.said.devices.size(), 1U) << "nothing has changed";
+  device.hear(device.command(COMMAND_REPORT));
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.data()["modules"].size(), 0U);
+}
+
+TEST(Agent, RefusesWhatMakesNoSenseWithoutADeployment) {
+  FakeDevice device;
+  for (const CommandKind kind : {COMMAND_RUN, COMMAND_DESCRIBE, COMMAND_START, COMMAND_STOP, COMMAND_RECOVER,
+                                 COMMAND_RESET, COMMAND_DESTRUCT, COMMAND_INITIALIZE}) {
+    device.hear(device.command(kind));
+    EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << to_text(kind);
+    EXPECT_THAT(device.text(), HasSubstr("robot")) << to_text(kind);
+  }
+  device.hear(device.command(static_cast<CommandKind>(77)));
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("77"));
+  device.undeploy();
+  EXPECT_EQ(device.reply().code(), REPLY_OK) << "it is as it was asked for";
+}
+
+TEST(Agent, DoesNotBeginWhatIsPastItsDeadline) {
+  FakeDevice device;
+  dds::WholeCommand late = device.command(COMMAND_PREPARE);
+  late.data = FakeDevice::kCell;
+  late.head.deadline_ns(device.wall() - 20'000'000);
+  device.hear(late);
+  EXPECT_EQ(device.reply().code(), REPLY_LATE);
+  EXPECT_THAT(device.text(), HasSubstr("20 ms after its deadline"));
+  EXPECT_TRUE(device.work.inspections.empty());
+  late.head.deadline_ns(0);  // none
+  device.hear(late);
+  EXPECT_EQ(device.work.inspections.size(), 1U);
+}
+
+TEST(Agent, ADeploymentIsReadyWhenEveryModuleIsAndRunsWhenItIsTold) {
+  FakeDevice device;
+  device.prepare();
+  EXPECT_TRUE(device.said.replies.empty()) << "answered when it is ready";
+  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+  EXPECT_EQ(device.status().path(), "cell/robot");
+  EXPECT_EQ(device.status().modules(), 2U);
+  ASSERT_EQ(device.work.inspections.size(), 1U);
+  EXPECT_FALSE(device.work.inspections[0].as_written);
+
+  device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}, .description = R"({"device":"robot"})"};
+  device.agent.step();
+  EXPECT_TRUE(device.said.replies.empty());
+  device.work.phase = Phase::ready;
+  device.agent.step();
+  ASSERT_EQ(device.said.replies.size(), 1U);
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.data()["device"], "robot");
+  EXPECT_EQ(device.status().state(), DEVICE_READY);
+  EXPECT_FALSE(device.work.t0);
+
+  device.run(milliseconds{300});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.work.t0, device.now + milliseconds{300}) << "of the monotonic clock";
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+}
+
+TEST(Agent, TellsOfEveryStepOfAModuleWithItsNumber) {
+  FakeDevice device;
+  device.become_running();
+  ASSERT_EQ(device.said.steps.size(), 2U);
+  EXPECT_EQ(device.said.steps[0].path(), "cell/robot/servo");
+  EXPECT_EQ(device.said.steps[0].event(), EVENT_NONE);
+  EXPECT_EQ(device.said.steps[0].sequence_number(), 0U);
+  device.work.stepped({.module = 1,
+                       .transition = {.from = lifecycle::State::executing,
+                                      .to = lifecycle::State::recover,
+                                      .event = lifecycle::Event::error,
+                                      .sequence = 4},
+                       .error = ErrorType::budget,
+                       .text = "it took too long"});
+  const LifecycleStatus& step = device.said.steps.back();
+  EXPECT_EQ(step.path(), "cell/robot/arm");
+  EXPECT_EQ(step.previous_state(), STATE_EXECUTING);
+  EXPECT_EQ(step.state(), STATE_RECOVER);
+  EXPECT_EQ(step.event(), EVENT_ERROR);
+  EXPECT_EQ(step.error(), ERROR_BUDGET);
+  EXPECT_EQ(step.text(), "it took too long");
+  EXPECT_EQ(step.sequence_number(), 4U);
+  EXPECT_EQ(step.time_ns(), device.wall());
+}
+
+TEST(Agent, EveryEventAndErrorHasItsEnumeratorOnTheWire) {
+  FakeDevice device;
+  device.become_running();
+  for (const lifecycle::Event event : lifecycle::kEvents) {
+    device.work.stepped({.module = 0, .transition = {.event = event}});
+    EXPECT_STREQ(to_text(device.said.steps.back().event()), lifecycle::to_text(event));
+  }
+  for (const lifecycle::State state : lifecycle::kStates) {
+    device.work.stepped({.module = 0, .transition = {.to = state}});
+    EXPECT_STREQ(to_text(device.said.steps.back().state()), lifecycle::to_text(state));
+  }
+  for (int type = 1; type <= 5; ++type) {
+    device.work.stepped({.module = 0, .transition = {}, .error = static_cast<ErrorType>(type)});
+    EXPECT_STREQ(to_text(device.said.steps.back().error()), to_text(static_cast<ErrorType>(type)));
+  }
+}
+
+TEST(Agent, ADescriptorThatIsWrongIsRefusedWithEveryReason) {
+  FakeDevice device;
+  device.prepare("d1", "<cell name=\"cell\"><device name=\"robot\"><module/></device></cell>");
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_GT(device.data().size(), 1U);
+  EXPECT_EQ(device.data()[0]["where"], "cell.xml:1");
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_TRUE(device.work.inspections.empty());
+}
+
+TEST(Agent, ACellWithoutThisDeviceIsRefused) {
+  FakeDevice device;
+  std::string text = FakeDevice::kCell;
+  text.replace(text.find("robot"), 5, "robot2");
+  device.prepare("d1", text);
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_THAT(device.text(), HasSubstr("cell cell has no device robot"));
+}
+
+TEST(Agent, ComponentsThatAreNotInOrderRefuseTheDeployment) {
+  FakeDevice device;
+  device.prepare();
+  device.work.inspected = Problems{{"cell.xml:3", "no file servo.so", "copy it"}, {"cell.xml:5", "no file arm.so", "copy it"}};
+  device.agent.step();
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  ASSERT_EQ(device.data().size(), 2U);
+  EXPECT_EQ(device.data()[1]["what"], "no file arm.so");
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_TRUE(device.said.taken_back.empty()) << "no module was ever told of";
+}
+
+TEST(Agent, ADeviceThatFailsToBecomeReadyIsAnsweredForWhenAllIsUndone) {
+  FakeDevice device;
+  device.prepare();
+  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.agent.step();
+  device.work.failures = {{"module robot.servo", "initialize() failed: no power", "mend the module"}};
+  device.work.phase = Phase::stopping;
+  device.agent.step();
+  EXPECT_TRUE(device.said.replies.empty());
+  device.end();
+  ASSERT_EQ(device.said.replies.size(), 1U);
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.data()[0]["where"], "module robot.servo");
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_THAT(device.said.taken_back, ElementsAre("cell/robot/servo", "cell/robot/arm"));
+  EXPECT_EQ(device.work.supervised, 0);
+  device.undeploy("d1");
+  EXPECT_EQ(device.data()["report"]["name"], "robot") << "its report can still be had";
+}
+
+TEST(Agent, ADeviceThatCannotBeBroughtUpAtAllIsRefused) {
+  FakeDevice device;
+  device.work.prepared = fail("no shared memory");
+  device.prepare();
+  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.agent.step();
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.work.supervised, 0);
+}
+
+TEST(Agent, OneDeploymentAtATime) {
+  FakeDevice device;
+  device.prepare("d1");
+  device.prepare("d2");
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("device robot already prepares cell cell"));
+  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.agent.step();
+  device.work.phase = Phase::ready;
+  device.agent.step();
+  device.run();
+  device.prepare("d2");
+  EXPECT_THAT(device.text(), HasSubstr("device robot already runs cell cell, undeploy it first"));
+  EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
+  EXPECT_EQ(device.work.inspections.size(), 1U);
+}
+
+TEST(Agent, TheSameDeploymentAgainIsNoOther) {
+  FakeDevice device;
+  device.prepare("d1");
+  device.prepare("d1");
+  EXPECT_TRUE(device.said.replies.empty());
+  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.agent.step();
+  device.work.phase = Phase::ready;
+  device.agent.step();
+  ASSERT_EQ(device.said.replies.size(), 2U);
+  EXPECT_EQ(device.said.replies[0].head.code(), REPLY_OK);
+  EXPECT_EQ(device.said.replies[1].head.code(), REPLY_OK);
+  EXPECT_EQ(device.said.replies[1].head.id(), "c2");
+  device.prepare("d1");
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.work.inspections.size(), 1U);
+}
+
+TEST(Agent, RefusesToRunInThePastOrFarAhead) {
+  FakeDevice device;
+  device.become_ready();
+  device.run(milliseconds{-30});
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("30 ms past"));
+  EXPECT_THAT(device.text(), HasSubstr("synchronise the clocks"));
+  device.run(seconds{3600});
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  device.run(milliseconds{100}, "another");
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_FALSE(device.work.t0);
+}
+
+TEST(Agent, WhatIsPreparedAndNeverRunIsUndone) {
+  FakeDevice device;
+  device.become_ready();
+  device.pass(seconds{20});
+  EXPECT_FALSE(device.work.told_to_stop);
+  device.pass(milliseconds{1});
+  EXPECT_TRUE(device.work.told_to_stop);
+  device.end();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+  device.run();
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("nothing prepared"));
+}
+
+TEST(Agent, WhatRunsIsNotUndone) {
+  FakeDevice device;
+  device.become_running();
+  device.pass(seconds{100});
+  EXPECT_FALSE(device.work.told_to_stop);
+}
+
+TEST(Agent, UndeployEndsARunningDeviceAndCarriesItsReport) {
+  FakeDevice device;
+  device.become_running();
+  device.undeploy("another");
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  device.said.replies.clear();
+  device.undeploy("d1");
+  EXPECT_TRUE(device.said.replies.empty());
+  EXPECT_TRUE(device.work.told_to_stop);
+  EXPECT_EQ(device.status().state(), DEVICE_STOPPING);
+  device.work.failures = {{"module robot.arm", "was given up", ""}};
+  device.end();
+  ASSERT_EQ(device.said.replies.size(), 1U);
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.data()["report"]["name"], "robot");
+  EXPECT_EQ(device.data()["failures"][0], "module robot.arm: error: was given up");
+  EXPECT_EQ(device.status().path(), "-/robot");
+  EXPECT_EQ(device.said.taken_back.size(), 2U);
+  device.prepare("d2");
+  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+}
+
+TEST(Agent, UndeployEndsAPreparationWhereverItIs) {
+  for (const bool inspected : {false, true}) {
+    FakeDevice device;
+    device.prepare();
+    if (inspected) {
+      device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+      device.agent.step();
+    }
+    device.undeploy("d1");
+    if (inspected) device.end();
+    ASSERT_EQ(device.said.replies.size(), 2U);
+    EXPECT_EQ(device.said.replies[0].head.id(), "c1");
+    EXPECT_EQ(device.said.replies[0].head.code(), REPLY_FAILED);
+    EXPECT_EQ(device.said.replies[1].head.code(), REPLY_OK);
+    EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  }
+}
+
+TEST(Agent, ADeviceThatFailedIsKeptToBeLookedAt) {
+  FakeDevice device;
+  device.become_running();
+  device.work.failures = {{"module robot.arm", "was given up: it broke", ""}};
+  device.work.phase = Phase::stopping;
+  device.agent.step();
+  device.end();
+  EXPECT_EQ(device.status().state(), DEVICE_ENDED);
+  EXPECT_EQ(device.status().health(), HEALTH_FAILED);
+  EXPECT_THAT(device.status().text().to_string(), HasSubstr("it broke"));
+  EXPECT_EQ(device.status().path(), "cell/robot");
+  device.prepare("d2");
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("still holds cell cell, which has ended; undeploy it first"));
+  device.undeploy();
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_THAT(device.data()["failures"][0], HasSubstr("it broke"));
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+}
+
+TEST(Agent, AModuleThatIsAstrayDegradesTheDevice) {
+  FakeDevice device;
+  device.become_running();
+  device.work.standing.astray = "module arm is in RECOVER";
+  device.agent.step();
+  EXPECT_EQ(device.status().health(), HEALTH_DEGRADED);
+  EXPECT_EQ(device.status().text(), "module arm is in RECOVER");
+  device.work.standing.astray.clear();
+  device.agent.step();
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+}
+
+TEST(Agent, TwoNodesOfOneNameSaySoAndTakeNothing) {
+  FakeDevice device;
+  device.agent.others().heard(other("robot", "there"), 1);
+  device.agent.step();
+  EXPECT_EQ(device.status().health(), HEALTH_DEGRADED);
+  EXPECT_EQ(device.status().text(), "another node of the name robot is on domain 7: process 42 on elsewhere");
+  device.prepare();
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("another node of the name robot"));
+  device.agent.others().lost(1);
+  device.agent.step();
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+  device.prepare();
+  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+}
+
+TEST(Agent, ItselfAndOtherDevicesAreNoOthersOfItsName) {
+  FakeDevice device;
+  device.agent.others().heard(other("robot", "here"), 1);
+  device.agent.others().heard(other("line", "there"), 2);
+  device.agent.step();
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+}
+
+TEST(Agent, AnOrderGoesToItsModuleAndItsAnswerBack) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand stop = device.command(COMMAND_STOP);
+  stop.head.module_name("arm");
+  device.hear(stop);
+  EXPECT_TRUE(device.said.replies.empty());
+  ASSERT_EQ(device.work.orders.size(), 1U);
+  EXPECT_EQ(device.work.orders[0], (std::pair{1U, Verb::stop}));
+  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::start, .text = {}});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.reply().state(), STATE_START);
+  EXPECT_EQ(device.reply().module_name(), "arm");
+}
+
+TEST(Agent, AModuleThatIsNotThereIsNamedWithWhatIs) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand stop = device.command(COMMAND_STOP);
+  stop.head.module_name("serv");
+  device.hear(stop);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("no module 'serv'"));
+  EXPECT_THAT(device.text(), HasSubstr("servo"));
+}
+
+TEST(Agent, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
+  FakeDevice device;
+  device.become_running();
+  device.hear(device.command(COMMAND_STOP));
+  ASSERT_EQ(device.work.orders.size(), 2U);
+  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::start, .text = {}});
+  EXPECT_TRUE(device.said.replies.empty());
+  device.work.done[1]({.code = REPLY_REFUSED, .state = lifecycle::State::idle, .text = "stop is refused in state IDLE"});
+  ASSERT_EQ(device.said.replies.size(), 1U);
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.data()[0]["module"], "servo");
+  EXPECT_EQ(device.data()[0]["state"], "START");
+  EXPECT_EQ(device.data()[1]["ok"], false);
+  EXPECT_EQ(device.data()[1]["text"], "stop is refused in state IDLE");
+}
+
+TEST(Agent, NumbersAreToldOnceASecondWhileThereIsADeployment) {
+  FakeDevice device;
+  device.pass(seconds{5});
+  EXPECT_EQ(device.said.measures, 0);
+  device.become_running();
+  const int before = device.said.measures;
+  for (int i = 0; i < 200; ++i) device.pass(milliseconds{50});
+  EXPECT_EQ(device.said.measures - before, 10);
+}
+
+TEST(Agent, LostDevicesOfItsCellAreInItsReport) {
+  FakeDevice device;
+  device.become_running();
+  DeviceStatus line = other("line", "there");
+  dds::set(line.path(), "cell/line");
+  dds::set(line.cell(), "cell");
+  device.agent.others().heard(line, 3);
+  LifecycleStatus belt;
+  dds::set(belt.path(), "cell/line/belt");
+  dds::set(belt.cell(), "cell");
+  dds::set(belt.device(), "line");
+  dds::set(belt.name(), "belt");
+  belt.state(STATE_EXECUTING);
+  device.agent.others().heard(belt);
+  device.hear(device.command(COMMAND_REPORT));
+  EXPECT_EQ(device.data()["lost"].size(), 0U);
+  EXPECT_EQ(device.data()["devices"].size(), 2U);
+  device.agent.others().lost(3);
+  device.hear(device.command(COMMAND_REPORT));
+  ASSERT_EQ(device.data()["lost"].size(), 1U);
+  EXPECT_EQ(device.data()["lost"][0]["name"], "line");
+  EXPECT_EQ(device.data()["lost"][0]["modules"][0]["state"], "EXECUTING");
+}
+
+TEST(Agent, EndsItsDeviceBeforeItself) {
+  FakeDevice device;
+  device.become_running();
+  device.agent.end(false);
+  EXPECT_TRUE(device.work.told_to_stop);
+  device.agent.step();
+  EXPECT_FALSE(device.agent.ended());
+  device.end();
+  EXPECT_TRUE(device.agent.ended());
+
+  FakeDevice waiting;
+  waiting.agent.end(false);
+  EXPECT_TRUE(waiting.agent.ended());
+}
+
+TEST(Agent, OneThatWasLentWaitsALittleForItsReportToBeFetched) {
+  FakeDevice device{{}, true};
+  device.become_running();
+  EXPECT_TRUE(device.work.inspections[0].as_written);
+  device.agent.end(false);
+  device.end();
+  EXPECT_FALSE(device.agent.ended());
+  device.undeploy();
+  EXPECT_TRUE(device.agent.ended());
+
+  FakeDevice forgotten{{}, true};
+  forgotten.become_running();
+  forgotten.agent.end(false);
+  forgotten.end();
+  forgotten.pass(seconds{3});
+  EXPECT_TRUE(forgotten.agent.ended());
+
+  FakeDevice orphan{{}, true};
+  orphan.become_running();
+  orphan.agent.end(true);
+  orphan.end();
+  EXPECT_TRUE(orphan.agent.ended());
+}
+
+TEST(Agent, EndingDuringThePreparationAnswersWhoAskedForIt) {
+  FakeDevice device;
+  device.prepare();
+  device.agent.end(false);
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_TRUE(device.agent.ended());
+  device.prepare("d2");
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+}
+
+class Resuming : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string folder_ = testing::TempDir() + "takt-agent-" + std::to_string(os::process_id());
+  DeploymentFile file_{folder_, "robot", 7};
+};
+
+TEST_F(Resuming, ARunningDeploymentIsKeptUntilItIsUndeployed) {
+  FakeDevice device{file_};
+  device.become_ready();
+  EXPECT_FALSE(file_.kept()->has_value()) << "it does not run yet";
+  device.run(milliseconds{500});
+  const auto kept = file_.kept();
+  ASSERT_TRUE(kept.ok() && *kept);
+  EXPECT_EQ((*kept)->id, "d1");
+  EXPECT_EQ((*kept)->text, FakeDevice::kCell);
+  EXPECT_EQ((*kept)->t0_ns, device.wall() + 500'000'000);
+  device.undeploy();
+  device.end();
+  EXPECT_FALSE(file_.kept()->has_value());
+}
+
+TEST_F(Resuming, ItIsTakenUpOnTheSameGrid) {
+  std::int64_t t0 = 0;
+  {
+    FakeDevice device{file_};
+    device.become_running();
+    t0 = (*file_.kept())->t0_ns;
+    device.agent.end(false);
+    device.end();
+  }
+  FakeDevice device{file_};
+  device.now += seconds{100};
+  device.agent.resume();
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.agent.step();
+  device.work.phase = Phase::ready;
+  device.agent.step();
+  EXPECT_EQ(device.work.t0, device.now + Nanoseconds{t0 - device.wall()});
+  EXPECT_LT(*device.work.t0, device.now);
+  EXPECT_EQ((*file_.kept())->t0_ns, t0);
+  EXPECT_TRUE(device.said.replies.empty()) << "nobody asked";
+}
+
+TEST_F(Resuming, WhatCannotBeTakenUpIsSaidAndKept) {
+  {
+    FakeDevice device{file_};
+    device.become_running();
+  }
+  FakeDevice device{file_};
+  device.agent.resume();
+  device.work.inspected = Problems{fail("there is no file servo.so")};
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().health(), HEALTH_FAILED);
+  EXPECT_THAT(device.status().text().to_string(), HasSubstr("no file servo.so"));
+  EXPECT_TRUE(file_.kept()->has_value());
+  device.undeploy();
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+  EXPECT_FALSE(file_.kept()->has_value());
+}
+
+TEST_F(Resuming, WithoutAFileItWaits) {
+  FakeDevice device{file_};
+  device.agent.resume();
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+}
+
+}  // namespace
+}  // namespace takt::node

@@ -1,0 +1,194 @@
+// An agent without DDS, processes and clocks: what it says is read along, what it sets to work does as it is told.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/node/agent.hpp>
+
+namespace takt::node {
+
+class ReadAlong final : public Outlet {
+ public:
+  void reply(const dds::WholeReply& reply) override { replies.push_back(reply); }
+  void say(const LifecycleStatus& status) override { steps.push_back(status); }
+  void say(const DeviceStatus& status) override { devices.push_back(status); }
+  void say(const Measures&) override { ++measures; }
+  void take_back(const std::vector<LifecycleStatus>& modules, const Measures&) override {
+    for (const LifecycleStatus& module : modules) taken_back.push_back(module.path().to_string());
+  }
+
+  std::vector<dds::WholeReply> replies;
+  std::vector<LifecycleStatus> steps;
+  std::vector<DeviceStatus> devices;
+  std::vector<std::string> taken_back;
+  int measures = 0;
+};
+
+/// What the workshop was asked for, and how it is going.
+struct Work {
+  std::vector<InspectionRequest> inspections;
+  std::optional<Result<Inspected>> inspected;  ///< none: it is not done
+  Result<void> prepared{};
+  Supervised::Phase phase = Supervised::Phase::preparing;
+  Problems failures;
+  std::optional<Instant> t0;
+  bool told_to_stop = false;
+  int supervised = 0;  ///< alive
+  std::function<void(const Step&)> stepped;
+  std::vector<std::pair<std::uint32_t, Verb>> orders;
+  std::vector<std::function<void(const Outcome&)>> done;
+  Standing standing;
+};
+
+class FakeInspection final : public Inspection {
+ public:
+  explicit FakeInspection(Work& work) : work_(work) {}
+  std::optional<Result<Inspected>> result() override { return work_.inspected; }
+  [[nodiscard]] const os::Fd& fd() const noexcept override { return none_; }
+
+ private:
+  Work& work_;
+  os::Fd none_;
+};
+
+class FakeSupervised final : public Supervised {
+ public:
+  FakeSupervised(Work& work, const Supervisor::Options& options) : work_(work) {
+    ++work_.supervised;
+    work_.stepped = options.stepped;
+  }
+  ~FakeSupervised() override { --work_.supervised; }
+
+  Result<void> prepare() override { return work_.prepared; }
+  void go(Instant t0) override {
+    work_.t0 = t0;
+    work_.phase = Phase::running;
+  }
+  void stop() override {
+    work_.told_to_stop = true;
+    work_.phase = Phase::stopping;
+  }
+  void step() override {}
+  std::vector<const os::Fd*> wait_on() override { return {}; }
+  void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override {
+    work_.orders.emplace_back(module, verb);
+    work_.done.push_back(std::move(done));
+  }
+  [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }
+  [[nodiscard]] const Problems& failures() const noexcept override { return work_.failures; }
+  [[nodiscard]] Standing standing() const override { return work_.standing; }
+  [[nodiscard]] nlohmann::ordered_json report() const override { return {{"name", "robot"}}; }
+  [[nodiscard]] Measures measures() const override { return {}; }
+
+ private:
+  Work& work_;
+};
+
+/// One agent of the device `robot`, and the hands to move it.
+class FakeDevice {
+ public:
+  static constexpr const char* kCell = R"(<cell name="cell">
+  <device name="robot">
+    <module><name>servo</name><filename>servo.so</filename><moduletype>thread</moduletype>
+      <operationtype>periodic</operationtype><period>1000000</period><priority>1</priority></module>
+    <module><name>arm</name><filename>arm.so</filename><moduletype>thread</moduletype>
+      <operationtype>periodic</operationtype><period>1000000</period><priority>2</priority></module>
+  </device>
+  <device name="line">
+    <module><name>belt</name><filename>belt.so</filename><moduletype>thread</moduletype>
+      <operationtype>periodic</operationtype><period>1000000</period><priority>1</priority></module>
+  </device>
+</cell>)";
+
+  explicit FakeDevice(std::optional<DeploymentFile> file = {}, bool lent = false)
+      : agent({.device = "robot",
+               .node = "here",
+               .domain = 7,
+               .lent = lent,
+               .file = std::move(file),
+               .now = [this] { return now; },
+               .wall_ns = [this] { return wall(); }},
+              {.inspect =
+                   [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
+                     work.inspections.push_back(request);
+                     return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
+                   },
+               .supervise = [this](Supervisor::Options options) -> std::unique_ptr<Supervised> {
+                 return std::make_unique<FakeSupervised>(work, options);
+               }},
+              said) {
+    agent.step();
+  }
+
+  [[nodiscard]] std::int64_t wall() const { return to_ns(now) + 1'700'000'000'000'000'000; }
+  void pass(Nanoseconds time) {
+    now += time;
+    agent.step();
+  }
+
+  dds::WholeCommand command(CommandKind kind) {
+    dds::WholeCommand c;
+    c.head.id("c" + std::to_string(++asked));
+    c.head.device("robot");
+    c.head.kind(kind);
+    c.head.deadline_ns(wall() + 1'000'000'000);
+    return c;
+  }
+  void hear(const dds::WholeCommand& c) {
+    agent.hear(c);
+    agent.step();
+  }
+  void prepare(const std::string& id = "d1", const std::string& text = kCell) {
+    dds::WholeCommand c = command(COMMAND_PREPARE);
+    c.head.deployment(id);
+    c.head.value("cell.xml");
+    c.data = text;
+    hear(c);
+  }
+  void run(Nanoseconds ahead = std::chrono::milliseconds{500}, const std::string& id = "d1") {
+    dds::WholeCommand c = command(COMMAND_RUN);
+    c.head.deployment(id);
+    c.head.time_ns(wall() + ahead.count());
+    hear(c);
+  }
+  void undeploy(const std::string& id = "") {
+    dds::WholeCommand c = command(COMMAND_UNDEPLOY);
+    c.head.deployment(id);
+    hear(c);
+  }
+  /// To where every module is in START.
+  void become_ready() {
+    prepare();
+    work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}, .description = "[]"};
+    agent.step();
+    work.phase = Supervised::Phase::ready;
+    agent.step();
+  }
+  void become_running() {
+    become_ready();
+    run();
+    said.replies.clear();
+  }
+  void end() {
+    work.phase = Supervised::Phase::ended;
+    agent.step();
+  }
+
+  [[nodiscard]] const DeviceStatus& status() const { return said.devices.back(); }
+  [[nodiscard]] const Reply& reply() const { return said.replies.back().head; }
+  [[nodiscard]] std::string text() const { return reply().text().to_string(); }
+  [[nodiscard]] nlohmann::ordered_json data() const { return nlohmann::ordered_json::parse(said.replies.back().data); }
+
+  Instant now = from_ns(5'000'000'000);
+  int asked = 0;
+  Work work;
+  ReadAlong said;
+  Agent agent;
+};
+
+}  // namespace takt::node

@@ -1,0 +1,107 @@
+// takt deploy, takt undeploy: a cell onto the nodes of the network, and off them.
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/client/deploy.hpp>
+#include <takt/os/signals.hpp>
+
+#include "client.hpp"
+#include "commands.hpp"
+#include "load.hpp"
+#include "terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+struct DeployOptions {
+  std::string file;
+  Network network;
+  bool require_real_time = false;
+};
+
+int deploy(const DeployOptions& options) {
+  const auto loaded = load_remote(options.file);
+  if (!loaded) {
+    complain(loaded.problems());
+    return 1;
+  }
+  const auto signals = os::SignalQueue::of_requests_to_end();  // before there are threads, which inherit it
+  const auto client = connect(options.network, &loaded->cell);
+  if (!signals || !client) {
+    complain(signals ? client.problems() : signals.problems());
+    return 1;
+  }
+  bool cancelled = false;
+  const auto deployed = client::deploy(
+      *client->asker, loaded->cell, loaded->text,
+      {.require_real_time = options.require_real_time,
+       .process_ids = {},
+       .progress = [](const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); },
+       .cancelled =
+           [&] {
+             while (signals->next()) cancelled = true;
+             return cancelled;
+           }});
+  if (!deployed) {
+    complain(deployed.problems());
+    std::fprintf(stderr, "cell %s was not deployed; nothing of it runs\n", loaded->cell.name.c_str());
+    return 1;
+  }
+  std::string names;
+  for (const model::Device& device : loaded->cell.devices) names += (names.empty() ? "" : ", ") + device.name;
+  return print("cell " + loaded->cell.name + " runs on " + names + "\n") ? 0 : 1;
+}
+
+struct UndeployOptions {
+  std::string cell;
+  Network network;
+};
+
+int undeploy(const UndeployOptions& options) {
+  const auto client = connect(options.network);
+  if (!client) {
+    complain(client.problems());
+    return 1;
+  }
+  const auto devices = client::devices_of(*client->asker, options.cell);
+  if (!devices) {
+    complain(devices.problems());
+    return 1;
+  }
+  Problems problems;
+  std::string names;
+  for (const auto& one : client::undeploy(*client->asker, {.names = *devices})) {
+    problems.insert(problems.end(), one.problems.begin(), one.problems.end());
+    if (one.problems.empty()) names += (names.empty() ? "" : ", ") + one.device;
+    for (const std::string& failure : one.failures)
+      std::fprintf(stderr, "it had failed: %s\n", failure.c_str());
+  }
+  if (!problems.empty()) complain(problems);
+  const bool printed = names.empty() || print("cell " + options.cell + " is undeployed from " + names + "\n");
+  return problems.empty() && printed ? 0 : 1;
+}
+
+}  // namespace
+
+void add_deploy(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<DeployOptions>();
+  auto* command = app.add_subcommand(
+      "deploy", "Run a cell on the nodes of the network: on all of its devices or on none");
+  command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
+  command->add_flag("--require-realtime", options->require_real_time,
+                    "refuse where a device's system refuses real-time scheduling");
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return deploy(*options); }; });
+}
+
+void add_undeploy(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<UndeployOptions>();
+  auto* command = app.add_subcommand("undeploy", "End a cell on all of its devices");
+  command->add_option("CELL", options->cell, "the cell's name")->required();
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return undeploy(*options); }; });
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,45 @@
+// takt status: every device and module on the domain.
+#include <nlohmann/json.hpp>
+
+#include <takt/client/status.hpp>
+
+#include "client.hpp"
+#include "commands.hpp"
+#include "load.hpp"
+#include "run_report.hpp"
+#include "terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+struct StatusOptions {
+  bool json = false;
+  Network network;
+};
+
+int status(const StatusOptions& options) {
+  const auto client = connect(options.network);
+  if (!client) {
+    complain(client.problems());
+    return 1;
+  }
+  const auto report = client::status(*client->asker);
+  if (!report) {
+    complain(report.problems());
+    return 1;
+  }
+  return print(options.json ? report->dump() + "\n" : run_text(*report)) ? 0 : 1;
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<StatusOptions>();
+  auto* command = app.add_subcommand("status", "Print every device and module on the domain");
+  command->add_flag("--json", options->json, "print one JSON object");
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return status(*options); }; });
+}
+
+}  // namespace takt::tool
