@@ -13,10 +13,10 @@
 #include <fastrtps/utils/IPLocator.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/log/Log.hpp>
 
 #include <takt/core/check.hpp>
 #include <takt/dds/inside.hpp>
+#include <takt/dds/log.hpp>
 #include <takt/os/network.hpp>
 #include <takt/os/real_time.hpp>
 
@@ -136,7 +136,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     return problems;
   };
   ignore_environment();
-  fast::Log::SetVerbosity(fast::Log::Kind::Error);
+  log_to_standard_error();
   eprosima::fastrtps::LibrarySettingsAttributes library;
   library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
   eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
