@@ -64,7 +64,7 @@ class Program final : public Inspection {
     const json answer = json::parse(text, nullptr, false);
     if (answer.is_discarded()) return failed("gave an answer that cannot be read");
     if (answer.contains("problems")) return problems_from(answer["problems"]);
-    Inspected inspected{answer.at("paths").get<host::ComponentPaths>(), {}, dump(answer.at("description"))};
+    Inspected inspected{answer.at("paths").get<host::ComponentPaths>(), dump(answer.at("description")), {}};
     for (const json& module : answer.at("ports")) {
       inspected.ports.emplace_back();
       if (module.is_null()) continue;

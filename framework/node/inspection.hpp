@@ -25,9 +25,9 @@ struct InspectionRequest {
 
 struct Inspected {
   host::ComponentPaths paths;
-  std::vector<model::ModulePorts> ports;  ///< of the device's modules
   std::string description;  ///< JSON: {"device", "modules": [{"name", "path", "interface", "properties":
                             ///< [...], ...}]}
+  std::vector<model::ModulePorts> ports{};  ///< of the device's modules
 };
 
 class Inspection {
