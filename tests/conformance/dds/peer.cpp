@@ -265,11 +265,12 @@ void forge(const Participant& participant, const Arguments& arguments) {
       keyed ? dds::fast::TRANSIENT_LOCAL_DURABILITY_QOS : dds::fast::VOLATILE_DURABILITY_QOS;
   qos.history().kind = dds::fast::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = 32;
-  qos.resource_limits().max_samples = 32;
-  qos.resource_limits().max_instances = 32;
+  qos.resource_limits().max_samples = 16384 * 32;
+  qos.resource_limits().max_instances = 16384;
   qos.resource_limits().max_samples_per_instance = 32;
   qos.resource_limits().allocated_samples = 32;
   qos.data_sharing().off();
+  qos.reliable_writer_qos().times.heartbeatPeriod = dds::duration(5ms);
   if (keyed) {
     qos.liveliness().kind = dds::fast::MANUAL_BY_TOPIC_LIVELINESS_QOS;
     qos.liveliness().lease_duration = dds::duration(300ms);
