@@ -34,8 +34,8 @@ class Supervisor final : public Supervised {
   struct Options {
     model::Cell cell;
     std::size_t device = 0;
-    host::ComponentPaths paths;                ///< of the device's modules
-    std::vector<model::ModulePorts> ports{};   ///< the same; empty: nothing is known
+    host::ComponentPaths paths;               ///< of the device's modules
+    std::vector<model::ModulePorts> ports{};  ///< the same; empty: nothing is known
     bool require_real_time = false;
     std::function<void(const Step&)> stepped{};  ///< told of every step of a module
   };
