@@ -88,6 +88,7 @@ Result<void> Supervisor::prepare() {
   for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
     members_.push_back(std::make_unique<Member>(device().modules[i], i, channel_.module(i)));
     Member& member = *members_.back();
+    member.inputs = wiring_.with_deadline(i);
     if (!member.is_process() || !member.scheduled()) continue;
     if (auto seat = create_seat(member); !seat) return seat;
   }
@@ -223,6 +224,7 @@ channel::Place Supervisor::place_of(const Member& member) const {
 
 void Supervisor::put_in_tables(Member& member) {
   member.seen_cycles = cycles_of(member);
+  member.put_in_at = os::now();
   channel::put_in(place_of(member));
   // What came while it was out is there already, and nobody will ring for it.
   if (member.seat != nullptr && member.seat->immediate != 0) ring(member.seat->bell_bit);
@@ -271,6 +273,7 @@ void Supervisor::running_step(Instant now) {
   for (auto& pointer : members_) {
     Member& member = *pointer;
     if (member.lost) continue;
+    watch_inputs(member, now);
     // What the executor saw. SYNC: error raised
     if (const auto type = member.block.error.load(std::memory_order_acquire); type != 0) {
       std::string text{member.block.error_text.view()};
@@ -294,6 +297,7 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text,
   take_from_tables(member);
   member.why = std::string{takt::to_text(type)} + ": " + text;
   if (!apply(member, Event::error, member.why, type)) return;
+  member.stale = type == ErrorType::stale;
   member.recovery.failed(os::now(), since);
   if (member.is_thread()) ask(member, Doing::error, type);
 }
@@ -303,6 +307,8 @@ void Supervisor::attempt_recovery(Member& member) {
   // A program that was started again becomes ready or ends; one that goes on has to come out of its body.
   if (alive && (member.started_again || !is_out(member))) return;
   if (phase_ == Phase::stopping || (member.is_thread() && !host_.running())) return;
+  // To wait for what somebody else is to send is no attempt.
+  if (member.stale && member.model.recovery.attempts > 0 && has_stale_input(member, os::now())) return;
   switch (member.recovery.next(os::now())) {
     case lifecycle::Recovery::Step::wait:
       return;

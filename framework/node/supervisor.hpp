@@ -88,6 +88,10 @@ class Supervisor final : public Supervised {
   void forward_output();
   void ring(std::uint32_t bits);
 
+  // Inputs (supervisor_ports.cpp)
+  void watch_inputs(Member& member, Instant now);
+  static bool has_stale_input(const Member& member, Instant now);
+
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
              ErrorType error = ErrorType::none);
