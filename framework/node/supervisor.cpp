@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <takt/core/words.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/log.hpp>
 #include <takt/os/clock.hpp>
@@ -78,6 +79,11 @@ Result<void> Supervisor::prepare() {
   auto wiring = Wiring::create(plan_wiring(options_.cell, options_.device, options_.ports));
   if (!wiring) return wiring.problems();
   wiring_ = std::move(*wiring);
+  if (options_.participant) {
+    auto gate = Gate::open(options_.participant, *bell_, wiring_, options_.cell.domain);
+    if (!gate) return gate.problems();
+    gate_ = std::move(*gate);
+  }
 
   for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
     members_.push_back(std::make_unique<Member>(device().modules[i], i, channel_.module(i)));
@@ -114,10 +120,43 @@ void Supervisor::step() {
     if (member->is_process()) watch_process(*member, now);
   }
   if (phase_ == Phase::ended) return;
+  if (gate_) gate_->step(now);
   watch_host(now);
   if (phase_ == Phase::preparing) prepare_step();
   if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
   if (phase_ == Phase::stopping) stopping_step(now);
+}
+
+Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, Instant until) {
+  if (!gate_) return fail("this device has no way to DDS");
+  const std::string name = device().name + "." + device().modules[module].name;
+  const auto& ports = options_.ports[module];
+  if (!ports)
+    return fail("nothing is known of the ports of module " + name, "connect one of them in the descriptor");
+  std::vector<std::string_view> known;
+  for (const model::Port& each : *ports) known.emplace_back(each.name);
+  const auto found =
+      std::find_if(ports->begin(), ports->end(), [&](const model::Port& p) { return p.name == port; });
+  if (found == ports->end()) {
+    return fail("module " + name + " has no port " + in_quotes(port),
+                known.empty() ? "it has none" : suggestion(port, known));
+  }
+  if (found->direction != model::Direction::out) {
+    for (const model::Connection& connection : options_.cell.connections) {
+      if (connection.to.device != device().name || connection.to.module != device().modules[module].name ||
+          connection.to.port != port) {
+        continue;
+      }
+      return fail("port " + name + "." + port + " is an input",
+                  connection.from.given() ? "look at what it is connected to: " + connection.from.device +
+                                                "." + connection.from.module + "." + connection.from.port
+                                          : "its samples are on the topic " + connection.topic);
+    }
+    return fail("port " + name + "." + port + " is an input that nothing is connected to");
+  }
+  if (auto tapped = gate_->tap(module, port, until); !tapped) return tapped.problems();
+  const PlannedFlow& flow = *gate_->flow_of(module, port);
+  return Tapped{flow.topic, model::to_text(flow.type), flow.reliable};
 }
 
 // Every module is initialised, then every module started.
