@@ -102,13 +102,15 @@ class DevicePorts : public testing::Test {
   }
   std::string problems() const { return device->failures().empty() ? "" : to_text(device->failures()); }
   json module_of(const std::string& name) const {
-    for (const auto& one : device->report()["modules"]) {
+    const json report = device->report();
+    for (const json& one : report["modules"]) {
       if (one["name"] == name) return one;
     }
     return {};
   }
   json port_of(const std::string& name, const std::string& port) const {
-    for (const json& one : module_of(name)["ports"]) {
+    const json module = module_of(name);
+    for (const json& one : module["ports"]) {
       if (one["name"] == port) return one;
     }
     return {};
