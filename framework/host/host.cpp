@@ -118,6 +118,7 @@ Result<void> Host::prepare() {
   hooks_ = std::make_unique<HookCaller>(
       channel_.host().hooks, setup_.background_cpus, [this](const Request& request) { return call(request); },
       [this](const Request& request, const Result<void>& result) {
+        ring_pending(*bell_);  // for what the hook wrote
         answer({.request = request,
                 .ok = result.ok(),
                 .text = result ? "" : in_words(result.problems()),
@@ -228,6 +229,7 @@ void Host::run_background(std::uint32_t index) {
                           std::memory_order_release);  // SYNC: error raised
       }
     }
+    ring_pending(*bell_);
     block.background.end();
     const bool out = block.in_tables.load(relaxed) == 0;
     const Nanoseconds pause = out ? std::chrono::milliseconds{1} : period;
