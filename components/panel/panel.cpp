@@ -38,7 +38,7 @@ int main(int argc, char* argv[]) {
     arm.read();
     throughput.read();
     since += static_cast<double>(takt_period_ns()) * 1e-9;
-    if (since < every) continue;
+    if (since < every - 1e-6) continue;
     since = 0;
     std::printf("belt %s at %.2f m/s, %u parts, %.1f a minute; axis 1 at %.2f rad%s\n", word(belt.value().mode()),
                 belt.value().speed(), belt.value().parts(), throughput.value().per_minute(),

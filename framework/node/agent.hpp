@@ -72,6 +72,8 @@ class Agent {
   // Commands (agent_commands.cpp)
   void report(const Command& command);
   void describe(const Command& command);
+  void look_at_description();
+  void described(const Result<Inspected>& result);
   void order(const Command& command, Verb verb);
   void answer(const Command& command, ReplyCode code, const std::string& text, std::string data = {},
               std::optional<lifecycle::State> state = {});

@@ -1,6 +1,7 @@
 // What an agent is asked, and what it answers.
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -112,11 +113,45 @@ json Agent::lost_devices() const {
 }
 
 void Agent::describe(const Command& command) {
-  if (!deployment_ || deployment_->description.empty()) {
+  if (!deployment_ || !deployment_->supervised) {
     answer(command, REPLY_REFUSED, "device " + options_.device + " has no deployment to describe");
     return;
   }
-  answer(command, REPLY_OK, "", deployment_->description);
+  Deployment& d = *deployment_;
+  if (!d.description.empty()) {
+    answer(command, REPLY_OK, "", d.description);
+    return;
+  }
+  d.describers.push_back(command);
+  if (d.describing) return;
+  auto inspection = workshop_.inspect({.text = d.text,
+                                       .file = d.file,
+                                       .device = options_.device,
+                                       .as_written = options_.lent,
+                                       .describe = true});
+  if (inspection)
+    d.describing = std::move(*inspection);
+  else
+    described(inspection.problems());
+}
+
+void Agent::look_at_description() {
+  if (!deployment_ || !deployment_->describing) return;
+  if (const auto result = deployment_->describing->result(); result) {
+    deployment_->describing.reset();
+    described(*result);
+  }
+}
+
+void Agent::described(const Result<Inspected>& result) {
+  Deployment& d = *deployment_;
+  if (result) d.description = result->description;
+  for (const Command& describer : std::exchange(d.describers, {})) {
+    if (result)
+      answer(describer, REPLY_OK, "", d.description);
+    else
+      answer(describer, REPLY_FAILED, in_words(result.problems()), dump(problems_json(result.problems())));
+  }
 }
 
 /// An order to every module, answered when each has answered.

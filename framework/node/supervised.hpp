@@ -52,6 +52,13 @@ struct Outcome {
   std::string text;                                 ///< why not, or what is still to come
 };
 
+/// Where the samples of a port can be read, and what they are.
+struct Tapped {
+  std::string topic;
+  std::string type;  ///< as model::parse_type() reads it
+  bool reliable = false;
+};
+
 class Supervised {
  public:
   enum class Phase {
@@ -77,6 +84,9 @@ class Supervised {
 
   /// `done` is called from step(), or at once.
   virtual void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
+
+  /// The samples of an output are on its topic until then.
+  virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
 
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
   /// Why the device failed as a whole, or which modules were given up; empty when all is well.

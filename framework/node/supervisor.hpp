@@ -21,6 +21,7 @@
 #include <takt/core/result.hpp>
 #include <takt/host/inspect.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/node/gate.hpp>
 #include <takt/node/host_link.hpp>
 #include <takt/node/member.hpp>
 #include <takt/node/placement.hpp>
@@ -34,10 +35,11 @@ class Supervisor final : public Supervised {
   struct Options {
     model::Cell cell;
     std::size_t device = 0;
-    host::ComponentPaths paths;                ///< of the device's modules
-    std::vector<model::ModulePorts> ports{};   ///< the same; empty: nothing is known
+    host::ComponentPaths paths;               ///< of the device's modules
+    std::vector<model::ModulePorts> ports{};  ///< the same; empty: nothing is known
     bool require_real_time = false;
-    std::function<void(const Step&)> stepped{};  ///< told of every step of a module
+    std::function<void(const Step&)> stepped{};       ///< told of every step of a module
+    std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null: there are none
   };
 
   explicit Supervisor(Options options);
@@ -49,6 +51,7 @@ class Supervisor final : public Supervised {
   void step() override;
   std::vector<const os::Fd*> wait_on() override;
   void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
 
   [[nodiscard]] Phase phase() const noexcept override { return phase_; }
   [[nodiscard]] const Problems& failures() const noexcept override { return failures_; }
@@ -84,6 +87,10 @@ class Supervisor final : public Supervised {
   void end_process(Member& member, Instant now);
   void forward_output();
   void ring(std::uint32_t bits);
+
+  // Inputs (supervisor_ports.cpp)
+  void watch_inputs(Member& member, Instant now);
+  static bool has_stale_input(const Member& member, Instant now);
 
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
@@ -123,6 +130,7 @@ class Supervisor final : public Supervised {
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;
   Wiring wiring_;
+  std::unique_ptr<Gate> gate_;
   std::vector<std::unique_ptr<Member>> members_;
   HostLink host_;
   bool rows_begun_ = false;

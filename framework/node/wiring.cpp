@@ -202,12 +202,21 @@ Result<Wiring> Wiring::create(WiringPlan plan) {
   return wiring;
 }
 
+std::vector<Wiring::Wire*> Wiring::with_deadline(std::uint32_t module) {
+  std::vector<Wire*> found;
+  for (Wire& wire : wires_) {
+    if (wire.plan.to.module == module && wire.plan.options.deadline_ns > 0) found.push_back(&wire);
+  }
+  return found;
+}
+
 std::vector<host::PortLink> Wiring::of_host(const model::Device& device) const {
   std::vector<host::PortLink> ends;
   for (const Wire& wire : wires_) {
     for (const LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
       if (!end->module || device.modules[*end->module].type != model::ModuleType::thread) continue;
-      ends.push_back({*end->module, end->port, wire.memory.fd().get(), wire.plan.typed});
+      ends.push_back({*end->module, end->port, wire.memory.fd().get(), wire.plan.typed,
+                      end == &wire.plan.to && wire.plan.stale == model::Stale::error});
     }
   }
   return ends;

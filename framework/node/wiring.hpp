@@ -71,11 +71,14 @@ class Wiring {
     PlannedLink plan;
     os::SharedMemory memory;
     channel::Link link;
+    bool late = false;  ///< as its supervisor found it last
   };
 
   static Result<Wiring> create(WiringPlan plan);
 
   [[nodiscard]] const std::vector<Wire>& wires() const noexcept { return wires_; }
+  /// Those that a module reads and whose values have a deadline.
+  [[nodiscard]] std::vector<Wire*> with_deadline(std::uint32_t module);
   [[nodiscard]] const std::vector<PlannedFlow>& flows() const noexcept { return flows_; }
 
   /// What the host is told of the links of its modules.

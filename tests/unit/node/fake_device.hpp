@@ -1,4 +1,5 @@
-// An agent without DDS, processes and clocks: what it says is read along, what it sets to work does as it is told.
+// An agent without DDS, processes and clocks: what it says is read along, what it sets to work does as it is
+// told.
 #pragma once
 
 #include <memory>
@@ -113,11 +114,10 @@ class FakeDevice {
                .file = std::move(file),
                .now = [this] { return now; },
                .wall_ns = [this] { return wall(); }},
-              {.inspect =
-                   [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
-                     work.inspections.push_back(request);
-                     return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
-                   },
+              {.inspect = [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
+                 work.inspections.push_back(request);
+                 return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
+               },
                .supervise = [this](Supervisor::Options options) -> std::unique_ptr<Supervised> {
                  return std::make_unique<FakeSupervised>(work, options);
                }},
@@ -164,7 +164,7 @@ class FakeDevice {
   /// To where every module is in START.
   void become_ready() {
     prepare();
-    work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}, .description = "[]"};
+    work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
     agent.step();
     work.phase = Supervised::Phase::ready;
     agent.step();
@@ -182,7 +182,9 @@ class FakeDevice {
   [[nodiscard]] const DeviceStatus& status() const { return said.devices.back(); }
   [[nodiscard]] const Reply& reply() const { return said.replies.back().head; }
   [[nodiscard]] std::string text() const { return reply().text().to_string(); }
-  [[nodiscard]] nlohmann::ordered_json data() const { return nlohmann::ordered_json::parse(said.replies.back().data); }
+  [[nodiscard]] nlohmann::ordered_json data() const {
+    return nlohmann::ordered_json::parse(said.replies.back().data);
+  }
 
   Instant now = from_ns(5'000'000'000);
   int asked = 0;
