@@ -210,6 +210,28 @@ std::vector<Wiring::Wire*> Wiring::with_deadline(std::uint32_t module) {
   return found;
 }
 
+PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::int64_t now_ns) const {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  const bool output = port.direction == model::Direction::out;
+  PortHealth health;
+  std::int64_t newest = 0;
+  for (const Wire& wire : wires_) {
+    const LinkEnd& end = output ? wire.plan.from : wire.plan.to;
+    if (end.module != module || end.port != port.name) continue;
+    const channel::LinkBlock& block = wire.link.block();
+    const std::uint64_t written = block.written.load(relaxed);
+    // An output writes each sample to all that are enabled.
+    health.samples = output ? std::max(health.samples, written) : health.samples + block.taken.load(relaxed);
+    health.connections += block.enabled.load(relaxed) != 0 ? 1 : 0;
+    health.dropped += block.is_queue != 0 ? block.overwritten.load(relaxed) : 0;
+    health.refused += output ? block.unfit.load(relaxed) : block.refused.load(relaxed);
+    health.late += block.late.load(relaxed);
+    newest = std::max(newest, block.newest_ns.load(relaxed));
+  }
+  if (newest != 0) health.age_ns = std::max<std::int64_t>(now_ns - newest, 0);
+  return health;
+}
+
 std::vector<host::PortLink> Wiring::of_host(const model::Device& device) const {
   std::vector<host::PortLink> ends;
   for (const Wire& wire : wires_) {

@@ -2,6 +2,7 @@
 // programs, but without a node around it.
 #include <gtest/gtest.h>
 #include <signal.h>
+
 #include <unistd.h>
 
 #include <filesystem>
@@ -45,22 +46,25 @@ class DevicePorts : public testing::Test {
     const bool program = file.ends_with(".exe");
     return "<module><name>" + name + "</name><filename>" + file + "</filename><moduletype>" +
            (program ? "process" : "thread") + "</moduletype>" + what + "<priority>1</priority><property>" +
-           properties + "</property></module>";
+           properties + "</property>" + more + "</module>";
   }
   std::string file(const std::string& name) const {
     return "<value name=\"file\">" + (folder / name).string() + "</value>";
   }
   static inline const std::string kEvery = "<operationtype>periodic</operationtype><period>1000000</period>";
-  static inline const std::string kSporadic = "<operationtype>sporadic</operationtype><deadline>10000000</deadline>";
+  static inline const std::string kSporadic =
+      "<operationtype>sporadic</operationtype><deadline>10000000</deadline>";
   static inline const std::string kRow = "<dispatch>row</dispatch>";
   static inline const std::string kImmediate = "<dispatch>immediate</dispatch>";
   static std::string source(const std::string& properties = "") {
     return module("source", "port_source.so", kEvery, properties);
   }
   static std::string slow_source() {
-    return module("source", "port_source.so", "<operationtype>periodic</operationtype><period>10000000</period>");
+    return module("source", "port_source.so",
+                  "<operationtype>periodic</operationtype><period>10000000</period>");
   }
-  std::string sink(const std::string& name, const std::string& properties = "", const std::string& more = "") const {
+  std::string sink(const std::string& name, const std::string& properties = "",
+                   const std::string& more = "") const {
     return module(name, "port_sink.so", kEvery, file(name) + properties, more);
   }
 
@@ -146,7 +150,8 @@ TEST_F(DevicePorts, AValueGoesFromOneModuleToAnother) {
 }
 
 TEST_F(DevicePorts, AValueGoesThroughAProgramAndAModuleInC) {
-  bring_up(source() + module("relay", "port_relay.exe", kEvery) + module("relay_c", "port_relay_c.so", kEvery) +
+  bring_up(source() + module("relay", "port_relay.exe", kEvery) +
+               module("relay_c", "port_relay_c.so", kEvery) +
                module("program_c", "port_relay_c.exe", kEvery) + sink("sink"),
            connection("source.out", "relay.in", "kind=\"queue\" depth=\"64\"") +
                connection("relay.out", "relay_c.in", "kind=\"queue\" depth=\"64\"") +
@@ -174,7 +179,8 @@ TEST_F(DevicePorts, AFullQueueDropsItsOldestSamples) {
 
 TEST_F(DevicePorts, SeveralReadersEachGetAll) {
   bring_up(source() + sink("one") + sink("two") + module("relay", "port_relay.exe", kEvery) + sink("three"),
-           connection("source.out", "one.in", "kind=\"queue\" depth=\"9\"") + connection("source.out", "two.in") +
+           connection("source.out", "one.in", "kind=\"queue\" depth=\"9\"") +
+               connection("source.out", "two.in") +
                connection("source.out", "relay.in", "kind=\"queue\" depth=\"99\"") +
                connection("relay.out", "three.in", "kind=\"queue\" depth=\"99\""));
   run_for(milliseconds{300});
@@ -194,8 +200,9 @@ TEST_F(DevicePorts, SeveralWritersShareAQueue) {
 }
 
 TEST_F(DevicePorts, CopiesOfAModuleInCHavePortsOfTheirOwn) {
-  bring_up(source() + module("first", "port_relay_c.so", kEvery) + module("second", "port_relay_c.so", kEvery) +
-               module("third", "port_relay_c.so", kEvery) + sink("one") + sink("three"),
+  bring_up(source() + module("first", "port_relay_c.so", kEvery) +
+               module("second", "port_relay_c.so", kEvery) + module("third", "port_relay_c.so", kEvery) +
+               sink("one") + sink("three"),
            connection("source.out", "first.in") + connection("source.out", "third.in") +
                connection("first.out", "one.in") + connection("third.out", "three.in"));
   run_for(milliseconds{200});
@@ -206,15 +213,18 @@ TEST_F(DevicePorts, CopiesOfAModuleInCHavePortsOfTheirOwn) {
   expect_all("three", 100);
 }
 
-// ---- Events ------------------------------------------------------------------------------------------------
+// ---- Events
+// ------------------------------------------------------------------------------------------------
 
 TEST_F(DevicePorts, AnEventReleasesASporadicModule) {
   for (const std::string& dispatch : {kRow, kImmediate}) {
-    bring_up(slow_source() + module("events", "port_events.so", kSporadic + dispatch, file("events")) + sink("echo"),
+    bring_up(slow_source() + module("events", "port_events.so", kSporadic + dispatch, file("events")) +
+                 sink("echo"),
              connection("source.out", "events.event", "kind=\"queue\" depth=\"8\"") +
                  connection("events.echo", "echo.in", "kind=\"queue\" depth=\"8\""));
     run_for(milliseconds{400});
-    EXPECT_EQ(module_of("events")["cycles"], port_of("events", "event")["samples"]) << "it runs for events and else never";
+    EXPECT_EQ(module_of("events")["cycles"], port_of("events", "event")["samples"])
+        << "it runs for events and else never";
     take_down();
     expect_all("events", 30);
     expect_all("echo", 30);
@@ -262,18 +272,22 @@ TEST_F(DevicePorts, InterarrivalHoldsAProgramBack) {
   take_down();
 }
 
-// ---- Whoever dies --------------------------------------------------------------------------------------------
+// ---- Whoever dies
+// --------------------------------------------------------------------------------------------
 
 TEST_F(DevicePorts, AProgramThatIsKilledAgainAndAgainLeavesItsLinksUsable) {
-  bring_up(source() + module("relay", "port_relay.exe", kEvery, "", "<recovery attempts=\"100\" backoff=\"1000000\"/>") +
-               sink("sink"),
-           connection("source.out", "relay.in", "kind=\"queue\" depth=\"64\"") +
-               connection("relay.out", "sink.in", "kind=\"queue\" depth=\"64\""));
+  bring_up(
+      source() +
+          module("relay", "port_relay.exe", kEvery, "", "<recovery attempts=\"100\" backoff=\"1000000\"/>") +
+          sink("sink"),
+      connection("source.out", "relay.in", "kind=\"queue\" depth=\"64\"") +
+          connection("relay.out", "sink.in", "kind=\"queue\" depth=\"64\""));
   for (int i = 0; i < 10; ++i) {
     run_for(milliseconds{30 + i});
     const std::uint64_t before = port_of("sink", "in")["samples"];
     ::kill(module_of("relay")["pid"], SIGKILL);
-    ASSERT_TRUE(step_until([&] { return port_of("sink", "in")["samples"] > before + 20; })) << "after kill " << i;
+    ASSERT_TRUE(step_until([&] { return port_of("sink", "in")["samples"] > before + 20; }))
+        << "after kill " << i;
   }
   take_down();
   const json sink = seen("sink");
@@ -292,7 +306,8 @@ TEST_F(DevicePorts, TheLinksOutliveTheHost) {
     const std::uint64_t typed = port_of("typed", "in")["samples"];
     const int program = module_of("relay")["pid"];
     ::kill(module_of("source")["pid"], SIGKILL);
-    ASSERT_TRUE(step_until([&] { return port_of("sink", "in")["samples"] > before + 20; })) << "after kill " << i;
+    ASSERT_TRUE(step_until([&] { return port_of("sink", "in")["samples"] > before + 20; }))
+        << "after kill " << i;
     EXPECT_GT(port_of("typed", "in")["samples"], typed) << "the counts go on";
     EXPECT_EQ(module_of("relay")["pid"], program);
   }
@@ -301,17 +316,19 @@ TEST_F(DevicePorts, TheLinksOutliveTheHost) {
   EXPECT_EQ(seen("typed")["first"], 1) << "of the present life of both";
 }
 
-// ---- Stale inputs ----------------------------------------------------------------------------------------------
+// ---- Stale inputs
+// ----------------------------------------------------------------------------------------------
 
 TEST_F(DevicePorts, AStaleInputIsAnErrorWhereTheConnectionSaysSo) {
   const std::string deadline = "deadline=\"50000000\" stale=\"";
   const std::string recovery = "<recovery attempts=\"3\" backoff=\"1000000\"/>";
-  bring_up(module("source", "port_relay.exe", kEvery, "", "<recovery attempts=\"3\" backoff=\"400000000\"/>") +
-               module("first", "port_source.so", kEvery) + sink("strict", "", recovery) + sink("calm") +
-               module("program", "port_relay.exe", kEvery, "", recovery),
-           connection("first.out", "source.in") + connection("source.out", "strict.in", deadline + "error\"") +
-               connection("source.out", "calm.in", deadline + "hold\"") +
-               connection("source.out", "program.in", deadline + "error\""));
+  bring_up(
+      module("source", "port_relay.exe", kEvery, "", "<recovery attempts=\"3\" backoff=\"400000000\"/>") +
+          module("first", "port_source.so", kEvery) + sink("strict", "", recovery) + sink("calm") +
+          module("program", "port_relay.exe", kEvery, "", recovery),
+      connection("first.out", "source.in") + connection("source.out", "strict.in", deadline + "error\"") +
+          connection("source.out", "calm.in", deadline + "hold\"") +
+          connection("source.out", "program.in", deadline + "error\""));
   run_for(milliseconds{200});
   EXPECT_EQ(module_of("strict")["state"], "EXECUTING");
   EXPECT_EQ(port_of("strict", "in")["late"], 0);
@@ -336,12 +353,14 @@ TEST_F(DevicePorts, AnInputThatNeverGotAValueIsStaleAfterItsDeadline) {
   bring_up(source("<value name=\"burst\">0</value>") + sink("sink"),
            connection("source.out", "sink.in", "deadline=\"100000000\" stale=\"error\""));
   run_for(milliseconds{80});
-  EXPECT_EQ(module_of("sink")["state"], "EXECUTING") << "it is given the deadline's time from its first release on";
+  EXPECT_EQ(module_of("sink")["state"], "EXECUTING")
+      << "it is given the deadline's time from its first release on";
   ASSERT_TRUE(step_until([&] { return module_of("sink")["state"] == "RECOVER"; }, milliseconds{500}));
   take_down();
 }
 
-// ---- What the node offers ----------------------------------------------------------------------------------------
+// ---- What the node offers
+// ----------------------------------------------------------------------------------------
 
 TEST_F(DevicePorts, APortWithoutAConnectionNeverHasNewsAndWritesNowhere) {
   bring_up(source() + sink("sink"), "");
