@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,8 +35,8 @@ class Supervisor final : public Supervised {
   struct Options {
     model::Cell cell;
     std::size_t device = 0;
-    host::ComponentPaths paths;                ///< of the device's modules
-    std::vector<model::ModulePorts> ports{};   ///< the same; empty: nothing is known
+    host::ComponentPaths paths;               ///< of the device's modules
+    std::vector<model::ModulePorts> ports{};  ///< the same; empty: nothing is known
     bool require_real_time = false;
     std::function<void(const Step&)> stepped{};  ///< told of every step of a module
   };
@@ -49,6 +50,10 @@ class Supervisor final : public Supervised {
   void step() override;
   std::vector<const os::Fd*> wait_on() override;
   void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
+  void get(std::uint32_t module, const std::string& property,
+           std::function<void(const Outcome&)> done) override;
+  void set(std::uint32_t module, const std::string& property, const std::string& value,
+           std::function<void(const Outcome&)> done) override;
 
   [[nodiscard]] Phase phase() const noexcept override { return phase_; }
   [[nodiscard]] const Problems& failures() const noexcept override { return failures_; }
@@ -84,6 +89,11 @@ class Supervisor final : public Supervised {
   void end_process(Member& member, Instant now);
   void forward_output();
   void ring(std::uint32_t bits);
+
+  // Properties (supervisor_property.cpp)
+  void ask_property(host::Request request, std::function<void(const Outcome&)> done);
+  void property_answered(const host::Answer& answer);
+  void nobody_answers(const std::string& why);
 
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
@@ -125,6 +135,12 @@ class Supervisor final : public Supervised {
   Wiring wiring_;
   std::vector<std::unique_ptr<Member>> members_;
   HostLink host_;
+  struct PropertyRequest {
+    std::uint32_t module;
+    std::function<void(const Outcome&)> done;
+  };
+  std::map<std::uint64_t, PropertyRequest> property_requests_;  // that the host has not answered
+  std::uint64_t property_requests_made_ = 0;
   bool rows_begun_ = false;
   bool background_begun_ = false;
   bool halted_ = false;

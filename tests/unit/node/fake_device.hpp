@@ -1,4 +1,5 @@
-// An agent without DDS, processes and clocks: what it says is read along, what it sets to work does as it is told.
+// An agent without DDS, processes and clocks: what it says is read along, what it sets to work does as it is
+// told.
 #pragma once
 
 #include <memory>
@@ -41,6 +42,7 @@ struct Work {
   int supervised = 0;  ///< alive
   std::function<void(const Step&)> stepped;
   std::vector<std::pair<std::uint32_t, Verb>> orders;
+  std::vector<std::string> properties;  ///< "0 gain", "0 gain = 2"
   std::vector<std::function<void(const Outcome&)>> done;
   Standing standing;
 };
@@ -79,6 +81,16 @@ class FakeSupervised final : public Supervised {
     work_.orders.emplace_back(module, verb);
     work_.done.push_back(std::move(done));
   }
+  void get(std::uint32_t module, const std::string& property,
+           std::function<void(const Outcome&)> done) override {
+    work_.properties.push_back(std::to_string(module) + " " + property);
+    work_.done.push_back(std::move(done));
+  }
+  void set(std::uint32_t module, const std::string& property, const std::string& value,
+           std::function<void(const Outcome&)> done) override {
+    work_.properties.push_back(std::to_string(module) + " " + property + " = " + value);
+    work_.done.push_back(std::move(done));
+  }
   [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }
   [[nodiscard]] const Problems& failures() const noexcept override { return work_.failures; }
   [[nodiscard]] Standing standing() const override { return work_.standing; }
@@ -113,11 +125,10 @@ class FakeDevice {
                .file = std::move(file),
                .now = [this] { return now; },
                .wall_ns = [this] { return wall(); }},
-              {.inspect =
-                   [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
-                     work.inspections.push_back(request);
-                     return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
-                   },
+              {.inspect = [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
+                 work.inspections.push_back(request);
+                 return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
+               },
                .supervise = [this](Supervisor::Options options) -> std::unique_ptr<Supervised> {
                  return std::make_unique<FakeSupervised>(work, options);
                }},
@@ -182,7 +193,9 @@ class FakeDevice {
   [[nodiscard]] const DeviceStatus& status() const { return said.devices.back(); }
   [[nodiscard]] const Reply& reply() const { return said.replies.back().head; }
   [[nodiscard]] std::string text() const { return reply().text().to_string(); }
-  [[nodiscard]] nlohmann::ordered_json data() const { return nlohmann::ordered_json::parse(said.replies.back().data); }
+  [[nodiscard]] nlohmann::ordered_json data() const {
+    return nlohmann::ordered_json::parse(said.replies.back().data);
+  }
 
   Instant now = from_ns(5'000'000'000);
   int asked = 0;
