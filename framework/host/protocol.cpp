@@ -71,15 +71,19 @@ model::Executor executor_from(const json& value) {
 }
 
 json to_json(const Request& request) {
-  return {
-      {"do", request.what}, {"module", request.module}, {"hook", request.hook}, {"type", request.error_type}};
+  return {{"do", request.what},         {"module", request.module}, {"hook", request.hook},
+          {"type", request.error_type}, {"id", request.id},         {"property", request.property},
+          {"value", request.value}};
 }
 
 Request request_from(const json& value) {
   return {.what = value.at("do"),
           .module = value.at("module"),
           .hook = value.at("hook"),
-          .error_type = value.at("type")};
+          .error_type = value.at("type"),
+          .id = value.at("id"),
+          .property = value.at("property"),
+          .value = value.at("value")};
 }
 
 template <class T, class Read>

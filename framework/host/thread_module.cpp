@@ -73,6 +73,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
       component_ = factory_->create();
       return {};
     });
+    if (created) live_.serve(component_, factory_->name);
     if (created) created = take_ports(path);
     if (!created) unload();
     if (created && sporadic && !may_be_ready()) {
@@ -172,11 +173,15 @@ const char* ThreadModule::look_at_inputs(Instant start) noexcept {
   return stale;
 }
 
-void ThreadModule::begin_hook() noexcept { context_.start_ns = to_ns(os::now()); }
+void ThreadModule::begin_hook() noexcept {
+  context_.start_ns = to_ns(os::now());
+  live_.take_over();
+}
 
 void ThreadModule::unload() {
   ports_.clear();
   watched_.clear();
+  live_.serve(nullptr, {});
   if (component_ != nullptr) factory_->destroy(component_);
   component_ = nullptr;
   factory_ = nullptr;
@@ -190,37 +195,17 @@ void ThreadModule::unload() {
 void ThreadModule::abandon() noexcept {
   ports_.clear();
   watched_.clear();
+  live_.serve(nullptr, {});
   component_ = nullptr;
   library_.abandon();
 }
 
-Result<void> ThreadModule::assign(const irp::Property::Values& values) {
-  if (component_ == nullptr) return {};
-  Problems problems;
-  for (const auto& [name, text] : values) {
-    const auto& properties = component_->properties();
-    const auto found =
-        std::find_if(properties.begin(), properties.end(),
-                     [&name = name](const PropertyBase* property) { return property->name() == name; });
-    if (found == properties.end()) {
-      std::string known;
-      for (const PropertyBase* property : properties) known += (known.empty() ? "" : ", ") + property->name();
-      problems.push_back(fail(std::string{"component "} + factory_->name + " has no property '" + name + "'",
-                              known.empty() ? "it has none" : "it has " + known));
-      continue;
-    }
-    if (auto assigned = (*found)->assign(text); !assigned) {
-      problems.insert(problems.end(), assigned.problems().begin(), assigned.problems().end());
-    }
-  }
-  if (!problems.empty()) return problems;
-  return {};
-}
-
 Result<void> ThreadModule::initialize(const irp::Property& property) {
+  if (component_ != nullptr) {
+    if (auto taken = set(property.values()); !taken) return taken;
+  }
   begin_hook();
   if (component_ != nullptr) {
-    if (auto assigned = assign(property.values()); !assigned) return assigned;
     return guarded([this] { return component_->initialize(); });
   }
   return call(initialize_, property);
@@ -260,6 +245,7 @@ executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
   }
   serve_cycle(&cycle);
   context_.start_ns = to_ns(cycle.start);
+  live_.take_over();
   try {
     if (component_ != nullptr) {
       component_->run(cycle);
@@ -278,6 +264,7 @@ executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
 executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexcept {
   serve_cycle(&cycle);
   context_.start_ns = to_ns(cycle.start);
+  live_.take_over();
   try {
     if (component_ != nullptr)
       *ready = component_->condition();

@@ -11,6 +11,7 @@
 #include <takt/component/port.hpp>
 #include <takt/core/result.hpp>
 #include <takt/executor/body.hpp>
+#include <takt/host/live_properties.hpp>
 #include <takt/os/library.hpp>
 
 namespace takt::host {
@@ -33,10 +34,14 @@ class ThreadModule final : public executor::Body {
   void abandon() noexcept;
   [[nodiscard]] bool loaded() const noexcept { return component_ != nullptr || run_ != nullptr; }
 
-  /// Sets the properties of a C++ component: one problem for each that it does not have or does not take. A C
-  /// module is given them by initialize(), unchecked.
-  Result<void> assign(const irp::Property::Values& values);
+  /// Sets properties of a C++ component, also while it runs; in force from its next call on. All or none: one
+  /// problem for each that it does not have or does not take. Not of a module in the C form.
+  Result<void> set(const irp::Property::Values& values) { return live_.set(values); }
+  /// The value that such a property has, or will have from the next call on.
+  [[nodiscard]] Result<std::string> get(const std::string& property) const { return live_.get(property); }
 
+  /// A C++ component is given the properties by name and refuses what it does not have or take; a module in
+  /// the C form has to look itself.
   Result<void> initialize(const irp::Property& property);
   Result<void> start();
   Result<void> error(ErrorType type);
@@ -75,7 +80,7 @@ class ThreadModule final : public executor::Body {
   Result<void> take_ports(const std::string& path);
   /// It has a condition, of its own or by an event port.
   [[nodiscard]] bool may_be_ready() const noexcept;
-  /// What a hook writes has the time at which it was called.
+  /// What a hook writes has the time at which it was called; it sees what was set until then.
   void begin_hook() noexcept;
 
   os::Library library_;
@@ -100,6 +105,7 @@ class ThreadModule final : public executor::Body {
   const channel::ModuleBlock* block_ = nullptr;
   std::uint64_t entered_ = 0;          // as it was at the last run()
   std::int64_t watched_since_ns_ = 0;  // the first release since then
+  LiveProperties live_;
   void (*error_)(int) = nullptr;
   Hook recover_ = nullptr;
   Hook destruct_ = nullptr;

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,6 +53,10 @@ class Supervisor final : public Supervised {
   std::vector<const os::Fd*> wait_on() override;
   void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
   Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
+  void get(std::uint32_t module, const std::string& property,
+           std::function<void(const Outcome&)> done) override;
+  void set(std::uint32_t module, const std::string& property, const std::string& value,
+           std::function<void(const Outcome&)> done) override;
 
   [[nodiscard]] Phase phase() const noexcept override { return phase_; }
   [[nodiscard]] const Problems& failures() const noexcept override { return failures_; }
@@ -91,6 +96,10 @@ class Supervisor final : public Supervised {
   // Inputs (supervisor_ports.cpp)
   void watch_inputs(Member& member, Instant now);
   static bool has_stale_input(const Member& member, Instant now);
+  // Properties (supervisor_property.cpp)
+  void ask_property(host::Request request, std::function<void(const Outcome&)> done);
+  void property_answered(const host::Answer& answer);
+  void nobody_answers(const std::string& why);
 
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
@@ -133,6 +142,12 @@ class Supervisor final : public Supervised {
   std::unique_ptr<Gate> gate_;
   std::vector<std::unique_ptr<Member>> members_;
   HostLink host_;
+  struct PropertyRequest {
+    std::uint32_t module;
+    std::function<void(const Outcome&)> done;
+  };
+  std::map<std::uint64_t, PropertyRequest> property_requests_;  // that the host has not answered
+  std::uint64_t property_requests_made_ = 0;
   bool rows_begun_ = false;
   bool background_begun_ = false;
   bool halted_ = false;

@@ -12,7 +12,9 @@
 
 #include <takt/wire/taktPubSubTypes.h>
 #include <takt/dds/commands.hpp>
+#include <takt/dds/gateway.hpp>
 #include <takt/dds/inside.hpp>
+#include <takt/model/type.hpp>
 
 #include "domain.hpp"
 #include "peer.hpp"
@@ -71,17 +73,88 @@ TEST(Commands, TheFirstAnswerOfTwoHundredProgramsThatAskOnceIsNotLost) {
   ASSERT_TRUE(server.says("ready"));
   std::atomic<int> next{0};
   std::atomic<int> answered{0};
+  std::mutex mutex;
+  std::vector<int> times;
   std::vector<std::thread> askers;
   for (int i = 0; i < 4; ++i) {
     askers.emplace_back([&] {
       for (int number = next++; number < 200; number = next++) {
         Peer client{{"client", "d", "once" + std::to_string(number), "0"}};
+        const auto line = client.line(30s);
         if (client.wait(30s) == 0) ++answered;
+        const std::lock_guard lock{mutex};
+        if (line) times.push_back(std::stoi(line->substr(line->rfind(' '))));
       }
     });
   }
   for (std::thread& each : askers) each.join();
   EXPECT_EQ(answered, 200);
+  std::sort(times.begin(), times.end());
+  ASSERT_EQ(times.size(), 200U);
+  std::cout << "answered after " << times[100] << " ms, at most " << times.back() << " ms\n";
+}
+
+/// As in idl/takt.idl.
+model::Type wire_type(const std::string& name, const std::vector<std::string>& before,
+                      std::vector<model::Field> between,
+                      const std::vector<std::pair<std::string, std::size_t>>& after) {
+  model::Type type{.name = name, .fields = {}};
+  for (const std::string& text : before)
+    type.fields.push_back({.name = text, .scalar = model::Scalar::text, .bound = 63});
+  for (model::Field& field : between) type.fields.push_back(std::move(field));
+  for (const auto& [text, bound] : after)
+    type.fields.push_back({.name = text, .scalar = model::Scalar::text, .bound = bound});
+  return type;
+}
+model::Field enumeration(const std::string& name, std::vector<std::string> enumerators) {
+  return {.name = name, .scalar = model::Scalar::enumeration, .enumerators = std::move(enumerators)};
+}
+void add_parts(model::Type& type) {
+  type.fields.push_back({.name = "part", .scalar = model::Scalar::uint32});
+  type.fields.push_back({.name = "parts", .scalar = model::Scalar::uint32});
+  type.fields.push_back({.name = "data", .scalar = model::Scalar::octet, .sequence = 32768});
+}
+
+TEST(Commands, AnAnswerWaitsForTheReaderOfWhoAsked) {
+  const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
+  model::Type command = wire_type("takt::Command", {"id", "device", "node", "module_name"},
+                                  {enumeration("kind", {"COMMAND_REPORT"})},
+                                  {{"deployment", 63}, {"property", 63}, {"value", 255}});
+  command.fields.push_back({.name = "time_ns", .scalar = model::Scalar::int64});
+  command.fields.push_back({.name = "deadline_ns", .scalar = model::Scalar::int64});
+  add_parts(command);
+  model::Type reply =
+      wire_type("takt::Reply", {"id", "device", "node", "module_name"},
+                {enumeration("code", {"OK", "REFUSED", "FAILED", "LATE"}),
+                 enumeration("state", {"IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"})},
+                {{"text", 255}, {"value", 255}});
+  add_parts(reply);
+
+  Peer server{{"server", "d", "0"}};
+  ASSERT_TRUE(server.says("ready"));
+  auto participant = participate();
+  auto writer =
+      dds::Feed::create(participant, {.topic = "takt/command", .type = command, .quality = reliable});
+  ASSERT_TRUE(writer.ok());
+  ASSERT_TRUE(soon([&] { return (*writer)->health().matched == 1; }));
+  std::this_thread::sleep_for(300ms);  // until the server's reader has matched, too
+  const auto bytes = model::sample_bytes(command, R"({"id": "raw", "device": "d", "parts": 1})");
+  ASSERT_TRUE(bytes.ok());
+  ASSERT_TRUE((*writer)->write(bytes->data(), bytes->size()));
+  ASSERT_TRUE(server.says("handled raw 0"));
+  std::this_thread::sleep_for(500ms);  // the answer would have gone
+  std::mutex mutex;
+  std::string heard;
+  auto reader = dds::Tap::create(participant, {.topic = "takt/reply", .type = reply, .quality = reliable},
+                                 [&](const std::byte* data, std::size_t size, std::int64_t) {
+                                   const std::lock_guard lock{mutex};
+                                   heard = model::sample_json(reply, data, size);
+                                 });
+  ASSERT_TRUE(reader.ok());
+  EXPECT_TRUE(soon([&] {
+    const std::lock_guard lock{mutex};
+    return heard.find("for raw") != std::string::npos;
+  })) << heard;
 }
 
 TEST(Commands, OfSixteenMebibytesGetAnAnswerAsLong) {

@@ -192,11 +192,14 @@ int client(const Participant& participant, const Arguments& arguments) {
   command.head.device(arguments[0]);
   command.head.kind(COMMAND_REPORT);
   command.head.deadline_ns(wall_ns() + 20'000'000'000);
+  const auto begin = std::chrono::steady_clock::now();
   client.send(command);
   std::unique_lock lock{mutex};
   if (!came.wait_for(lock, 20s, [&] { return !answers.empty(); })) return 1;
   if (answers[0].head.value() != "for " + arguments[1]) return 2;
-  print("answered " + std::to_string(answers[0].data.size()));
+  const auto time = std::chrono::steady_clock::now() - begin;
+  print("answered " + std::to_string(answers[0].data.size()) + " after " +
+        std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()));
   return 0;
 }
 

@@ -52,12 +52,18 @@ class Heard {
                   if (status.sequence_number() > last + 1) gaps_ += status.sequence_number() - last - 1;
                   last = status.sequence_number();
                   ++samples_;
+                  if (samples_ == held_up_at_) std::this_thread::sleep_for(1s);
                 },
             .disposed =
                 [this](const LifecycleStatus& key, dds::WriterId) {
                   const std::lock_guard lock{mutex_};
                   last_.erase(key.path().to_string());
                 }};
+  }
+  /// Takes a second for this sample.
+  void hold_up(std::size_t sample) {
+    const std::lock_guard lock{mutex_};
+    held_up_at_ = sample;
   }
   std::size_t keys() const {
     return with([this] { return last_.size(); });
@@ -85,6 +91,7 @@ class Heard {
   std::size_t samples_ = 0;
   std::size_t doubled_ = 0;
   std::size_t gaps_ = 0;
+  std::size_t held_up_at_ = 0;
 };
 
 TEST(Lifecycle, WhoJoinsLateGetsThePresentStateOfThreeHundredModules) {
@@ -127,6 +134,7 @@ TEST(Lifecycle, TenThousandTransitionsUnderLoadAreNeitherLostNorDoubled) {
   Peer writer{{"transitions", "20", "10000"}};
   ASSERT_TRUE(writer.says("ready"));
   ASSERT_TRUE(soon([&] { return heard.samples() == 20; })) << "it joined first";
+  heard.hold_up(1000);  // meanwhile more comes than its socket holds, if the writer does not wait
   const auto begin = Clock::now();
   writer.say("go");
   EXPECT_EQ(writer.line(100s), "written; failures 0, waited in vain 0");
