@@ -92,7 +92,7 @@ Result<void> Host::prepare() {
                         .immediate = m.dispatch == model::Dispatch::immediate,
                         .late_is_error = m.miss == model::Miss::error};
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
-    if (modules_.back()) modules_.back()->ring_with(bell_);
+    if (modules_.back()) modules_.back()->attach(bell_, unit.block);
     unit.body = modules_.back().get();
     if (setup_.seat_fds[i] >= 0) {
       auto memory = os::SharedMemory::attach(os::Fd{setup_.seat_fds[i]});

@@ -19,6 +19,8 @@ struct PortLink {
   std::string port;
   int fd = -1;
   bool typed = false;  ///< its payloads are values in the host's memory
+  bool stale_is_error =
+      false;  ///< of an input: run() is not called while the newest value is older than the deadline
 };
 
 /// What a host needs to know of its device. Processors are where the node decided; empty lists mean any.

@@ -145,6 +145,34 @@ PortBase* ThreadModule::port(const std::string& name) const noexcept {
   return found == ports_.end() ? nullptr : *found;
 }
 
+void ThreadModule::watch(channel::Link link, const PortBase& input, bool stale_is_error) {
+  const Nanoseconds deadline{link.block().deadline_ns};
+  if (deadline <= Nanoseconds{0}) return;
+  watched_.push_back({link, stale_is_error,
+                      "the newest value of input '" + input.name() + "' is older than " + to_text(deadline),
+                      false});
+}
+
+const char* ThreadModule::look_at_inputs(Instant start) noexcept {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  const std::int64_t now = to_ns(start);
+  const std::uint64_t entered = block_ == nullptr ? 1 : block_->entered.load(relaxed);
+  if (entered != entered_) {
+    entered_ = entered;
+    watched_since_ns_ = now;
+  }
+  const char* stale = nullptr;
+  for (Watched& input : watched_) {
+    channel::LinkBlock& block = input.link.block();
+    const std::int64_t newest = std::max(block.newest_ns.load(relaxed), watched_since_ns_);
+    const bool late = now - newest > block.deadline_ns;
+    if (late && !input.late) block.late.store(block.late.load(relaxed) + 1, relaxed);
+    input.late = late;
+    if (late && input.is_error && stale == nullptr) stale = input.text.c_str();
+  }
+  return stale;
+}
+
 void ThreadModule::begin_hook() noexcept {
   context_.start_ns = to_ns(os::now());
   live_.take_over();
@@ -152,6 +180,7 @@ void ThreadModule::begin_hook() noexcept {
 
 void ThreadModule::unload() {
   ports_.clear();
+  watched_.clear();
   live_.serve(nullptr, {});
   if (component_ != nullptr) factory_->destroy(component_);
   component_ = nullptr;
@@ -166,6 +195,7 @@ void ThreadModule::unload() {
 void ThreadModule::abandon() noexcept {
   ports_.clear();
   live_.serve(nullptr, {});
+  watched_.clear();
   component_ = nullptr;
   library_.abandon();
 }
@@ -210,6 +240,9 @@ Result<void> ThreadModule::destruct() {
 }
 
 executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
+  if (!watched_.empty()) {
+    if (const char* stale = look_at_inputs(cycle.start); stale != nullptr) return {ErrorType::stale, stale};
+  }
   serve_cycle(&cycle);
   context_.start_ns = to_ns(cycle.start);
   live_.take_over();

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include <takt/component/module.h>
+#include <takt/channel/layout.hpp>
+#include <takt/channel/link.hpp>
 #include <takt/component/component.hpp>
 #include <takt/component/port.hpp>
 #include <takt/core/result.hpp>
@@ -60,8 +62,16 @@ class ThreadModule final : public executor::Body {
   [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
   /// Null when it has none of that name.
   [[nodiscard]] PortBase* port(const std::string& name) const noexcept;
-  /// For ports that wake somebody; null: they wake nobody. Before it is loaded.
-  void ring_with(channel::Bell* bell) noexcept { context_.bell = bell; }
+  /// Before it is loaded. For ports that wake somebody; null: they wake nobody. And where it is counted how
+  /// often the module was put into the tables; null: once.
+  void attach(channel::Bell* bell, const channel::ModuleBlock* block) noexcept {
+    context_.bell = bell;
+    block_ = block;
+  }
+  /// Before each run() it is looked whether this input's newest value is older than the link's deadline,
+  /// counted from the module's first release in the tables on. It is late then, which is counted; where it is
+  /// an error, run() is not called.
+  void watch(channel::Link link, const PortBase& input, bool stale_is_error);
   /// The hooks that it defines, in the order of their lives.
   [[nodiscard]] std::vector<std::string> hooks() const;
 
@@ -80,9 +90,22 @@ class ThreadModule final : public executor::Body {
   Hook start_ = nullptr;
   Hook run_ = nullptr;
   int (*condition_)() = nullptr;
+  struct Watched {
+    channel::Link link;
+    bool is_error;
+    std::string text;  // of the error
+    bool late = false;
+  };
+  /// Null when none is stale that must not be.
+  const char* look_at_inputs(Instant start) noexcept;
+
   std::vector<PortBase*> ports_;
   PortContext context_;
   LiveProperties live_;
+  std::vector<Watched> watched_;
+  const channel::ModuleBlock* block_ = nullptr;
+  std::uint64_t entered_ = 0;          // as it was at the last run()
+  std::int64_t watched_since_ns_ = 0;  // the first release since then
   void (*error_)(int) = nullptr;
   Hook recover_ = nullptr;
   Hook destruct_ = nullptr;

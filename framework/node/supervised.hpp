@@ -53,6 +53,13 @@ struct Outcome {
   std::string value{};                              ///< of a property that was asked for
 };
 
+/// Where the samples of a port can be read, and what they are.
+struct Tapped {
+  std::string topic;
+  std::string type;  ///< as model::parse_type() reads it
+  bool reliable = false;
+};
+
 class Supervised {
  public:
   enum class Phase {
@@ -86,6 +93,8 @@ class Supervised {
   /// the module is loaded afresh: then it has what the descriptor says.
   virtual void set(std::uint32_t module, const std::string& property, const std::string& value,
                    std::function<void(const Outcome&)> done) = 0;
+  /// The samples of an output are on its topic until then.
+  virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
 
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
   /// Why the device failed as a whole, or which modules were given up; empty when all is well.

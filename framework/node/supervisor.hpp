@@ -22,6 +22,7 @@
 #include <takt/core/result.hpp>
 #include <takt/host/inspect.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/node/gate.hpp>
 #include <takt/node/host_link.hpp>
 #include <takt/node/member.hpp>
 #include <takt/node/placement.hpp>
@@ -38,7 +39,8 @@ class Supervisor final : public Supervised {
     host::ComponentPaths paths;               ///< of the device's modules
     std::vector<model::ModulePorts> ports{};  ///< the same; empty: nothing is known
     bool require_real_time = false;
-    std::function<void(const Step&)> stepped{};  ///< told of every step of a module
+    std::function<void(const Step&)> stepped{};       ///< told of every step of a module
+    std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null: there are none
   };
 
   explicit Supervisor(Options options);
@@ -54,6 +56,7 @@ class Supervisor final : public Supervised {
            std::function<void(const Outcome&)> done) override;
   void set(std::uint32_t module, const std::string& property, const std::string& value,
            std::function<void(const Outcome&)> done) override;
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
 
   [[nodiscard]] Phase phase() const noexcept override { return phase_; }
   [[nodiscard]] const Problems& failures() const noexcept override { return failures_; }
@@ -95,6 +98,10 @@ class Supervisor final : public Supervised {
   void property_answered(const host::Answer& answer);
   void nobody_answers(const std::string& why);
 
+  // Inputs (supervisor_ports.cpp)
+  void watch_inputs(Member& member, Instant now);
+  static bool has_stale_input(const Member& member, Instant now);
+
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
              ErrorType error = ErrorType::none);
@@ -133,6 +140,7 @@ class Supervisor final : public Supervised {
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;
   Wiring wiring_;
+  std::unique_ptr<Gate> gate_;
   std::vector<std::unique_ptr<Member>> members_;
   HostLink host_;
   struct PropertyRequest {

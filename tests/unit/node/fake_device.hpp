@@ -175,7 +175,7 @@ class FakeDevice {
   /// To where every module is in START.
   void become_ready() {
     prepare();
-    work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}, .description = "[]"};
+    work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
     agent.step();
     work.phase = Supervised::Phase::ready;
     agent.step();

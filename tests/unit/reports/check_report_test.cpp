@@ -52,7 +52,17 @@ model::Cell widest_cell() {
   }
   auto result = device(long_name('d'), modules, {long_name('e')});
   result.executors[0].cpu = 1023;
-  return cell(long_name('c'), {result});
+  const auto port = [](char letter) {
+    return long_name('d') + "." + long_name(letter) + "." + long_name('o');
+  };
+  auto connection = on_topic(stale_after(queue(port('p'), port('q'), 65536), odd, model::Stale::error),
+                             std::string(255, 't'));
+  connection.lifespan = odd;
+  connection.domain = 232;
+  auto all = connected(cell(long_name('c'), {result}), {connection, on_topic(latest("", port('s')), "t")});
+  all.discovery = {model::Discovery::Kind::server, {}, std::string(250, 'h') + ":65535", {}};
+  all.server_device = long_name('d');
+  return all;
 }
 
 // ---- for a person
@@ -110,6 +120,156 @@ TEST(CheckText, WarnsOfADeadlineThatPassesBetweenTwoLooks) {
   const std::string late = text(cell("c", {device("d", {periodic("a", 10ms), sporadic("alarm", 1ms)})}));
   EXPECT_THAT(late, HasSubstr("late by design, looked at only once in 10 ms:\n      alarm\n"));
   EXPECT_THAT(text(figure1()), Not(HasSubstr("late by design")));
+}
+
+TEST(CheckText, ShowsWhatSporadicModulesSayOfTheirReleases) {
+  auto alarm = at_once(not_before(sporadic("alarm", 10ms), 2ms));
+  alarm.miss = model::Miss::error;
+  EXPECT_THAT(text(cell("c", {device("d", {periodic("a", 1ms), alarm, sporadic("b", 5ms)})})), HasSubstr(R"(
+    sporadic  type    deadline  priority  budget  dispatch   interarrival  when missed
+    alarm     thread  10 ms     0         -       immediate  2 ms          error
+    b         thread  5 ms      0         -       row        -             count
+)"));
+  EXPECT_THAT(
+      text(cell("c", {device("d", {periodic("a", 1ms), not_before(sporadic("b", 5ms), 2ms)})})),
+      AllOf(HasSubstr("budget  interarrival\n"), Not(HasSubstr("dispatch")), Not(HasSubstr("missed"))));
+}
+
+TEST(CheckText, DoesNotWarnOfADeadlineThatRowsDoNotLookAt) {
+  EXPECT_THAT(text(cell("c", {device("d", {periodic("a", 10ms), at_once(sporadic("alarm", 1ms))})})),
+              Not(HasSubstr("late by design")));
+}
+
+TEST(CheckText, PredictsTheLoadOfSporadicThreadsWhereItHasABound) {
+  // A row releases a module once; what is not to come before 1.5 rows comes every two.
+  const auto of = [](std::vector<model::Module> modules) {
+    modules.push_back(with_budget(periodic("a", 1ms), 300us));
+    return text(cell("c", {device("d", modules)}));
+  };
+  EXPECT_THAT(of({with_budget(sporadic("s", 5ms), 100us)}),
+              HasSubstr("\n\n    sporadic load, at most 10 %: s every 1 ms\n"));
+  EXPECT_THAT(of({with_budget(not_before(sporadic("s", 5ms), 500us), 100us)}),
+              HasSubstr("10 %: s every 1 ms\n"));
+  EXPECT_THAT(of({with_budget(not_before(sporadic("s", 5ms), 1ms), 100us)}),
+              HasSubstr("10 %: s every 1 ms\n"));
+  EXPECT_THAT(of({with_budget(not_before(sporadic("s", 5ms), 1500us), 100us)}),
+              HasSubstr("5 %: s every 2 ms\n"));
+  EXPECT_THAT(of({at_once(with_budget(not_before(sporadic("s", 5ms), 1500us), 300us))}),
+              HasSubstr("20 %: s every 1.5 ms\n"));
+  EXPECT_THAT(
+      of({with_budget(sporadic("s", 5ms), 100us), with_budget(not_before(sporadic("t", 5ms), 4ms), 100us)}),
+      AllOf(HasSubstr("12.5 %: s every 1 ms, t every 4 ms\n"), Not(HasSubstr("more than"))));
+  EXPECT_THAT(of({with_budget(not_before(sporadic("s", 5ms), Nanoseconds::max()), 100us)}),
+              HasSubstr("at most 1.084e-12 %: s every "));
+  EXPECT_THAT(
+      text(cell("c",
+                {device("d", {at_once(with_budget(not_before(sporadic("s", 1000000h), 1ns), 1000000h))})}),
+           {.width = 80}),
+      HasSubstr("at most 3.6e+20 %: s every 1 ns\n"));
+  // Programs run on other processors.
+  EXPECT_THAT(of({process(with_budget(sporadic("s", 5ms), 100us))}), Not(HasSubstr("sporadic load")));
+}
+
+TEST(CheckText, NamesTheSporadicThreadsWhoseLoadHasNoBound) {
+  const std::string some =
+      text(cell("c", {device("d", {periodic("a", 1ms), with_budget(sporadic("s", 5ms), 100us),
+                                   sporadic("t", 5ms), at_once(with_budget(sporadic("u", 5ms), 100us))})}));
+  EXPECT_THAT(some, AllOf(HasSubstr("    sporadic without a budget: t\n"),
+                          HasSubstr("    sporadic at once and without an interarrival: u\n")));
+  EXPECT_THAT(text(figure1()), Not(HasSubstr("sporadic without")));
+}
+
+TEST(CheckText, WarnsWhereSporadicModulesMayNotGetDone) {
+  const auto together = [](Nanoseconds budget) {
+    return text(cell("c", {device("d", {with_budget(periodic("a", 1ms), 500us),
+                                        with_budget(sporadic("s", 5ms), budget)})}));
+  };
+  EXPECT_THAT(together(500us), Not(HasSubstr("more than")));
+  EXPECT_THAT(together(501us),
+              HasSubstr("more than a processor can do when all come as often as they may: 100.1 %\n"));
+}
+
+TEST(CheckText, SaysNothingOfALoadThatOnlyProgramsMake) {
+  EXPECT_THAT(text(cell("c", {device("d", {process(periodic("p", 1ms))})})),
+              AllOf(testing::EndsWith("    0    0 ns    p (process)\n"), Not(HasSubstr("load"))));
+}
+
+model::Cell robot_and_line(std::vector<model::Connection> connections) {
+  return connected(
+      cell("c", {device("robot", {periodic("arm", 1ms)}), device("line", {periodic("belt", 100ms)})}),
+      std::move(connections));
+}
+
+TEST(CheckText, ShowsConnectionsWithWhatSomeOfThemSay) {
+  EXPECT_THAT(text(robot_and_line(
+                  {latest("robot.arm.out", "line.belt.in"), queue("line.belt.part", "robot.arm.part", 8)})),
+              testing::EndsWith(R"(
+
+connections
+  from            to              kind        reliability
+  robot.arm.out   line.belt.in    latest      best-effort
+  line.belt.part  robot.arm.part  queue of 8  reliable
+)"));
+  auto outside = on_topic(latest("robot.arm.out", ""), "rt/arm");
+  outside.lifespan = 1s;
+  outside.domain = 3;
+  EXPECT_THAT(text(robot_and_line({outside, stale_after(on_topic(latest("", "line.belt.in"), "b"), 20ms)})),
+              testing::EndsWith(R"(
+connections
+  from            to              kind    reliability  deadline  stale  lifespan  topic
+  robot.arm.out   other programs  latest  best-effort  -         -      1 s       rt/arm in domain 3
+  other programs  line.belt.in    latest  best-effort  20 ms     hold   -         b
+)"));
+  EXPECT_THAT(text(robot_and_line({})), Not(HasSubstr("connections")));
+}
+
+TEST(CheckText, ShowsAConnectionOnTwoLinesWhereATableIsTooWide) {
+  const auto connection = stale_after(
+      on_topic(queue("robot.arm.out", "line.belt.in", 4), std::string(70, 't')), 20ms, model::Stale::error);
+  EXPECT_THAT(text(robot_and_line({connection}), {.width = 80}), testing::EndsWith(R"(
+connections
+  robot.arm.out -> line.belt.in
+    queue of 4, reliable, deadline 20 ms, error when stale, topic
+    )" + std::string(70, 't') + "\n"));
+}
+
+TEST(CheckText, ShowsTheFirstOfManyConnections) {
+  std::vector<model::Connection> many;
+  for (int i = 0; i < 150; ++i) many.push_back(latest("robot.arm.out", "line.belt.in" + std::to_string(i)));
+  EXPECT_THAT(text(robot_and_line(many)),
+              AllOf(HasSubstr("line.belt.in99 "), Not(HasSubstr("line.belt.in100")),
+                    HasSubstr("  ... and 50 more; takt graph --json has them all\n")));
+}
+
+// The belt writes every 100 ms; the arm, every 1 ms, last looks at a value that is 99 ms old.
+TEST(CheckText, WarnsOfAConnectionThatIsStaleBetweenTwoWrites) {
+  const auto of = [](Nanoseconds deadline) {
+    return text(robot_and_line({stale_after(latest("line.belt.out", "robot.arm.in"), deadline)}));
+  };
+  EXPECT_THAT(of(98ms), HasSubstr("  stale by design, older than the deadline between two writes:\n"
+                                  "    robot.arm.in, which is written every 100 ms\n"));
+  EXPECT_THAT(of(99ms), Not(HasSubstr("stale by design")));
+  // Who looks as seldom as it is written may always see it fresh; of who looks when it comes nobody can tell.
+  EXPECT_THAT(text(robot_and_line({stale_after(latest("robot.arm.out", "line.belt.in"), 1us)})),
+              Not(HasSubstr("stale by design")));
+  const auto by_events = cell("c", {device("d", {periodic("a", 100ms), sporadic("s", 1ms)})});
+  EXPECT_THAT(text(connected(by_events, {stale_after(latest("d.a.out", "d.s.in"), 1us)})),
+              Not(HasSubstr("stale by design")));
+}
+
+TEST(CheckText, ShowsHowTheNodesFindEachOther) {
+  auto two = robot_and_line({});
+  EXPECT_THAT(text(two),
+              testing::StartsWith("cell c: 2 devices, 2 modules\ndomain 0, discovery by multicast\n\n"));
+  two.domain = 7;
+  two.discovery = {model::Discovery::Kind::peers, {"10.0.0.1", "line.local"}, {}, {}};
+  EXPECT_THAT(text(two), HasSubstr("\ndomain 7, discovery by peers: 10.0.0.1 line.local\n"));
+  two.discovery = {model::Discovery::Kind::server, {}, "robot:11811", {}};
+  EXPECT_THAT(text(two), HasSubstr("\ndomain 7, discovery by server robot:11811\n"));
+  two.server_device = "robot";
+  EXPECT_THAT(text(two),
+              HasSubstr("\ndomain 7, discovery by server robot:11811, which the node of robot starts\n"));
+  EXPECT_THAT(text(figure1()), Not(HasSubstr("discovery")));
 }
 
 TEST(CheckText, ShowsExecutorsWithoutPeriodicModulesAndWithoutAny) {
@@ -173,6 +333,17 @@ TEST(CheckJson, IsTheContractForFigure1) {
       "non_realtime": ["monitoring"]}]})");
   const model::Cell cell = figure1();
   EXPECT_EQ(check_json(cell, plans(cell)).dump(), expected.dump());
+}
+
+// What is new in a cell is for `takt graph --json`: programs read this object as it is.
+TEST(CheckJson, IsTheContractForACellWithConnectionsToo) {
+  auto module = at_once(not_before(sporadic("s", 10ms), 1ms));
+  module.miss = model::Miss::error;
+  const model::Cell cell = connected(cells::cell("c", {device("d", {periodic("a", 1ms), module})}),
+                                     {queue("d.a.out", "d.s.in", 8), on_topic(latest("d.a.x", ""), "t")});
+  EXPECT_EQ(check_json(cell, plans(cell)).dump(),
+            R"({"cell":"c","devices":[{"name":"d","executors":[{"name":"main","basic_period_ns":1000000,)"
+            R"("macro_period_ns":1000000,"rows":[["a"]],"sporadic":["s"]}],"non_realtime":[]}]})");
 }
 
 TEST(CheckJson, HasArraysEvenWhereThereIsNothing) {
