@@ -194,8 +194,8 @@ void ThreadModule::unload() {
 
 void ThreadModule::abandon() noexcept {
   ports_.clear();
-  live_.serve(nullptr, {});
   watched_.clear();
+  live_.serve(nullptr, {});
   component_ = nullptr;
   library_.abandon();
 }

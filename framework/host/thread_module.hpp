@@ -101,11 +101,11 @@ class ThreadModule final : public executor::Body {
 
   std::vector<PortBase*> ports_;
   PortContext context_;
-  LiveProperties live_;
   std::vector<Watched> watched_;
   const channel::ModuleBlock* block_ = nullptr;
   std::uint64_t entered_ = 0;          // as it was at the last run()
   std::int64_t watched_since_ns_ = 0;  // the first release since then
+  LiveProperties live_;
   void (*error_)(int) = nullptr;
   Hook recover_ = nullptr;
   Hook destruct_ = nullptr;

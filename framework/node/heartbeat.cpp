@@ -14,6 +14,14 @@ void Heartbeat::set(const DeviceStatus& status) {
   changed_.notify_one();
 }
 
+void Heartbeat::wake() {
+  {
+    const std::lock_guard lock{mutex_};
+    news_ = true;
+  }
+  changed_.notify_one();
+}
+
 void Heartbeat::sign(Instant now) {
   const std::lock_guard lock{mutex_};
   signed_at_ = now;

@@ -86,6 +86,8 @@ class Supervised {
   /// `done` is called from step(), or at once.
   virtual void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
 
+  /// The samples of an output are on its topic until then.
+  virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
   /// The value of a property, as the module has it now or from its next call on. `done` as for order().
   virtual void get(std::uint32_t module, const std::string& property,
                    std::function<void(const Outcome&)> done) = 0;
@@ -93,8 +95,6 @@ class Supervised {
   /// the module is loaded afresh: then it has what the descriptor says.
   virtual void set(std::uint32_t module, const std::string& property, const std::string& value,
                    std::function<void(const Outcome&)> done) = 0;
-  /// The samples of an output are on its topic until then.
-  virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
 
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
   /// Why the device failed as a whole, or which modules were given up; empty when all is well.

@@ -52,11 +52,11 @@ class Supervisor final : public Supervised {
   void step() override;
   std::vector<const os::Fd*> wait_on() override;
   void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
   void get(std::uint32_t module, const std::string& property,
            std::function<void(const Outcome&)> done) override;
   void set(std::uint32_t module, const std::string& property, const std::string& value,
            std::function<void(const Outcome&)> done) override;
-  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
 
   [[nodiscard]] Phase phase() const noexcept override { return phase_; }
   [[nodiscard]] const Problems& failures() const noexcept override { return failures_; }
@@ -93,14 +93,13 @@ class Supervisor final : public Supervised {
   void forward_output();
   void ring(std::uint32_t bits);
 
+  // Inputs (supervisor_ports.cpp)
+  void watch_inputs(Member& member, Instant now);
+  static bool has_stale_input(const Member& member, Instant now);
   // Properties (supervisor_property.cpp)
   void ask_property(host::Request request, std::function<void(const Outcome&)> done);
   void property_answered(const host::Answer& answer);
   void nobody_answers(const std::string& why);
-
-  // Inputs (supervisor_ports.cpp)
-  void watch_inputs(Member& member, Instant now);
-  static bool has_stale_input(const Member& member, Instant now);
 
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},

@@ -34,7 +34,8 @@ const Column kColumns[] = {
 };
 
 /// Without the columns that say nothing.
-std::vector<Page::Words> rows_of(const std::vector<Connection>& connections, std::size_t shown) {
+std::vector<Page::Words> rows_of(const std::vector<Connection>& connections, std::size_t shown,
+                                 const std::map<std::size_t, std::string>& states) {
   std::vector<Page::Words> rows(1 + shown);
   for (const Column& column : kColumns) {
     Page::Words words;
@@ -42,6 +43,12 @@ std::vector<Page::Words> rows_of(const std::vector<Connection>& connections, std
     if (std::all_of(words.begin(), words.end(), [](const auto& word) { return word.empty(); })) continue;
     rows[0].emplace_back(column.name);
     for (std::size_t i = 0; i < shown; ++i) rows[i + 1].push_back(words[i].empty() ? "-" : words[i]);
+  }
+  if (states.empty()) return rows;
+  rows[0].emplace_back("now");
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto state = states.find(i);
+    rows[i + 1].push_back(state == states.end() ? "-" : state->second);
   }
   return rows;
 }
@@ -112,12 +119,21 @@ std::string network_text(const model::Cell& cell) {
   return text;
 }
 
-void connections_text(Page& page, const model::Cell& cell) {
+std::string operation_text(const model::Module& module) {
+  std::string text = model::to_text(module.operation);
+  if (module.period) text += ", every " + to_text(*module.period);
+  if (module.deadline) text += ", deadline " + to_text(*module.deadline);
+  if (module.dispatch == model::Dispatch::immediate) text += ", at once";
+  if (module.interarrival) text += ", not before " + to_text(*module.interarrival);
+  return text;
+}
+
+void connections_text(Page& page, const model::Cell& cell, const std::map<std::size_t, std::string>& states) {
   if (cell.connections.empty()) return;
   page.blank();
   page.line(0, page.bold("connections"));
   const std::size_t shown = std::min(cell.connections.size(), kConnectionRows);
-  const std::vector<Page::Words> rows = rows_of(cell.connections, shown);
+  const std::vector<Page::Words> rows = rows_of(cell.connections, shown, states);
   if (page.fits(2, rows)) {
     page.table(2, rows);
   } else {
@@ -125,6 +141,7 @@ void connections_text(Page& page, const model::Cell& cell) {
       const Connection& connection = cell.connections[i];
       page.sentence(2, end_text(connection.from) + " -> " + end_text(connection.to));
       page.sentence(4, described(connection));
+      if (const auto state = states.find(i); state != states.end()) page.sentence(4, state->second);
     }
   }
   if (shown < cell.connections.size()) {

@@ -28,8 +28,8 @@ namespace {
 using json = nlohmann::ordered_json;
 
 /// All nodes are here: from the moment on that all are ready to the first row.
-constexpr std::chrono::milliseconds kLead{250};
-constexpr std::chrono::milliseconds kMargin{50};
+constexpr std::chrono::milliseconds kLead{150};
+constexpr std::chrono::milliseconds kMargin{30};
 
 /// One device's node, seen from here.
 struct Node {
