@@ -16,7 +16,7 @@ using json = nlohmann::ordered_json;
 using Phase = Supervised::Phase;
 
 void Agent::answer(const Command& command, ReplyCode code, const std::string& text, std::string data,
-                   std::optional<lifecycle::State> state) {
+                   std::optional<lifecycle::State> state, const std::string& value) {
   dds::WholeReply reply;
   reply.head.id(command.id());
   dds::set(reply.head.device(), options_.device);
@@ -25,6 +25,7 @@ void Agent::answer(const Command& command, ReplyCode code, const std::string& te
   reply.head.code(code);
   if (state) reply.head.state(static_cast<LifecycleState>(*state));
   dds::set(reply.head.text(), text);
+  dds::set(reply.head.value(), value);
   reply.data = std::move(data);
   outlet_.reply(reply);
 }
@@ -63,6 +64,7 @@ void Agent::hear(const dds::WholeCommand& command) {
       return order(head, Verb::destruct);
     case COMMAND_GET:
     case COMMAND_SET:
+      return property(head);
     case COMMAND_TAP:
       break;
   }
@@ -163,32 +165,54 @@ struct Agent::WholeDevice {
   std::size_t refused = 0;
 };
 
+bool Agent::runs(const Command& command) {
+  if (deployment_ && deployment_->supervised && deployment_->supervised->phase() == Phase::running)
+    return true;
+  answer(command, REPLY_REFUSED,
+         deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
+                     : "device " + options_.device + " has no deployment");
+  return false;
+}
+
+std::optional<std::uint32_t> Agent::module_of(const Command& command) {
+  const std::vector<model::Module>& modules = deployment_->of_device().modules;
+  const std::string name = command.module_name().to_string();
+  const auto module =
+      std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
+  if (module != modules.end()) return static_cast<std::uint32_t>(module - modules.begin());
+  std::vector<std::string_view> names;
+  for (const model::Module& m : modules) names.push_back(m.name);
+  answer(command, REPLY_REFUSED,
+         "device " + options_.device + " has no module " + in_quotes(name) + "; " + suggestion(name, names));
+  return std::nullopt;
+}
+
+void Agent::property(const Command& command) {
+  if (!runs(command)) return;
+  const auto module = module_of(command);
+  if (!module) return;
+  const auto done = [this, command](const Outcome& outcome) {
+    answer(command, outcome.code, outcome.text, {}, outcome.state, outcome.value);
+  };
+  const std::string name = command.property().to_string();
+  if (command.kind() == COMMAND_GET) {
+    deployment_->supervised->get(*module, name, done);
+  } else {
+    deployment_->supervised->set(*module, name, command.value().to_string(), done);
+  }
+}
+
 void Agent::order(const Command& command, Verb verb) {
-  if (!deployment_ || !deployment_->supervised || deployment_->supervised->phase() != Phase::running) {
-    answer(command, REPLY_REFUSED,
-           deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
-                       : "device " + options_.device + " has no deployment");
+  if (!runs(command)) return;
+  if (command.module_name().size() != 0) {
+    const auto module = module_of(command);
+    if (!module) return;
+    deployment_->supervised->order(*module, verb, [this, command](const Outcome& outcome) {
+      answer(command, outcome.code, outcome.text, {}, outcome.state);
+    });
     return;
   }
   const std::vector<model::Module>& modules = deployment_->of_device().modules;
-  const std::string name = command.module_name().to_string();
-  if (!name.empty()) {
-    const auto module =
-        std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
-    if (module == modules.end()) {
-      std::vector<std::string_view> names;
-      for (const model::Module& m : modules) names.push_back(m.name);
-      answer(
-          command, REPLY_REFUSED,
-          "device " + options_.device + " has no module " + in_quotes(name) + "; " + suggestion(name, names));
-      return;
-    }
-    deployment_->supervised->order(static_cast<std::uint32_t>(module - modules.begin()), verb,
-                                   [this, command](const Outcome& outcome) {
-                                     answer(command, outcome.code, outcome.text, {}, outcome.state);
-                                   });
-    return;
-  }
   auto all = std::make_shared<WholeDevice>();
   all->command = command;
   all->open = modules.size();

@@ -81,6 +81,9 @@ class FakeSupervised final : public Supervised {
     work_.orders.emplace_back(module, verb);
     work_.done.push_back(std::move(done));
   }
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant) override {
+    return Tapped{"takt/cell/robot/" + std::to_string(module) + "/" + port, "t", false};
+  }
   void get(std::uint32_t module, const std::string& property,
            std::function<void(const Outcome&)> done) override {
     work_.properties.push_back(std::to_string(module) + " " + property);
