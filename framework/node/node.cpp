@@ -112,7 +112,11 @@ int run_node(const NodeOptions& options) {
     agent_options.file = DeploymentFile{options.state_folder, options.device, options.domain};
   Agent agent{agent_options,
               {.inspect = inspect,
-               .supervise = [](Supervisor::Options o) { return std::make_unique<Supervisor>(std::move(o)); }},
+               .supervise =
+                   [&participant](Supervisor::Options o) {
+                     o.participant = *participant;
+                     return std::make_unique<Supervisor>(std::move(o));
+                   }},
               **voice};
 
   // What the others say, and then what this node is asked.

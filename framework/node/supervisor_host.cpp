@@ -50,6 +50,10 @@ void Supervisor::take_answers() {
         answered(member, answer->request.hook, answer->ok, answer->text);
         break;
       }
+      case host::Request::Do::get:
+      case host::Request::Do::set:
+        property_answered(*answer);
+        break;
       case host::Request::Do::begin:
         for (const std::string& warning : answer->warnings) {
           real_time_ = false;
@@ -177,6 +181,7 @@ std::optional<Supervisor::Hang> Supervisor::never_halts() const {
 }
 
 void Supervisor::host_ended(const os::ProcessEnd& end) {
+  nobody_answers("the host of device " + device().name + " has ended");
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
   channel::HostBlock& block = channel_.host();
   std::string text = "the host " + end.text();

@@ -27,6 +27,39 @@ void check_problem(const takt::Problem& problem, int last_line) {
   TAKT_CHECK(!problem.what.starts_with("the XML cannot be read"));
 }
 
+/// What others rely on, of a cell that was accepted.
+void check_cell(const takt::model::Cell& cell) {
+  using namespace takt::model;
+  TAKT_CHECK(validate(cell).empty());
+  TAKT_CHECK(cell.connections.size() <= kMaxConnections);
+  for (const Connection& connection : cell.connections) {
+    TAKT_CHECK(connection.from.given() || connection.to.given());
+    for (const Endpoint* end : {&connection.from, &connection.to}) {
+      TAKT_CHECK(end->given() == is_valid_name(end->device));
+      TAKT_CHECK(end->given() == is_valid_name(end->module));
+      TAKT_CHECK(end->given() == is_valid_name(end->port));
+    }
+    const bool outside = !connection.from.given() || !connection.to.given();
+    const bool on_dds =
+        outside || connection.from.device != connection.to.device || !connection.topic.empty();
+    TAKT_CHECK(!outside || !connection.topic.empty());
+    TAKT_CHECK(!on_dds || is_valid_topic(topic_of(cell, connection)));
+    TAKT_CHECK(connection.stale == Stale::hold || (connection.deadline && connection.to.given()));
+  }
+  for (const Device& device : cell.devices) {
+    for (const Module& module : device.modules) {
+      const bool sporadic = module.operation == Operation::sporadic;
+      TAKT_CHECK(sporadic || (module.dispatch == Dispatch::row && module.miss == Miss::count));
+      TAKT_CHECK(sporadic || !module.interarrival);
+      TAKT_CHECK(!module.interarrival || module.interarrival->count() > 0);
+    }
+  }
+  const bool server = cell.discovery.kind == Discovery::Kind::server;
+  TAKT_CHECK(server == is_valid_server(cell.discovery.server));
+  TAKT_CHECK(server || cell.server_device.empty());
+  TAKT_CHECK((cell.discovery.kind == Discovery::Kind::peers) == !cell.discovery.peers.empty());
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -36,7 +69,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   const auto cell = takt::descriptor::parse(xml, "fuzz.xml");
   if (cell) {
-    TAKT_CHECK(takt::model::validate(*cell).empty());
+    check_cell(*cell);
     return 0;
   }
   TAKT_CHECK(!cell.problems().empty() && cell.problems().size() <= takt::model::kMaxProblems);

@@ -1,9 +1,7 @@
-// The table as a picture. Nobody can measure text here, so every text is given room for the widest letters of
-// a monospaced font, and the picture is made as large as what was drawn on it.
+// The table as a picture.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <numeric>
 #include <string_view>
 
@@ -11,6 +9,7 @@
 
 #include <takt/core/check.hpp>
 
+#include "canvas.hpp"
 #include "check_report.hpp"
 
 namespace takt::tool {
@@ -22,112 +21,14 @@ using model::ModuleType;
 using schedule::DevicePlan;
 using schedule::ExecutorPlan;
 
-// Pixels. A letter of the monospaced fonts in use is 0.55 to 0.61 of its size wide.
-constexpr double kLetter = 0.63;
-constexpr double kSmall = 10;
-constexpr double kNormal = 12;
-constexpr double kLarge = 14;
-constexpr double kMargin = 20;
+// Pixels.
 constexpr double kLane = 32;
 constexpr double kBadge = 15;  // height of a release mark
 constexpr double kStrip = 44;  // height of the load
 constexpr double kPlot = 960;  // width of the rows, unless they need more
 
-double width_of(std::string_view text, double size) {
-  return static_cast<double>(text.size()) * size * kLetter;
-}
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
-  return result;
-}
-
-/// Remembers how far the drawing reaches.
-class Canvas {
- public:
-  void text(double x, double y, double size, std::string_view classes, std::string_view text) {
-    put(x, y, size, classes, "start", text);
-    reach(x + width_of(text, size), y);
-  }
-  void centred(double x, double y, double size, std::string_view classes, std::string_view text) {
-    put(x, y, size, classes, "middle", text);
-    reach(x + width_of(text, size) / 2, y);
-  }
-  void rectangle(double x, double y, double width, double height, std::string_view classes,
-                 double radius = 0) {
-    append(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" rx="{:.0f}" class="{}"/>)", x, y,
-           width, height, radius, classes);
-    reach(x + width, y + height);
-  }
-  void line(double x1, double y1, double x2, double y2, std::string_view classes) {
-    append(R"(<line x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}" class="{}"/>)", x1, y1, x2, y2, classes);
-    reach(std::max(x1, x2), std::max(y1, y2));
-  }
-  void diamond(double x, double y, double size, std::string_view classes) {
-    append(R"(<path d="M{:.1f} {:.1f}l{} {}l-{} {}l-{} -{}z" class="{}"/>)", x, y - size, size, size, size,
-           size, size, size, classes);
-    reach(x + size, y + size);
-  }
-  void open_group(std::string_view title) { append("<g><title>{}</title>", escaped(title)); }
-  void close_group() { append("</g>"); }
-
-  [[nodiscard]] double width() const { return width_; }
-  [[nodiscard]] double height() const { return height_; }
-  [[nodiscard]] const std::string& body() const { return body_; }
-
- private:
-  template <class... Arguments>
-  void append(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    fmt::format_to(std::back_inserter(body_), format, std::forward<Arguments>(arguments)...);
-    body_ += '\n';
-  }
-  void put(double x, double y, double size, std::string_view classes, std::string_view anchor,
-           std::string_view text) {
-    append(R"(<text x="{:.1f}" y="{:.1f}" font-size="{}" text-anchor="{}" class="{}">{}</text>)", x, y, size,
-           anchor, classes, escaped(text));
-  }
-  void reach(double x, double y) {
-    width_ = std::max(width_, x);
-    height_ = std::max(height_, y);
-  }
-
-  std::string body_;
-  double width_ = 0;
-  double height_ = 0;
-};
-
-constexpr std::string_view kColours = R"(
-svg { background: #ffffff; }
-text { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; fill: #1f2933; }
-.title { font-weight: bold; }
-.faint { fill: #5c6773; }
-.on { fill: #ffffff; }
-.page { fill: #ffffff; }
-.panel { fill: #f5f7f9; }
-.odd { fill: #e9edf1; }
-.grid { stroke: #c3ccd5; stroke-width: 1; }
-.lane { stroke: #dde3e9; stroke-width: 1; }
-.thread { fill: #1d5fa8; }
-.process { fill: #8a4a00; }
-.thread-budget { fill: #6da5e0; }
+constexpr std::string_view kColours =
+    R"(.thread-budget { fill: #6da5e0; }
 .process-budget { fill: #dfa254; }
 .deadline { stroke: #b3261e; stroke-width: 1.5; stroke-dasharray: 4 3; }
 .end { stroke: #b3261e; stroke-width: 2; }
@@ -136,19 +37,8 @@ text { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace
 .full { fill: #c8372d; }
 )";
 
-constexpr std::string_view kDarkColours = R"(
-svg { background: #14181d; }
-text { fill: #e4e9ee; }
-.faint { fill: #9aa6b2; }
-.on { fill: #0d1116; }
-.page { fill: #14181d; }
-.panel { fill: #1c2229; }
-.odd { fill: #252c35; }
-.grid { stroke: #3d4854; }
-.lane { stroke: #2c343d; }
-.thread { fill: #7db4f0; }
-.process { fill: #f0b060; }
-.thread-budget { fill: #3f76b5; }
+constexpr std::string_view kDarkColours =
+    R"(.thread-budget { fill: #3f76b5; }
 .process-budget { fill: #99631f; }
 .deadline, .end { stroke: #ff8a80; }
 .low { fill: #56b37a; }
@@ -463,17 +353,7 @@ std::string check_svg(const model::Cell& cell, const std::vector<DevicePlan>& pl
   }
   legend(canvas, y);
 
-  const double width = std::ceil(canvas.width() + kMargin);
-  const double height = std::ceil(canvas.height() + kMargin);
-  return fmt::format(
-      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0:.0f} {1:.0f}" width="{0:.0f}" height="{1:.0f}" role="img">
-<title>The schedule of {2}</title>
-<style>{3}@media (prefers-color-scheme: dark) {{{4}}}
-</style>
-<rect x="0" y="0" width="{0:.0f}" height="{1:.0f}" class="page"/>
-{5}</svg>
-)",
-      width, height, escaped(cell.name), kColours, kDarkColours, canvas.body());
+  return canvas.document("The schedule of " + cell.name, kColours, kDarkColours);
 }
 
 }  // namespace takt::tool

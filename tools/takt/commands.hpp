@@ -18,6 +18,13 @@ struct CheckOptions {
 };
 int check(const CheckOptions& options);
 
+struct GraphOptions {
+  std::string file;
+  std::string svg;  ///< where to write the picture; empty: a list is printed instead
+  bool json = false;
+};
+int graph(const GraphOptions& options);
+
 struct RunOptions {
   std::string file;
   Network network;

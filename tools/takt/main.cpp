@@ -42,6 +42,13 @@ int serve(int argc, char** argv) {
   check_command->add_flag("--remote", check_options.remote,
                           "a component that is not on this machine is a warning, no error");
 
+  GraphOptions graph_options;
+  auto* graph_command =
+      app.add_subcommand("graph", "Print or draw devices, modules and the connections between their ports");
+  graph_command->add_option("FILE", graph_options.file, "a cell, or a module.xml")->required();
+  graph_command->add_option("--svg", graph_options.svg, "draw a picture into this file")->type_name("OUT");
+  graph_command->add_flag("--json", graph_options.json, "print one JSON object");
+
   RunOptions run_options;
   double seconds = 0;
   auto* run_command = app.add_subcommand(
@@ -83,6 +90,7 @@ int serve(int argc, char** argv) {
   if (for_option->count() != 0) run_options.seconds = seconds;
   if (chosen) return chosen();
   if (*check_command) return check(check_options);
+  if (*graph_command) return graph(graph_options);
   if (*run_command) return run(run_options);
   return describe(describe_options);
 }

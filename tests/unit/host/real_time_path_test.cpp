@@ -24,6 +24,7 @@
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
 #include <takt/host/executor_threads.hpp>
+#include <takt/host/live_properties.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/schedule/plan.hpp>
@@ -291,6 +292,39 @@ TEST_F(RealTimePath, AllocatesAndLocksNothing) {
   run(2000);
   for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
   EXPECT_GT(blocks[kSporadic].cycles.load(), 200U);
+}
+
+// Texts of all lengths, so that the old one is to be freed and the new one has memory of its own.
+TEST_F(RealTimePath, TakesOverPropertiesThatAreSetWhileItRuns) {
+  struct Named : Component {
+    Property<std::string> label{*this, "label", "none"};
+    Property<double> gain{*this, "gain", 0.0};
+    void run(const Cycle&) noexcept override {}
+  } component;
+  LiveProperties live;
+  live.serve(&component, "Named");
+  std::atomic<std::uint64_t> changes{0};
+  double last = 0;
+  bodies[1].on_run = [&](const Cycle&) {
+    live.take_over();
+    if (component.gain == last) return;
+    last = component.gain;
+    if (component.label.value().size() == static_cast<std::size_t>(last) % 100) ++changes;
+  };
+  std::atomic<bool> end{false};
+  std::thread setter{[&] {
+    for (int n = 1; !end; ++n) {
+      const std::string label(static_cast<std::size_t>(n % 100), 'x');
+      EXPECT_TRUE(live.set({{"gain", std::to_string(n)}, {"label", label}}).ok());
+      std::this_thread::sleep_for(microseconds{300});
+    }
+  }};
+  run(2000);
+  end = true;
+  setter.join();
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  for (const SystemCall& call : row_calls) EXPECT_EQ(call.number, SYS_futex);
+  EXPECT_GT(changes.load(), 500U);
 }
 
 // The traps work: what a module must not do is seen.

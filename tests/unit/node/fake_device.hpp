@@ -43,6 +43,7 @@ struct Work {
   int supervised = 0;  ///< alive
   std::function<void(const Step&)> stepped;
   std::vector<std::pair<std::uint32_t, Verb>> orders;
+  std::vector<std::string> properties;  ///< "0 gain", "0 gain = 2"
   std::vector<std::function<void(const Outcome&)>> done;
   Standing standing;
 };
@@ -79,6 +80,16 @@ class FakeSupervised final : public Supervised {
   std::vector<const os::Fd*> wait_on() override { return {}; }
   void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override {
     work_.orders.emplace_back(module, verb);
+    work_.done.push_back(std::move(done));
+  }
+  void get(std::uint32_t module, const std::string& property,
+           std::function<void(const Outcome&)> done) override {
+    work_.properties.push_back(std::to_string(module) + " " + property);
+    work_.done.push_back(std::move(done));
+  }
+  void set(std::uint32_t module, const std::string& property, const std::string& value,
+           std::function<void(const Outcome&)> done) override {
+    work_.properties.push_back(std::to_string(module) + " " + property + " = " + value);
     work_.done.push_back(std::move(done));
   }
   [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }

@@ -1,0 +1,77 @@
+// A picture as SVG. Nobody can measure text here, so every text is given room for the widest letters of a
+// monospaced font, and the picture is made as large as what was drawn on it.
+#pragma once
+
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace takt::tool {
+
+// Pixels. A letter of the monospaced fonts in use is 0.55 to 0.61 of its size wide.
+inline constexpr double kLetter = 0.63;
+inline constexpr double kSmall = 10;
+inline constexpr double kNormal = 12;
+inline constexpr double kLarge = 14;
+inline constexpr double kMargin = 20;
+
+/// What a text of this size takes at most.
+double width_of(std::string_view text, double size);
+
+/// For a text or an attribute of XML.
+std::string escaped(std::string_view text);
+
+struct Point {
+  double x = 0;
+  double y = 0;
+};
+
+/// Remembers how far the drawing reaches.
+class Canvas {
+ public:
+  void text(double x, double y, double size, std::string_view classes, std::string_view text);
+  void centred(double x, double y, double size, std::string_view classes, std::string_view text);
+  /// Ends at x.
+  void text_before(double x, double y, double size, std::string_view classes, std::string_view text);
+  void rectangle(double x, double y, double width, double height, std::string_view classes,
+                 double radius = 0);
+  void line(double x1, double y1, double x2, double y2, std::string_view classes);
+  void diamond(double x, double y, double size, std::string_view classes);
+  /// At least two points; from the last back to the first if it is closed.
+  void path(const std::vector<Point>& points, std::string_view classes, bool closed = false);
+  void circle(double x, double y, double radius, std::string_view classes);
+  void open_group(std::string_view title) { append("<g><title>{}</title>", escaped(title)); }
+  void open_group(std::string_view title, std::string_view classes) {
+    append(R"(<g class="{}"><title>{}</title>)", classes, escaped(title));
+  }
+  void close_group() { append("</g>"); }
+
+  [[nodiscard]] double width() const { return width_; }
+  [[nodiscard]] double height() const { return height_; }
+
+  /// The whole picture, light and dark as its surroundings are. `colours` are CSS, with `dark_colours` above
+  /// them in the dark; svg, text, title, faint, on, page, panel, odd, grid, lane, thread and process are
+  /// there.
+  [[nodiscard]] std::string document(std::string_view title, std::string_view colours,
+                                     std::string_view dark_colours) const;
+
+ private:
+  template <class... Arguments>
+  void append(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(body_), format, std::forward<Arguments>(arguments)...);
+    body_ += '\n';
+  }
+  void put(double x, double y, double size, std::string_view classes, std::string_view anchor,
+           std::string_view text);
+  void reach(double x, double y);
+
+  std::string body_;
+  double width_ = 0;
+  double height_ = 0;
+};
+
+}  // namespace takt::tool
