@@ -39,6 +39,7 @@ class Agent {
     std::optional<DeploymentFile> file;  ///< where the deployment is kept; none: nowhere
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
+    std::function<Instant(std::int64_t)> instant_of_wall;
   };
   /// What it sets to work.
   struct Workshop {

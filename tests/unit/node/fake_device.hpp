@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/node/agent.hpp>
+#include <takt/node/log.hpp>
 
 namespace takt::node {
 
@@ -131,7 +132,8 @@ class FakeDevice {
                .lent = lent,
                .file = std::move(file),
                .now = [this] { return now; },
-               .wall_ns = [this] { return wall(); }},
+               .wall_ns = [this] { return wall(); },
+               .instant_of_wall = [this](std::int64_t ns) { return now + Nanoseconds{ns - wall()}; }},
               {.inspect = [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
                  work.inspections.push_back(request);
                  return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
@@ -140,6 +142,7 @@ class FakeDevice {
                  return std::make_unique<FakeSupervised>(work, options);
                }},
               said) {
+    log_nothing();
     agent.step();
   }
 
