@@ -412,6 +412,50 @@ TEST(Agent, AModuleThatIsNotThereIsNamedWithWhatIs) {
   EXPECT_THAT(device.text(), HasSubstr("servo"));
 }
 
+TEST(Agent, APropertyIsAskedForAndSetAtItsModule) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand get = device.command(COMMAND_GET);
+  get.head.module_name("arm");
+  get.head.property("gain");
+  device.hear(get);
+  dds::WholeCommand set = device.command(COMMAND_SET);
+  set.head.module_name("arm");
+  set.head.property("gain");
+  set.head.value("2.5");
+  device.hear(set);
+  EXPECT_EQ(device.work.properties, (std::vector<std::string>{"1 gain", "1 gain = 2.5"}));
+
+  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::executing, .text = "", .value = "1.5"});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.reply().id(), get.head.id());
+  EXPECT_EQ(device.reply().value(), "1.5");
+  EXPECT_EQ(device.reply().state(), STATE_EXECUTING);
+  device.work.done[1]({.code = REPLY_REFUSED, .state = lifecycle::State::executing, .text = "0 to 2"});
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.reply().id(), set.head.id());
+  EXPECT_EQ(device.text(), "0 to 2");
+}
+
+TEST(Agent, APropertyOfNoModuleIsRefused) {
+  FakeDevice device;
+  dds::WholeCommand get = device.command(COMMAND_GET);
+  get.head.module_name("arn");
+  get.head.property("gain");
+  device.hear(get);
+  EXPECT_EQ(device.text(), "device robot has no deployment");
+  device.become_running();
+  dds::WholeCommand again = device.command(COMMAND_GET);
+  again.head.module_name("arn");
+  device.hear(again);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "device robot has no module 'arn'; did you mean arm?");
+  dds::WholeCommand none = device.command(COMMAND_SET);
+  device.hear(none);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a device as a whole has no properties";
+  EXPECT_TRUE(device.work.properties.empty());
+}
+
 TEST(Agent, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
   FakeDevice device;
   device.become_running();
