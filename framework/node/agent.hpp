@@ -39,6 +39,7 @@ class Agent {
     std::optional<DeploymentFile> file;  ///< where the deployment is kept; none: nowhere
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
+    std::function<Instant(std::int64_t)> instant_of_wall;
   };
   /// What it sets to work.
   struct Workshop {
@@ -75,6 +76,11 @@ class Agent {
   void look_at_description();
   void described(const Result<Inspected>& result);
   void order(const Command& command, Verb verb);
+  void property(const Command& command);
+  void tap(const Command& command);
+  bool refused_unless_running(const Command& command);
+  /// The module of the running device that a command names; none, and answered, where there is no such.
+  std::optional<std::uint32_t> module_of(const Command& command);
   void property(const Command& command);
   /// False where there is nothing that could be told to do something; that is answered then.
   bool runs(const Command& command);

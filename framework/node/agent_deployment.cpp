@@ -234,7 +234,7 @@ void Agent::run(const Command& command) {
 void Agent::go(std::int64_t t0_wall_ns) {
   Deployment& d = *deployment_;
   d.t0_wall_ns = t0_wall_ns;
-  d.supervised->go(options_.now() + Nanoseconds{t0_wall_ns - options_.wall_ns()});
+  d.supervised->go(options_.instant_of_wall(t0_wall_ns));
   if (!options_.file) return;
   const auto kept = options_.file->keep({.id = d.id,
                                          .file = d.file,

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/node/agent.hpp>
+#include <takt/node/log.hpp>
 
 namespace takt::node {
 
@@ -94,6 +95,10 @@ class FakeSupervised final : public Supervised {
     work_.properties.push_back(std::to_string(module) + " " + property + " = " + value);
     work_.done.push_back(std::move(done));
   }
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant) override {
+    if (port != "state") return fail("module " + std::to_string(module) + " has no port '" + port + "'");
+    return Tapped{"takt/cell/robot/servo/state", "{}", false};
+  }
   [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }
   [[nodiscard]] const Problems& failures() const noexcept override { return work_.failures; }
   [[nodiscard]] Standing standing() const override { return work_.standing; }
@@ -127,7 +132,8 @@ class FakeDevice {
                .lent = lent,
                .file = std::move(file),
                .now = [this] { return now; },
-               .wall_ns = [this] { return wall(); }},
+               .wall_ns = [this] { return wall(); },
+               .instant_of_wall = [this](std::int64_t ns) { return now + Nanoseconds{ns - wall()}; }},
               {.inspect = [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
                  work.inspections.push_back(request);
                  return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
@@ -136,6 +142,7 @@ class FakeDevice {
                  return std::make_unique<FakeSupervised>(work, options);
                }},
               said) {
+    log_nothing();
     agent.step();
   }
 
