@@ -76,6 +76,9 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   auto& config = builtin.discovery_config;
   config.leaseDuration = {3, 0};
   config.leaseDuration_announcementperiod = {1, 0};
+  // The first announcement of one that starts is lost on another that starts at the same time.
+  config.initial_announcements.count = 25;
+  config.initial_announcements.period = {0, 20'000'000};
   switch (discovery.kind) {
     case model::Discovery::Kind::multicast:
       break;

@@ -45,6 +45,9 @@ class Canvas {
   void path(const std::vector<Point>& points, std::string_view classes, bool closed = false);
   void circle(double x, double y, double radius, std::string_view classes);
   void open_group(std::string_view title) { append("<g><title>{}</title>", escaped(title)); }
+  void open_group(std::string_view title, std::string_view classes) {
+    append(R"(<g class="{}"><title>{}</title>)", classes, escaped(title));
+  }
   void close_group() { append("</g>"); }
 
   [[nodiscard]] double width() const { return width_; }

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include <takt/core/check.hpp>
 
+#include "connections_report.hpp"
 #include "page.hpp"
 
 namespace takt::tool {
@@ -91,16 +93,31 @@ void periodic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
   }
 }
 
-/// Figure 4 of the paper.
+/// Figure 4 of the paper, and beside it what some of the modules say of their releases.
 void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) {
+  const auto some = [&](auto says) {
+    return std::any_of(plan.sporadic.begin(), plan.sporadic.end(),
+                       [&](auto index) { return says(device.modules[index]); });
+  };
+  const bool immediate = some([](const Module& m) { return m.dispatch == model::Dispatch::immediate; });
+  const bool bounded = some([](const Module& m) { return m.interarrival.has_value(); });
+  const bool misses = some([](const Module& m) { return m.miss == model::Miss::error; });
   std::vector<Words> rows{{"sporadic", "type", "deadline", "priority", "budget"}};
+  if (immediate) rows.front().emplace_back("dispatch");
+  if (bounded) rows.front().emplace_back("interarrival");
+  if (misses) rows.front().emplace_back("when missed");
   Words hasty;
   for (const auto index : plan.sporadic) {
     const Module& module = device.modules[index];
-    if (*module.deadline < plan.basic_period) hasty.push_back(module.name);
+    const bool looked_at_in_rows = module.dispatch == model::Dispatch::row;
+    if (looked_at_in_rows && *module.deadline < plan.basic_period) hasty.push_back(module.name);
     if (rows.size() > kTextRows) continue;
-    rows.push_back({module.name, model::to_text(module.type), to_text(*module.deadline),
-                    fmt::format("{}", module.priority), module.budget ? to_text(*module.budget) : "-"});
+    Words row{module.name, model::to_text(module.type), to_text(*module.deadline),
+              fmt::format("{}", module.priority), module.budget ? to_text(*module.budget) : "-"};
+    if (immediate) row.emplace_back(model::to_text(module.dispatch));
+    if (bounded) row.push_back(module.interarrival ? to_text(*module.interarrival) : "-");
+    if (misses) row.emplace_back(model::to_text(module.miss));
+    rows.push_back(std::move(row));
   }
   page.table(kIndent, rows);
   if (plan.sporadic.size() > kTextRows) {
@@ -113,18 +130,46 @@ void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
   }
 }
 
-void predicted_load(Page& page, const Device& device, const ExecutorPlan& plan) {
+double ratio(Nanoseconds part, Nanoseconds whole) {
+  return static_cast<double>(part.count()) / static_cast<double>(whole.count());
+}
+
+/// The least time between two releases; none when there is no bound. What rows look at is released in a row,
+/// so at most once in each, and after the interarrival time in the next.
+std::optional<Nanoseconds> least_spacing(const Module& module, const ExecutorPlan& plan) {
+  if (module.dispatch == model::Dispatch::immediate) return module.interarrival;
+  const Nanoseconds basic = plan.basic_period;
+  if (!module.interarrival || *module.interarrival <= basic) return basic;
+  const std::int64_t rest = *module.interarrival % basic == Nanoseconds{} ? 0 : 1;
+  const std::int64_t rows = *module.interarrival / basic + rest;
+  // So rarely that the sum would not fit: it is as rare as can be said.
+  return rows > Nanoseconds::max() / basic ? Nanoseconds::max() : basic * rows;
+}
+
+/// The share of time that periodic threads use by their budgets, and those that state none.
+struct Share {
+  double value = 0;
   Words unknown;
-  double share = 0;
+};
+
+Share periodic_share(const Device& device, const ExecutorPlan& plan) {
+  Share share;
   for (const auto index : plan.periodic) {
     const Module& module = device.modules[index];
     if (module.type != ModuleType::thread) continue;
     if (module.budget) {
-      share += static_cast<double>(module.budget->count()) / static_cast<double>(module.period->count());
+      share.value += ratio(*module.budget, *module.period);
     } else {
-      unknown.push_back(module.name);
+      share.unknown.push_back(module.name);
     }
   }
+  return share;
+}
+
+void predicted_load(Page& page, const Device& device, const ExecutorPlan& plan) {
+  const Share share = periodic_share(device, plan);
+  if (!states_budget(device, plan) && share.unknown.empty()) return;  // all of them are processes
+  page.blank();
   if (states_budget(device, plan)) {
     std::size_t fullest = 0;
     Nanoseconds most{};
@@ -137,13 +182,48 @@ void predicted_load(Page& page, const Device& device, const ExecutorPlan& plan) 
         kIndent,
         fmt::format(
             "predicted load{}: row {} is the fullest with {} of {} ({}); {:.1f} % over the macro period",
-            unknown.empty() ? "" : ", at least", fullest, to_text(most), to_text(plan.basic_period),
-            percent(most, plan.basic_period), 100.0 * share));
+            share.unknown.empty() ? "" : ", at least", fullest, to_text(most), to_text(plan.basic_period),
+            percent(most, plan.basic_period), 100.0 * share.value));
   }
-  if (!unknown.empty()) {
+  if (!share.unknown.empty()) {
     page.words(kIndent,
                states_budget(device, plan) ? "without a budget: " : "load not predicted, without a budget: ",
-               unknown);
+               share.unknown);
+  }
+}
+
+/// Sporadic threads run below the rows and on their core: what they need comes on top.
+void sporadic_load(Page& page, const Device& device, const ExecutorPlan& plan) {
+  Words known;
+  Words without_budget;
+  Words without_bound;
+  double most = 0;
+  for (const auto index : plan.sporadic) {
+    const Module& module = device.modules[index];
+    if (module.type != ModuleType::thread) continue;
+    const auto spacing = least_spacing(module, plan);
+    if (!module.budget) {
+      without_budget.push_back(module.name);
+    } else if (!spacing) {
+      without_bound.push_back(module.name);
+    } else {
+      most += ratio(*module.budget, *spacing);
+      known.push_back(fmt::format("{} every {}", module.name, to_text(*spacing)));
+    }
+  }
+  if (known.empty() && without_bound.empty()) return;  // of a cell without budgets nothing is expected
+  page.blank();
+  if (!known.empty()) {
+    page.words(kIndent, fmt::format("sporadic load, at most {:.4g} %: ", 100.0 * most), known);
+  }
+  if (!without_budget.empty()) page.words(kIndent, "sporadic without a budget: ", without_budget);
+  if (!without_bound.empty())
+    page.words(kIndent, "sporadic at once and without an interarrival: ", without_bound);
+  const double together = most + periodic_share(device, plan).value;
+  if (together > 1) {
+    page.line(kIndent, page.warning(fmt::format(
+                           "more than a processor can do when all come as often as they may: {:.4g} %",
+                           100.0 * together)));
   }
 }
 
@@ -169,10 +249,8 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
     page.blank();
     sporadic_table(page, device, plan);
   }
-  if (!plan.periodic.empty()) {
-    page.blank();
-    predicted_load(page, device, plan);
-  }
+  predicted_load(page, device, plan);
+  sporadic_load(page, device, plan);
 }
 
 Words names(const Device& device, const std::vector<std::uint32_t>& modules) {
@@ -190,6 +268,7 @@ std::string check_text(const model::Cell& cell, const std::vector<DevicePlan>& p
   Page page{style};
   page.heading(0, "cell " + cell.name,
                count(cell.devices.size(), "device") + ", " + count(modules, "module"));
+  if (is_on_network(cell)) page.sentence(0, network_text(cell));
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const Device& device = cell.devices[i];
     page.blank();
@@ -203,6 +282,7 @@ std::string check_text(const model::Cell& cell, const std::vector<DevicePlan>& p
       page.words(2, "not real-time: ", called(device, plans[i].non_realtime));
     }
   }
+  connections_text(page, cell);
   return std::move(page).take();
 }
 

@@ -18,6 +18,13 @@ struct CheckOptions {
 };
 int check(const CheckOptions& options);
 
+struct GraphOptions {
+  std::string file;
+  std::string svg;  ///< where to write the picture; empty: a list is printed instead
+  bool json = false;
+};
+int graph(const GraphOptions& options);
+
 struct RunOptions {
   std::string file;
   Network network;
@@ -41,5 +48,9 @@ using Chosen = std::function<int()>;
 void add_deploy(CLI::App& app, Chosen& chosen);
 void add_undeploy(CLI::App& app, Chosen& chosen);
 void add_status(CLI::App& app, Chosen& chosen);
+void add_watch(CLI::App& app, Chosen& chosen);
+void add_orders(CLI::App& app, Chosen& chosen);
+void add_properties(CLI::App& app, Chosen& chosen);
+void add_echo(CLI::App& app, Chosen& chosen);
 
 }  // namespace takt::tool

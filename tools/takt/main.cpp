@@ -25,9 +25,7 @@ std::string positive_seconds(const std::string& text) {
              : "'" + text + "' is no number of seconds above 0 and up to 1e9";
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int serve(int argc, char** argv) {
   using namespace takt::tool;
   CLI::App app{"Takt: real-time component middleware for industrial cells.", "takt"};
   app.set_version_flag("--version", TAKT_VERSION);
@@ -43,6 +41,13 @@ int main(int argc, char** argv) {
       ->type_name("OUT");
   check_command->add_flag("--remote", check_options.remote,
                           "a component that is not on this machine is a warning, no error");
+
+  GraphOptions graph_options;
+  auto* graph_command =
+      app.add_subcommand("graph", "Print or draw devices, modules and the connections between their ports");
+  graph_command->add_option("FILE", graph_options.file, "a cell, or a module.xml")->required();
+  graph_command->add_option("--svg", graph_options.svg, "draw a picture into this file")->type_name("OUT");
+  graph_command->add_flag("--json", graph_options.json, "print one JSON object");
 
   RunOptions run_options;
   double seconds = 0;
@@ -62,6 +67,10 @@ int main(int argc, char** argv) {
   add_deploy(app, chosen);
   add_undeploy(app, chosen);
   add_status(app, chosen);
+  add_watch(app, chosen);
+  add_orders(app, chosen);
+  add_properties(app, chosen);
+  add_echo(app, chosen);
 
   DescribeOptions describe_options;
   auto* describe_command =
@@ -85,6 +94,16 @@ int main(int argc, char** argv) {
   if (for_option->count() != 0) run_options.seconds = seconds;
   if (chosen) return chosen();
   if (*check_command) return check(check_options);
+  if (*graph_command) return graph(graph_options);
   if (*run_command) return run(run_options);
   return describe(describe_options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int status = serve(argc, argv);
+  // Not by way of the static objects of Fast DDS, which sleep for a while in their destructors.
+  std::fflush(nullptr);
+  std::_Exit(status);
 }

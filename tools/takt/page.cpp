@@ -59,13 +59,22 @@ void Page::words(std::size_t indent, std::string_view lead, Words words) {
 
 void Page::sentence(std::size_t indent, std::string_view text) {
   std::string line(indent, ' ');
+  const auto end_line = [&] {
+    put(line);
+    line.assign(indent, ' ');
+  };
   while (!text.empty()) {
     const std::size_t end = std::min(text.find(' '), text.size());
-    const std::string_view word = text.substr(0, end);
+    std::string_view word = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.size() > indent && line.size() + 1 + word.size() > width_) {
-      put(line);
-      line.assign(indent, ' ');
+    if (line.size() > indent && line.size() + 1 + word.size() > width_) end_line();
+    while (indent + word.size() > width_) {
+      const std::size_t room = width_ - indent;
+      const std::size_t mark = word.substr(0, room).find_last_of("./");
+      const std::size_t part = mark == std::string_view::npos ? room : mark + 1;
+      line += word.substr(0, part);
+      word.remove_prefix(part);
+      end_line();
     }
     if (line.size() > indent) line += ' ';
     line += word;
@@ -75,9 +84,7 @@ void Page::sentence(std::size_t indent, std::string_view text) {
 
 void Page::table(std::size_t indent, const std::vector<Words>& rows) {
   const std::vector<std::size_t> widths = widths_of(rows);
-  std::size_t total = indent;
-  for (const std::size_t width : widths) total += width + 2;
-  const bool below = total - 2 > width_;
+  const bool below = !fits(indent, rows);
   for (const Words& row : rows) {
     std::string line(indent, ' ');
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -90,6 +97,12 @@ void Page::table(std::size_t indent, const std::vector<Words>& rows) {
     }
     put(line, &row == &rows.front());
   }
+}
+
+bool Page::fits(std::size_t indent, const std::vector<Words>& rows) const {
+  std::size_t total = indent;
+  for (const std::size_t width : widths_of(rows)) total += width + 2;
+  return total - 2 <= width_;
 }
 
 std::vector<std::size_t> Page::widths_of(const std::vector<Words>& rows) {

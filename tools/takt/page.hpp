@@ -36,11 +36,13 @@ class Page {
   void words(std::size_t indent, std::string_view lead, Words words);
   static constexpr std::size_t kNamed = 32;
 
-  /// A sentence, broken between its words.
+  /// A sentence, broken between its words, and a word that is longer than a line after a dot or slash.
   void sentence(std::size_t indent, std::string_view text);
 
   /// The first row is the heading. All rows have as many cells.
   void table(std::size_t indent, const std::vector<Words>& rows);
+  /// Whether table() has room for each row on one line.
+  [[nodiscard]] bool fits(std::size_t indent, const std::vector<Words>& rows) const;
   static std::vector<std::size_t> widths_of(const std::vector<Words>& rows);
 
   [[nodiscard]] std::string take() && { return std::move(text_); }

@@ -107,6 +107,56 @@ inline model::Cell palletizing() {
   return cell("palletizing", {robot, device("line", line), vision});
 }
 
+inline model::Module at_once(model::Module module) {
+  module.dispatch = model::Dispatch::immediate;
+  return module;
+}
+
+inline model::Module not_before(model::Module module, Nanoseconds interarrival) {
+  module.interarrival = interarrival;
+  return module;
+}
+
+/// Of "device.module.port"; none of "".
+inline model::Endpoint end(const std::string& text) {
+  if (text.empty()) return {};
+  const std::size_t first = text.find('.');
+  const std::size_t second = text.find('.', first + 1);
+  return {text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1)};
+}
+
+inline model::Connection latest(const std::string& from, const std::string& to) {
+  model::Connection result;
+  result.from = end(from);
+  result.to = end(to);
+  return result;
+}
+
+inline model::Connection queue(const std::string& from, const std::string& to, int depth) {
+  model::Connection result = latest(from, to);
+  result.kind = model::ConnectionKind::queue;
+  result.depth = depth;
+  result.reliability = model::Reliability::reliable;
+  return result;
+}
+
+inline model::Connection stale_after(model::Connection connection, Nanoseconds deadline,
+                                     model::Stale stale = model::Stale::hold) {
+  connection.deadline = deadline;
+  connection.stale = stale;
+  return connection;
+}
+
+inline model::Connection on_topic(model::Connection connection, std::string topic) {
+  connection.topic = std::move(topic);
+  return connection;
+}
+
+inline model::Cell connected(model::Cell cell, std::vector<model::Connection> connections) {
+  cell.connections = std::move(connections);
+  return cell;
+}
+
 inline std::vector<schedule::DevicePlan> plans(const model::Cell& cell) {
   return schedule::plan(cell).value();
 }

@@ -1,0 +1,183 @@
+#include "graph_report.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "connections_report.hpp"
+#include "page.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using model::Cell;
+using model::Connection;
+using model::Device;
+using model::Module;
+
+template <class Map>
+const typename Map::mapped_type* find(const Map& map, const typename Map::key_type& key) {
+  const auto found = map.find(key);
+  return found == map.end() ? nullptr : &found->second;
+}
+
+void device_state(Page& page, const CellHealth& health, const Device& device) {
+  const auto* known = find(health.devices, device.name);
+  if (known == nullptr) return;
+  page.line(2, known->alive ? "alive" : page.warning("LOST"));
+  if (!known->text.empty()) page.sentence(2, known->text);
+}
+
+/// A table; where that is too wide, two lines a module.
+void modules_text(Page& page, const Device& device, const CellHealth& health) {
+  const auto state_of = [&](const Module& module) {
+    return find(health.modules, device.name + "." + module.name);
+  };
+  const bool states = std::any_of(device.modules.begin(), device.modules.end(),
+                                  [&](const Module& module) { return state_of(module) != nullptr; });
+  const std::size_t shown = std::min(device.modules.size(), kGraphModules);
+  std::vector<Page::Words> rows{{"module", "type", "operation", "executor"}};
+  if (states) rows.front().emplace_back("state");
+  for (std::size_t i = 0; i < shown; ++i) {
+    const Module& module = device.modules[i];
+    rows.push_back({module.name, model::to_text(module.type), operation_text(module),
+                    module.executor.empty() ? "-" : module.executor});
+    if (states) rows.back().push_back(state_of(module) == nullptr ? "-" : *state_of(module));
+  }
+  if (page.fits(2, rows)) {
+    page.table(2, rows);
+  } else {
+    for (std::size_t i = 0; i < shown; ++i) {
+      const Module& module = device.modules[i];
+      page.line(2, module.name);
+      page.sentence(4, std::string{model::to_text(module.type)} + ", " + operation_text(module) +
+                           (module.executor.empty() ? "" : ", executor " + module.executor) +
+                           (state_of(module) == nullptr ? "" : ", " + *state_of(module)));
+    }
+  }
+  if (shown < device.modules.size()) {
+    page.line(2, fmt::format("... and {} more; --json has them all", device.modules.size() - shown));
+  }
+}
+
+Json module_json(const Device& device, const Module& module, const CellHealth& health) {
+  Json json{{"name", module.name},
+            {"type", model::to_text(module.type)},
+            {"operation", model::to_text(module.operation)}};
+  if (module.period) json["period_ns"] = module.period->count();
+  if (module.deadline) {
+    json["deadline_ns"] = module.deadline->count();
+    json["miss"] = model::to_text(module.miss);
+  }
+  if (module.operation == model::Operation::sporadic) json["dispatch"] = model::to_text(module.dispatch);
+  if (module.interarrival) json["interarrival_ns"] = module.interarrival->count();
+  json["priority"] = module.priority;
+  if (!module.executor.empty()) json["executor"] = module.executor;
+  if (module.budget) json["budget_ns"] = module.budget->count();
+  if (const auto* state = find(health.modules, device.name + "." + module.name)) json["state"] = *state;
+  return json;
+}
+
+Json end_json(const model::Endpoint& end) { return end.given() ? Json(to_text(end)) : Json(); }
+
+Json health_json(const CellHealth::Connection& health) {
+  Json json{{"matched", health.matched}, {"stale", health.stale}};
+  if (health.age) json["age_ns"] = health.age->count();
+  json["lost"] = health.lost;
+  json["dropped"] = health.dropped;
+  json["late"] = health.late;
+  if (!health.incompatible.empty()) json["incompatible"] = health.incompatible;
+  return json;
+}
+
+Json connection_json(const Cell& cell, const Connection& connection) {
+  Json json{{"from", end_json(connection.from)},
+            {"to", end_json(connection.to)},
+            {"kind", model::to_text(connection.kind)}};
+  if (connection.kind == model::ConnectionKind::queue) json["depth"] = connection.depth;
+  json["reliability"] = model::to_text(connection.reliability);
+  if (connection.deadline) {
+    json["deadline_ns"] = connection.deadline->count();
+    json["stale"] = model::to_text(connection.stale);
+  }
+  if (connection.lifespan) json["lifespan_ns"] = connection.lifespan->count();
+  json["topic"] = topic_of(cell, connection);
+  if (connection.domain) json["domain"] = *connection.domain;
+  return json;
+}
+
+Json discovery_json(const Cell& cell) {
+  Json json{{"kind", model::to_text(cell.discovery.kind)}};
+  if (!cell.discovery.peers.empty()) json["peers"] = cell.discovery.peers;
+  if (!cell.discovery.server.empty()) json["server"] = cell.discovery.server;
+  if (!cell.server_device.empty()) json["server_device"] = cell.server_device;
+  return json;
+}
+
+}  // namespace
+
+std::string health_text(const CellHealth::Connection& health) {
+  if (!health.incompatible.empty()) return "NOT MATCHED: " + health.incompatible;
+  std::string text = !health.matched ? "NOT MATCHED"
+                     : health.stale  ? "STALE"
+                     : health.age    ? "ok"
+                                     : "no value yet";
+  if (health.age) text += ", " + to_text(*health.age) + " old";
+  const auto add = [&](std::uint64_t number, const char* what) {
+    if (number > 0) text += fmt::format(", {} {}", what, number);
+  };
+  add(health.lost, "lost");
+  add(health.dropped, "dropped");
+  add(health.late, "late");
+  return text;
+}
+
+std::string graph_text(const Cell& cell, const CellHealth& health, Style style) {
+  std::size_t modules = 0;
+  for (const Device& device : cell.devices) modules += device.modules.size();
+  Page page{style};
+  page.heading(0, "cell " + cell.name,
+               count(cell.devices.size(), "device") + ", " + count(modules, "module") + ", " +
+                   count(cell.connections.size(), "connection"));
+  if (is_on_network(cell)) page.sentence(0, network_text(cell));
+  for (const Device& device : cell.devices) {
+    page.blank();
+    page.line(0, page.bold("device " + device.name));
+    device_state(page, health, device);
+    modules_text(page, device, health);
+  }
+  std::map<std::size_t, std::string> states;
+  for (const auto& [index, state] : health.connections) states[index] = health_text(state);
+  connections_text(page, cell, states);
+  return std::move(page).take();
+}
+
+Json graph_json(const Cell& cell, const CellHealth& health) {
+  Json devices = Json::array();
+  for (const Device& device : cell.devices) {
+    Json json{{"name", device.name}};
+    if (const auto* known = find(health.devices, device.name)) {
+      json["alive"] = known->alive;
+      if (!known->text.empty()) json["text"] = known->text;
+    }
+    Json modules = Json::array();
+    for (const Module& module : device.modules) modules.push_back(module_json(device, module, health));
+    json["modules"] = std::move(modules);
+    devices.push_back(std::move(json));
+  }
+  Json connections = Json::array();
+  for (std::size_t i = 0; i < cell.connections.size(); ++i) {
+    connections.push_back(connection_json(cell, cell.connections[i]));
+    if (const auto* known = find(health.connections, i)) connections.back()["health"] = health_json(*known);
+  }
+  return Json{{"cell", cell.name},
+              {"domain", cell.domain},
+              {"discovery", discovery_json(cell)},
+              {"devices", std::move(devices)},
+              {"connections", std::move(connections)}};
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,60 @@
+// What `takt graph` says of a cell: its devices, their modules, and what goes from port to port; of one that
+// runs also how that goes. For a person, for a program, and as a picture.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/time.hpp>
+#include <takt/model/cell.hpp>
+
+#include "style.hpp"
+
+namespace takt::tool {
+
+/// What was heard of a cell that runs. What is not in it is not known, and is drawn as in a cell at rest.
+struct CellHealth {
+  struct Device {
+    bool alive = true;
+    std::string text{};  ///< why its health is not good; may be empty
+  };
+  struct Connection {
+    bool matched = true;               ///< there is somebody at the other end
+    bool stale = false;                ///< its value is older than its deadline
+    std::optional<Nanoseconds> age{};  ///< of the newest value; none: there is none yet
+    std::uint64_t lost = 0;            ///< on the way between devices
+    std::uint64_t dropped = 0;         ///< from a full queue
+    std::uint64_t late = 0;            ///< times that the value became stale
+    std::string incompatible{};        ///< the QoS policy that kept them from matching; empty: none
+  };
+  std::map<std::string, Device> devices;          ///< by name
+  std::map<std::string, std::string> modules;     ///< states in the words of reports, by "device.module"
+  std::map<std::size_t, Connection> connections;  ///< by their index in Cell::connections
+};
+
+/// "not matched (reliability)", "STALE, 400 ms old, late 2", "ok, 1.2 ms old, lost 3".
+std::string health_text(const CellHealth::Connection& health);
+
+/// Devices, modules and connections as lists, as wide as check_text(). Ends with a line feed.
+std::string graph_text(const model::Cell& cell, const CellHealth& health, Style style);
+
+/// {"cell", "domain", "discovery", "devices": [{"name", "modules": [{"name", "type", "operation", ...}]}],
+/// "connections": [{"from", "to", "kind", ...}]}. Times in ns. What is not said or not known is not there,
+/// but for an end that is not Takt's, which is null.
+nlohmann::ordered_json graph_json(const model::Cell& cell, const CellHealth& health);
+
+/// A box a device with its modules and, of their ports, those that connections name; an arrow a connection.
+/// Draws the first kGraphDevices devices with kGraphModules modules each, the first kGraphConnections
+/// connections between those, and says so where there are more. A health is told by words and by the kind of
+/// a line, and also by colour.
+std::string graph_svg(const model::Cell& cell, const CellHealth& health);
+inline constexpr std::size_t kGraphDevices = 50;
+inline constexpr std::size_t kGraphModules = 100;
+inline constexpr std::size_t kGraphConnections = 500;
+
+}  // namespace takt::tool
