@@ -173,8 +173,10 @@ json Supervisor::report() const {
                        {"errors", block.errors.load(relaxed) + member->errors},
                        {"jitter_us", in_microseconds(jitter_of(*member).read())},
                        {"run_us", in_microseconds(run_of(*member).read())},
-                       {"pid", member->is_thread() ? host_.pid() : member->last_pid},
-                       {"ports", ports_of(wiring_, member->index, options_.ports.at(member->index))}});
+                       {"pid", member->is_thread() ? host_.pid() : member->last_pid}});
+    // Beside what every report has: the health of its ports, where it has any.
+    if (json ports = ports_of(wiring_, member->index, options_.ports.at(member->index)); !ports.empty())
+      modules.back()["ports"] = std::move(ports);
   }
   return {{"name", device().name},
           {"alive", true},

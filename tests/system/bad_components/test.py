@@ -8,7 +8,7 @@ import takt_system
 # What the line of the descriptor has on it, and what is said of it.
 WRONG = [
     (r"<module>", r"module lacks_run: \S+/no_run\.so has no function run\(\); define "),
-    (r"<module>", r"module lacks_condition: \S+/no_condition\.so has no function condition\(\), so it would never run; "),
+    (r"<module>", r"module lacks_condition: \S+/no_condition\.so has neither a function condition\(\) nor an event port, so it would never run; "),
     (r"<module>", r"module no_library: \S+/not_a_library\.so is no shared object \(\.so\) of this machine; "),
     (r"<module>", r"module undefined: cannot load \S+/undefined_symbol\.so: .*undefined symbol: takt_test_defined_nowhere; "),
     (r"<module>", r"module missing: there is no file no_such_file\.so \(looked in .*/tests/components.*\); "),

@@ -64,7 +64,7 @@ class Usage(takt_system.Case):
     def test_describe_a_component_in_cpp(self):
         run = self.takt("describe", "cpp_properties.so", "--json")
         self.assertEqual((0, ""), (run.status, run.err))
-        self.assertEqual(["name", "interface", "hooks", "properties"], list(run.report))
+        self.assertEqual(["name", "interface", "hooks", "properties", "ports"], list(run.report))
         self.assertEqual(("CppProperties", "c++"), (run.report["name"], run.report["interface"]))
         properties = {p["name"]: p for p in run.report["properties"]}
         self.assertEqual(["enabled", "count", "offset", "gain", "ratio", "label"], list(properties))
@@ -81,7 +81,7 @@ class Usage(takt_system.Case):
         self.assertEqual(["initialize", "start", "run", "error", "recover", "destruct"], c["hooks"])
         self.assertIn("condition", self.takt("describe", "fine_sporadic.so").out)
         process = self.takt("describe", "fine.exe", "--json").report
-        self.assertEqual({"name": "fine", "interface": "process", "hooks": [], "properties": []}, process)
+        self.assertEqual({"name": "fine", "interface": "process", "hooks": [], "properties": [], "ports": []}, process)
         self.assertIn("process", self.takt("describe", "fine.exe").out)
 
     def test_what_describe_gives_to_paste_runs(self):
