@@ -12,10 +12,11 @@ set(TAKT_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
 # Headers that only one room may name. A room that may not finds, first on its include path, a header of the same name
 # that says so. What the C++ library itself includes (unistd.h, pthread.h, ...) is let through from there.
 set(TAKT_GUARDED_tinyxml2 tinyxml2.h)
-set(TAKT_GUARDED_fastdds fastdds/dds/domain/DomainParticipant.hpp fastdds/dds/domain/DomainParticipantFactory.hpp
-    fastdds/dds/publisher/DataWriter.hpp fastdds/dds/publisher/Publisher.hpp fastdds/dds/subscriber/DataReader.hpp
-    fastdds/dds/subscriber/Subscriber.hpp fastdds/dds/topic/TopicDataType.hpp fastdds/dds/topic/TypeSupport.hpp
-    fastrtps/fastrtps_all.h)
+# All of Fast DDS, but for the text of fixed size that generated types are made of.
+find_path(TAKT_FASTDDS_INCLUDE fastdds/dds/domain/DomainParticipant.hpp)
+file(GLOB_RECURSE TAKT_GUARDED_fastdds RELATIVE ${TAKT_FASTDDS_INCLUDE} ${TAKT_FASTDDS_INCLUDE}/fastdds/*.h*
+     ${TAKT_FASTDDS_INCLUDE}/fastrtps/*.h*)
+list(REMOVE_ITEM TAKT_GUARDED_fastdds fastrtps/utils/fixed_size_string.hpp)
 set(TAKT_GUARDED_linux dlfcn.h elf.h fcntl.h link.h linux/futex.h poll.h pthread.h sched.h signal.h spawn.h
     sys/epoll.h sys/eventfd.h sys/file.h sys/mman.h sys/prctl.h sys/resource.h sys/select.h sys/signalfd.h
     sys/socket.h sys/stat.h sys/syscall.h sys/timerfd.h sys/types.h sys/un.h sys/wait.h syscall.h unistd.h)

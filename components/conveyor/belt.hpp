@@ -1,4 +1,5 @@
-// A belt with parts on it and a light barrier at its end: what conveyor simulates. SI units. For real-time threads.
+// A belt with parts on it and a light barrier at its end: what conveyor simulates. SI units. For real-time
+// threads.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +8,8 @@
 
 namespace conveyor {
 
-/// Parts lie `spacing` apart. One that comes to the barrier is held there, and the belt with it, until it is taken away.
+/// Parts lie `spacing` apart. One that comes to the barrier is held there, and the belt with it, until it is
+/// taken away.
 struct Belt {
   double acceleration = 1;  ///< m/s^2
   double spacing = 0.3;     ///< m

@@ -1,4 +1,5 @@
-// A thread module in C++: a conveyor belt that brings parts to a light barrier and waits until they are taken away.
+// A thread module in C++: a conveyor belt that brings parts to a light barrier and waits until they are taken
+// away.
 #include <takt/component.hpp>
 
 #include <line.hpp>
@@ -16,7 +17,14 @@ class Conveyor : public takt::Component {
   takt::Property<double> spacing{
       *this, "spacing", 0.3, {.unit = "m", .min = 0.05, .max = 10, .text = "From one part to the next."}};
 
+  takt::Property<double> repeat{
+      *this,
+      "repeat",
+      2,
+      {.unit = "s", .min = 0.1, .max = 3600, .text = "A part that waits is told again after this."}};
+
   conveyor::Belt belt_;
+  double waited_ = 0;  // s, since the part was told
   line::BeltState state_;
   line::PartSeen seen_;
 
@@ -25,13 +33,15 @@ class Conveyor : public takt::Component {
     belt_.spacing = spacing;
     command.read();
     while (taken.read()) belt_.taken(taken.value().number());
-    if (belt_.step(command.value().speed(), cycle.seconds())) {
+    waited_ += cycle.seconds();
+    if (belt_.step(command.value().speed(), cycle.seconds()) || (belt_.holding && waited_ >= repeat)) {
+      waited_ = 0;
       seen_.number(belt_.parts);
       seen_.kind(belt_.parts % 2 == 0 ? "box" : "bottle");
       seen_.offset(belt_.offset());
       part.write(seen_);
     }
-    state_.mode(belt_.holding       ? line::BELT_HOLDING
+    state_.mode(belt_.holding        ? line::BELT_HOLDING
                 : belt_.speed > 1e-6 ? line::BELT_RUNNING
                                      : line::BELT_STOPPED);
     state_.speed(belt_.speed);

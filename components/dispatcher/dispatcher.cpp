@@ -1,4 +1,5 @@
-// A sporadic thread module in C++: a part has come, so the robot is asked to take it away. Runs when the event arrives.
+// A sporadic thread module in C++: a part has come, so the robot is asked to take it away. Runs when the
+// event arrives.
 #include <takt/component.hpp>
 
 #include <line.hpp>

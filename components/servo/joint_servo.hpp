@@ -10,11 +10,12 @@ namespace servo {
 inline constexpr std::size_t kAxes = 6;
 using Joints = std::array<double, kAxes>;
 
-/// Proportional to the error in position, damped by the error in velocity, bounded by what the drive can give.
+/// Proportional to the error in position, damped by the error in velocity, bounded by what the drive can
+/// give.
 struct JointServo {
-  double stiffness = 10000; ///< N m/rad
-  double damping = 600;     ///< N m s/rad
-  double limit = 2000;      ///< N m
+  double stiffness = 10000;  ///< N m/rad
+  double damping = 600;      ///< N m s/rad
+  double limit = 2000;       ///< N m
 
   [[nodiscard]] Joints torque(const Joints& wanted, const Joints& wanted_velocity, const Joints& is,
                               const Joints& velocity) const noexcept {

@@ -12,7 +12,10 @@ class Servo : public takt::Component {
   takt::InPort<motion::JointState> measured{*this, "measured", {.text = "Where they are."}};
   takt::OutPort<motion::JointEffort> effort{*this, "effort", {.text = "What the drives are to give."}};
   takt::Property<double> stiffness{
-      *this, "stiffness", 10000, {.unit = "N m/rad", .min = 0, .max = 100000, .text = "Of the position loop."}};
+      *this,
+      "stiffness",
+      10000,
+      {.unit = "N m/rad", .min = 0, .max = 100000, .text = "Of the position loop."}};
   takt::Property<double> damping{
       *this, "damping", 600, {.unit = "N m s/rad", .min = 0, .max = 10000, .text = "Of the velocity error."}};
   takt::Property<double> limit{

@@ -1,5 +1,5 @@
-// The way of a six-axis arm that takes parts off a belt: what trajectory computes every period, without the module
-// around it. rad and s. Everything here is for real-time threads.
+// The way of a six-axis arm that takes parts off a belt: what trajectory computes every period, without the
+// module around it. rad and s. Everything here is for real-time threads.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ class Path {
   static constexpr Joints kAtPart{0.6, -0.7, 1.6, 0, 0.7, 0.6};
   static constexpr Joints kPallet{-0.9, -0.7, 1.5, 0, 0.8, -0.9};
 
-  /// Begins a cycle for a part that lies `offset` m beside the belt's middle (the arm turns to it; 1 m of reach), each
-  /// leg taking `leg_seconds`.
+  /// Begins a cycle for a part that lies `offset` m beside the belt's middle (the arm turns to it; 1 m of
+  /// reach), each leg taking `leg_seconds`.
   constexpr void begin(double offset, double leg_seconds) noexcept {
     offset_ = offset;
     leg_ = leg_seconds;

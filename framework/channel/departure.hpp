@@ -20,6 +20,8 @@ struct Place {
 
 /// By the node.
 inline void put_in(const Place& place) noexcept {
+  place.block->entered.store(place.block->entered.load(std::memory_order_relaxed) + 1,
+                             std::memory_order_relaxed);
   place.block->in_tables.store(1, std::memory_order_seq_cst);                       // SYNC: in tables
   if (place.seat != nullptr) place.seat->open.store(1, std::memory_order_seq_cst);  // SYNC: open
 }

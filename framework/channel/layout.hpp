@@ -29,6 +29,7 @@ struct alignas(64) ModuleBlock {
   std::atomic<std::uint64_t> overruns;  ///< not done by its next release, or by its deadline; a sporadic
                                         ///< program counts its own, in its seat
   std::atomic<std::uint64_t> errors;    ///< raised by the executor
+  std::atomic<std::uint64_t> entered;   ///< times that the node put it into the tables
 
   alignas(64) Statistics jitter;  ///< Eq. (1), P_n - T_n; of thread modules
   alignas(64) Statistics run;     ///< of thread modules

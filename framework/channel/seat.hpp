@@ -86,9 +86,11 @@ struct alignas(64) Seat {
   std::atomic<SeatPhase> phase;
   std::atomic<std::int32_t> thread;
   std::atomic<std::int64_t> margin_ns;
-  std::atomic<std::uint64_t> late;   ///< bodies that ended after the deadline
-  std::atomic<std::uint64_t> begun;  ///< bodies for which it released itself
-  Statistics jitter;                 ///< Eq. (1), P_n - T_n, with T_n taken by the program
+  std::atomic<std::uint64_t>
+      late;  ///< bodies that ended after the deadline. SYNC: late, publishes late_by_ns
+  std::atomic<std::int64_t> late_by_ns;  ///< how long after, the last of them
+  std::atomic<std::uint64_t> begun;      ///< bodies for which it released itself
+  Statistics jitter;                     ///< Eq. (1), P_n - T_n, with T_n taken by the program
   Statistics run;
 
   /// It was released and is not done.

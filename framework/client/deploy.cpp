@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/dds/words.hpp>
+#include <takt/model/ports.hpp>
 
 namespace takt::client {
 
@@ -39,6 +40,27 @@ Problems of_device(const std::string& device, Problems problems) {
       problem.what = "device " + device + ": " + problem.what;
   }
   return problems;
+}
+
+// What each device said of the ports of its modules: together they can be held against the connections.
+model::CellPorts ports_of(const model::Cell& cell, const std::vector<dds::WholeReply>& replies) {
+  model::CellPorts ports;
+  for (const model::Device& device : cell.devices) ports.emplace_back(device.modules.size());
+  for (const dds::WholeReply& reply : replies) {
+    const json data = json::parse(reply.data, nullptr, false);
+    if (!data.is_object()) continue;
+    for (const json& entry : data.value("modules", json::array())) {
+      if (!entry.is_object() || !entry.contains("ports") || entry["ports"].is_null()) continue;
+      auto known = model::parse_ports(entry["ports"].dump());
+      for (std::size_t d = 0; known && d < cell.devices.size(); ++d) {
+        const model::Device& device = cell.devices[d];
+        for (std::size_t m = 0; reply.head.device() == device.name && m < device.modules.size(); ++m) {
+          if (device.modules[m].name == entry.value("name", "")) ports[d][m] = *known;
+        }
+      }
+    }
+  }
+  return ports;
 }
 
 class Deployment {
@@ -164,7 +186,9 @@ Problems Deployment::prepare(const std::string& text) {
     q.limit.reset();
     questions.push_back(std::move(q));
   }
-  return ask(questions);
+  std::vector<dds::WholeReply> replies;
+  if (Problems problems = ask(questions, &replies); !problems.empty()) return problems;
+  return model::check_connections(cell_, ports_of(cell_, replies));
 }
 
 Problems Deployment::run(std::int64_t t0_ns) {

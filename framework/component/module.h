@@ -16,6 +16,8 @@
 
 #include <stdint.h>
 
+#include <takt/port.h>
+
 #ifndef TRUE
 #define TRUE 1
 #endif

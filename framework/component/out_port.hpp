@@ -46,12 +46,34 @@ class OutPortBase : public PortBase {
   };
 
   void add(channel::Link link, void* values) { sinks_.push_back({channel::LinkWriter{link}, values}); }
-  [[nodiscard]] std::vector<Sink>& sinks() noexcept { return sinks_; }
-
   void publish(Sink& sink, std::uint32_t size) const noexcept {
     sink.writer.publish(size, context().start_ns);
     const std::uint32_t wake_bits = sink.writer.link().block().wake_bits;
     if (wake_bits != 0 && context().bell != nullptr) context().bell->note(wake_bits);
+  }
+
+  /// Into every link that is enabled: encoded once and copied, or, where it carries values, by `assign`.
+  template <class Encode, class Assign>
+  Written write_all(const Encode& encode, const Assign& assign) noexcept {
+    const std::byte* bytes = nullptr;
+    std::uint32_t size = 0;
+    for (Sink& sink : sinks_) {
+      if (!sink.enabled()) continue;
+      if (sink.values != nullptr) {
+        assign(sink.values, sink.writer.buffer());
+        publish(sink, 0);
+        continue;
+      }
+      if (bytes == nullptr) {
+        size = encode(sink.payload(), sink.writer.link().stride());
+        if (size == 0) return refuse();
+        bytes = sink.payload();
+      } else {
+        std::memcpy(sink.payload(), bytes, size);  // nobody but we ever writes into a buffer
+      }
+      publish(sink, size);
+    }
+    return Written::yes;
   }
   Written refuse() noexcept {
     for (const Sink& sink : sinks_) {
@@ -82,25 +104,9 @@ class OutPort final : public OutPortBase {
   /// run() that it was written in.
   Written write(const T& value) noexcept {
     if (!PortType<T>::fits(value)) return refuse();
-    const std::byte* bytes = nullptr;
-    std::uint32_t size = 0;
-    for (Sink& sink : sinks()) {
-      if (!sink.enabled()) continue;
-      if (sink.values != nullptr) {
-        static_cast<T*>(sink.values)[sink.writer.buffer()] = value;
-        publish(sink, 0);
-        continue;
-      }
-      if (bytes == nullptr) {
-        size = PortType<T>::encode(value, sink.payload(), sink.writer.link().stride());
-        if (size == 0) return refuse();
-        bytes = sink.payload();
-      } else {
-        std::memcpy(sink.payload(), bytes, size);  // nobody but we ever writes into a buffer
-      }
-      publish(sink, size);
-    }
-    return Written::yes;
+    return write_all(
+        [&value](std::byte* to, std::uint32_t size) noexcept { return PortType<T>::encode(value, to, size); },
+        [&value](void* values, std::uint32_t buffer) noexcept { static_cast<T*>(values)[buffer] = value; });
   }
 
   void connect(channel::Link link, void* values) override {

@@ -1,12 +1,20 @@
 // libtakt_process: the other side of channel/seat.hpp, inside the user's own program.
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <takt/component/process.h>
 #include <takt/channel/seat.hpp>
+#include <takt/component/port.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
+#include <takt/os/message_socket.hpp>
 #include <takt/os/real_time.hpp>
 #include <takt/os/shared_memory.hpp>
 #include <takt/os/waker.hpp>
@@ -14,6 +22,12 @@
 namespace {
 
 using namespace takt;
+
+/// Of the program, in the order in which they were constructed.
+std::vector<PortBase*>& ports() {
+  static std::vector<PortBase*> all;
+  return all;
+}
 
 /// This program's place in the scheduler, from the first line of main to its end.
 class Guest {
@@ -24,12 +38,17 @@ class Guest {
   [[nodiscard]] const channel::Seat* seat() const { return seat_; }
 
  private:
-  [[noreturn]] static void refuse(const char* function, const char* what);
+  [[noreturn]] static void refuse(const char* function, const std::string& what);
+  static void check_ports(const char* function);
+  static void describe_ports();
+  void connect_ports(const char* function);
+  [[nodiscard]] static bool has_event();
   bool released() const {
     return seat_->released.load(std::memory_order_acquire) != taken_;
   }  // SYNC: released
   void body_done();
   void spin_until_release();
+  bool release_by_event();
   void sleep_on_bell();
   void end_if_told() const;
 
@@ -38,19 +57,94 @@ class Guest {
   channel::Seat* seat_ = nullptr;
   channel::Bell* bell_ = nullptr;
   os::WakeMargin margin_{Nanoseconds{0}};
+  std::vector<os::SharedMemory> link_memories_;
+  PortContext context_;
   std::uint32_t taken_ = 0;
   Instant started_{};
 };
 
-void Guest::refuse(const char* function, const char* what) {
-  std::fprintf(stderr, "takt: %s(): %s\n", function, what);
+void Guest::refuse(const char* function, const std::string& what) {
+  std::fprintf(stderr, "takt: %s(): %s\n", function, what.c_str());
   std::exit(1);
+}
+
+void Guest::check_ports(const char* function) {
+  for (const PortBase* port : ports()) {
+    const auto same = [port](const PortBase* other) { return other->name() == port->name(); };
+    if (std::count_if(ports().begin(), ports().end(), same) > 1)
+      refuse(function, "there are two ports '" + port->name() + "'; give each a name of its own");
+  }
+}
+
+std::string quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\')
+      result += {'\\', c};
+    else if (code < 0x20)
+      result += std::string{"\\u00"} + kDigits[code >> 4] + kDigits[code & 15];
+    else
+      result += c;
+  }
+  return result + '"';
+}
+
+// Somebody wants to know our ports before anything is started. What the program would do is not for now.
+void Guest::describe_ports() {
+  os::MessageSocket asker{os::take_fd_from_environment("TAKT_DESCRIBE_FD")};
+  if (!asker.fd()) return;
+  std::string text;
+  for (const PortBase* port : ports()) {
+    text += (text.empty() ? "" : ",") + std::string{R"({"name":)"} + quoted(port->name()) +
+            R"(,"direction":)" + quoted(to_text(port->direction())) + R"(,"description":)" +
+            quoted(port->type().description) + R"(,"text":)" + quoted(port->text()) + "}";
+  }
+  asker.send_wait(R"({"ports":[)" + text + "]}");
+  std::_Exit(0);
+}
+
+// TAKT_LINKS is "PORT=FD,PORT=FD"; a port may be there several times.
+void Guest::connect_ports(const char* function) {
+  const std::string links = os::take_from_environment("TAKT_LINKS");
+  std::string_view rest = links;
+  while (!rest.empty()) {
+    const std::string_view one = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(rest.size(), one.size() + 1));
+    const std::string_view name = one.substr(0, one.find('='));
+    const std::string_view number = one.substr(std::min(one.size(), name.size() + 1));
+    int fd = -1;
+    std::from_chars(number.data(), number.data() + number.size(), fd);
+    auto memory = os::SharedMemory::attach(os::adopt_fd(fd));
+    if (!memory || !channel::Link::is_link(memory->data(), memory->size()))
+      refuse(function, "takt-node is of another version than libtakt_process");
+    const auto port =
+        std::find_if(ports().begin(), ports().end(), [name](const PortBase* p) { return p->name() == name; });
+    if (port == ports().end()) {
+      refuse(function, "there is no port '" + std::string{name} +
+                           "', which a connection names; construct it before this call");
+    }
+    const channel::Link link{memory->data()};
+    if (link.stride() < (*port)->type().max_size)
+      refuse(function, "the type of port '" + std::string{name} + "' has changed; deploy the cell again");
+    (*port)->connect(link, nullptr);
+    link_memories_.push_back(std::move(*memory));
+  }
+}
+
+bool Guest::has_event() {
+  return std::any_of(ports().begin(), ports().end(), [](const PortBase* port) {
+    return port->direction() == PortDirection::event && port->has_news();
+  });
 }
 
 void Guest::attach(channel::SeatKind kind, const char* function) {
   // Lines are to be seen when they are written, also through a pipe.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (seat_ != nullptr) refuse(function, "called twice; call it once, before the first wait");
+  check_ports(function);
+  describe_ports();
   os::Fd seat = os::take_fd_from_environment("TAKT_SEAT_FD");
   os::Fd bell = os::take_fd_from_environment("TAKT_BELL_FD");
   if (!seat || !bell)
@@ -72,6 +166,9 @@ void Guest::attach(channel::SeatKind kind, const char* function) {
                          ? "the descriptor says sporadic; use initSporadicExe() and waitSporadic()"
                          : "the descriptor says non-real; such a program is not released and needs no call");
   }
+  context_ = {.start_ns = to_ns(os::now()), .bell = bell_};
+  for (PortBase* port : ports()) port->serve(context_);
+  connect_ports(function);
   margin_ = os::WakeMargin{Nanoseconds{seat_->margin_cap_ns}};
   if (seat_->lock_memory != 0) static_cast<void>(os::lock_memory());
   seat_->thread.store(os::thread_id(), std::memory_order_relaxed);
@@ -102,43 +199,79 @@ void Guest::spin_until_release() {
   }
 }
 
+// The scheduler leaves a program that is dispatched at once to its events.
+bool Guest::release_by_event() {
+  const Instant now = os::now();
+  if (!has_event() || to_ns(now) < channel::not_before_ns(*seat_)) return false;
+  if (channel::begin(*seat_, to_ns(now))) return true;
+  taken_ = seat_->released.load(std::memory_order_relaxed);  // it was shut out in between: nothing to serve
+  return false;
+}
+
 void Guest::sleep_on_bell() {
   const std::uint32_t rings = bell_->rings.load(std::memory_order_seq_cst);
   seat_->sleeping.store(1, std::memory_order_seq_cst);  // SYNC: sleeping
-  if (seat_->released.load(std::memory_order_seq_cst) == taken_ &&
-      seat_->end.load(std::memory_order_seq_cst) == 0) {
-    os::futex_wait(bell_->rings, rings, seat_->bell_bit);
+  bool due = seat_->released.load(std::memory_order_seq_cst) != taken_ ||
+             seat_->end.load(std::memory_order_seq_cst) != 0;
+  std::optional<Instant> until;
+  // Whoever writes an event or opens the seat rings after it, so what is not seen here ends the sleep.
+  if (seat_->immediate != 0 && has_event() && seat_->open.load(std::memory_order_seq_cst) != 0) {
+    until = from_ns(channel::not_before_ns(*seat_));
+    due |= *until <= os::now();
   }
+  if (!due) os::futex_wait(bell_->rings, rings, seat_->bell_bit, until);
   seat_->sleeping.store(0, std::memory_order_seq_cst);
 }
 
 void Guest::body_done() {
   const Instant now = os::now();
   seat_->run.record((now - started_).count());
-  const std::int64_t deadline = seat_->release_ns.load(std::memory_order_relaxed) + seat_->deadline_ns;
-  if (seat_->deadline_ns != 0 && to_ns(now) > deadline) seat_->late.fetch_add(1, std::memory_order_relaxed);
+  if (seat_->deadline_ns == 0) return;
+  const std::int64_t late =
+      to_ns(now) - seat_->release_ns.load(std::memory_order_relaxed) - seat_->deadline_ns;
+  if (late <= 0) return;
+  seat_->late_by_ns.store(late, std::memory_order_relaxed);
+  seat_->late.fetch_add(1, std::memory_order_release);  // SYNC: late
 }
 
 void Guest::wait(const char* function) {
   if (seat_ == nullptr) refuse(function, "call initPeriodExe() or initSporadicExe() first");
   if (taken_ != 0) body_done();
+  // What was written for somebody who waits is rung for once a body.
+  if (const std::uint32_t bits = bell_->take_pending(); bits != 0) {
+    bell_->rings.fetch_add(1, std::memory_order_seq_cst);
+    os::futex_wake(bell_->rings, bits);
+  }
   seat_->done.store(taken_, std::memory_order_release);  // SYNC: done
   if (taken_ == 0) seat_->phase.store(channel::SeatPhase::ready, std::memory_order_release);
 
   end_if_told();
-  if (taken_ != 0 && !released()) spin_until_release();
+  const bool immediate = seat_->immediate != 0;
+  if (!immediate && taken_ != 0 && !released()) spin_until_release();
   while (!released()) {
     end_if_told();
-    sleep_on_bell();
+    if (!immediate || !release_by_event()) sleep_on_bell();
   }
   taken_ = seat_->released.load(std::memory_order_acquire);
   started_ = os::now();
+  context_.start_ns = to_ns(started_);
   seat_->jitter.record(seat_->release_ns.load(std::memory_order_relaxed) - to_ns(started_));
 }
 
 Guest guest;
 
 }  // namespace
+
+namespace takt {
+
+std::vector<PortBase*> take_loose_ports() { return ports(); }
+
+namespace detail {
+void add_loose_port(PortBase& port) { ports().push_back(&port); }
+void remove_loose_port(PortBase& port) noexcept { std::erase(ports(), &port); }
+}  // namespace detail
+
+}  // namespace takt
 
 extern "C" {
 

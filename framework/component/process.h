@@ -19,6 +19,8 @@
 
 #include <stdint.h>
 
+#include <takt/port.h>
+
 #ifndef TRUE
 #define TRUE 1
 #endif

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <takt/component/component.hpp>
+#include <takt/core/words.hpp>
 
 namespace takt {
 
@@ -45,7 +46,7 @@ Problem PropertyBase::refusal(std::string_view given) const {
   }
   if (const std::string range = range_text(); !range.empty()) takes += ", " + range;
   if (!unit_.empty()) takes += ", in " + unit_;
-  return takt::fail("property '" + name_ + "' cannot be '" + std::string{given} + "'", "it takes " + takes);
+  return takt::fail("property '" + name_ + "' cannot be " + in_quotes(given), "it takes " + takes);
 }
 
 namespace detail {

@@ -1,4 +1,10 @@
-// A named value of a component that the descriptor may set: what is an argument to a program.
+// A named value of a component that the descriptor may set, what is an argument to a program, and that may be
+// set again while the component runs.
+//
+// Two threads have to do with it: one that sets, and the one that calls the component's hooks at the time.
+// Each has a value of its own, and a third passes from one to the other; who passes it on is a word of the
+// caller (host: LiveProperties). So run() reads a plain value, that of no other call, and neither waits nor
+// frees what was there before.
 #pragma once
 
 #include <cmath>
@@ -32,12 +38,22 @@ class PropertyBase {
   [[nodiscard]] const std::string& unit() const noexcept { return unit_; }
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
   [[nodiscard]] virtual PropertyType type() const noexcept = 0;
+  /// The value that was set last. By the thread that sets.
   [[nodiscard]] virtual std::string value_text() const = 0;
   /// "0 to 10", "at least 0"; empty without bounds.
   [[nodiscard]] virtual std::string range_text() const = 0;
 
-  /// Sets it from the descriptor's text. On failure it keeps its value and says what it takes.
+  /// Whether it takes this text; if not, says what it takes.
+  [[nodiscard]] virtual Result<void> check(std::string_view text) const = 0;
+  /// Sets it from the descriptor's text, while no hook is called. On failure it keeps its value and says what
+  /// it takes.
   virtual Result<void> assign(std::string_view text) = 0;
+  /// As assign(), also while hooks are called: they see it after take_over(), which must not be going on. By
+  /// the thread that sets.
+  virtual Result<void> propose(std::string_view text) = 0;
+  /// What was proposed is the value now. By the thread that calls hooks, between two of them; once for each
+  /// proposal or several of them. Real-time: swaps.
+  virtual void take_over() noexcept = 0;
 
  protected:
   PropertyBase(Component& owner, std::string name, std::string unit, std::string text);
@@ -63,7 +79,8 @@ concept PropertyValueType = std::same_as<T, bool> || std::same_as<T, std::string
     std::same_as<T, double> || std::signed_integral<T>;
 
 /// bool, a signed integer, float or double, or std::string. Reading is for every hook, also on the real-time
-/// thread.
+/// thread. A value that is set while the component runs is seen from its next call on, by who reads the
+/// property then: what initialize() made of it is not made again.
 template <PropertyValueType T>
 class Property final : public PropertyBase {
  public:
@@ -77,6 +94,7 @@ class Property final : public PropertyBase {
   Property(Component& owner, std::string name, T value, Options options = {})
       : PropertyBase(owner, std::move(name), std::move(options.unit), std::move(options.text)),
         value_(std::move(value)),
+        set_last_(value_),
         min_(options.min),
         max_(options.max) {}
 
@@ -93,7 +111,7 @@ class Property final : public PropertyBase {
     else
       return PropertyType::text;
   }
-  [[nodiscard]] std::string value_text() const override { return in_words(value_); }
+  [[nodiscard]] std::string value_text() const override { return in_words(set_last_); }
   [[nodiscard]] std::string range_text() const override {
     if (min_ && max_) return in_words(*min_) + " to " + in_words(*max_);
     if (min_) return "at least " + in_words(*min_);
@@ -101,16 +119,23 @@ class Property final : public PropertyBase {
     return {};
   }
 
-  Result<void> assign(std::string_view text) override {
-    std::optional<T> value = parse(text);
-    if constexpr (std::is_arithmetic_v<T>) {
-      // Written so that a NaN is refused wherever there is a bound.
-      if (value && ((min_ && !(*value >= *min_)) || (max_ && !(*value <= *max_)))) value.reset();
-    }
-    if (!value) return refusal(text);
-    value_ = std::move(*value);
+  [[nodiscard]] Result<void> check(std::string_view text) const override {
+    if (!accepted(text)) return refusal(text);
     return {};
   }
+  Result<void> assign(std::string_view text) override {
+    auto proposed = propose(text);
+    if (proposed) take_over();
+    return proposed;
+  }
+  Result<void> propose(std::string_view text) override {
+    std::optional<T> value = accepted(text);
+    if (!value) return refusal(text);
+    set_last_ = *value;
+    passed_on_ = std::move(*value);
+    return {};
+  }
+  void take_over() noexcept override { std::swap(value_, passed_on_); }
 
  private:
   static std::string in_words(const T& value) {
@@ -122,6 +147,15 @@ class Property final : public PropertyBase {
       return detail::number_text(value);
     else
       return value;
+  }
+
+  std::optional<T> accepted(std::string_view text) const {
+    std::optional<T> value = parse(text);
+    if constexpr (std::is_arithmetic_v<T>) {
+      // Written so that a NaN is refused wherever there is a bound.
+      if (value && ((min_ && !(*value >= *min_)) || (max_ && !(*value <= *max_)))) value.reset();
+    }
+    return value;
   }
 
   static std::optional<T> parse(std::string_view text) {
@@ -141,7 +175,9 @@ class Property final : public PropertyBase {
     }
   }
 
-  T value_;
+  T value_;        // of the thread that calls hooks
+  T passed_on_{};  // of the one that sets, until take_over(); then what was the value
+  T set_last_;     // of the one that sets
   std::optional<T> min_;
   std::optional<T> max_;
 };

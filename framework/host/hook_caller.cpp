@@ -31,7 +31,7 @@ struct HookCaller::Shared {
       busy = true;
       activity.begin(request.module, request.hook, to_ns(os::now()));
       lock.unlock();
-      const Result<void> result = call(request);
+      const Result<std::string> result = call(request);
       lock.lock();
       if (generation != mine) return;
       activity.end();

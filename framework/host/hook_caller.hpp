@@ -1,6 +1,7 @@
-// The thread that calls hooks. A hook is foreign code and may never return; then its module is lost, but the
-// hooks of all others must go on being called. So the thread can be given up, with the module that it is
-// stuck in, and a new one goes on with what was waiting.
+// The thread that calls hooks, and gets and sets properties, which is for the same thread. A hook is foreign
+// code and may never return; then its module is lost, but the hooks of all others must go on being called. So
+// the thread can be given up, with the module that it is stuck in, and a new one goes on with what was
+// waiting.
 #pragma once
 
 #include <condition_variable>
@@ -9,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include <takt/channel/layout.hpp>
@@ -19,9 +21,10 @@ namespace takt::host {
 
 class HookCaller {
  public:
-  /// `call` calls the hook of a request; `done` is told the outcome, on the same thread.
-  using Call = std::function<Result<void>(const Request&)>;
-  using Done = std::function<void(const Request&, const Result<void>&)>;
+  /// `call` does what a request wants and returns what is to be said of it; `done` is told, on the same
+  /// thread.
+  using Call = std::function<Result<std::string>(const Request&)>;
+  using Done = std::function<void(const Request&, const Result<std::string>&)>;
 
   HookCaller(channel::Activity& activity, std::vector<int> cpus, Call call, Done done);
   /// Ends the thread if it is not stuck.

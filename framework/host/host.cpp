@@ -38,7 +38,10 @@ class Host {
   void serve();
 
  private:
+  Result<std::string> serve_request(const Request& request);
   Result<void> call(const Request& request);
+  Result<std::string> get(const Request& request) const;
+  Result<void> set(const Request& request);
   Answer begin();
   void start_background();
   void run_background(std::uint32_t index);
@@ -89,7 +92,7 @@ Result<void> Host::prepare() {
                         .immediate = m.dispatch == model::Dispatch::immediate,
                         .late_is_error = m.miss == model::Miss::error};
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
-    if (modules_.back()) modules_.back()->ring_with(bell_);
+    if (modules_.back()) modules_.back()->attach(bell_, unit.block);
     unit.body = modules_.back().get();
     if (setup_.seat_fds[i] >= 0) {
       auto memory = os::SharedMemory::attach(os::Fd{setup_.seat_fds[i]});
@@ -116,11 +119,13 @@ Result<void> Host::prepare() {
   report_crashes_to(channel_.host().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));
   hooks_ = std::make_unique<HookCaller>(
-      channel_.host().hooks, setup_.background_cpus, [this](const Request& request) { return call(request); },
-      [this](const Request& request, const Result<void>& result) {
+      channel_.host().hooks, setup_.background_cpus,
+      [this](const Request& request) { return serve_request(request); },
+      [this](const Request& request, const Result<std::string>& result) {
+        ring_pending(*bell_);  // for what the hook wrote
         answer({.request = request,
                 .ok = result.ok(),
-                .text = result ? "" : in_words(result.problems()),
+                .text = result ? *result : in_words(result.problems()),
                 .warnings = {}});
       });
   return {};
@@ -131,7 +136,28 @@ void Host::answer(const Answer& answer) {
   node_.send_wait(encode(answer));
 }
 
-// On the hook thread.
+// On the hook thread, as what it calls.
+Result<std::string> Host::serve_request(const Request& request) {
+  if (request.what == Request::Do::get) return get(request);
+  const Result<void> done = request.what == Request::Do::set ? set(request) : call(request);
+  if (!done) return done.problems();
+  return std::string{};
+}
+
+Result<std::string> Host::get(const Request& request) const {
+  const ThreadModule& instance = *modules_[request.module];
+  if (instance.component() != nullptr) return instance.get(request.property);
+  // A module in C form has none that could be asked: it was shown those of the descriptor.
+  return model::given_property(module(request.module), request.property);
+}
+
+Result<void> Host::set(const Request& request) {
+  ThreadModule& instance = *modules_[request.module];
+  if (instance.component() != nullptr) return instance.set({{request.property, request.value}});
+  return fail(module(request.module).name + " is written in C: it reads its properties in initialize()",
+              "change the descriptor and reset it");
+}
+
 Result<void> Host::call(const Request& request) {
   ThreadModule& instance = *modules_[request.module];
   const model::Module& m = module(request.module);
@@ -228,6 +254,7 @@ void Host::run_background(std::uint32_t index) {
                           std::memory_order_release);  // SYNC: error raised
       }
     }
+    ring_pending(*bell_);
     block.background.end();
     const bool out = block.in_tables.load(relaxed) == 0;
     const Nanoseconds pause = out ? std::chrono::milliseconds{1} : period;
@@ -277,6 +304,8 @@ void Host::serve() {
     }
     switch (request->what) {
       case Request::Do::call:
+      case Request::Do::get:
+      case Request::Do::set:
         hooks_->enqueue(*request);
         break;
       case Request::Do::begin:

@@ -23,7 +23,7 @@ Result<void> HostLinks::attach(const std::vector<PortLink>& links) {
   return {};
 }
 
-Result<void> HostLinks::connect(std::uint32_t index, const ThreadModule& module) {
+Result<void> HostLinks::connect(std::uint32_t index, ThreadModule& module) {
   for (const PortLink& end : links_) {
     if (end.module != index) continue;
     PortBase* port = module.port(end.port);
@@ -40,7 +40,12 @@ Result<void> HostLinks::connect(std::uint32_t index, const ThreadModule& module)
           "the port '" + end.port + "' has values of another size than the port that it is connected to",
           "compile both components with one compiler, from one IDL file");
     }
+    if (!end.typed && memory.link.stride() < port->type().max_size) {
+      return fail("the type of port '" + end.port + "' has changed since it was described",
+                  "deploy the cell again");
+    }
     port->connect(memory.link, end.typed ? memory.values : nullptr);
+    if (port->direction() != PortDirection::out) module.watch(memory.link, *port, end.stale_is_error);
   }
   return {};
 }

@@ -20,7 +20,7 @@ class HostLinks {
   Result<void> attach(const std::vector<PortLink>& links);
   /// Ties the ports of a module that was just loaded to its links. Again when it was loaded again: it goes on
   /// where its former instance was. Fails when it has not the ports that it is to have.
-  Result<void> connect(std::uint32_t index, const ThreadModule& module);
+  Result<void> connect(std::uint32_t index, ThreadModule& module);
 
  private:
   struct Memory {

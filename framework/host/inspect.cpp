@@ -106,11 +106,11 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
     Result<void> result = module.load(path, again ? os::Library::Globals::own : os::Library::Globals::shared,
                                       wanted.operation == model::Operation::sporadic);
     if (result && module.component() == nullptr) loaded.insert(use.device);
-    if (result) {
+    if (result && module.component() != nullptr) {
       irp::Property::Values values;
       for (const model::PropertyValue& property : wanted.properties)
         values.emplace_back(property.name, property.value);
-      result = module.assign(values);
+      result = module.set(values);
     }
     answer.push_back(
         {{"problems", problems_json(result ? Problems{} : result.problems())}, {"ports", ports_of(module)}});

@@ -71,15 +71,19 @@ model::Executor executor_from(const json& value) {
 }
 
 json to_json(const Request& request) {
-  return {
-      {"do", request.what}, {"module", request.module}, {"hook", request.hook}, {"type", request.error_type}};
+  return {{"do", request.what},         {"module", request.module}, {"hook", request.hook},
+          {"type", request.error_type}, {"id", request.id},         {"property", request.property},
+          {"value", request.value}};
 }
 
 Request request_from(const json& value) {
   return {.what = value.at("do"),
           .module = value.at("module"),
           .hook = value.at("hook"),
-          .error_type = value.at("type")};
+          .error_type = value.at("type"),
+          .id = value.at("id"),
+          .property = value.at("property"),
+          .value = value.at("value")};
 }
 
 template <class T, class Read>
@@ -100,7 +104,8 @@ std::string encode(const Setup& setup) {
   json executors = json::array();
   for (const auto& executor : setup.device.executors) executors.push_back(to_json(executor));
   json links = json::array();
-  for (const PortLink& link : setup.links) links.push_back({link.module, link.port, link.fd, link.typed});
+  for (const PortLink& link : setup.links)
+    links.push_back({link.module, link.port, link.fd, link.typed, link.stale_is_error});
   return dump({{"name", setup.device.name},
                {"modules", modules},
                {"executors", executors},
@@ -135,7 +140,8 @@ Result<Setup> decode_setup(const std::string& text) {
     setup.background_cpus = value.at("background_cpus").get<std::vector<int>>();
     setup.seat_fds = value.at("seat_fds").get<std::vector<int>>();
     setup.bell_fd = value.at("bell_fd");
-    for (const json& link : value.at("links")) setup.links.push_back({link[0], link[1], link[2], link[3]});
+    for (const json& link : value.at("links"))
+      setup.links.push_back({link[0], link[1], link[2], link[3], link[4]});
     return setup;
   });
 }

@@ -19,6 +19,8 @@ struct PortLink {
   std::string port;
   int fd = -1;
   bool typed = false;  ///< its payloads are values in the host's memory
+  bool stale_is_error =
+      false;  ///< of an input: run() is not called while the newest value is older than the deadline
 };
 
 /// What a host needs to know of its device. Processors are where the node decided; empty lists mean any.
@@ -37,6 +39,8 @@ struct Setup {
 struct Request {
   enum class Do {
     call,        ///< call a hook (or load) of `module`; answered
+    get,         ///< the value of a property of `module`; answered
+    set,         ///< set it, while the module runs or not; answered
     begin,       ///< start the executors on the grid of channel.host().t0_ns; answered
     background,  ///< start the threads of non-real-time modules
     halt,        ///< end the executors and background threads; answered
@@ -47,13 +51,16 @@ struct Request {
   std::uint32_t module = 0;
   channel::Doing hook = channel::Doing::nothing;
   int error_type = 0;
+  std::uint64_t id = 0;  ///< of get and set: the answer has it too
+  std::string property{};
+  std::string value{};  ///< to set
 };
 
 /// host -> node
 struct Answer {
   Request request;
   bool ok = true;
-  std::string text;                   ///< why not
+  std::string text;                   ///< why not; to get: the value
   std::vector<std::string> warnings;  ///< to begin: what the system refused, in words
 };
 

@@ -73,6 +73,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
       component_ = factory_->create();
       return {};
     });
+    if (created) live_.serve(component_, factory_->name);
     if (created) created = take_ports(path);
     if (!created) unload();
     if (created && sporadic && !may_be_ready()) {
@@ -144,10 +145,43 @@ PortBase* ThreadModule::port(const std::string& name) const noexcept {
   return found == ports_.end() ? nullptr : *found;
 }
 
-void ThreadModule::begin_hook() noexcept { context_.start_ns = to_ns(os::now()); }
+void ThreadModule::watch(channel::Link link, const PortBase& input, bool stale_is_error) {
+  const Nanoseconds deadline{link.block().deadline_ns};
+  if (deadline <= Nanoseconds{0}) return;
+  watched_.push_back({link, stale_is_error,
+                      "the newest value of input '" + input.name() + "' is older than " + to_text(deadline),
+                      false});
+}
+
+const char* ThreadModule::look_at_inputs(Instant start) noexcept {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  const std::int64_t now = to_ns(start);
+  const std::uint64_t entered = block_ == nullptr ? 1 : block_->entered.load(relaxed);
+  if (entered != entered_) {
+    entered_ = entered;
+    watched_since_ns_ = now;
+  }
+  const char* stale = nullptr;
+  for (Watched& input : watched_) {
+    channel::LinkBlock& block = input.link.block();
+    const std::int64_t newest = std::max(block.newest_ns.load(relaxed), watched_since_ns_);
+    const bool late = now - newest > block.deadline_ns;
+    if (late && !input.late) block.late.store(block.late.load(relaxed) + 1, relaxed);
+    input.late = late;
+    if (late && input.is_error && stale == nullptr) stale = input.text.c_str();
+  }
+  return stale;
+}
+
+void ThreadModule::begin_hook() noexcept {
+  context_.start_ns = to_ns(os::now());
+  live_.take_over();
+}
 
 void ThreadModule::unload() {
   ports_.clear();
+  watched_.clear();
+  live_.serve(nullptr, {});
   if (component_ != nullptr) factory_->destroy(component_);
   component_ = nullptr;
   factory_ = nullptr;
@@ -160,37 +194,18 @@ void ThreadModule::unload() {
 
 void ThreadModule::abandon() noexcept {
   ports_.clear();
+  watched_.clear();
+  live_.serve(nullptr, {});
   component_ = nullptr;
   library_.abandon();
 }
 
-Result<void> ThreadModule::assign(const irp::Property::Values& values) {
-  if (component_ == nullptr) return {};
-  Problems problems;
-  for (const auto& [name, text] : values) {
-    const auto& properties = component_->properties();
-    const auto found =
-        std::find_if(properties.begin(), properties.end(),
-                     [&name = name](const PropertyBase* property) { return property->name() == name; });
-    if (found == properties.end()) {
-      std::string known;
-      for (const PropertyBase* property : properties) known += (known.empty() ? "" : ", ") + property->name();
-      problems.push_back(fail(std::string{"component "} + factory_->name + " has no property '" + name + "'",
-                              known.empty() ? "it has none" : "it has " + known));
-      continue;
-    }
-    if (auto assigned = (*found)->assign(text); !assigned) {
-      problems.insert(problems.end(), assigned.problems().begin(), assigned.problems().end());
-    }
-  }
-  if (!problems.empty()) return problems;
-  return {};
-}
-
 Result<void> ThreadModule::initialize(const irp::Property& property) {
+  if (component_ != nullptr) {
+    if (auto taken = set(property.values()); !taken) return taken;
+  }
   begin_hook();
   if (component_ != nullptr) {
-    if (auto assigned = assign(property.values()); !assigned) return assigned;
     return guarded([this] { return component_->initialize(); });
   }
   return call(initialize_, property);
@@ -225,8 +240,12 @@ Result<void> ThreadModule::destruct() {
 }
 
 executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
+  if (!watched_.empty()) {
+    if (const char* stale = look_at_inputs(cycle.start); stale != nullptr) return {ErrorType::stale, stale};
+  }
   serve_cycle(&cycle);
   context_.start_ns = to_ns(cycle.start);
+  live_.take_over();
   try {
     if (component_ != nullptr) {
       component_->run(cycle);
@@ -245,6 +264,7 @@ executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
 executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexcept {
   serve_cycle(&cycle);
   context_.start_ns = to_ns(cycle.start);
+  live_.take_over();
   try {
     if (component_ != nullptr)
       *ready = component_->condition();

@@ -5,10 +5,13 @@
 #include <vector>
 
 #include <takt/component/module.h>
+#include <takt/channel/layout.hpp>
+#include <takt/channel/link.hpp>
 #include <takt/component/component.hpp>
 #include <takt/component/port.hpp>
 #include <takt/core/result.hpp>
 #include <takt/executor/body.hpp>
+#include <takt/host/live_properties.hpp>
 #include <takt/os/library.hpp>
 
 namespace takt::host {
@@ -31,10 +34,14 @@ class ThreadModule final : public executor::Body {
   void abandon() noexcept;
   [[nodiscard]] bool loaded() const noexcept { return component_ != nullptr || run_ != nullptr; }
 
-  /// Sets the properties of a C++ component: one problem for each that it does not have or does not take. A C
-  /// module is given them by initialize(), unchecked.
-  Result<void> assign(const irp::Property::Values& values);
+  /// Sets properties of a C++ component, also while it runs; in force from its next call on. All or none: one
+  /// problem for each that it does not have or does not take. Not of a module in the C form.
+  Result<void> set(const irp::Property::Values& values) { return live_.set(values); }
+  /// The value that such a property has, or will have from the next call on.
+  [[nodiscard]] Result<std::string> get(const std::string& property) const { return live_.get(property); }
 
+  /// A C++ component is given the properties by name and refuses what it does not have or take; a module in
+  /// the C form has to look itself.
   Result<void> initialize(const irp::Property& property);
   Result<void> start();
   Result<void> error(ErrorType type);
@@ -55,8 +62,16 @@ class ThreadModule final : public executor::Body {
   [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
   /// Null when it has none of that name.
   [[nodiscard]] PortBase* port(const std::string& name) const noexcept;
-  /// For ports that wake somebody; null: they wake nobody. Before it is loaded.
-  void ring_with(channel::Bell* bell) noexcept { context_.bell = bell; }
+  /// Before it is loaded. For ports that wake somebody; null: they wake nobody. And where it is counted how
+  /// often the module was put into the tables; null: once.
+  void attach(channel::Bell* bell, const channel::ModuleBlock* block) noexcept {
+    context_.bell = bell;
+    block_ = block;
+  }
+  /// Before each run() it is looked whether this input's newest value is older than the link's deadline,
+  /// counted from the module's first release in the tables on. It is late then, which is counted; where it is
+  /// an error, run() is not called.
+  void watch(channel::Link link, const PortBase& input, bool stale_is_error);
   /// The hooks that it defines, in the order of their lives.
   [[nodiscard]] std::vector<std::string> hooks() const;
 
@@ -65,7 +80,7 @@ class ThreadModule final : public executor::Body {
   Result<void> take_ports(const std::string& path);
   /// It has a condition, of its own or by an event port.
   [[nodiscard]] bool may_be_ready() const noexcept;
-  /// What a hook writes has the time at which it was called.
+  /// What a hook writes has the time at which it was called; it sees what was set until then.
   void begin_hook() noexcept;
 
   os::Library library_;
@@ -75,8 +90,22 @@ class ThreadModule final : public executor::Body {
   Hook start_ = nullptr;
   Hook run_ = nullptr;
   int (*condition_)() = nullptr;
+  struct Watched {
+    channel::Link link;
+    bool is_error;
+    std::string text;  // of the error
+    bool late = false;
+  };
+  /// Null when none is stale that must not be.
+  const char* look_at_inputs(Instant start) noexcept;
+
   std::vector<PortBase*> ports_;
   PortContext context_;
+  std::vector<Watched> watched_;
+  const channel::ModuleBlock* block_ = nullptr;
+  std::uint64_t entered_ = 0;          // as it was at the last run()
+  std::int64_t watched_since_ns_ = 0;  // the first release since then
+  LiveProperties live_;
   void (*error_)(int) = nullptr;
   Hook recover_ = nullptr;
   Hook destruct_ = nullptr;

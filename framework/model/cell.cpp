@@ -1,5 +1,7 @@
 #include <takt/model/cell.hpp>
 
+#include <takt/core/words.hpp>
+
 namespace takt::model {
 
 const char* to_text(ModuleType type) { return type == ModuleType::thread ? "thread" : "process"; }
@@ -59,6 +61,16 @@ std::string topic_of(const Cell& cell, const Connection& connection) {
   if (!connection.topic.empty()) return connection.topic;
   const Endpoint& writer = connection.from;
   return std::string{kOwnTopics} + cell.name + "/" + writer.device + "/" + writer.module + "/" + writer.port;
+}
+
+Result<std::string> given_property(const Module& module, const std::string& name) {
+  std::string given;
+  for (const PropertyValue& property : module.properties) {
+    if (property.name == name) return property.value;
+    given += (given.empty() ? "" : ", ") + property.name;
+  }
+  return fail("the descriptor gives " + module.name + " no property " + in_quotes(name),
+              given.empty() ? "it gives none" : "it gives " + given);
 }
 
 }  // namespace takt::model

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 
 namespace takt::model {
@@ -146,5 +147,7 @@ inline constexpr const char* kOwnTopics = "takt/";
 std::string to_text(const Endpoint& end);
 /// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer.
 std::string topic_of(const Cell& cell, const Connection& connection);
+/// The text that the descriptor gives a property of a module. Fails when it gives none.
+Result<std::string> given_property(const Module& module, const std::string& name);
 
 }  // namespace takt::model

@@ -45,6 +45,7 @@ void Agent::step() {
   watch_names();
   look_at_inspection();
   look_at_supervised();
+  look_at_description();
   tell_status();
   tell_measures();
 }

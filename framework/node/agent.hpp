@@ -39,6 +39,7 @@ class Agent {
     std::optional<DeploymentFile> file;  ///< where the deployment is kept; none: nowhere
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
+    std::function<Instant(std::int64_t)> instant_of_wall;
   };
   /// What it sets to work.
   struct Workshop {
@@ -72,9 +73,17 @@ class Agent {
   // Commands (agent_commands.cpp)
   void report(const Command& command);
   void describe(const Command& command);
+  void look_at_description();
+  void described(const Result<Inspected>& result);
   void order(const Command& command, Verb verb);
+  void tap(const Command& command);
+  void property(const Command& command);
+  /// False where there is nothing that could be told to do something; that is answered then.
+  bool runs(const Command& command);
+  /// None where there is no module of that name; that is answered then.
+  std::optional<std::uint32_t> module_of(const Command& command);
   void answer(const Command& command, ReplyCode code, const std::string& text, std::string data = {},
-              std::optional<lifecycle::State> state = {});
+              std::optional<lifecycle::State> state = {}, const std::string& value = {});
   [[nodiscard]] nlohmann::ordered_json lost_devices() const;
 
   // Deployments (agent_deployment.cpp)

@@ -1,12 +1,14 @@
 // What an agent is asked, and what it answers.
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include <takt/core/words.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/node/agent_deployment.hpp>
+#include <takt/node/limits.hpp>
 #include <takt/node/problems_json.hpp>
 
 namespace takt::node {
@@ -15,7 +17,7 @@ using json = nlohmann::ordered_json;
 using Phase = Supervised::Phase;
 
 void Agent::answer(const Command& command, ReplyCode code, const std::string& text, std::string data,
-                   std::optional<lifecycle::State> state) {
+                   std::optional<lifecycle::State> state, const std::string& value) {
   dds::WholeReply reply;
   reply.head.id(command.id());
   dds::set(reply.head.device(), options_.device);
@@ -24,6 +26,7 @@ void Agent::answer(const Command& command, ReplyCode code, const std::string& te
   reply.head.code(code);
   if (state) reply.head.state(static_cast<LifecycleState>(*state));
   dds::set(reply.head.text(), text);
+  dds::set(reply.head.value(), value);
   reply.data = std::move(data);
   outlet_.reply(reply);
 }
@@ -62,8 +65,9 @@ void Agent::hear(const dds::WholeCommand& command) {
       return order(head, Verb::destruct);
     case COMMAND_GET:
     case COMMAND_SET:
+      return property(head);
     case COMMAND_TAP:
-      break;
+      return tap(head);
   }
   answer(head, REPLY_REFUSED,
          "this node does not know the command '" + std::to_string(static_cast<std::uint32_t>(head.kind())) +
@@ -112,11 +116,45 @@ json Agent::lost_devices() const {
 }
 
 void Agent::describe(const Command& command) {
-  if (!deployment_ || deployment_->description.empty()) {
+  if (!deployment_ || !deployment_->supervised) {
     answer(command, REPLY_REFUSED, "device " + options_.device + " has no deployment to describe");
     return;
   }
-  answer(command, REPLY_OK, "", deployment_->description);
+  Deployment& d = *deployment_;
+  if (!d.description.empty()) {
+    answer(command, REPLY_OK, "", d.description);
+    return;
+  }
+  d.describers.push_back(command);
+  if (d.describing) return;
+  auto inspection = workshop_.inspect({.text = d.text,
+                                       .file = d.file,
+                                       .device = options_.device,
+                                       .as_written = options_.lent,
+                                       .describe = true});
+  if (inspection)
+    d.describing = std::move(*inspection);
+  else
+    described(inspection.problems());
+}
+
+void Agent::look_at_description() {
+  if (!deployment_ || !deployment_->describing) return;
+  if (const auto result = deployment_->describing->result(); result) {
+    deployment_->describing.reset();
+    described(*result);
+  }
+}
+
+void Agent::described(const Result<Inspected>& result) {
+  Deployment& d = *deployment_;
+  if (result) d.description = result->description;
+  for (const Command& describer : std::exchange(d.describers, {})) {
+    if (result)
+      answer(describer, REPLY_OK, "", d.description);
+    else
+      answer(describer, REPLY_FAILED, in_words(result.problems()), dump(problems_json(result.problems())));
+  }
 }
 
 /// An order to every module, answered when each has answered.
@@ -128,30 +166,67 @@ struct Agent::WholeDevice {
   std::size_t refused = 0;
 };
 
-void Agent::order(const Command& command, Verb verb) {
-  if (!deployment_ || !deployment_->supervised || deployment_->supervised->phase() != Phase::running) {
-    answer(command, REPLY_REFUSED,
-           deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
-                       : "device " + options_.device + " has no deployment");
-    return;
-  }
+bool Agent::runs(const Command& command) {
+  if (deployment_ && deployment_->supervised && deployment_->supervised->phase() == Phase::running)
+    return true;
+  answer(command, REPLY_REFUSED,
+         deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
+                     : "device " + options_.device + " has no deployment");
+  return false;
+}
+
+std::optional<std::uint32_t> Agent::module_of(const Command& command) {
   const std::vector<model::Module>& modules = deployment_->of_device().modules;
   const std::string name = command.module_name().to_string();
-  if (!name.empty()) {
-    const auto module =
-        std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
-    if (module == modules.end()) {
-      std::vector<std::string_view> names;
-      for (const model::Module& m : modules) names.push_back(m.name);
-      answer(
-          command, REPLY_REFUSED,
-          "device " + options_.device + " has no module " + in_quotes(name) + "; " + suggestion(name, names));
-      return;
-    }
-    deployment_->supervised->order(static_cast<std::uint32_t>(module - modules.begin()), verb,
-                                   [this, command](const Outcome& outcome) {
-                                     answer(command, outcome.code, outcome.text, {}, outcome.state);
-                                   });
+  const auto module =
+      std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
+  if (module != modules.end()) return static_cast<std::uint32_t>(module - modules.begin());
+  std::vector<std::string_view> names;
+  for (const model::Module& m : modules) names.push_back(m.name);
+  answer(command, REPLY_REFUSED,
+         "device " + options_.device + " has no module " + in_quotes(name) + "; " + suggestion(name, names));
+  return std::nullopt;
+}
+
+void Agent::property(const Command& command) {
+  if (!runs(command)) return;
+  const auto module = module_of(command);
+  if (!module) return;
+  const auto done = [this, command](const Outcome& outcome) {
+    answer(command, outcome.code, outcome.text, {}, outcome.state, outcome.value);
+  };
+  const std::string name = command.property().to_string();
+  if (command.kind() == COMMAND_GET) {
+    deployment_->supervised->get(*module, name, done);
+  } else {
+    deployment_->supervised->set(*module, name, command.value().to_string(), done);
+  }
+}
+
+void Agent::tap(const Command& command) {
+  if (!runs(command)) return;
+  const auto module = module_of(command);
+  if (!module) return;
+  const Nanoseconds longer{command.time_ns() - options_.wall_ns()};
+  const auto tapped = deployment_->supervised->tap(
+      *module, command.property().to_string(), options_.now() + std::min<Nanoseconds>(longer, kLongestTap));
+  if (!tapped) {
+    answer(command, REPLY_REFUSED, in_words(tapped.problems()));
+    return;
+  }
+  answer(command, REPLY_OK, "",
+         dump({{"topic", tapped->topic}, {"type", tapped->type}, {"reliable", tapped->reliable}}));
+}
+
+void Agent::order(const Command& command, Verb verb) {
+  if (!runs(command)) return;
+  const std::vector<model::Module>& modules = deployment_->of_device().modules;
+  if (command.module_name().size() != 0) {
+    const auto module = module_of(command);
+    if (!module) return;
+    deployment_->supervised->order(*module, verb, [this, command](const Outcome& outcome) {
+      answer(command, outcome.code, outcome.text, {}, outcome.state);
+    });
     return;
   }
   auto all = std::make_shared<WholeDevice>();

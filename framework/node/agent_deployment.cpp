@@ -37,6 +37,17 @@ Result<Found> find(const std::string& text, const std::string& file, const std::
   return Found{std::move(*cell), index};
 }
 
+std::string ports_of(const model::Device& device, const std::vector<model::ModulePorts>& ports) {
+  using json = nlohmann::ordered_json;
+  json modules = json::array();
+  for (std::size_t i = 0; i < device.modules.size(); ++i) {
+    const bool known = i < ports.size() && ports[i];
+    modules.push_back({{"name", device.modules[i].name},
+                       {"ports", known ? json::parse(model::ports_json(*ports[i])) : json(nullptr)}});
+  }
+  return dump({{"modules", modules}});
+}
+
 }  // namespace
 
 // Why there can be no other deployment now.
@@ -65,7 +76,7 @@ void Agent::prepare(const dds::WholeCommand& command) {
   }
   if (deployment_ && deployment_->id == id && !deployment_->over && deployment_->undeployers.empty()) {
     if (deployment_->ready_since)
-      answer(head, REPLY_OK, "", deployment_->description);
+      answer(head, REPLY_OK, "", deployment_->ports);
     else
       deployment_->preparers.push_back(head);
     return;
@@ -116,7 +127,7 @@ void Agent::look_at_inspection() {
     return;
   }
   Deployment& d = *deployment_;
-  d.description = (*result)->description;
+  d.ports = ports_of(d.of_device(), (*result)->ports);
   for (const model::Module& module : d.of_device().modules) {
     LifecycleStatus status;
     dds::set(status.path(), dds::path_of(d.cell.name, options_.device, module.name));
@@ -175,7 +186,7 @@ void Agent::look_at_supervised() {
     case Phase::ready:
       if (!d.ready_since) {
         d.ready_since = options_.now();
-        for (const Command& preparer : d.preparers) answer(preparer, REPLY_OK, "", d.description);
+        for (const Command& preparer : d.preparers) answer(preparer, REPLY_OK, "", d.ports);
         d.preparers.clear();
         if (d.t0_wall_ns) go(*d.t0_wall_ns);
       } else if (options_.now() - *d.ready_since > kRunAwaited) {
@@ -223,7 +234,7 @@ void Agent::run(const Command& command) {
 void Agent::go(std::int64_t t0_wall_ns) {
   Deployment& d = *deployment_;
   d.t0_wall_ns = t0_wall_ns;
-  d.supervised->go(options_.now() + Nanoseconds{t0_wall_ns - options_.wall_ns()});
+  d.supervised->go(options_.instant_of_wall(t0_wall_ns));
   if (!options_.file) return;
   const auto kept = options_.file->keep({.id = d.id,
                                          .file = d.file,

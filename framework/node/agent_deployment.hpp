@@ -20,7 +20,10 @@ struct Agent::Deployment {
 
   std::unique_ptr<Inspection> inspection;  ///< while it is under way
   std::unique_ptr<Supervised> supervised;  ///< after that
-  std::string description;
+  std::string ports;  ///< JSON for who prepares the cell: {"modules": [{"name", "ports": [...] or null}]}
+  std::string description;                 ///< JSON; empty: nobody has asked yet
+  std::unique_ptr<Inspection> describing;  ///< for who has
+  std::vector<Command> describers;
   std::vector<LifecycleStatus> modules;  ///< as last told
 
   std::vector<Command> preparers;    ///< to be answered when every module is in START, or why not

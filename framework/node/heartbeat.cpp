@@ -14,6 +14,14 @@ void Heartbeat::set(const DeviceStatus& status) {
   changed_.notify_one();
 }
 
+void Heartbeat::wake() {
+  {
+    const std::lock_guard lock{mutex_};
+    news_ = true;
+  }
+  changed_.notify_one();
+}
+
 void Heartbeat::sign(Instant now) {
   const std::lock_guard lock{mutex_};
   signed_at_ = now;
@@ -24,8 +32,7 @@ void Heartbeat::serve(DeviceLine& line) {
     std::unique_lock lock{mutex_};
     changed_.wait_for(lock, kEvery, [this] { return news_; });
   }
-  const auto wall = std::chrono::system_clock::now().time_since_epoch();
-  beat(line, os::now(), std::chrono::duration_cast<Nanoseconds>(wall).count());
+  beat(line, os::now(), os::wall_ns());
 }
 
 void Heartbeat::beat(DeviceLine& line, Instant now, std::int64_t wall_ns) {

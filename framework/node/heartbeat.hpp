@@ -39,6 +39,9 @@ class Heartbeat {
   /// By the main loop, each time around.
   void sign(Instant now);
 
+  /// Ends a wait of serve().
+  void wake();
+
   /// On its own thread: waits for a change or the next beat, then says what is so.
   void serve(DeviceLine& line);
   /// The same without waiting.

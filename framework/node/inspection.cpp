@@ -41,7 +41,8 @@ class Program final : public Inspection {
     program->socket_.send(dump({{"text", request.text},
                                 {"file", request.file},
                                 {"device", request.device},
-                                {"as_written", request.as_written}}));
+                                {"as_written", request.as_written},
+                                {"describe", request.describe}}));
     return {std::move(program)};
   }
 
@@ -64,7 +65,8 @@ class Program final : public Inspection {
     const json answer = json::parse(text, nullptr, false);
     if (answer.is_discarded()) return failed("gave an answer that cannot be read");
     if (answer.contains("problems")) return problems_from(answer["problems"]);
-    Inspected inspected{answer.at("paths").get<host::ComponentPaths>(), {}, dump(answer.at("description"))};
+    Inspected inspected{.paths = answer.at("paths").get<host::ComponentPaths>()};
+    if (answer.contains("description")) inspected.description = dump(answer["description"]);
     for (const json& module : answer.at("ports")) {
       inspected.ports.emplace_back();
       if (module.is_null()) continue;
@@ -80,7 +82,17 @@ class Program final : public Inspection {
   Instant begun_{};
 };
 
-json describe(const model::Module& module, const std::string& path, const host::Description& description) {
+// A program would have to be started to say more than the check found out.
+json describe(const model::Module& module, const std::string& path, const model::ModulePorts& ports) {
+  json entry{{"name", module.name}, {"path", path}};
+  entry["ports"] = ports ? json::parse(model::ports_json(*ports)) : json(nullptr);
+  if (module.type == model::ModuleType::process) {
+    entry["interface"] = "process";
+    return entry;
+  }
+  const auto found = host::describe(path);
+  if (!found) return entry;
+  const host::Description& description = *found;
   json properties = json::array();
   for (const auto& p : description.properties) {
     properties.push_back({{"name", p.name},
@@ -90,9 +102,11 @@ json describe(const model::Module& module, const std::string& path, const host::
                           {"unit", p.unit},
                           {"text", p.text}});
   }
-  return {{"name", module.name},           {"path", path},
-          {"component", description.name}, {"interface", description.interface},
-          {"hooks", description.hooks},    {"properties", properties}};
+  entry["component"] = description.name;
+  entry["interface"] = description.interface;
+  entry["hooks"] = description.hooks;
+  entry["properties"] = properties;
+  return entry;
 }
 
 // The file of a component that a descriptor from elsewhere names: by its last part, on this device's
@@ -149,16 +163,14 @@ json inspect_here(const InspectionRequest& request) {
   json ports = json::array();
   for (const model::ModulePorts& module : components->ports.at(0))
     ports.push_back(module ? json(model::ports_json(*module)) : json(nullptr));
+  json answer{{"paths", components->paths.at(0)}, {"ports", ports}};
+  if (!request.describe) return answer;
   json modules = json::array();
-  for (std::size_t i = 0; i < mine.devices[0].modules.size(); ++i) {
-    const std::string& path = components->paths.at(0)[i];
-    const auto description = host::describe(path);
-    if (!description) return refuse(description.problems());
-    modules.push_back(describe(mine.devices[0].modules[i], path, *description));
-  }
-  return {{"paths", components->paths.at(0)},
-          {"ports", ports},
-          {"description", {{"device", request.device}, {"modules", modules}}}};
+  for (std::size_t i = 0; i < mine.devices[0].modules.size(); ++i)
+    modules.push_back(
+        describe(mine.devices[0].modules[i], components->paths.at(0)[i], components->ports.at(0)[i]));
+  answer["description"] = {{"device", request.device}, {"modules", modules}};
+  return answer;
 }
 
 }  // namespace
@@ -176,7 +188,8 @@ int run_inspection() {
   node.send_wait(dump(inspect_here({.text = request.at("text"),
                                     .file = request.at("file"),
                                     .device = request.at("device"),
-                                    .as_written = request.at("as_written")})));
+                                    .as_written = request.at("as_written"),
+                                    .describe = request.at("describe")})));
   return 0;
 }
 

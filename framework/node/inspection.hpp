@@ -21,13 +21,14 @@ struct InspectionRequest {
   std::string device;
   bool as_written = false;  ///< files are looked up as they are written, from this folder on; else only by
                             ///< their last part, on the component path
+  bool describe = false;    ///< properties and hooks too, which takes longer
 };
 
 struct Inspected {
   host::ComponentPaths paths;
-  std::vector<model::ModulePorts> ports;  ///< of the device's modules
-  std::string description;  ///< JSON: {"device", "modules": [{"name", "path", "interface", "properties":
-                            ///< [...], ...}]}
+  std::vector<model::ModulePorts> ports{};  ///< of the device's modules
+  std::string description{};                ///< JSON, if asked for: {"device", "modules": [{"name", "path",
+                                            ///< "properties": [...], "ports": [...], ...}]}
 };
 
 class Inspection {

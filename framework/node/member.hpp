@@ -7,16 +7,27 @@
 #include <string>
 
 #include <takt/channel/activity.hpp>
+#include <takt/channel/departure.hpp>
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
 #include <takt/lifecycle/machine.hpp>
 #include <takt/lifecycle/recovery.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/node/output.hpp>
+#include <takt/node/supervised.hpp>
+#include <takt/node/wiring.hpp>
 #include <takt/os/process.hpp>
 #include <takt/os/shared_memory.hpp>
 
 namespace takt::node {
+
+/// What an operator has asked of a module, until it is answered.
+struct Ordered {
+  Verb verb;
+  Instant since;
+  std::function<void(const Outcome&)> done;
+  int attempts = 0;  ///< to recover, that were made before
+};
 
 struct Member {
   Member(const model::Module& m, std::uint32_t i, channel::ModuleBlock& b)
@@ -38,6 +49,7 @@ struct Member {
   channel::ModuleBlock& block;
   lifecycle::Machine machine;
   lifecycle::Recovery recovery;
+  channel::Departure departure;  ///< of the last time that it was taken out of the tables
 
   bool wanted = true;  ///< to be EXECUTING while the device runs
   bool lost =
@@ -58,7 +70,15 @@ struct Member {
   Instant told_to_end{};
   int last_pid = 0;
   bool killed_for_hanging = false;
-  int end_signals = 0;  ///< how far its end has been pressed: 0 asked, 1 SIGTERM, 2 SIGKILL
+  std::vector<Wiring::Wire*> inputs;  ///< that have a deadline; of any module
+  Instant put_in_at{};                ///< into the tables
+  bool stale = false;                 ///< it is in RECOVER because an input was stale
+
+  std::optional<Ordered> ordered;
+
+  bool started_again = false;   ///< by an attempt to recover; it is to become ready
+  std::uint64_t seen_late = 0;  ///< of seat->late
+  int end_signals = 0;          ///< how far its end has been pressed: 0 asked, 1 SIGTERM, 2 SIGKILL
 };
 
 }  // namespace takt::node

@@ -66,10 +66,6 @@ std::string new_node_id() {
   return dds::cut(os::host_name(), 40) + "-" + std::to_string(os::process_id()) + "-" + digits.data();
 }
 
-std::int64_t wall_ns() {
-  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
 int refuse(const Problems& problems) {
   std::fprintf(stderr, "%s\n", to_text(problems).c_str());
   return 1;
@@ -110,12 +106,17 @@ int run_node(const NodeOptions& options) {
                                .lent = lent,
                                .file = std::nullopt,
                                .now = os::now,
-                               .wall_ns = wall_ns};
+                               .wall_ns = os::wall_ns,
+                               .instant_of_wall = os::instant_of_wall};
   if (!options.state_folder.empty() && !lent)
     agent_options.file = DeploymentFile{options.state_folder, options.device, options.domain};
   Agent agent{agent_options,
               {.inspect = inspect,
-               .supervise = [](Supervisor::Options o) { return std::make_unique<Supervisor>(std::move(o)); }},
+               .supervise =
+                   [&participant](Supervisor::Options o) {
+                     o.participant = *participant;
+                     return std::make_unique<Supervisor>(std::move(o));
+                   }},
               **voice};
 
   // What the others say, and then what this node is asked.

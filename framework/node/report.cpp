@@ -5,6 +5,7 @@
 
 #include <takt/dds/words.hpp>
 #include <takt/node/supervisor.hpp>
+#include <takt/os/clock.hpp>
 
 namespace takt::node {
 
@@ -42,9 +43,34 @@ const Statistics& jitter_of(const Member& member) {
 const Statistics& run_of(const Member& member) {
   return member.seat == nullptr ? member.block.run : member.seat->run;
 }
+std::uint64_t releases_of(const Member& member) {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  return member.block.cycles.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->begun.load(relaxed));
+}
 std::uint64_t overruns_of(const Member& member) {
   constexpr auto relaxed = std::memory_order_relaxed;
   return member.block.overruns.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->late.load(relaxed));
+}
+
+json ports_of(const Wiring& wiring, std::uint32_t module, const model::ModulePorts& ports) {
+  json list = json::array();
+  if (!ports) return list;
+  const std::int64_t now_ns = to_ns(os::now());
+  for (const model::Port& port : *ports) {
+    const PortHealth health = wiring.health(module, port, now_ns);
+    list.push_back(
+        {{"name", port.name},
+         {"direction", to_text(port.direction)},
+         {"type", port.type.name},
+         {"connected", health.connections > 0},
+         {"samples", health.samples},
+         {"lost", health.lost},
+         {"dropped", health.dropped},
+         {"refused", health.refused},
+         {"late", health.late},
+         {"age_us", health.age_ns < 0 ? json(nullptr) : json(static_cast<double>(health.age_ns) / 1e3)}});
+  }
+  return list;
 }
 
 }  // namespace
@@ -69,6 +95,7 @@ Standing Supervisor::standing() const {
 Measures Supervisor::measures() const {
   constexpr auto relaxed = std::memory_order_relaxed;
   Measures measures;
+  const std::int64_t now_ns = to_ns(os::now());
   const auto name = [this](auto& entry, const std::string& part) {
     dds::set(entry.path(), dds::path_of(options_.cell.name, device().name, part));
     dds::set(entry.cell(), options_.cell.name);
@@ -89,7 +116,7 @@ Measures Supervisor::measures() const {
     const channel::ModuleBlock& block = member->block;
     ModuleStatistics entry;
     name(entry, member->model.name);
-    entry.cycles(block.cycles.load(relaxed));
+    entry.cycles(releases_of(*member));
     entry.missed(block.missed.load(relaxed));
     entry.overruns(overruns_of(*member));
     entry.errors(block.errors.load(relaxed) + member->errors);
@@ -98,6 +125,28 @@ Measures Supervisor::measures() const {
     entry.run_us(on_the_wire(run_of(*member).read()));
     entry.process_id(member->is_thread() ? host_.pid() : member->last_pid);
     measures.modules.push_back(entry);
+    const model::ModulePorts& ports = options_.ports.at(member->index);
+    if (!ports) continue;
+    for (const model::Port& port : *ports) {
+      const PortHealth health = wiring_.health(member->index, port, now_ns);
+      PortStatus status;
+      dds::set(status.path(),
+               dds::path_of(options_.cell.name, device().name, member->model.name) + "/" + port.name);
+      dds::set(status.cell(), options_.cell.name);
+      dds::set(status.device(), device().name);
+      dds::set(status.name(), member->model.name);
+      dds::set(status.port(), port.name);
+      status.output(port.direction == model::Direction::out);
+      dds::set(status.type(), port.type.name);
+      status.matched(health.connections);
+      status.connections(health.connections);
+      status.samples(health.samples);
+      status.lost(health.lost);
+      status.dropped(health.dropped);
+      status.late(health.late);
+      status.age_ns(health.age_ns);
+      measures.ports.push_back(status);
+    }
   }
   return measures;
 }
@@ -119,12 +168,13 @@ json Supervisor::report() const {
                        {"type", model::to_text(member->model.type)},
                        {"operation", model::to_text(member->model.operation)},
                        {"state", lifecycle::to_text(member->state())},
-                       {"cycles", block.cycles.load(relaxed)},
+                       {"cycles", releases_of(*member)},
                        {"overruns", overruns_of(*member)},
                        {"errors", block.errors.load(relaxed) + member->errors},
                        {"jitter_us", in_microseconds(jitter_of(*member).read())},
                        {"run_us", in_microseconds(run_of(*member).read())},
-                       {"pid", member->is_thread() ? host_.pid() : member->last_pid}});
+                       {"pid", member->is_thread() ? host_.pid() : member->last_pid},
+                       {"ports", ports_of(wiring_, member->index, options_.ports.at(member->index))}});
   }
   return {{"name", device().name},
           {"alive", true},

@@ -50,6 +50,14 @@ struct Outcome {
   ReplyCode code = REPLY_OK;
   lifecycle::State state = lifecycle::State::idle;  ///< of the module, after it
   std::string text;                                 ///< why not, or what is still to come
+  std::string value{};                              ///< of a property that was asked for
+};
+
+/// Where the samples of a port can be read, and what they are.
+struct Tapped {
+  std::string topic;
+  std::string type;  ///< as model::parse_type() reads it
+  bool reliable = false;
 };
 
 class Supervised {
@@ -77,6 +85,16 @@ class Supervised {
 
   /// `done` is called from step(), or at once.
   virtual void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
+
+  /// The samples of an output are on its topic until then.
+  virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
+  /// The value of a property, as the module has it now or from its next call on. `done` as for order().
+  virtual void get(std::uint32_t module, const std::string& property,
+                   std::function<void(const Outcome&)> done) = 0;
+  /// Sets a property between two calls of the module; the answer may come before the next one. Lasts until
+  /// the module is loaded afresh: then it has what the descriptor says.
+  virtual void set(std::uint32_t module, const std::string& property, const std::string& value,
+                   std::function<void(const Outcome&)> done) = 0;
 
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
   /// Why the device failed as a whole, or which modules were given up; empty when all is well.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <takt/core/words.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/log.hpp>
 #include <takt/os/clock.hpp>
@@ -78,10 +79,16 @@ Result<void> Supervisor::prepare() {
   auto wiring = Wiring::create(plan_wiring(options_.cell, options_.device, options_.ports));
   if (!wiring) return wiring.problems();
   wiring_ = std::move(*wiring);
+  if (options_.participant) {
+    auto gate = Gate::open(options_.participant, *bell_, wiring_, options_.cell.domain);
+    if (!gate) return gate.problems();
+    gate_ = std::move(*gate);
+  }
 
   for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
     members_.push_back(std::make_unique<Member>(device().modules[i], i, channel_.module(i)));
     Member& member = *members_.back();
+    member.inputs = wiring_.with_deadline(i);
     if (!member.is_process() || !member.scheduled()) continue;
     if (auto seat = create_seat(member); !seat) return seat;
   }
@@ -113,10 +120,43 @@ void Supervisor::step() {
     if (member->is_process()) watch_process(*member, now);
   }
   if (phase_ == Phase::ended) return;
+  if (gate_) gate_->step(now);
   watch_host(now);
   if (phase_ == Phase::preparing) prepare_step();
   if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
   if (phase_ == Phase::stopping) stopping_step(now);
+}
+
+Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, Instant until) {
+  if (!gate_) return fail("this device has no way to DDS");
+  const std::string name = device().name + "." + device().modules[module].name;
+  const auto& ports = options_.ports[module];
+  if (!ports)
+    return fail("nothing is known of the ports of module " + name, "connect one of them in the descriptor");
+  std::vector<std::string_view> known;
+  for (const model::Port& each : *ports) known.emplace_back(each.name);
+  const auto found =
+      std::find_if(ports->begin(), ports->end(), [&](const model::Port& p) { return p.name == port; });
+  if (found == ports->end()) {
+    return fail("module " + name + " has no port " + in_quotes(port),
+                known.empty() ? "it has none" : suggestion(port, known));
+  }
+  if (found->direction != model::Direction::out) {
+    for (const model::Connection& connection : options_.cell.connections) {
+      if (connection.to.device != device().name || connection.to.module != device().modules[module].name ||
+          connection.to.port != port) {
+        continue;
+      }
+      return fail("port " + name + "." + port + " is an input",
+                  connection.from.given() ? "look at what it is connected to: " + connection.from.device +
+                                                "." + connection.from.module + "." + connection.from.port
+                                          : "its samples are on the topic " + connection.topic);
+    }
+    return fail("port " + name + "." + port + " is an input that nothing is connected to");
+  }
+  if (auto tapped = gate_->tap(module, port, until); !tapped) return tapped.problems();
+  const PlannedFlow& flow = *gate_->flow_of(module, port);
+  return Tapped{flow.topic, model::to_text(flow.type), flow.reliable};
 }
 
 // Every module is initialised, then every module started.
@@ -148,6 +188,9 @@ void Supervisor::go(Instant t0) {
   t0_ = t0;
   if (t0 < os::now()) join_grid(t0);
   channel_.host().t0_ns.store(to_ns(t0), std::memory_order_release);
+  for (auto& member : members_) {
+    if (member->seat != nullptr) member->seat->t0_ns.store(to_ns(t0), std::memory_order_relaxed);
+  }
   begin_rows();
 }
 
@@ -172,13 +215,26 @@ std::uint64_t Supervisor::cycles_of(const Member& member) const {
   return cycles.load(std::memory_order_relaxed);
 }
 
-void Supervisor::put_in_tables(Member& member) {
-  member.seen_cycles = cycles_of(member);
-  member.block.in_tables.store(1, std::memory_order_seq_cst);  // SYNC: in tables
+channel::Place Supervisor::place_of(const Member& member) const {
+  return {.index = member.index,
+          .block = &member.block,
+          .executor = member.scheduled() ? &channel_.executor(executor_of(member)) : nullptr,
+          .seat = member.seat};
 }
 
-void Supervisor::take_from_tables(Member& member) {
-  member.block.in_tables.store(0, std::memory_order_seq_cst);
+void Supervisor::put_in_tables(Member& member) {
+  member.seen_cycles = cycles_of(member);
+  member.put_in_at = os::now();
+  channel::put_in(place_of(member));
+  // What came while it was out is there already, and nobody will ring for it.
+  if (member.seat != nullptr && member.seat->immediate != 0) ring(member.seat->bell_bit);
+}
+
+void Supervisor::take_from_tables(Member& member) { member.departure.begin(place_of(member)); }
+
+bool Supervisor::is_out(const Member& member) const {
+  if (member.is_process() && !member.scheduled()) return !member.child.running();
+  return member.departure.over(place_of(member));
 }
 
 std::size_t Supervisor::executor_of(const Member& member) const {
@@ -216,7 +272,9 @@ void Supervisor::running_step(Instant now) {
 
   for (auto& pointer : members_) {
     Member& member = *pointer;
+    order_step(member, now);
     if (member.lost) continue;
+    watch_inputs(member, now);
     // What the executor saw. SYNC: error raised
     if (const auto type = member.block.error.load(std::memory_order_acquire); type != 0) {
       std::string text{member.block.error_text.view()};
@@ -240,14 +298,18 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text,
   take_from_tables(member);
   member.why = std::string{takt::to_text(type)} + ": " + text;
   if (!apply(member, Event::error, member.why, type)) return;
+  member.stale = type == ErrorType::stale;
   member.recovery.failed(os::now(), since);
   if (member.is_thread()) ask(member, Doing::error, type);
 }
 
 void Supervisor::attempt_recovery(Member& member) {
-  if (member.is_process() && member.child.running())
-    return;  // until it is started again it must have ended, or be ready
+  const bool alive = member.is_process() && member.child.running();
+  // A program that was started again becomes ready or ends; one that goes on has to come out of its body.
+  if (alive && (member.started_again || !is_out(member))) return;
   if (phase_ == Phase::stopping || (member.is_thread() && !host_.running())) return;
+  // To wait for what somebody else is to send is no attempt.
+  if (member.stale && member.model.recovery.attempts > 0 && has_stale_input(member, os::now())) return;
   switch (member.recovery.next(os::now())) {
     case lifecycle::Recovery::Step::wait:
       return;
@@ -261,15 +323,20 @@ void Supervisor::attempt_recovery(Member& member) {
                   std::to_string(member.model.recovery.attempts));
   if (member.is_thread()) {
     ask(member, Doing::recover);
+  } else if (alive) {
+    recovered(member);
   } else if (auto spawned = spawn(member); !spawned) {
     not_recovered(member, in_words(spawned.problems()));
   } else if (!member.scheduled()) {
     recovered(member);
+  } else {
+    member.started_again = true;
   }
 }
 
 void Supervisor::recovered(Member& member) {
   member.recovery.attempted(os::now(), true);
+  member.started_again = false;
   if (!apply(member, Event::recover)) return;
   ++member.recoveries;
   if (rows_begun_ && member.wanted && (member.scheduled() || member.is_thread())) put_in_tables(member);

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@
 #include <takt/core/result.hpp>
 #include <takt/host/inspect.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/node/gate.hpp>
 #include <takt/node/host_link.hpp>
 #include <takt/node/member.hpp>
 #include <takt/node/placement.hpp>
@@ -34,10 +36,11 @@ class Supervisor final : public Supervised {
   struct Options {
     model::Cell cell;
     std::size_t device = 0;
-    host::ComponentPaths paths;                ///< of the device's modules
-    std::vector<model::ModulePorts> ports{};   ///< the same; empty: nothing is known
+    host::ComponentPaths paths;               ///< of the device's modules
+    std::vector<model::ModulePorts> ports{};  ///< the same; empty: nothing is known
     bool require_real_time = false;
-    std::function<void(const Step&)> stepped{};  ///< told of every step of a module
+    std::function<void(const Step&)> stepped{};       ///< told of every step of a module
+    std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null: there are none
   };
 
   explicit Supervisor(Options options);
@@ -49,6 +52,11 @@ class Supervisor final : public Supervised {
   void step() override;
   std::vector<const os::Fd*> wait_on() override;
   void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
+  void get(std::uint32_t module, const std::string& property,
+           std::function<void(const Outcome&)> done) override;
+  void set(std::uint32_t module, const std::string& property, const std::string& value,
+           std::function<void(const Outcome&)> done) override;
 
   [[nodiscard]] Phase phase() const noexcept override { return phase_; }
   [[nodiscard]] const Problems& failures() const noexcept override { return failures_; }
@@ -78,11 +86,24 @@ class Supervisor final : public Supervised {
   Result<void> create_seat(Member& member);
   Result<void> spawn(Member& member);
   void watch_process(Member& member, Instant now);
+  void watch_body(Member& member, Instant now);
   void process_ended(Member& member, const os::ProcessEnd& end);
   void process_ready(Member& member);
   void end_process(Member& member, Instant now);
   void forward_output();
-  void ring_all();
+  void ring(std::uint32_t bits);
+
+  // Inputs (supervisor_ports.cpp)
+  void watch_inputs(Member& member, Instant now);
+  static bool has_stale_input(const Member& member, Instant now);
+  // Properties (supervisor_property.cpp)
+  void ask_property(host::Request request, std::function<void(const Outcome&)> done);
+  void property_answered(const host::Answer& answer);
+  void nobody_answers(const std::string& why);
+
+  // Orders (supervisor_command.cpp)
+  void order_step(Member& member, Instant now);
+  static void finish(Member& member, ReplyCode code, const std::string& text = {});
 
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
@@ -98,8 +119,12 @@ class Supervisor final : public Supervised {
   void not_recovered(Member& member, const std::string& text);
   void give_up(Member& member);
   std::uint64_t cycles_of(const Member& member) const;
+  channel::Place place_of(const Member& member) const;
   void put_in_tables(Member& member);
   void take_from_tables(Member& member);
+  /// Whether nothing of it runs any more since it was taken from the tables: no row, sporadic run, background
+  /// run or body of its program that began before. Its hooks may be called then.
+  bool is_out(const Member& member) const;
   void join_grid(Instant t0);
   void prepare_step();
   void running_step(Instant now);
@@ -118,8 +143,15 @@ class Supervisor final : public Supervised {
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;
   Wiring wiring_;
+  std::unique_ptr<Gate> gate_;
   std::vector<std::unique_ptr<Member>> members_;
   HostLink host_;
+  struct PropertyRequest {
+    std::uint32_t module;
+    std::function<void(const Outcome&)> done;
+  };
+  std::map<std::uint64_t, PropertyRequest> property_requests_;  // that the host has not answered
+  std::uint64_t property_requests_made_ = 0;
   bool rows_begun_ = false;
   bool background_begun_ = false;
   bool halted_ = false;

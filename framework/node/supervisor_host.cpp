@@ -50,6 +50,10 @@ void Supervisor::take_answers() {
         answered(member, answer->request.hook, answer->ok, answer->text);
         break;
       }
+      case host::Request::Do::get:
+      case host::Request::Do::set:
+        property_answered(*answer);
+        break;
       case host::Request::Do::begin:
         for (const std::string& warning : answer->warnings) {
           real_time_ = false;
@@ -72,10 +76,10 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
   const std::string failure = std::string{channel::to_text(hook)} + " failed: " + text;
   switch (hook) {
     case Doing::load:
-      if (ok)
-        ask(member, Doing::initialize);
-      else
+      if (!ok)
         lose(member, failure);
+      else if (!member.ordered)  // else it was reset, and waits
+        ask(member, Doing::initialize);
       break;
     case Doing::initialize:
       if (!ok) {
@@ -85,7 +89,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       apply(member, Event::initialize);
       // While the device is prepared, all are initialised before the first is started; one that comes back
       // waits for nobody.
-      if (phase_ == Phase::ready || phase_ == Phase::running) ask(member, Doing::start);
+      if (!member.ordered && (phase_ == Phase::ready || phase_ == Phase::running)) ask(member, Doing::start);
       break;
     case Doing::start:
       if (ok && member.state() == State::recover)
@@ -177,6 +181,7 @@ std::optional<Supervisor::Hang> Supervisor::never_halts() const {
 }
 
 void Supervisor::host_ended(const os::ProcessEnd& end) {
+  nobody_answers("the host of device " + device().name + " has ended");
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
   channel::HostBlock& block = channel_.host();
   std::string text = "the host " + end.text();

@@ -1,5 +1,6 @@
 // The programs of a device: process modules and non-real-time programs.
 #include <algorithm>
+#include <utility>
 
 #include <takt/node/limits.hpp>
 #include <takt/node/log.hpp>
@@ -60,6 +61,8 @@ Result<void> Supervisor::create_seat(Member& member) {
   seat.margin_cap_ns = os::margin_cap(period).count() / margin_share();
   seat.lock_memory = real_time_ ? 1 : 0;
   seat.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
+  seat.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
+  seat.interarrival_ns = member.model.interarrival.value_or(Nanoseconds{0}).count();
   return {};
 }
 
@@ -136,7 +139,9 @@ void Supervisor::watch_process(Member& member, Instant now) {
       }
       break;
     case State::recover:
-      if (phase == channel::SeatPhase::ready && !member.killed_for_hanging) {
+      if (!member.started_again) {
+        watch_body(member, now);
+      } else if (phase == channel::SeatPhase::ready && !member.killed_for_hanging) {
         process_ready(member);
         recovered(member);
       } else if (slow) {
@@ -144,17 +149,31 @@ void Supervisor::watch_process(Member& member, Instant now) {
       }
       break;
     case State::start:
-    case State::executing: {
-      const Instant released = from_ns(member.seat->release_ns.load(std::memory_order_relaxed));
-      if (member.killed_for_hanging || member.seat->waiting() || now - released < stuck_after(member.model))
-        break;
-      member.killed_for_hanging = true;
-      member.child.signal(os::kKill);
+    case State::executing:
+      watch_body(member, now);
       break;
-    }
     case State::destruct:
       break;
   }
+}
+
+// A body that never ends, or that has ended too late.
+void Supervisor::watch_body(Member& member, Instant now) {
+  channel::Seat& seat = *member.seat;
+  if (member.killed_for_hanging) return;
+  const Instant released = from_ns(seat.release_ns.load(std::memory_order_relaxed));
+  if (seat.in_body() && now - released >= stuck_after(member.model)) {
+    member.killed_for_hanging = true;
+    member.child.signal(os::kKill);
+    return;
+  }
+  const std::uint64_t late = seat.late.load(std::memory_order_acquire);  // SYNC: late
+  if (std::exchange(member.seen_late, late) == late) return;
+  if (member.model.miss != model::Miss::error || !member.in_tables()) return;
+  if (member.state() == State::start) apply(member, Event::run);  // its first body was late
+  ++member.errors;
+  const Nanoseconds by{seat.late_by_ns.load(std::memory_order_relaxed)};
+  raise(member, ErrorType::deadline, "its body ended " + to_text(by) + " after its deadline");
 }
 
 void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
@@ -167,7 +186,7 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
     text += "; its last line was: " + words;
 
   if (member.state() == State::destruct) return;
-  if (phase_ == Phase::stopping) {
+  if (phase_ == Phase::stopping || (member.ordered && member.ordered->verb == Verb::destruct)) {
     if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
     apply(member, Event::destruct, end.text());
     return;
@@ -177,6 +196,7 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
       lose(member, text + "; it had not called " + init_function(member), ErrorType::crash);
       break;
     case State::recover:
+      member.started_again = false;
       not_recovered(member, text);
       break;
     case State::initialize:
@@ -208,7 +228,7 @@ void Supervisor::end_process(Member& member, Instant now) {
     member.told_to_end = now;
     if (member.seat != nullptr) {
       member.seat->end.store(1, std::memory_order_seq_cst);
-      ring_all();
+      ring(~0U);
     } else {
       member.end_signals = 1;
       member.child.signal(os::kTerminate);
@@ -227,9 +247,9 @@ void Supervisor::end_process(Member& member, Instant now) {
   }
 }
 
-void Supervisor::ring_all() {
+void Supervisor::ring(std::uint32_t bits) {
   bell_->rings.fetch_add(1, std::memory_order_seq_cst);
-  os::futex_wake(bell_->rings, ~0U);
+  os::futex_wake(bell_->rings, bits);
 }
 
 void Supervisor::forward_output() {

@@ -167,6 +167,7 @@ Result<std::unique_ptr<Voice>> Voice::create(std::shared_ptr<dds::Participant> p
 Voice::~Voice() {
   inside_->end = true;
   inside_->outbox.wake();
+  inside_->heartbeat.wake();
   inside_->beats.join();
   inside_->tells.join();
 }

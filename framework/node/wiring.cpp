@@ -202,12 +202,43 @@ Result<Wiring> Wiring::create(WiringPlan plan) {
   return wiring;
 }
 
+std::vector<Wiring::Wire*> Wiring::with_deadline(std::uint32_t module) {
+  std::vector<Wire*> found;
+  for (Wire& wire : wires_) {
+    if (wire.plan.to.module == module && wire.plan.options.deadline_ns > 0) found.push_back(&wire);
+  }
+  return found;
+}
+
+PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::int64_t now_ns) const {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  const bool output = port.direction == model::Direction::out;
+  PortHealth health;
+  std::int64_t newest = 0;
+  for (const Wire& wire : wires_) {
+    const LinkEnd& end = output ? wire.plan.from : wire.plan.to;
+    if (end.module != module || end.port != port.name) continue;
+    const channel::LinkBlock& block = wire.link.block();
+    const std::uint64_t written = block.written.load(relaxed);
+    // An output writes each sample to all that are enabled.
+    health.samples = output ? std::max(health.samples, written) : health.samples + block.taken.load(relaxed);
+    health.connections += block.enabled.load(relaxed) != 0 ? 1 : 0;
+    health.dropped += block.is_queue != 0 ? block.overwritten.load(relaxed) : 0;
+    health.refused += output ? block.unfit.load(relaxed) : block.refused.load(relaxed);
+    health.late += block.late.load(relaxed);
+    newest = std::max(newest, block.newest_ns.load(relaxed));
+  }
+  if (newest != 0) health.age_ns = std::max<std::int64_t>(now_ns - newest, 0);
+  return health;
+}
+
 std::vector<host::PortLink> Wiring::of_host(const model::Device& device) const {
   std::vector<host::PortLink> ends;
   for (const Wire& wire : wires_) {
     for (const LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
       if (!end->module || device.modules[*end->module].type != model::ModuleType::thread) continue;
-      ends.push_back({*end->module, end->port, wire.memory.fd().get(), wire.plan.typed});
+      ends.push_back({*end->module, end->port, wire.memory.fd().get(), wire.plan.typed,
+                      end == &wire.plan.to && wire.plan.stale == model::Stale::error});
     }
   }
   return ends;

@@ -63,6 +63,17 @@ WiringPlan plan_wiring(const model::Cell& cell, std::size_t device,
 /// The topic of a port: takt/<cell>/<device>/<module>/<port>.
 std::string port_topic(const std::string& cell, const model::Endpoint& port);
 
+/// What an operator wants to know of a port.
+struct PortHealth {
+  std::uint32_t connections = 0;  ///< that are enabled
+  std::uint64_t samples = 0;      ///< written, or taken
+  std::uint64_t lost = 0;         ///< on the way between devices; known to the gateway
+  std::uint64_t dropped = 0;      ///< from full queues
+  std::uint64_t refused = 0;      ///< values or bytes that are none of the type
+  std::uint64_t late = 0;         ///< times that a value became older than its connection's deadline
+  std::int64_t age_ns = -1;       ///< of the newest value; -1: there is none
+};
+
 /// The links of a device, in memory. They live as long as this does, over restarts of the host and of
 /// programs.
 class Wiring {
@@ -71,12 +82,18 @@ class Wiring {
     PlannedLink plan;
     os::SharedMemory memory;
     channel::Link link;
+    bool late = false;  ///< as its supervisor found it last
   };
 
   static Result<Wiring> create(WiringPlan plan);
 
   [[nodiscard]] const std::vector<Wire>& wires() const noexcept { return wires_; }
+  /// Those that a module reads and whose values have a deadline.
+  [[nodiscard]] std::vector<Wire*> with_deadline(std::uint32_t module);
   [[nodiscard]] const std::vector<PlannedFlow>& flows() const noexcept { return flows_; }
+
+  /// As the links tell it at this time (monotonic).
+  [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns) const;
 
   /// What the host is told of the links of its modules.
   [[nodiscard]] std::vector<host::PortLink> of_host(const model::Device& device) const;

@@ -1,6 +1,7 @@
-// The machine's monotonic clock.
+// The machine's monotonic clock, and its wall clock.
 #pragma once
 
+#include <cstdint>
 #include <ctime>
 
 #include <takt/core/clock.hpp>
@@ -15,6 +16,12 @@ inline Instant now() noexcept {
   ::clock_gettime(CLOCK_MONOTONIC, &t);
   return from_ns(static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec);
 }
+
+/// Nanoseconds since 1970 (UTC), of the wall clock, which may be set.
+std::int64_t wall_ns() noexcept;
+/// The instant at which the wall clock shows this, as the two clocks stand now: read together as closely as a
+/// microsecond, also on a busy machine.
+Instant instant_of_wall(std::int64_t wall_ns) noexcept;
 
 /// Sleeps until an absolute instant; signals do not shorten it. Returns at once if it has passed. One system
 /// call.

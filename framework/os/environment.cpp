@@ -12,13 +12,19 @@
 namespace takt::os {
 
 Fd take_fd_from_environment(const char* name) {
-  const std::string text = environment(name);
-  ::unsetenv(name);
+  const std::string text = take_from_environment(name);
   int number = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (text.empty() || error != std::errc{} || end != text.data() + text.size()) return {};
-  if (::fcntl(number, F_SETFD, FD_CLOEXEC) != 0) return {};
-  return Fd{number};
+  return adopt_fd(number);
+}
+
+Fd adopt_fd(int number) { return ::fcntl(number, F_SETFD, FD_CLOEXEC) == 0 ? Fd{number} : Fd{}; }
+
+std::string take_from_environment(const char* name) {
+  std::string value = environment(name);
+  ::unsetenv(name);
+  return value;
 }
 
 std::string environment(const char* name) {

@@ -11,6 +11,12 @@ namespace takt::os {
 /// is removed, so that this program's own children do not get it. Empty when there is none.
 Fd take_fd_from_environment(const char* name);
 
+/// The same for a descriptor whose number is known; empty when it is none.
+Fd adopt_fd(int number);
+
+/// The value of an environment variable, which is removed; empty when it is not set.
+std::string take_from_environment(const char* name);
+
 /// The value of an environment variable; empty when it is not set.
 std::string environment(const char* name);
 

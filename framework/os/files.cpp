@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -76,18 +77,16 @@ Result<std::optional<std::string>> read_file(const std::string& path, std::size_
   const Fd file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (!file && errno == ENOENT) return std::optional<std::string>{};
   if (!file) return errno_problem(path, "let this user read it");
-  std::string content(most + 1, '\0');
-  std::size_t got = 0;
-  while (got < content.size()) {
-    const ssize_t n = ::read(file.get(), content.data() + got, content.size() - got);
+  std::string content;
+  std::array<char, 65536> part{};
+  while (content.size() <= most) {
+    const ssize_t n = ::read(file.get(), part.data(), part.size());
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return errno_problem(path);
-    if (n == 0) break;
-    got += static_cast<std::size_t>(n);
+    if (n == 0) return std::optional<std::string>{std::move(content)};
+    content.append(part.data(), static_cast<std::size_t>(n));
   }
-  if (got > most) return fail(path + " has more than " + std::to_string(most) + " bytes");
-  content.resize(got);
-  return std::optional<std::string>{std::move(content)};
+  return fail(path + " has more than " + std::to_string(most) + " bytes");
 }
 
 Result<void> remove_file(const std::string& path) {

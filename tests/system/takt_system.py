@@ -3,14 +3,17 @@
 A test derives from Case. Whatever it starts carries a mark of its own in the environment, which children inherit, so that
 the processes of one run are found whoever their parent is by now, and never those of another run on the same machine.
 
-TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them.
+TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them. Each test has a DDS domain of its own that
+nobody on this machine uses, of those in TAKT_TEST_DOMAINS ("1-100" unless set), and uses the loopback interface alone.
 """
 
 import json
 import os
+import random
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import tempfile
 import threading
@@ -27,6 +30,8 @@ LIFE = ["IDLE", "INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"]
 # The life of a module whose device was refused after it had been started.
 NEVER_RAN = ["IDLE", "INITIALIZE", "START", "DESTRUCT"]
 MARK = "TAKT_TEST_RUN"
+os.environ.setdefault("TAKT_INTERFACE", "127.0.0.1")
+os.environ.pop("TAKT_DOMAIN", None)
 
 Line = namedtuple("Line", "at device module text")  # `at` as the node wrote it, in seconds of the day
 Step = namedtuple("Step", "at source target text")
@@ -78,6 +83,21 @@ def _read(pid, what):
 
 def _pids():
     return [int(entry) for entry in os.listdir("/proc") if entry.isdigit()]
+
+
+def free_domain():
+    """A DDS domain that no process of this machine is on: the first port of one that is used is taken."""
+    first, last = (int(n) for n in os.environ.get("TAKT_TEST_DOMAINS", "1-100").split("-"))
+    domains = list(range(first, last + 1))
+    random.shuffle(domains)
+    for domain in domains:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
+                return domain
+            except OSError:
+                pass
+    raise AssertionError("no DDS domain of %d to %d is free" % (first, last))
 
 
 def wait_until(condition, limit=10.0, what="the condition"):
@@ -262,6 +282,7 @@ class Case(unittest.TestCase):
         self.assertTrue(os.path.exists(os.path.join(BIN, "takt")), "set TAKT_BIN to the folder of the programs")
         self.folder = tempfile.mkdtemp(prefix="takt-system-")
         self.runs = []
+        self.domain = free_domain()
         self._shared_before = set(os.listdir("/dev/shm"))
 
     def tearDown(self):
@@ -282,7 +303,14 @@ class Case(unittest.TestCase):
     def start(self, *arguments, **options):
         """takt with these arguments; a descriptor is named as it lies beside the test. Does not wait."""
         arguments = [self.beside(a) if a.endswith(".xml") and not os.path.isabs(a) else a for a in arguments]
-        run = Run([os.path.join(options.pop("programs", BIN), "takt")] + arguments, self.folder, **options)
+        return self.program("takt", *arguments, **options)
+
+    def program(self, name, *arguments, **options):
+        """One of Takt's programs, on the test's domain. Does not wait."""
+        environment = {"TAKT_DOMAIN": str(self.domain), "TAKT_STATE_DIR": os.path.join(self.folder, "state")}
+        environment.update(options.pop("environment", None) or {})
+        run = Run([os.path.join(options.pop("programs", BIN), name)] + list(arguments), self.folder,
+                  environment=environment, **options)
         self.runs.append(run)
         return run
 

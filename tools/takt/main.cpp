@@ -25,9 +25,7 @@ std::string positive_seconds(const std::string& text) {
              : "'" + text + "' is no number of seconds above 0 and up to 1e9";
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int serve(int argc, char** argv) {
   using namespace takt::tool;
   CLI::App app{"Takt: real-time component middleware for industrial cells.", "takt"};
   app.set_version_flag("--version", TAKT_VERSION);
@@ -69,6 +67,10 @@ int main(int argc, char** argv) {
   add_deploy(app, chosen);
   add_undeploy(app, chosen);
   add_status(app, chosen);
+  add_watch(app, chosen);
+  add_orders(app, chosen);
+  add_properties(app, chosen);
+  add_echo(app, chosen);
 
   DescribeOptions describe_options;
   auto* describe_command =
@@ -95,4 +97,13 @@ int main(int argc, char** argv) {
   if (*graph_command) return graph(graph_options);
   if (*run_command) return run(run_options);
   return describe(describe_options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int status = serve(argc, argv);
+  // Not by way of the static objects of Fast DDS, which sleep for a while in their destructors.
+  std::fflush(nullptr);
+  std::_Exit(status);
 }

@@ -28,8 +28,8 @@ namespace {
 using json = nlohmann::ordered_json;
 
 /// All nodes are here: from the moment on that all are ready to the first row.
-constexpr std::chrono::milliseconds kLead{250};
-constexpr std::chrono::milliseconds kMargin{50};
+constexpr std::chrono::milliseconds kLead{150};
+constexpr std::chrono::milliseconds kMargin{30};
 
 /// One device's node, seen from here.
 struct Node {
@@ -169,13 +169,13 @@ Result<void> Run::deploy(const Client& client) {
     watch();
     for (auto& node : nodes_) node->told = true;
     // Nobody has to be told that it was given up who asked for that, or is told why a node ended.
-    const bool said = asked_to_end_ || !failures().empty();
+    const bool said = asked_to_end_ || std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) {
+                        return node->ended && !node->failures.empty();
+                      });
     return said ? Result<void>{} : deployed.problems();
   }
   went_ = true;
-  const auto wall = std::chrono::system_clock::now().time_since_epoch();
-  const Instant t0 =
-      os::now() + (Nanoseconds{deployed->t0_ns} - std::chrono::duration_cast<Nanoseconds>(wall));
+  const Instant t0 = os::instant_of_wall(deployed->t0_ns);
   if (options_.seconds) {
     end_at_ = t0 + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(*options_.seconds));
   }
@@ -187,7 +187,7 @@ void Run::note(const client::Undeployed& undeployed) {
     if (node->device != undeployed.device || node->ended || !undeployed.problems.empty()) continue;
     node->told = true;
     node->report = undeployed.report;
-    if (went_) node->failures = undeployed.failures;  // else they are the reasons why it did not go
+    node->failures = undeployed.failures;
   }
 }
 
@@ -299,7 +299,11 @@ int run(const RunOptions& options) {
   const bool printed = print(options.json ? report.dump() + "\n" : run.went() ? run_text(report) : "");
   if (!problems.empty()) complain(problems);
   const auto failures = run.failures();
-  for (const std::string& failure : failures) std::fprintf(stderr, "%s\n", failure.c_str());
+  for (const std::string& failure : failures) {
+    const bool said = std::any_of(problems.begin(), problems.end(),
+                                  [&](const Problem& problem) { return to_text(problem) == failure; });
+    if (!said) std::fprintf(stderr, "%s\n", failure.c_str());
+  }
   return problems.empty() && failures.empty() && printed ? 0 : 1;
 }
 

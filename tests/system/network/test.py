@@ -103,7 +103,7 @@ class Network(takt_system.Case):
         print("rows of the robot: %d, of which missed %d" % (walked["after"] - walked["before"],
               after["robot"]["executors"][0]["missed"] - before["robot"]["executors"][0]["missed"]))
         parts = len(nodes["station"].printed("panel"))
-        time.sleep(4)
+        time.sleep(6)
         seen = [int(re.search(r"(\d+) parts", text)[1]) for text in nodes["station"].printed("panel")[parts:] if "parts" in text]
         self.assertGreater(seen[-1], seen[0], "parts come again")
         self.end(nodes)
@@ -121,7 +121,7 @@ class Network(takt_system.Case):
         self.net.no_multicast()
         server = self.net.address("station") + ":11811"
         cell = self.cell_with('discovery="server" server="%s" server-device="station"' % server)
-        nodes = {device: self.node(device, "--server", server, *(["--serve-discovery"] if device == "station" else []))
+        nodes = {device: self.node(device, *(["--serve-discovery", "11811"] if device == "station" else ["--server", server]))
                  for device in DEVICES}
         self.deploy(cell)
         self.assert_all_execute_by(("--server", server))

@@ -33,7 +33,9 @@ class ThreeDevices(takt_system.Case):
 
         grids = [self.read(name).split() for name in ("robot", "line", "fast", "slow")]
         grids.append(re.search(r"grid (\d+) (\d+) (\d+)", " ".join(run.printed("program"))).groups())
-        self.assertEqual(1, len({t0 for t0, _, _ in grids}), grids)
+        # One instant on the wall clock; each node reads its two clocks together as closely as it can.
+        instants = [int(t0) for t0, _, _ in grids]
+        self.assertLess(max(instants) - min(instants), 20000, grids)
         self.assertEqual({"0"}, {strayed for _, _, strayed in grids})
         for module, device, every, executor in (("grid", "robot", 1, "main"), ("program", "robot", 2, "main"),
                                                 ("grid", "line", 1, "main"), ("grid", "station", 1, "fast"),

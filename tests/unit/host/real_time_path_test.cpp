@@ -23,11 +23,15 @@
 
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
+#include <takt/component/in_port.hpp>
+#include <takt/component/out_port.hpp>
 #include <takt/host/executor_threads.hpp>
+#include <takt/host/live_properties.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/schedule/plan.hpp>
 
+#include "../../system/components/sample.hpp"
 #include "system_call_trap.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -291,6 +295,101 @@ TEST_F(RealTimePath, AllocatesAndLocksNothing) {
   run(2000);
   for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
   EXPECT_GT(blocks[kSporadic].cycles.load(), 200U);
+}
+
+// Texts of all lengths, so that the old one is to be freed and the new one has memory of its own.
+TEST_F(RealTimePath, TakesOverPropertiesThatAreSetWhileItRuns) {
+  struct Named : Component {
+    Property<std::string> label{*this, "label", "none"};
+    Property<double> gain{*this, "gain", 0.0};
+    void run(const Cycle&) noexcept override {}
+  } component;
+  LiveProperties live;
+  live.serve(&component, "Named");
+  std::atomic<std::uint64_t> changes{0};
+  double last = 0;
+  bodies[1].on_run = [&](const Cycle&) {
+    live.take_over();
+    if (component.gain == last) return;
+    last = component.gain;
+    if (component.label.value().size() == static_cast<std::size_t>(last) % 100) ++changes;
+  };
+  std::atomic<bool> end{false};
+  std::thread setter{[&] {
+    for (int n = 1; !end; ++n) {
+      const std::string label(static_cast<std::size_t>(n % 100), 'x');
+      EXPECT_TRUE(live.set({{"gain", std::to_string(n)}, {"label", label}}).ok());
+      std::this_thread::sleep_for(microseconds{300});
+    }
+  }};
+  run(2000);
+  end = true;
+  setter.join();
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  for (const SystemCall& call : row_calls) EXPECT_EQ(call.number, SYS_futex);
+  EXPECT_GT(changes.load(), 500U);
+}
+
+/// Two ports and the link between them.
+struct Connected {
+  Connected(bool as_objects, std::uint32_t wake_bits) {
+    const channel::Link::Options options{.depth = 4,
+                                         .payload = as_objects ? 0 : PortType<samples::Count>::info.max_size,
+                                         .is_queue = true,
+                                         .wake_bits = wake_bits};
+    memory.resize(channel::Link::layout(options).size() / sizeof(Line));
+    auto* start = reinterpret_cast<std::byte*>(memory.data());
+    channel::Link::format(start, options);
+    const channel::Link link{start};
+    void* values = as_objects ? out.make_values(link.buffers()) : nullptr;
+    out.connect(link, values);
+    in.connect(link, values);
+  }
+  struct alignas(64) Line {
+    std::array<std::byte, 64> bytes;
+  };
+  std::vector<Line> memory;
+  OutPort<samples::Count> out{"out"};
+  InPort<samples::Count> in{"in"};
+};
+
+TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
+  Connected objects{true, 0};
+  Connected bytes{false, channel::kSporadicBit};
+  PortContext context{.start_ns = 1, .bell = &bell};
+  for (Connected* each : {&objects, &bytes}) {
+    each->out.serve(context);
+    each->in.serve(context);
+  }
+  samples::Count count;
+  count.few().reserve(4);
+  std::uint64_t wrong = 0;
+  std::uint64_t read = 0;
+  bodies[1].on_run = [&](const Cycle& cycle) {
+    for (int i = 0; i < 3; ++i) {
+      fill(count, cycle.number + 1);
+      objects.out.write(count);
+      bytes.out.write(count);
+    }
+  };
+  bodies[2].on_run = [&](const Cycle&) {
+    for (Connected* each : {&objects, &bytes}) {
+      while (each->in.read()) {
+        ++read;
+        if (!is_whole(each->in.value())) ++wrong;
+      }
+    }
+  };
+  run(2000);
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_GT(read, 2000U);
+  std::map<std::uint64_t, int> rings;
+  for (const SystemCall& call : row_calls) {
+    EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
+    if (is_futex(call, FUTEX_WAKE_BITSET, &bell, sizeof bell)) ++rings[call.stamp];
+  }
+  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
 }
 
 // The traps work: what a module must not do is seen.

@@ -81,14 +81,14 @@ TEST(Agent, ADeploymentIsReadyWhenEveryModuleIsAndRunsWhenItIsTold) {
   ASSERT_EQ(device.work.inspections.size(), 1U);
   EXPECT_FALSE(device.work.inspections[0].as_written);
 
-  device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}, .description = R"({"device":"robot"})"};
+  device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
   device.agent.step();
   EXPECT_TRUE(device.said.replies.empty());
   device.work.phase = Phase::ready;
   device.agent.step();
   ASSERT_EQ(device.said.replies.size(), 1U);
   EXPECT_EQ(device.reply().code(), REPLY_OK);
-  EXPECT_EQ(device.data()["device"], "robot");
+  EXPECT_EQ(device.data()["modules"][1]["name"], "arm");
   EXPECT_EQ(device.status().state(), DEVICE_READY);
   EXPECT_FALSE(device.work.t0);
 
@@ -162,7 +162,8 @@ TEST(Agent, ACellWithoutThisDeviceIsRefused) {
 TEST(Agent, ComponentsThatAreNotInOrderRefuseTheDeployment) {
   FakeDevice device;
   device.prepare();
-  device.work.inspected = Problems{{"cell.xml:3", "no file servo.so", "copy it"}, {"cell.xml:5", "no file arm.so", "copy it"}};
+  device.work.inspected =
+      Problems{{"cell.xml:3", "no file servo.so", "copy it"}, {"cell.xml:5", "no file arm.so", "copy it"}};
   device.agent.step();
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
   ASSERT_EQ(device.data().size(), 2U);
@@ -174,7 +175,7 @@ TEST(Agent, ComponentsThatAreNotInOrderRefuseTheDeployment) {
 TEST(Agent, ADeviceThatFailsToBecomeReadyIsAnsweredForWhenAllIsUndone) {
   FakeDevice device;
   device.prepare();
-  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
   device.work.failures = {{"module robot.servo", "initialize() failed: no power", "mend the module"}};
   device.work.phase = Phase::stopping;
@@ -195,7 +196,7 @@ TEST(Agent, ADeviceThatCannotBeBroughtUpAtAllIsRefused) {
   FakeDevice device;
   device.work.prepared = fail("no shared memory");
   device.prepare();
-  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
   EXPECT_EQ(device.work.supervised, 0);
@@ -207,7 +208,7 @@ TEST(Agent, OneDeploymentAtATime) {
   device.prepare("d2");
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_THAT(device.text(), HasSubstr("device robot already prepares cell cell"));
-  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
   device.work.phase = Phase::ready;
   device.agent.step();
@@ -223,7 +224,7 @@ TEST(Agent, TheSameDeploymentAgainIsNoOther) {
   device.prepare("d1");
   device.prepare("d1");
   EXPECT_TRUE(device.said.replies.empty());
-  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
   device.work.phase = Phase::ready;
   device.agent.step();
@@ -290,6 +291,7 @@ TEST(Agent, UndeployEndsARunningDeviceAndCarriesItsReport) {
   EXPECT_EQ(device.data()["failures"][0], "module robot.arm: error: was given up");
   EXPECT_EQ(device.status().path(), "-/robot");
   EXPECT_EQ(device.said.taken_back.size(), 2U);
+  device.work.inspected.reset();
   device.prepare("d2");
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
 }
@@ -299,7 +301,7 @@ TEST(Agent, UndeployEndsAPreparationWhereverItIs) {
     FakeDevice device;
     device.prepare();
     if (inspected) {
-      device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+      device.work.inspected = Inspected{.paths = {"", ""}};
       device.agent.step();
     }
     device.undeploy("d1");
@@ -368,6 +370,22 @@ TEST(Agent, ItselfAndOtherDevicesAreNoOthersOfItsName) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
+TEST(Agent, DescribesItsComponentsOnceForAllWhoAsk) {
+  FakeDevice device;
+  device.become_running();
+  device.work.inspected.reset();
+  device.hear(device.command(COMMAND_DESCRIBE));
+  device.hear(device.command(COMMAND_DESCRIBE));
+  EXPECT_TRUE(device.said.replies.empty());
+  device.work.inspected = Inspected{.paths = {"", ""}, .description = R"({"device":"robot"})"};
+  device.agent.step();
+  device.hear(device.command(COMMAND_DESCRIBE));
+  ASSERT_EQ(device.said.replies.size(), 3U);
+  for (const dds::WholeReply& reply : device.said.replies) EXPECT_EQ(reply.data, R"({"device":"robot"})");
+  EXPECT_EQ(device.work.inspections.size(), 2U);
+  EXPECT_TRUE(device.work.inspections[1].describe);
+}
+
 TEST(Agent, AnOrderGoesToItsModuleAndItsAnswerBack) {
   FakeDevice device;
   device.become_running();
@@ -394,6 +412,50 @@ TEST(Agent, AModuleThatIsNotThereIsNamedWithWhatIs) {
   EXPECT_THAT(device.text(), HasSubstr("servo"));
 }
 
+TEST(Agent, APropertyIsAskedForAndSetAtItsModule) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand get = device.command(COMMAND_GET);
+  get.head.module_name("arm");
+  get.head.property("gain");
+  device.hear(get);
+  dds::WholeCommand set = device.command(COMMAND_SET);
+  set.head.module_name("arm");
+  set.head.property("gain");
+  set.head.value("2.5");
+  device.hear(set);
+  EXPECT_EQ(device.work.properties, (std::vector<std::string>{"1 gain", "1 gain = 2.5"}));
+
+  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::executing, .text = "", .value = "1.5"});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.reply().id(), get.head.id());
+  EXPECT_EQ(device.reply().value(), "1.5");
+  EXPECT_EQ(device.reply().state(), STATE_EXECUTING);
+  device.work.done[1]({.code = REPLY_REFUSED, .state = lifecycle::State::executing, .text = "0 to 2"});
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.reply().id(), set.head.id());
+  EXPECT_EQ(device.text(), "0 to 2");
+}
+
+TEST(Agent, APropertyOfNoModuleIsRefused) {
+  FakeDevice device;
+  dds::WholeCommand get = device.command(COMMAND_GET);
+  get.head.module_name("arn");
+  get.head.property("gain");
+  device.hear(get);
+  EXPECT_EQ(device.text(), "device robot has no deployment");
+  device.become_running();
+  dds::WholeCommand again = device.command(COMMAND_GET);
+  again.head.module_name("arn");
+  device.hear(again);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "device robot has no module 'arn'; did you mean arm?");
+  dds::WholeCommand none = device.command(COMMAND_SET);
+  device.hear(none);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a device as a whole has no properties";
+  EXPECT_TRUE(device.work.properties.empty());
+}
+
 TEST(Agent, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
   FakeDevice device;
   device.become_running();
@@ -401,7 +463,8 @@ TEST(Agent, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
   ASSERT_EQ(device.work.orders.size(), 2U);
   device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::start, .text = {}});
   EXPECT_TRUE(device.said.replies.empty());
-  device.work.done[1]({.code = REPLY_REFUSED, .state = lifecycle::State::idle, .text = "stop is refused in state IDLE"});
+  device.work.done[1](
+      {.code = REPLY_REFUSED, .state = lifecycle::State::idle, .text = "stop is refused in state IDLE"});
   ASSERT_EQ(device.said.replies.size(), 1U);
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
   EXPECT_EQ(device.data()[0]["module"], "servo");
@@ -529,7 +592,7 @@ TEST_F(Resuming, ItIsTakenUpOnTheSameGrid) {
   device.agent.resume();
   device.agent.step();
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
-  device.work.inspected = Inspected{.paths = {"", ""}, .description = "[]"};
+  device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
   device.work.phase = Phase::ready;
   device.agent.step();

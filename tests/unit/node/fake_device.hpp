@@ -1,4 +1,5 @@
-// An agent without DDS, processes and clocks: what it says is read along, what it sets to work does as it is told.
+// An agent without DDS, processes and clocks: what it says is read along, what it sets to work does as it is
+// told.
 #pragma once
 
 #include <memory>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/node/agent.hpp>
+#include <takt/node/log.hpp>
 
 namespace takt::node {
 
@@ -41,6 +43,7 @@ struct Work {
   int supervised = 0;  ///< alive
   std::function<void(const Step&)> stepped;
   std::vector<std::pair<std::uint32_t, Verb>> orders;
+  std::vector<std::string> properties;  ///< "0 gain", "0 gain = 2"
   std::vector<std::function<void(const Outcome&)>> done;
   Standing standing;
 };
@@ -79,6 +82,19 @@ class FakeSupervised final : public Supervised {
     work_.orders.emplace_back(module, verb);
     work_.done.push_back(std::move(done));
   }
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant) override {
+    return Tapped{"takt/cell/robot/" + std::to_string(module) + "/" + port, "t", false};
+  }
+  void get(std::uint32_t module, const std::string& property,
+           std::function<void(const Outcome&)> done) override {
+    work_.properties.push_back(std::to_string(module) + " " + property);
+    work_.done.push_back(std::move(done));
+  }
+  void set(std::uint32_t module, const std::string& property, const std::string& value,
+           std::function<void(const Outcome&)> done) override {
+    work_.properties.push_back(std::to_string(module) + " " + property + " = " + value);
+    work_.done.push_back(std::move(done));
+  }
   [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }
   [[nodiscard]] const Problems& failures() const noexcept override { return work_.failures; }
   [[nodiscard]] Standing standing() const override { return work_.standing; }
@@ -112,16 +128,17 @@ class FakeDevice {
                .lent = lent,
                .file = std::move(file),
                .now = [this] { return now; },
-               .wall_ns = [this] { return wall(); }},
-              {.inspect =
-                   [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
-                     work.inspections.push_back(request);
-                     return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
-                   },
+               .wall_ns = [this] { return wall(); },
+               .instant_of_wall = [this](std::int64_t ns) { return now + Nanoseconds{ns - wall()}; }},
+              {.inspect = [this](const InspectionRequest& request) -> Result<std::unique_ptr<Inspection>> {
+                 work.inspections.push_back(request);
+                 return std::unique_ptr<Inspection>{std::make_unique<FakeInspection>(work)};
+               },
                .supervise = [this](Supervisor::Options options) -> std::unique_ptr<Supervised> {
                  return std::make_unique<FakeSupervised>(work, options);
                }},
               said) {
+    log_nothing();
     agent.step();
   }
 
@@ -164,7 +181,7 @@ class FakeDevice {
   /// To where every module is in START.
   void become_ready() {
     prepare();
-    work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}, .description = "[]"};
+    work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
     agent.step();
     work.phase = Supervised::Phase::ready;
     agent.step();
@@ -182,7 +199,9 @@ class FakeDevice {
   [[nodiscard]] const DeviceStatus& status() const { return said.devices.back(); }
   [[nodiscard]] const Reply& reply() const { return said.replies.back().head; }
   [[nodiscard]] std::string text() const { return reply().text().to_string(); }
-  [[nodiscard]] nlohmann::ordered_json data() const { return nlohmann::ordered_json::parse(said.replies.back().data); }
+  [[nodiscard]] nlohmann::ordered_json data() const {
+    return nlohmann::ordered_json::parse(said.replies.back().data);
+  }
 
   Instant now = from_ns(5'000'000'000);
   int asked = 0;

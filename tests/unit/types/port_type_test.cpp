@@ -40,7 +40,7 @@ Bytes by_fast_cdr(const T& value, Cdr::Endianness endianness) {
 
 template <class T>
 Bytes encoded(const T& value) {
-  Bytes bytes(PortType<T>::info.max_size);
+  Bytes bytes(PortType<T>::info.max_size, std::byte{0xEE});  // padding is to be zero
   bytes.resize(PortType<T>::encode(value, bytes.data(), PortType<T>::info.max_size));
   return bytes;
 }

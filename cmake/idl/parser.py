@@ -1,0 +1,383 @@
+"""Tokens to declarations."""
+import re
+from dataclasses import replace
+
+from idl.cursor import ANY_CASE_WORDS, WORDS, Cursor
+from idl.declarations import INTEGERS, SAME, SCALARS, Alias, Const, Enum, Enumerator, Field, Scope, Shape, Struct
+from idl.tokens import Token, Wrong, tokens_of
+
+
+# What ports cannot carry, and what they can.
+INSTEAD = {
+    "wstring": "string<64>, as UTF-8", "wchar": "unsigned short", "any": "a struct", "Object": "a struct", "fixed": "double",
+    "map": "a sequence of structs", "union": "a struct with an enum", "bitset": "unsigned long", "bitmask": "unsigned long",
+    "struct": "its name, and declare it before", "enum": "its name, and declare it before",
+}
+
+
+class Parser(Cursor):
+    """One file, with those that it includes."""
+
+    def __init__(self, library, file, text):
+        self.library = library
+        self.problems = library.problems
+        self.file = file
+        self.scope = library.root
+        self.tokens = tokens_of(text, file.path, self.problems)
+        self.at = 0
+        self.directives()
+
+    def directives(self):
+        """Takes them out of the tokens: #include, and the three lines that keep a file from being read twice."""
+        found = [t for t in self.tokens if t.kind == "directive"]
+        words = [t.text[1:].split("//")[0].split() for t in found]
+        self.file.guarded = (
+            len(found) >= 3 and words[0][:1] == ["ifndef"] and words[1][:1] == ["define"] and words[-1][:1] == ["endif"]
+            and len(words[0]) == 2 and words[0][1:] == words[1][1:] and self.tokens[0] is found[0]
+            and self.tokens[1] is found[1] and self.tokens[-2] is found[-1])
+        if self.file.guarded:
+            found = found[2:-1]
+        for directive in found:
+            name = re.fullmatch(r'#\s*include\s*"([^"]+)"\s*(//.*|/\*.*)?', directive.text)
+            if name:
+                self.library.include(self.file, name.group(1), self.place(directive))
+            elif re.match(r"#\s*include", directive.text):
+                self.problem(directive, 'write #include "file.idl", with the file named from where this one is')
+            else:
+                self.problem(directive, f"{directive.text.strip()} is not for the types of ports; besides #include only "
+                             "#ifndef NAME, #define NAME and #endif around the whole file are")
+        self.tokens = [t for t in self.tokens if t.kind != "directive"]
+
+    # -- Declarations
+
+    def parse(self):
+        while self.token.kind != "end":
+            if self.is_next("}"):
+                self.problem(self.next(), "a '}' without a '{' before it; take it out")
+                self.take(";")
+            else:
+                self.guarded(self.declaration)
+
+    def declaration(self):
+        annotations = self.annotations()
+        token = self.token
+        if self.is_next("struct"):
+            return self.struct(annotations)
+        for annotation in annotations:
+            self.problem(annotation, f"@{annotation.text} is only for a struct here; leave it out")
+        if self.is_next("module"):
+            return self.module()
+        if self.is_next("enum"):
+            return self.enum()
+        if self.is_next("typedef"):
+            return self.typedef()
+        if self.is_next("const"):
+            return self.const()
+        if self.take(";"):
+            return self.problem(token, "a ';' that ends nothing; take it out")
+        raise Wrong(self.place(), f"{token.text!r} is not for the types of ports; a file has modules, and in them "
+                                  "structs, enums, "
+                    "typedefs and constants")
+
+    def annotations(self):
+        """Returns their names' tokens; @extensibility(FINAL) is @final."""
+        found = []
+        while self.is_next("@"):
+            self.next()
+            if self.token.kind != "name" or self.is_next("struct", "enum", "module", "typedef", "const"):
+                self.problem(self.token, "an '@' without a name; write @final")
+                continue
+            name = self.next()
+            argument = None
+            if self.take("("):
+                depth, argument = 1, ""
+                while depth > 0:
+                    token = self.next()
+                    if token.kind == "end":
+                        raise Wrong(self.place(name), f"@{name.text}( has no end; write ')'")
+                    depth += (token.text == "(") - (token.text == ")")
+                    argument += token.text if depth else ""
+            if name.text == "extensibility" and argument is not None:
+                final = argument == "FINAL"
+                name = Token("name", "final" if final else f"extensibility({argument})", name.line, name.at)
+            elif argument is not None and name.text == "final":
+                self.problem(name, "@final has no argument; leave it out")
+            found.append(name)
+        return found
+
+    def body(self, what, each):
+        """{ each each ... };"""
+        self.expect("{", what)
+        opened = self.tokens[self.at - 1]
+        while not self.is_next("}"):
+            if self.token.kind == "end":
+                raise Wrong(self.place(opened), f"{what} has no end; write '}};'")
+            try:
+                each()
+            except Wrong as wrong:
+                self.problems.add(wrong.place, str(wrong))
+                while not self.is_next("}", "{", ";") and self.token.kind != "end":
+                    self.next()
+                if not self.is_next("}"):
+                    raise Wrong(self.place(opened), f"{what} has no end; write '}};'") from None
+        self.next()
+        if not self.take(";"):
+            self.problem(self.tokens[self.at - 1], f"{what} ends without ';'; write it")
+
+    def module(self):
+        self.next()
+        token = self.new_name("a module", self.scope.full)
+        known = self.scope.names.get(token.text.lower())
+        if known and known[0] == token.text and isinstance(known[1], Scope):
+            inner = known[1]
+        else:
+            inner = Scope(self.scope.full(token.text), self.scope)
+            inner.place = self.place(token)
+            self.declare(token, inner)
+        outer, self.scope = self.scope, inner
+        try:
+            self.body(f"module {inner.name}", lambda: self.guarded(self.declaration))
+        finally:
+            self.scope = outer
+
+    def const(self):
+        self.next()
+        type_token = self.token
+        kind = self.basic_type()
+        name = None
+        if kind is None and self.take("string"):
+            kind = "string"
+        if kind is None and self.token.kind == "name":
+            absolute, parts, first = self.scoped_name()
+            entity = self.find(absolute, parts, first)
+            kind = entity.shape.scalar if isinstance(entity, Alias) and not entity.shape.dimensions else "?"
+        token = self.new_name("a constant", self.scope.full)
+        name = self.scope.full(token.text)
+        if kind not in INTEGERS:
+            self.problem(type_token, f"{name} is not of an integer type; constants are integers here, as unsigned long")
+            while not self.is_next(";", "}") and self.token.kind != "end":
+                self.next()
+            self.take(";")
+            self.declare(token, Const(name, "", None, self.place(token)))
+            return
+        self.expect("=", f"const {name}")
+        value = self.expression()
+        self.expect(";", f"const {name}")
+        size, unsigned = INTEGERS[kind]
+        low, high = (0, 2 ** (8 * size) - 1) if unsigned else (-2 ** (8 * size - 1), 2 ** (8 * size - 1) - 1)
+        if value is not None and not low <= value <= high:
+            self.problem(token, f"{name} is {value}, which {kind} cannot hold; it is from {low} to {high}")
+            value = None
+        const = Const(name, kind, value, self.place(token))
+        if self.declare(token, const):
+            self.file.declares.append(const)
+
+    def enum(self):
+        self.next()
+        token = self.new_name("an enum", self.scope.full)
+        enum = Enum(self.scope.full(token.text), self.place(token))
+        declared = self.declare(token, enum)
+
+        def each():
+            for annotation in self.annotations():
+                self.problem(annotation, f"{enum.name}: enumerators are numbered from 0 in their order, without "
+                             f"@{annotation.text}; leave it out")
+            name = self.new_name("an enumerator", self.scope.full)
+            if self.declare(name, Enumerator(self.scope.full(name.text), self.place(name))):
+                enum.enumerators.append(name.text)
+            if self.is_next("="):
+                self.problem(name, f"{self.scope.full(name.text)}: enumerators are numbered from 0 in their order; leave "
+                                   "out the "
+                             "'='")
+                while not self.is_next(",", "}", ";") and self.token.kind != "end":
+                    self.next()
+            if not self.take(",") and not self.is_next("}"):
+                raise Wrong(self.place(), f"{self.scope.full(name.text)} is followed by {self.token.text!r}; write ','")
+            if self.tokens[self.at - 1].text == "," and self.is_next("}"):
+                self.problem(self.tokens[self.at - 1], f"{enum.name} has a ',' after its last enumerator; take it out")
+
+        self.body(f"enum {enum.name}", each)
+        if not enum.enumerators:
+            self.problem(token, f"{enum.name} has no enumerators; an enum has at least one")
+        if declared:
+            self.file.declares.append(enum)
+
+    def typedef(self):
+        self.next()
+        shape = self.type_of(self.declared_name(self.scope.full, "a typedef"), self.token)
+        for token, own, whole in self.declarators(shape, "a typedef", self.scope.full):
+            alias = Alias(self.scope.full(token.text), whole, own, self.place(token))
+            if self.declare(token, alias):
+                self.file.declares.append(alias)
+
+    def struct(self, annotations):
+        self.next()
+        token = self.new_name("a struct", self.scope.full)
+        struct = Struct(self.scope.full(token.text), self.place(token))
+        if self.is_next(";"):
+            raise Wrong(self.place(token), f"{struct.name} is announced and not declared; a struct is declared once, "
+                                           "before those "
+                        "that have it as a field")
+        if self.is_next(":"):
+            raise Wrong(self.place(token), f"{struct.name} inherits, which ports cannot carry; make the other struct a field")
+        kinds = [a.text for a in annotations]
+        for annotation in annotations:
+            if annotation.text != "final":
+                self.problem(annotation, f"{struct.name} has @{annotation.text}; the only annotation of a port's type is "
+                                         "@final")
+        if "final" not in kinds:
+            self.problem(token, f"{struct.name} is not final; write @final before it")
+        declared = self.declare(token, struct)
+        self.body(f"struct {struct.name}", lambda: self.guarded(lambda: self.fields(struct)))
+        struct.complete = True
+        if not struct.fields:
+            self.problem(token, f"{struct.name} has no fields; a struct has at least one")
+        if declared:
+            self.file.declares.append(struct)
+
+    def fields(self, struct):
+        annotations = self.annotations()
+        full = lambda name: f"{struct.name}.{name}"
+        shown = self.declared_name(full, f"a field of {struct.name}")
+        for annotation in annotations:
+            told = ("is a key; the types of ports have none" if annotation.text in ("key", "Key")
+                    else f"has @{annotation.text}; the fields of a port's type have no annotations")
+            self.problem(annotation, f"{shown} {told}")
+        shape = self.type_of(shown, self.token, [f.name for f in struct.fields])
+        for token, own, whole in self.declarators(shape, "a field", full):
+            if token.text.lower() == struct.name.split("::")[-1].lower():
+                self.problem(token, f"{struct.name}.{token.text} has the name of its struct; take another name")
+            if whole.sequence and whole.scalar in ("enum", "string"):
+                # Fast CDR has no function for vectors of these within other things.
+                what = ("an array of sequences", "the sequence", "an array") if whole.dimensions else \
+                    ("a sequence of arrays", "the array", "a sequence") if whole.elements else None
+                if what:
+                    self.problem(token, f"{full(token.text)} is {what[0]} of {whole.scalar}s, of which fastddsgen makes "
+                                        "code that does not "
+                                 f"compile; put {what[1]} into a struct and write {what[2]} of those")
+            twin = next((f for f in struct.fields if f.name.lower() == token.text.lower()), None)
+            if twin:
+                how = "is there twice" if twin.name == token.text else f"differs only in upper and lower case from {twin.name}"
+                self.problem(token, f"{struct.name}.{token.text} {how}; take another name")
+            else:
+                struct.fields.append(Field(token.text, whole, own, self.place(token)))
+
+    def declarators(self, shape, what, full):
+        """a, b[3], c[2][4]; as (token, dimensions, shape)."""
+        while True:
+            token = self.new_name(what, full)
+            dimensions = []
+            while self.take("["):
+                if self.is_next("]"):
+                    self.problem(token, f"{full(token.text)} is an array without a size; write [6]")
+                    size = 1
+                else:
+                    size = self.bound(f"{full(token.text)}", "the size of an array")
+                self.expect("]", f"the size of {full(token.text)}")
+                dimensions.append(size)
+            yield token, dimensions, Shape(shape.scalar, shape.bound, shape.of, dimensions + shape.dimensions, shape.sequence,
+                                           shape.elements, shape.text)
+            if self.take(","):
+                continue
+            return self.expect(";", full(token.text))
+
+    # -- Types
+
+    def basic_type(self):
+        """One of SCALARS, None when the next tokens are none. Real numbers of other sizes are told."""
+        token = self.token
+        if self.take("unsigned"):
+            if self.take("short"):
+                return "unsigned short"
+            if self.take("long"):
+                return "unsigned long long" if self.take("long") else "unsigned long"
+            raise Wrong(self.place(token), f"unsigned {self.token.text} is no type; write unsigned short, unsigned long "
+                                           "or unsigned "
+                        "long long")
+        if self.take("long"):
+            if self.take("double"):
+                return "long double"
+            return "long long" if self.take("long") else "long"
+        if token.kind == "name" and token.text in SCALARS or token.text in SAME:
+            self.next()
+            return SAME.get(token.text, token.text)
+        return None
+
+    def declared_name(self, full, otherwise):
+        """Of a declaration that begins here: it stands after the type, and the problems of the type are to name it."""
+        at, depth = self.at, 0
+        while self.tokens[at].kind != "end":
+            text = self.tokens[at].text
+            depth += (text in "<{") - (text in ">}")
+            if depth < 0 or depth == 0 and text in (";", ",", "["):
+                break
+            at += 1
+        token = self.tokens[at - 1]
+        return full(token.text) if at > self.at and token.kind == "name" else otherwise
+
+    def type_of(self, name, token, members=()):
+        """A type as it is written before a name, which is for problems."""
+        wrong = Shape("")
+        if self.take("string"):
+            if not self.take("<") or self.take(">"):
+                self.problem(token, f"{name} is a string without a bound; write string<64>")
+                return wrong
+            bound = self.bound(name, "the bound of a string")
+            self.expect(">", f"the bound of {name}")
+            return Shape("string", bound, text=f"string<{bound}>")
+        if self.take("sequence"):
+            self.expect("<", f"the sequence of {name}")
+            element = self.type_of(name, token, members)
+            if element.scalar and element.has_sequence():
+                how = ("is a sequence of sequences" if element.sequence else
+                       f"is a sequence of {element.of.name}, which has a sequence itself")
+                self.problem(token, f"{name} {how}, whose memory no port can decide beforehand; write an array of them, "
+                                    "as in "
+                             "sequence<double, 8> rows[4]")
+                element = wrong
+            if not self.take(","):
+                if not self.take(">"):
+                    self.expect(",", f"the sequence of {name}")
+                word = element.of.name if element.of else element.scalar or "T"
+                if element.scalar == "string":
+                    word = f"string<{element.bound}>"
+                self.problem(token, f"{name} is a sequence without a bound; write sequence<{word}, 16>")
+                return wrong
+            bound = self.bound(name, "the bound of a sequence")
+            self.expect(">", f"the sequence of {name}")
+            if not element.scalar:
+                return wrong
+            return Shape(element.scalar, element.bound, element.of, [], bound, element.dimensions,
+                         f"sequence<{element.text}, {bound}>")
+        scalar = self.basic_type()
+        if scalar in SCALARS:
+            return Shape(scalar, text=scalar)
+        if scalar == "long double":
+            self.problem(token, f"{name} is a long double, which is not the same on every machine; write double")
+            return wrong
+        for word, fix in INSTEAD.items():
+            if self.is_next(word):
+                article = "an" if word[0] in "aeO" else "a"
+                raise Wrong(self.place(token), f"{name} is {article} {word}, which ports cannot carry; write {fix}")
+        if self.token.kind != "name" and not self.is_next("::"):
+            raise Wrong(self.place(), f"{self.token.text!r} stands where a type is to be")
+        absolute, parts, first = self.scoped_name()
+        if parts[0] in WORDS or parts[0].lower() in ANY_CASE_WORDS:
+            raise Wrong(self.place(first), f"{name} is of type {parts[0]!r}, which ports cannot carry; write a type of "
+                                           "IDL as double "
+                        "or a struct")
+        entity = self.find(absolute, parts, first, f"{name}: ", members)
+        if isinstance(entity, Struct):
+            if not entity.complete:
+                self.problem(first, f"{name} has {entity.name} within itself, which ports cannot carry; write an array or "
+                                    "a bounded "
+                             "sequence of another struct")
+                return wrong
+            return Shape("struct", of=entity, text=entity.name)
+        if isinstance(entity, Enum):
+            return Shape("enum", of=entity, text=entity.name)
+        if isinstance(entity, Alias):
+            return replace(entity.shape, text=entity.name)
+        if entity is not None:
+            self.problem(first, f"{name}: {'::'.join(parts)} is no type; write a struct, an enum or a typedef")
+        return wrong

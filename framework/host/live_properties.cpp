@@ -1,0 +1,78 @@
+#include <takt/host/live_properties.hpp>
+
+#include <algorithm>
+#include <thread>
+
+#include <takt/core/words.hpp>
+
+namespace takt::host {
+
+void LiveProperties::serve(const Component* component, std::string name) {
+  component_ = component;
+  name_ = std::move(name);
+  waiting_.clear();
+  state_.store(State::none, std::memory_order_relaxed);
+}
+
+Result<PropertyBase*> LiveProperties::find(const std::string& name) const {
+  std::string has;
+  for (PropertyBase* property : component_->properties()) {
+    if (property->name() == name) return property;
+    has += (has.empty() ? "" : ", ") + property->name();
+  }
+  return fail("component " + name_ + " has no property " + in_quotes(name),
+              has.empty() ? "it has none" : "it has " + has);
+}
+
+Result<std::string> LiveProperties::get(const std::string& name) const {
+  const auto property = find(name);
+  if (!property) return property.problems();
+  return (*property)->value_text();
+}
+
+Result<void> LiveProperties::set(const Values& values) {
+  Problems problems;
+  const auto note = [&problems](const Problems& more) {
+    problems.insert(problems.end(), more.begin(), more.end());
+  };
+  std::vector<PropertyBase*> properties;
+  for (const auto& [name, text] : values) {
+    const auto property = find(name);
+    if (!property) {
+      note(property.problems());
+    } else if (const auto checked = (*property)->check(text); !checked) {
+      note(checked.problems());
+    } else {
+      properties.push_back(*property);
+    }
+  }
+  if (!problems.empty()) return problems;
+
+  withdraw();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    static_cast<void>(properties[i]->propose(values[i].second));  // it was checked
+    if (std::find(waiting_.begin(), waiting_.end(), properties[i]) == waiting_.end())
+      waiting_.push_back(properties[i]);
+  }
+  state_.store(State::waiting, std::memory_order_release);  // SYNC: values wait
+  return {};
+}
+
+// Afterwards the values are ours. Those that still wait stay among waiting_.
+void LiveProperties::withdraw() {
+  State state = State::waiting;
+  if (state_.compare_exchange_strong(state, State::none, std::memory_order_acquire)) return;
+  // A few swaps at most, by a thread that may however be interrupted in the middle.
+  while (state_.load(std::memory_order_acquire) != State::none)
+    std::this_thread::sleep_for(std::chrono::microseconds{50});
+  waiting_.clear();
+}
+
+void LiveProperties::take_over_waiting() noexcept {
+  State state = State::waiting;
+  if (!state_.compare_exchange_strong(state, State::taken_over, std::memory_order_acquire)) return;
+  for (PropertyBase* property : waiting_) property->take_over();
+  state_.store(State::none, std::memory_order_release);  // SYNC: values wait
+}
+
+}  // namespace takt::host

@@ -1,0 +1,52 @@
+// The way of a deployment's samples to and from other devices: the flows of its wiring, open on DDS while it
+// lasts.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <takt/channel/seat.hpp>
+#include <takt/core/result.hpp>
+#include <takt/core/time.hpp>
+#include <takt/dds/gateway.hpp>
+#include <takt/dds/participant.hpp>
+#include <takt/node/wiring.hpp>
+
+namespace takt::node {
+
+class Gate {
+ public:
+  /// Opens every flow that a connection names. The wiring and the bell outlive the gate. Fails where DDS
+  /// refuses one, with its topic.
+  static Result<std::unique_ptr<Gate>> open(std::shared_ptr<dds::Participant> participant,
+                                            channel::Bell& bell, const Wiring& wiring, int domain);
+
+  /// Opens the flow of an output that nobody is connected to, for who listens in, until then. Longer when
+  /// asked again.
+  Result<void> tap(std::uint32_t module, const std::string& port, Instant until);
+  /// The outgoing flow of a port; null where the module has no such output.
+  [[nodiscard]] const PlannedFlow* flow_of(std::uint32_t module, const std::string& port) const;
+  /// Closes taps that have run out. Now and then.
+  void step(Instant now);
+
+  /// Of the flow that a wire belongs to; none where it has none, or it is not open.
+  [[nodiscard]] std::optional<dds::FlowHealth> health(std::size_t wire) const;
+
+ private:
+  struct Open {
+    dds::Gateway::FlowId id;
+    std::optional<Instant> until;  ///< of a tap
+  };
+
+  explicit Gate(const Wiring& wiring) : wiring_(wiring), open_(wiring.flows().size()) {}
+  Result<void> open_flow(std::size_t index, std::optional<Instant> until);
+
+  const Wiring& wiring_;
+  std::vector<std::optional<Open>> open_;  // as Wiring::flows()
+  std::unique_ptr<dds::Gateway> gateway_;
+};
+
+}  // namespace takt::node

@@ -1,0 +1,75 @@
+// Properties of modules while the device runs: asked of who has them, the host.
+#include <utility>
+
+#include <takt/node/supervisor.hpp>
+
+namespace takt::node {
+
+using lifecycle::State;
+
+void Supervisor::get(std::uint32_t module, const std::string& property,
+                     std::function<void(const Outcome&)> done) {
+  const Member& member = *members_.at(module);
+  if (member.is_thread()) {
+    ask_property({.what = host::Request::Do::get, .module = module, .property = property}, std::move(done));
+    return;
+  }
+  // A program was given them as its arguments.
+  const auto given = model::given_property(member.model, property);
+  done({.code = given ? REPLY_OK : REPLY_REFUSED,
+        .state = member.state(),
+        .text = given ? "" : in_words(given.problems()),
+        .value = given ? *given : ""});
+}
+
+void Supervisor::set(std::uint32_t module, const std::string& property, const std::string& value,
+                     std::function<void(const Outcome&)> done) {
+  const Member& member = *members_.at(module);
+  if (member.is_thread()) {
+    ask_property({.what = host::Request::Do::set, .module = module, .property = property, .value = value},
+                 std::move(done));
+    return;
+  }
+  done({.code = REPLY_REFUSED,
+        .state = member.state(),
+        .text =
+            member.model.name +
+            " is a program: it is given its properties when it starts; change the descriptor and reset it"});
+}
+
+void Supervisor::ask_property(host::Request request, std::function<void(const Outcome&)> done) {
+  const Member& member = *members_.at(request.module);
+  std::string why;
+  if (member.lost || member.state() == State::idle || member.state() == State::destruct) {
+    why = member.model.name + " is in " + lifecycle::to_text(member.state()) +
+          "; its properties can be asked for and set once it is in INITIALIZE";
+  } else if (phase_ == Phase::stopping || phase_ == Phase::ended || !host_.running()) {
+    why = "the host of device " + device().name + " does not run";
+  }
+  if (!why.empty()) {
+    done({.code = REPLY_REFUSED, .state = member.state(), .text = why});
+    return;
+  }
+  request.id = ++property_requests_made_;
+  property_requests_.emplace(request.id, PropertyRequest{.module = request.module, .done = std::move(done)});
+  host_.ask(request);  // when the host is gone, host_ended() answers
+}
+
+void Supervisor::property_answered(const host::Answer& answer) {
+  auto request = property_requests_.extract(answer.request.id);
+  if (request.empty()) return;
+  const Member& member = *members_.at(request.mapped().module);
+  const bool asked = answer.request.what == host::Request::Do::get;
+  if (!asked && answer.ok) log(member, answer.request.property + " = " + answer.request.value);
+  request.mapped().done({.code = answer.ok ? REPLY_OK : REPLY_REFUSED,
+                         .state = member.state(),
+                         .text = answer.ok ? "" : answer.text,
+                         .value = answer.ok ? (asked ? answer.text : answer.request.value) : ""});
+}
+
+void Supervisor::nobody_answers(const std::string& why) {
+  for (auto& [id, request] : std::exchange(property_requests_, {}))
+    request.done({.code = REPLY_FAILED, .state = members_.at(request.module)->state(), .text = why});
+}
+
+}  // namespace takt::node

@@ -1,0 +1,265 @@
+// Requests and their answers, between processes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <takt/wire/taktPubSubTypes.h>
+#include <takt/dds/commands.hpp>
+#include <takt/dds/gateway.hpp>
+#include <takt/dds/inside.hpp>
+#include <takt/model/type.hpp>
+
+#include "domain.hpp"
+#include "peer.hpp"
+
+namespace takt::dds_test {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+std::shared_ptr<dds::Participant> participate() {
+  auto made = dds::Participant::create(on_loopback("test"));
+  EXPECT_TRUE(made.ok()) << to_text(made.problems());
+  return made.ok() ? *made : nullptr;
+}
+
+std::int64_t wall_ns() {
+  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+class Asker {
+ public:
+  explicit Asker(const std::shared_ptr<dds::Participant>& participant)
+      : client_(std::move(*dds::CommandClient::create(participant, [this](const dds::WholeReply& reply) {
+          const std::lock_guard lock{mutex_};
+          replies_.push_back(reply);
+          came_.notify_all();
+        }))) {}
+
+  bool send(const std::string& id, const std::string& data = {}, Nanoseconds time = 20s,
+            const std::string& device = "d") {
+    dds::WholeCommand command{.head = {}, .data = data};
+    command.head.id(id);
+    command.head.device(device);
+    command.head.kind(COMMAND_REPORT);
+    command.head.deadline_ns(wall_ns() + time.count());
+    return client_.send(command);
+  }
+  std::optional<dds::WholeReply> next(std::chrono::milliseconds limit = 20s) {
+    std::unique_lock lock{mutex_};
+    if (!came_.wait_for(lock, limit, [this] { return !replies_.empty(); })) return std::nullopt;
+    auto reply = std::move(replies_.front());
+    replies_.pop_front();
+    return reply;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::deque<dds::WholeReply> replies_;
+  dds::CommandClient client_;
+};
+
+TEST(Commands, TheFirstAnswerOfTwoHundredProgramsThatAskOnceIsNotLost) {
+  Peer server{{"server", "d", "10"}};
+  ASSERT_TRUE(server.says("ready"));
+  std::atomic<int> next{0};
+  std::atomic<int> answered{0};
+  std::mutex mutex;
+  std::vector<int> times;
+  std::vector<std::thread> askers;
+  for (int i = 0; i < 4; ++i) {
+    askers.emplace_back([&] {
+      for (int number = next++; number < 200; number = next++) {
+        Peer client{{"client", "d", "once" + std::to_string(number), "0"}};
+        const auto line = client.line(30s);
+        if (client.wait(30s) == 0) ++answered;
+        const std::lock_guard lock{mutex};
+        if (line) times.push_back(std::stoi(line->substr(line->rfind(' '))));
+      }
+    });
+  }
+  for (std::thread& each : askers) each.join();
+  EXPECT_EQ(answered, 200);
+  std::sort(times.begin(), times.end());
+  ASSERT_EQ(times.size(), 200U);
+  std::cout << "answered after " << times[100] << " ms, at most " << times.back() << " ms\n";
+}
+
+/// As in idl/takt.idl.
+model::Type wire_type(const std::string& name, const std::vector<std::string>& before,
+                      std::vector<model::Field> between,
+                      const std::vector<std::pair<std::string, std::size_t>>& after) {
+  model::Type type{.name = name, .fields = {}};
+  for (const std::string& text : before)
+    type.fields.push_back({.name = text, .scalar = model::Scalar::text, .bound = 63});
+  for (model::Field& field : between) type.fields.push_back(std::move(field));
+  for (const auto& [text, bound] : after)
+    type.fields.push_back({.name = text, .scalar = model::Scalar::text, .bound = bound});
+  return type;
+}
+model::Field enumeration(const std::string& name, std::vector<std::string> enumerators) {
+  return {.name = name, .scalar = model::Scalar::enumeration, .enumerators = std::move(enumerators)};
+}
+void add_parts(model::Type& type) {
+  type.fields.push_back({.name = "part", .scalar = model::Scalar::uint32});
+  type.fields.push_back({.name = "parts", .scalar = model::Scalar::uint32});
+  type.fields.push_back({.name = "data", .scalar = model::Scalar::octet, .sequence = 32768});
+}
+
+TEST(Commands, AnAnswerWaitsForTheReaderOfWhoAsked) {
+  const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
+  model::Type command = wire_type("takt::Command", {"id", "device", "node", "module_name"},
+                                  {enumeration("kind", {"COMMAND_REPORT"})},
+                                  {{"deployment", 63}, {"property", 63}, {"value", 255}});
+  command.fields.push_back({.name = "time_ns", .scalar = model::Scalar::int64});
+  command.fields.push_back({.name = "deadline_ns", .scalar = model::Scalar::int64});
+  add_parts(command);
+  model::Type reply =
+      wire_type("takt::Reply", {"id", "device", "node", "module_name"},
+                {enumeration("code", {"OK", "REFUSED", "FAILED", "LATE"}),
+                 enumeration("state", {"IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"})},
+                {{"text", 255}, {"value", 255}});
+  add_parts(reply);
+
+  Peer server{{"server", "d", "0"}};
+  ASSERT_TRUE(server.says("ready"));
+  auto participant = participate();
+  auto writer =
+      dds::Feed::create(participant, {.topic = "takt/command", .type = command, .quality = reliable});
+  ASSERT_TRUE(writer.ok());
+  ASSERT_TRUE(soon([&] { return (*writer)->health().matched == 1; }));
+  std::this_thread::sleep_for(300ms);  // until the server's reader has matched, too
+  const auto bytes = model::sample_bytes(command, R"({"id": "raw", "device": "d", "parts": 1})");
+  ASSERT_TRUE(bytes.ok());
+  ASSERT_TRUE((*writer)->write(bytes->data(), bytes->size()));
+  ASSERT_TRUE(server.says("handled raw 0"));
+  std::this_thread::sleep_for(500ms);  // the answer would have gone
+  std::mutex mutex;
+  std::string heard;
+  auto reader = dds::Tap::create(participant, {.topic = "takt/reply", .type = reply, .quality = reliable},
+                                 [&](const std::byte* data, std::size_t size, std::int64_t) {
+                                   const std::lock_guard lock{mutex};
+                                   heard = model::sample_json(reply, data, size);
+                                 });
+  ASSERT_TRUE(reader.ok());
+  EXPECT_TRUE(soon([&] {
+    const std::lock_guard lock{mutex};
+    return heard.find("for raw") != std::string::npos;
+  })) << heard;
+}
+
+TEST(Commands, OfSixteenMebibytesGetAnAnswerAsLong) {
+  const std::size_t most = dds::kMaxData;
+  Peer server{{"server", "d", std::to_string(most)}};
+  ASSERT_TRUE(server.says("ready"));
+  Asker asker{participate()};
+  const auto begin = Clock::now();
+  ASSERT_TRUE(asker.send("long", std::string(most, 'x'), 60s));
+  const auto reply = asker.next(60s);
+  ASSERT_TRUE(reply.has_value());
+  std::cout << "there and back in " << std::chrono::duration<double>(Clock::now() - begin).count() << " s\n";
+  EXPECT_EQ(reply->data, std::string(most, 'r'));
+  EXPECT_EQ(server.line(), "handled long " + std::to_string(most));
+  EXPECT_FALSE(asker.send("longer", std::string(most + 1, 'x')));
+}
+
+TEST(Commands, OfARepeatedIdAreAnsweredAgainAndNotDoneAgain) {
+  Peer server{{"server", "d", "3"}};
+  ASSERT_TRUE(server.says("ready"));
+  Asker asker{participate()};
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(asker.send("same"));
+    const auto reply = asker.next();
+    ASSERT_TRUE(reply.has_value());
+    EXPECT_EQ(reply->head.value().to_string(), "for same");
+    EXPECT_EQ(reply->head.device().to_string(), "d");
+    EXPECT_EQ(reply->head.node().to_string(), "node");
+  }
+  ASSERT_TRUE(asker.send("end"));
+  ASSERT_TRUE(asker.next().has_value());
+  EXPECT_EQ(server.line(), "handled same 0");
+  EXPECT_EQ(server.line(), "handled end 0");
+}
+
+TEST(Commands, AreSentAgainToAServerThatComesLater) {
+  Asker asker{participate()};
+  asker.send("early");
+  Peer other{{"server", "other", "0"}};
+  ASSERT_TRUE(other.says("ready"));
+  std::this_thread::sleep_for(300ms);
+  Peer server{{"server", "d", "0"}};
+  EXPECT_TRUE(asker.next().has_value());
+  EXPECT_TRUE(server.says("handled early 0"));
+}
+
+TEST(Commands, AreNotSentAfterTheirDeadline) {
+  Asker asker{participate()};
+  asker.send("late", {}, 200ms);
+  std::this_thread::sleep_for(300ms);
+  Peer server{{"server", "d", "0"}};
+  ASSERT_TRUE(server.says("ready"));
+  asker.send("punctual");
+  ASSERT_TRUE(asker.next().has_value());
+  EXPECT_EQ(server.line(), "handled punctual 0");
+}
+
+TEST(Commands, AStuckAskerDoesNotKeepOthersWaiting) {
+  Peer server{{"server", "d", "2000000"}};
+  ASSERT_TRUE(server.says("ready"));
+  Asker asker{participate()};
+  asker.send("first");
+  ASSERT_TRUE(asker.next().has_value());
+  Peer stuck{{"client", "d", "stuck", "4000000"}};
+  ASSERT_TRUE(server.says("handled first 0"));
+  ASSERT_TRUE(server.says("handled stuck 4000000"));
+  stuck.signal(SIGSTOP);
+  const auto begin = Clock::now();
+  asker.send("second");
+  ASSERT_TRUE(asker.next().has_value());
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  std::cout << "answered after " << seconds << " s\n";
+  EXPECT_LT(seconds, 10.0) << "its lease is 3 s";
+}
+
+TEST(Commands, ForgedOnesAreRefusedAndCountedAndTheServerGoesOn) {
+  Peer server{{"server", "d", "0"}};
+  ASSERT_TRUE(server.says("ready"));
+  Command good;
+  good.id("forged");
+  good.device("d");
+  good.kind(COMMAND_STOP);
+  good.parts(2);  // never whole, however it is damaged
+  good.data(std::vector<std::uint8_t>(100, 7));
+  CommandPubSubType type;
+  dds::rtps::SerializedPayload_t payload{type.m_typeSize};
+  ASSERT_TRUE(type.serialize(&good, &payload));
+  std::string text;
+  for (std::uint32_t i = 0; i < payload.length; ++i) {
+    std::array<char, 3> digits{};
+    std::snprintf(digits.data(), digits.size(), "%02x", payload.data[i]);
+    text += digits.data();
+  }
+  Peer forger{{"forge", "takt/command", "takt::Command", "plain", "3000", text}};
+  ASSERT_TRUE(forger.says("forged", 60s));
+  Asker asker{participate()};
+  asker.send("honest");
+  EXPECT_TRUE(asker.next().has_value());
+  ASSERT_TRUE(server.says("handled honest 0"));
+  server.say("refused");
+  const auto line = server.line();
+  ASSERT_TRUE(line.has_value());
+  std::cout << *line << " of 3000\n";
+  EXPECT_GT(std::stoul(line->substr(line->find(' '))), 1000U);
+}
+
+}  // namespace
+}  // namespace takt::dds_test

@@ -1,0 +1,230 @@
+// A process's place on DDS: what it may be made of, and what it must leave alone.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <pthread.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+#include <thread>
+
+#include <takt/wire/takt.h>
+#include <takt/dds/gateway.hpp>
+#include <takt/dds/participant.hpp>
+#include <takt/dds/topics.hpp>
+
+#include "domain.hpp"
+#include "peer.hpp"
+#include "sample.hpp"
+
+namespace takt::dds_test {
+namespace {
+
+using testing::HasSubstr;
+
+std::set<std::string> files_of_dds() {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {
+    const std::string name = entry.path().filename();
+    if (name.find("fast") != std::string::npos) names.insert(name);
+  }
+  return names;
+}
+
+std::size_t threads() {
+  std::size_t count = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) ++count;
+  return count;
+}
+
+TEST(Participant, LeavesNothingInSharedMemory) {
+  const auto before = files_of_dds();
+  {
+    Peer one{{"all"}};
+    Peer other{{"all"}};
+    ASSERT_TRUE(one.says("ready"));
+    ASSERT_TRUE(other.says("ready"));
+    EXPECT_EQ(files_of_dds(), before) << "while two processes exchange samples of 30 kB";
+    one.signal(SIGKILL);
+  }
+  EXPECT_EQ(files_of_dds(), before);
+}
+
+TEST(Participant, IsTheOnlyOneOfItsProcess) {
+  auto first = dds::Participant::create(on_loopback("first"));
+  ASSERT_TRUE(first.ok()) << to_text(first.problems());
+  const auto second = dds::Participant::create(on_loopback("second"));
+  ASSERT_FALSE(second.ok());
+  EXPECT_THAT(to_text(second.problems()), HasSubstr("this process has a DDS participant already"));
+  *first = nullptr;
+  EXPECT_TRUE(dds::Participant::create(on_loopback("third")).ok()) << "the first has ended";
+}
+
+TEST(Participant, SaysWhichDomainsThereAre) {
+  for (const int domain : {-1, 233}) {
+    dds::ParticipantOptions options = on_loopback("p");
+    options.domain = domain;
+    const auto made = dds::Participant::create(options);
+    ASSERT_FALSE(made.ok());
+    EXPECT_THAT(to_text(made.problems()), HasSubstr("0 to 232"));
+  }
+}
+
+TEST(Participant, SaysWhichAddressesThisMachineHas) {
+  dds::ParticipantOptions options = on_loopback("p");
+  options.interfaces = {"127.0.0.1", "203.0.113.7"};
+  const auto made = dds::Participant::create(options);
+  ASSERT_FALSE(made.ok());
+  EXPECT_THAT(to_text(made.problems()), HasSubstr("no interface with the address '203.0.113.7'"));
+  EXPECT_THAT(to_text(made.problems()), HasSubstr("127.0.0.1"));
+  EXPECT_TRUE(dds::Participant::create(on_loopback("p")).ok()) << "what failed left nothing behind";
+}
+
+TEST(Participant, SaysWhichPeerHasNoAddress) {
+  dds::ParticipantOptions options = on_loopback("p");
+  options.discovery = {
+      .kind = model::Discovery::Kind::peers, .peers = {"localhost", "no.such.host.invalid"}, .server = {}};
+  const auto made = dds::Participant::create(options);
+  ASSERT_FALSE(made.ok());
+  EXPECT_THAT(to_text(made.problems()), HasSubstr("'no.such.host.invalid'"));
+}
+
+TEST(Participant, SaysWhatIsWrongWithTheServer) {
+  for (const char* server : {"localhost:", "localhost:port", "localhost:70000", "localhost:0"}) {
+    dds::ParticipantOptions options = on_loopback("p");
+    options.discovery = {.kind = model::Discovery::Kind::server, .peers = {}, .server = server};
+    const auto made = dds::Participant::create(options);
+    ASSERT_FALSE(made.ok()) << server;
+    EXPECT_THAT(to_text(made.problems()), HasSubstr("host:port"));
+  }
+}
+
+TEST(Participant, IsNotMadeByARealTimeThread) {
+  bool real_time = false;
+  bool refused = false;
+  std::thread{[&] {
+    const sched_param priority{.sched_priority = 1};
+    real_time = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority) == 0;
+    if (!real_time) return;
+    const auto made = dds::Participant::create(on_loopback("p"));
+    refused = !made.ok() && to_text(made.problems()).find("real-time thread") != std::string::npos;
+  }}.join();
+  if (!real_time) GTEST_SKIP() << "no thread may be real-time here";
+  EXPECT_TRUE(refused);
+}
+
+TEST(Participant, HasNoThreadForAsynchronousWritingAndNoneForSharedMemory) {
+  auto participant = dds::Participant::create(on_loopback("p"));
+  ASSERT_TRUE(participant.ok());
+  const std::size_t before = threads();
+  auto writer = dds::Writer<LifecycleStatus>::create(*participant);
+  auto feed = dds::Feed::create(*participant, flow("threads"));
+  auto tap =
+      dds::Tap::create(*participant, flow("threads"), [](const std::byte*, std::size_t, std::int64_t) {});
+  ASSERT_TRUE(writer.ok() && feed.ok() && tap.ok());
+  ASSERT_TRUE(soon([&] { return (*feed)->health().matched == 1; }));
+  const auto bytes = bytes_of(1, 0, 60000);
+  ASSERT_TRUE((*feed)->write(bytes.data(), bytes.size()));
+  ASSERT_TRUE(soon([&] { return (*tap)->health().samples == 1; }));
+  EXPECT_EQ(threads(), before);
+}
+
+TEST(Participant, DoesNotRunAReaderInTheThreadThatWrites) {
+  auto participant = dds::Participant::create(on_loopback("p"));
+  ASSERT_TRUE(participant.ok());
+  std::atomic<bool> heard{false};
+  std::atomic<bool> in_this_thread{false};
+  const auto me = std::this_thread::get_id();
+  auto feed = dds::Feed::create(*participant, flow("threads"));
+  auto tap =
+      dds::Tap::create(*participant, flow("threads"), [&](const std::byte*, std::size_t, std::int64_t) {
+        in_this_thread = std::this_thread::get_id() == me;
+        heard = true;
+      });
+  ASSERT_TRUE(feed.ok() && tap.ok());
+  ASSERT_TRUE(soon([&] { return (*feed)->health().matched == 1; }));
+  const auto bytes = bytes_of(1);
+  (*feed)->write(bytes.data(), bytes.size());
+  ASSERT_TRUE(soon([&] { return heard.load(); }));
+  EXPECT_FALSE(in_this_thread);
+}
+
+/// Two of them find each other.
+void expect_match(const std::map<std::string, std::string>& one,
+                  const std::map<std::string, std::string>& other, const std::string& folder = {}) {
+  Peer tap{{"tap", "discovery", "reliable", "1"}, one, folder};
+  ASSERT_TRUE(tap.says("ready"));
+  Peer feed{{"feed", "discovery", "reliable", "1"}, other, folder};
+  ASSERT_TRUE(feed.says("ready"));
+  // What is written before they match is not delivered.
+  EXPECT_TRUE(soon([&] {
+    feed.say("1");
+    return tap.line(std::chrono::milliseconds{100}).has_value();
+  }));
+}
+
+TEST(Discovery, ByMulticast) { expect_match({}, {}); }
+
+TEST(Discovery, ByANameOfAPeer) {
+  expect_match({{"PEER_DISCOVERY", "peers=localhost"}}, {{"PEER_DISCOVERY", "peers=localhost"}});
+}
+
+TEST(Discovery, ByAServerThatAPeerRuns) {
+  const std::string place = "127.0.0.1:" + std::to_string(20000 + ::getpid() % 20000);
+  Peer server{{"device", "server"}, {{"PEER_DISCOVERY", "serve=" + place}}};
+  ASSERT_TRUE(server.says("ready"));
+  expect_match({{"PEER_DISCOVERY", "server=" + place}}, {{"PEER_DISCOVERY", "server=" + place}});
+}
+
+TEST(Discovery, IsNotChangedByTheEnvironment) {
+  const auto folder = std::filesystem::temp_directory_path() / ("takt-dds-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  const std::string profile = R"(<?xml version="1.0"?>
+<dds xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"><profiles>
+<transport_descriptors><transport_descriptor><transport_id>tcp</transport_id><type>TCPv4</type></transport_descriptor></transport_descriptors>
+<participant profile_name="p" is_default_profile="true"><domainId>7</domainId><rtps><useBuiltinTransports>false</useBuiltinTransports>
+<userTransports><transport_id>tcp</transport_id></userTransports></rtps></participant></profiles></dds>)";
+  std::ofstream{folder / "profile.xml"} << profile;
+  std::ofstream{folder / "DEFAULT_FASTRTPS_PROFILES.xml"} << profile;
+  expect_match(
+      {{"FASTRTPS_DEFAULT_PROFILES_FILE", folder / "profile.xml"}, {"ROS_DISCOVERY_SERVER", "127.0.0.1:9"}},
+      {}, folder);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Participant, TopicOfAnotherTypeIsRefusedAndTheOthersGoOn) {
+  auto participant = dds::Participant::create(on_loopback("p"));
+  ASSERT_TRUE(participant.ok());
+  auto first = dds::Feed::create(*participant, flow("shared"));
+  ASSERT_TRUE(first.ok());
+  dds::Flow other = flow("shared");
+  other.type.name = "test::Other";
+  const auto refused = dds::Feed::create(*participant, other);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(to_text(refused.problems()), HasSubstr("has the type 'test::Sample' here"));
+  dds::Flow longer = flow("another");
+  longer.type.fields.back().sequence = 7;
+  const auto conflicting = dds::Feed::create(*participant, longer);
+  ASSERT_FALSE(conflicting.ok());
+  EXPECT_THAT(to_text(conflicting.problems()), HasSubstr("two types of the name 'test::Sample'"));
+  const auto bytes = bytes_of(1);
+  EXPECT_TRUE((*first)->write(bytes.data(), bytes.size()));
+  first = dds::Feed::create(*participant, flow("third"));  // the first is gone, and with it the topic
+  EXPECT_TRUE(dds::Feed::create(*participant, other).ok());
+  first = dds::Feed::create(*participant, other);  // and the type of the first
+  EXPECT_TRUE(dds::Feed::create(*participant, longer).ok());
+}
+
+TEST(Participant, EndsAtOnceWithAllThatWasMade) {
+  Peer peer{{"all"}};
+  Peer other{{"all"}};
+  ASSERT_TRUE(peer.says("ready"));
+  peer.say("end");
+  EXPECT_EQ(peer.wait(std::chrono::seconds{5}), 0);
+}
+
+}  // namespace
+}  // namespace takt::dds_test

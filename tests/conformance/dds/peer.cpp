@@ -1,0 +1,505 @@
+// A process for the tests to talk to over DDS.
+//
+//   peer DOMAIN COMMAND ...
+//
+// Ends when its standard input does. PEER_DISCOVERY: multicast, peers=HOST, server=HOST:PORT,
+// serve=HOST:PORT; PEER_INTERFACES: addresses with commas, 127.0.0.1 if not given, "all".
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <mutex>
+#include <random>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <takt/dds/commands.hpp>
+#include <takt/dds/gateway.hpp>
+#include <takt/dds/inside.hpp>
+#include <takt/dds/topics.hpp>
+#include <takt/dds/words.hpp>
+
+#include "sample.hpp"
+
+namespace takt::dds_test {
+namespace {
+
+using namespace std::chrono_literals;
+using Arguments = std::vector<std::string>;
+using Participant = std::shared_ptr<dds::Participant>;
+
+void print(const std::string& line) {
+  static std::mutex mutex;
+  const std::lock_guard lock{mutex};
+  std::cout << line << std::endl;
+}
+
+template <class T>
+T must(Result<T> result) {
+  if (!result) {
+    print(to_text(result.problems()));
+    std::exit(3);
+  }
+  return std::move(*result);
+}
+
+/// Until somebody says a word, or closes the standard input.
+std::string told() {
+  std::string line;
+  return std::getline(std::cin, line) ? line : "end";
+}
+
+std::int64_t wall_ns() {
+  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+DeviceStatus device_status(const std::string& name, std::uint64_t sequence) {
+  DeviceStatus status;
+  status.path("test/" + name);
+  status.cell("test");
+  status.device(name);
+  status.node(name + "-" + std::to_string(::getpid()));
+  status.host_name("here");
+  status.state(DEVICE_RUNNING);
+  status.health(HEALTH_OK);
+  status.process_id(::getpid());
+  status.sequence_number(sequence);
+  status.time_ns(wall_ns());
+  return status;
+}
+
+LifecycleStatus lifecycle_status(std::size_t module, std::uint64_t sequence) {
+  LifecycleStatus status;
+  const std::string name = "module" + std::to_string(module);
+  status.path("test/device/" + name);
+  status.cell("test");
+  status.device("device");
+  status.name(name);
+  status.state(sequence % 2 == 0 ? STATE_START : STATE_EXECUTING);
+  status.event(sequence % 2 == 0 ? EVENT_STOP : EVENT_RUN);
+  status.sequence_number(sequence);
+  status.time_ns(wall_ns());
+  return status;
+}
+
+/// Says something each 100 ms until it is told to end.
+class Heartbeat {
+ public:
+  explicit Heartbeat(std::function<void()> beat)
+      : thread_([this, beat] {
+          while (!ending_) {
+            beat();
+            std::this_thread::sleep_for(100ms);
+          }
+        }) {}
+  ~Heartbeat() {
+    ending_ = true;
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+// device NAME: its status, ten times a second
+void device(const Participant& participant, const Arguments& arguments) {
+  auto writer = must(dds::Writer<DeviceStatus>::create(participant));
+  std::uint64_t sequence = 0;
+  const Heartbeat beat{[&] { writer.write(device_status(arguments[0], ++sequence)); }};
+  print("ready");
+  told();
+}
+
+// state MODULES: the states of so many modules, twice, then it only lives
+void state(const Participant& participant, const Arguments& arguments) {
+  auto writer = must(dds::Writer<LifecycleStatus>::create(participant));
+  const std::size_t modules = std::stoul(arguments[0]);
+  for (const std::uint64_t sequence : {1, 2}) {
+    for (std::size_t module = 0; module < modules; ++module) writer.write(lifecycle_status(module, sequence));
+  }
+  print("failures " + std::to_string(writer.failures()));
+  const Heartbeat beat{[&] { writer.assert_liveliness(); }};
+  while (told() == "dispose") {
+    for (std::size_t module = 0; module < modules; ++module) writer.dispose(lifecycle_status(module, 0));
+    print("disposed");
+  }
+}
+
+// transitions MODULES COUNT: the first of each module; once told, the others up to COUNT in all
+void transitions(const Participant& participant, const Arguments& arguments) {
+  auto writer = must(dds::Writer<LifecycleStatus>::create(participant));
+  const std::size_t modules = std::stoul(arguments[0]);
+  const std::size_t count = std::stoul(arguments[1]);
+  for (std::size_t module = 0; module < modules; ++module) writer.write(lifecycle_status(module, 1));
+  const Heartbeat beat{[&] { writer.assert_liveliness(); }};
+  print("ready");
+  told();
+  std::size_t in_vain = 0;
+  for (std::size_t written = modules; written < count; written += modules) {
+    in_vain += writer.wait_acknowledged(5s) ? 0 : 1;
+    for (std::size_t module = 0; module < modules; ++module)
+      writer.write(lifecycle_status(module, written / modules + 1));
+  }
+  writer.wait_acknowledged(5s);
+  print("written; failures " + std::to_string(writer.failures()) + ", waited in vain " +
+        std::to_string(in_vain));
+  told();
+}
+
+// server DEVICE BYTES: answers each command with so many bytes of data
+void server(const Participant& participant, const Arguments& arguments) {
+  const std::string data(std::stoul(arguments[1]), 'r');
+  dds::CommandServer* self = nullptr;
+  std::mutex mutex;
+  std::unique_lock lock{mutex};
+  auto server = must(
+      dds::CommandServer::create(participant, arguments[0], "node", [&](const dds::WholeCommand& command) {
+        const std::lock_guard created{mutex};
+        print("handled " + command.head.id().to_string() + " " + std::to_string(command.data.size()));
+        dds::WholeReply reply{.head = {}, .data = data};
+        reply.head.id(command.head.id());
+        reply.head.code(REPLY_OK);
+        reply.head.value("for " + command.head.id().to_string());
+        self->reply(reply);
+      }));
+  self = &server;
+  lock.unlock();
+  print("ready");
+  while (told() == "refused") print("refused " + std::to_string(server.refused()));
+}
+
+// client DEVICE ID BYTES: one command; 0 when its answer came
+int client(const Participant& participant, const Arguments& arguments) {
+  std::mutex mutex;
+  std::condition_variable came;
+  std::vector<dds::WholeReply> answers;
+  auto client = must(dds::CommandClient::create(participant, [&](const dds::WholeReply& reply) {
+    const std::lock_guard lock{mutex};
+    answers.push_back(reply);
+    came.notify_all();
+  }));
+  dds::WholeCommand command{.head = {}, .data = std::string(std::stoul(arguments[2]), 'c')};
+  command.head.id(arguments[1]);
+  command.head.device(arguments[0]);
+  command.head.kind(COMMAND_REPORT);
+  command.head.deadline_ns(wall_ns() + 20'000'000'000);
+  const auto begin = std::chrono::steady_clock::now();
+  client.send(command);
+  std::unique_lock lock{mutex};
+  if (!came.wait_for(lock, 20s, [&] { return !answers.empty(); })) return 1;
+  if (answers[0].head.value() != "for " + arguments[1]) return 2;
+  const auto time = std::chrono::steady_clock::now() - begin;
+  print("answered " + std::to_string(answers[0].data.size()) + " after " +
+        std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()));
+  return 0;
+}
+
+std::vector<std::byte> nonsense(std::mt19937& random, const std::vector<std::byte>& good) {
+  std::vector<std::byte> bytes = good;
+  switch (random() % 4) {
+    case 0:  // any bytes
+      bytes.resize(4 + random() % 400);
+      for (auto& each : bytes) each = static_cast<std::byte>(random());
+      break;
+    case 1:  // cut off
+      bytes.resize(4 + random() % (bytes.size() - 4));
+      break;
+    case 2:  // a few changed
+      for (int i = 0; i < 4; ++i) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
+      break;
+    default:  // lengths that cannot be
+      for (std::size_t at = 4; at + 4 <= bytes.size(); at += 4) {
+        if (random() % 8 == 0)
+          std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), 4, std::byte{0xff});
+      }
+  }
+  return bytes;
+}
+
+/// Claims a name of a keyed type and writes what it likes.
+class ForgedType final : public dds::fast::TopicDataType {
+ public:
+  ForgedType(const std::string& name, bool keyed) {
+    setName(name.c_str());
+    m_typeSize = 70000;
+    m_isGetKeyDefined = keyed;
+    auto_fill_type_object(false);
+    auto_fill_type_information(false);
+  }
+  bool serialize(void* data, dds::rtps::SerializedPayload_t* payload) override {
+    const auto& bytes = *static_cast<const std::vector<std::byte>*>(data);
+    std::memcpy(payload->data, bytes.data(), bytes.size());
+    payload->length = static_cast<std::uint32_t>(bytes.size());
+    return true;
+  }
+  bool deserialize(dds::rtps::SerializedPayload_t*, void*) override { return false; }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [data] { return static_cast<std::uint32_t>(static_cast<std::vector<std::byte>*>(data)->size()); };
+  }
+  void* createData() override { return new std::vector<std::byte>; }
+  void deleteData(void* data) override { delete static_cast<std::vector<std::byte>*>(data); }
+  bool getKey(void* data, dds::rtps::InstanceHandle_t* handle, bool) override {
+    if (!m_isGetKeyDefined) return false;
+    const auto& bytes = *static_cast<const std::vector<std::byte>*>(data);
+    for (std::size_t i = 0; i < 16; ++i)
+      handle->value[i] =
+          static_cast<unsigned char>(i < bytes.size() ? bytes[bytes.size() - 1 - i] : std::byte{1});
+    return true;
+  }
+};
+
+// forge TOPIC TYPE KEYED COUNT HEX: that many samples which are none, made of a good one
+void forge(const Participant& participant, const Arguments& arguments) {
+  dds::OwnParticipant& mine = dds::own(*participant);
+  const bool keyed = arguments[2] == "keyed";
+  auto* topic = must(mine.topic(arguments[0], dds::fast::TypeSupport{new ForgedType{arguments[1], keyed}}));
+  dds::fast::DataWriterQos qos;
+  qos.reliability().kind = dds::fast::RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind =
+      keyed ? dds::fast::TRANSIENT_LOCAL_DURABILITY_QOS : dds::fast::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = dds::fast::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = 32;
+  qos.resource_limits().max_samples = 16384 * 32;
+  qos.resource_limits().max_instances = 16384;
+  qos.resource_limits().max_samples_per_instance = 32;
+  qos.resource_limits().allocated_samples = 32;
+  qos.data_sharing().off();
+  qos.reliable_writer_qos().times.heartbeatPeriod = dds::duration(5ms);
+  if (keyed) {
+    qos.liveliness().kind = dds::fast::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+    qos.liveliness().lease_duration = dds::duration(300ms);
+    qos.liveliness().announcement_period = dds::duration(100ms);
+  }
+  auto* writer = mine.publisher().create_datawriter(topic, qos);
+  dds::fast::PublicationMatchedStatus status;
+  do {
+    std::this_thread::sleep_for(10ms);
+    writer->get_publication_matched_status(status);
+  } while (status.current_count < 1);
+  std::vector<std::byte> good;
+  for (std::size_t i = 0; i + 1 < arguments[4].size(); i += 2)
+    good.push_back(static_cast<std::byte>(std::stoul(arguments[4].substr(i, 2), nullptr, 16)));
+  std::mt19937 random{1};
+  const int count = std::stoi(arguments[3]);
+  for (int i = 0; i < count; ++i) {
+    auto bytes = nonsense(random, good);
+    writer->write(&bytes);
+    if (i % 8 == 7) writer->wait_for_acknowledgments(dds::duration(1s));
+  }
+  writer->wait_for_acknowledgments(dds::duration(5s));
+  print("forged");
+  told();
+  mine.publisher().delete_datawriter(writer);
+  mine.release(topic);
+}
+
+dds::Quality quality(const std::string& reliability, const std::string& depth) {
+  return {.reliable = reliability == "reliable",
+          .depth = static_cast<std::uint32_t>(std::stoul(depth)),
+          .deadline = {},
+          .lifespan = {}};
+}
+
+// tap TOPIC RELIABILITY DEPTH: the number of each sample that comes
+void tap(const Participant& participant, const Arguments& arguments) {
+  auto tap = must(dds::Tap::create(participant, flow(arguments[0], quality(arguments[1], arguments[2])),
+                                   [](const std::byte* bytes, std::size_t size, std::int64_t) {
+                                     print((is_whole(bytes, size) ? "sample " : "torn ") +
+                                           std::to_string(number_in(bytes)));
+                                   }));
+  print("ready");
+  while (told() == "health") {
+    const dds::FlowHealth health = tap->health();
+    print("matched " + std::to_string(health.matched) + " samples " + std::to_string(health.samples) +
+          " lost " + std::to_string(health.lost) + " refused " + std::to_string(health.refused) +
+          " incompatible " + health.incompatible);
+  }
+}
+
+// feed TOPIC RELIABILITY DEPTH: told N, writes N samples without data more; told "N BYTES", with so much data
+void feed(const Participant& participant, const Arguments& arguments) {
+  auto feed = must(dds::Feed::create(participant, flow(arguments[0], quality(arguments[1], arguments[2]))));
+  print("ready");
+  std::uint64_t number = 0;
+  for (std::string line = told(); line != "end"; line = told()) {
+    std::istringstream words{line};
+    std::uint64_t count = 0;
+    std::uint32_t data = 0;
+    words >> count >> data;
+    for (; count > 0; --count) {
+      ++number;
+      const auto bytes = bytes_of(number, static_cast<std::int64_t>(number), data);
+      feed->write(bytes.data(), bytes.size());
+      if (data == 0) std::this_thread::sleep_for(100us);
+    }
+    const dds::FlowHealth health = feed->health();
+    print("written " + std::to_string(number) + " failures " + std::to_string(health.failures) + " matched " +
+          std::to_string(health.matched) + " incompatible " + health.incompatible);
+  }
+}
+
+dds::Flow flow_of_file(const Arguments& arguments) {
+  std::ifstream file{arguments[3]};
+  const std::string text{std::istreambuf_iterator<char>{file}, {}};
+  return {.topic = arguments[0],
+          .type = must(model::parse_type(text)),
+          .quality = quality(arguments[1], arguments[2])};
+}
+
+// show TOPIC RELIABILITY DEPTH FILE: the samples that come, of the type in the file, as JSON
+void show(const Participant& participant, const Arguments& arguments) {
+  const dds::Flow flow = flow_of_file(arguments);
+  auto tap = must(
+      dds::Tap::create(participant, flow, [&flow](const std::byte* bytes, std::size_t size, std::int64_t) {
+        print(model::sample_json(flow.type, bytes, size));
+      }));
+  print("ready");
+  while (told() == "health") print("refused " + std::to_string(tap->health().refused));
+}
+
+// give TOPIC RELIABILITY DEPTH FILE: told a sample as JSON, writes it
+void give(const Participant& participant, const Arguments& arguments) {
+  const dds::Flow flow = flow_of_file(arguments);
+  auto feed = must(dds::Feed::create(participant, flow));
+  print("ready");
+  for (std::string line = told(); line != "end"; line = told()) {
+    const auto bytes = must(model::sample_bytes(flow.type, line));
+    print(feed->write(bytes.data(), bytes.size()) ? "written" : "failed");
+  }
+}
+
+// statistics MODULE: of one module, each 100 ms
+void statistics(const Participant& participant, const Arguments& arguments) {
+  auto writer = must(dds::Writer<ModuleStatistics>::create(participant));
+  ModuleStatistics sample;
+  sample.path("test/device/" + arguments[0]);
+  sample.cell("test");
+  sample.device("device");
+  sample.name(arguments[0]);
+  sample.overruns(7);
+  sample.jitter_us().mean(-1.5);
+  sample.run_us().p99(12.25);
+  const Heartbeat beat{[&] {
+    sample.cycles(sample.cycles() + 100);
+    writer.write(sample);
+  }};
+  print("ready");
+  told();
+}
+
+// echo TOPIC BACK RELIABILITY: what comes on one goes back on the other, on the thread of Fast DDS
+void echo(const Participant& participant, const Arguments& arguments) {
+  const dds::Quality same = quality(arguments[2], "1");
+  auto back = must(dds::Feed::create(participant, flow(arguments[1], same)));
+  auto there = must(dds::Tap::create(
+      participant, flow(arguments[0], same),
+      [&back](const std::byte* bytes, std::size_t size, std::int64_t) { back->write(bytes, size); }));
+  print("ready");
+  told();
+}
+
+// all: one of each entity, and something written with each
+void all(const Participant& participant, const Arguments&) {
+  auto devices = must(dds::Writer<DeviceStatus>::create(participant));
+  auto modules = must(dds::Writer<LifecycleStatus>::create(participant));
+  auto statistics = must(dds::Writer<ModuleStatistics>::create(participant));
+  std::atomic<int> heard{0};
+  auto reader = must(dds::Reader<DeviceStatus>::create(
+      participant, {.sample = [&heard](const DeviceStatus&, dds::WriterId) { ++heard; }}));
+  auto back = must(dds::Feed::create(
+      participant, flow("all", {.reliable = true, .depth = 8, .deadline = {}, .lifespan = {}})));
+  auto tap = must(dds::Tap::create(
+      participant, flow("all", {.reliable = true, .depth = 8, .deadline = {}, .lifespan = {}}),
+      [&heard](const std::byte*, std::size_t, std::int64_t) { ++heard; }));
+  std::uint64_t sequence = 0;
+  const Heartbeat beat{[&] {
+    ++sequence;
+    devices.write(device_status("all", sequence));
+    modules.write(lifecycle_status(1, sequence));
+    const auto bytes = bytes_of(sequence, 0, 30000);
+    back->write(bytes.data(), bytes.size());
+  }};
+  while (heard < 20) std::this_thread::sleep_for(10ms);
+  print("ready");
+  told();
+}
+
+Result<Participant> participate(int domain) {
+  dds::ParticipantOptions options{
+      .name = "peer", .domain = domain, .discovery = {}, .interfaces = {"127.0.0.1"}};
+  if (const char* given = std::getenv("PEER_INTERFACES")) {
+    options.interfaces.clear();
+    std::istringstream list{given};
+    for (std::string each; std::getline(list, each, ',');) {
+      if (each != "all") options.interfaces.push_back(each);
+    }
+  }
+  if (const char* given = std::getenv("PEER_DISCOVERY")) {
+    const std::string text{given};
+    const std::string kind = text.substr(0, text.find('='));
+    const std::string place = text.substr(std::min(text.size(), kind.size() + 1));
+    if (kind == "peers") {
+      options.discovery.kind = model::Discovery::Kind::peers;
+      options.discovery.peers = {place};
+    } else if (kind == "server" || kind == "serve") {
+      options.discovery.kind = model::Discovery::Kind::server;
+      options.discovery.server = place;
+      options.discovery.serve = kind == "serve";
+    }
+  }
+  return dds::Participant::create(options);
+}
+
+int run(int domain, const std::string& command, const Arguments& arguments) {
+  const Participant participant = must(participate(domain));
+  const std::map<std::string, std::function<void(const Participant&, const Arguments&)>> commands{
+      {"device", device},
+      {"state", state},
+      {"transitions", transitions},
+      {"server", server},
+      {"forge", forge},
+      {"tap", tap},
+      {"feed", feed},
+      {"echo", echo},
+      {"show", show},
+      {"give", give},
+      {"statistics", statistics},
+      {"all", all}};
+  std::atomic<bool> rescanning{std::getenv("PEER_RESCAN") != nullptr};
+  std::thread rescan{[&] {
+    while (rescanning) {
+      std::this_thread::sleep_for(100ms);
+      participant->rescan_interfaces();
+    }
+  }};
+  int status = 0;
+  if (command == "client") {
+    status = client(participant, arguments);
+  } else if (const auto found = commands.find(command); found != commands.end()) {
+    found->second(participant, arguments);
+  } else {
+    status = 2;
+  }
+  rescanning = false;
+  rescan.join();
+  return status;
+}
+
+}  // namespace
+}  // namespace takt::dds_test
+
+int main(int count, char** words) {
+  if (count < 3) return 2;
+  return takt::dds_test::run(std::atoi(words[1]), words[2], {words + 3, words + count});
+}

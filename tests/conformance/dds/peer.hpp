@@ -1,0 +1,55 @@
+// Another process: the program peer.cpp, at work with one of its commands.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace takt::dds_test {
+
+class Peer {
+ public:
+  /// With these variables added to the environment; in this folder, if one is given.
+  explicit Peer(const std::vector<std::string>& arguments,
+                const std::map<std::string, std::string>& variables = {}, const std::string& folder = {});
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+  /// Kills it if it still runs.
+  ~Peer();
+
+  void say(const std::string& line) const;
+  /// The next line that it prints; none when it has ended, or says nothing for that long.
+  std::optional<std::string> line(std::chrono::milliseconds limit = std::chrono::seconds{20});
+  /// Whether this line comes; others before it are passed over.
+  bool says(const std::string& wanted, std::chrono::milliseconds limit = std::chrono::seconds{20});
+  void signal(int number) const;
+  /// Its exit status, -1 when it did not end by itself in time.
+  int wait(std::chrono::milliseconds limit = std::chrono::seconds{20});
+  [[nodiscard]] int pid() const { return pid_; }
+
+ private:
+  int pid_ = 0;
+  int in_ = -1;
+  int out_ = -1;
+  std::string read_;
+};
+
+/// Until it holds, looked at each millisecond. False when it does not for that long.
+template <class Condition>
+bool soon(Condition condition, std::chrono::milliseconds limit = std::chrono::seconds{20});
+
+}  // namespace takt::dds_test
+
+#include <thread>
+
+template <class Condition>
+bool takt::dds_test::soon(Condition condition, std::chrono::milliseconds limit) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  }
+  return true;
+}

@@ -1,0 +1,328 @@
+// What nodes say of themselves, between processes.
+#include <fastcdr/Cdr.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <array>
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <takt/wire/taktPubSubTypes.h>
+#include <takt/dds/guarded.hpp>
+#include <takt/dds/sensible.hpp>
+#include <takt/dds/topics.hpp>
+
+#include "domain.hpp"
+#include "peer.hpp"
+
+namespace takt::dds_test {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+std::shared_ptr<dds::Participant> participate() {
+  auto made = dds::Participant::create(on_loopback("test"));
+  EXPECT_TRUE(made.ok()) << to_text(made.problems());
+  return made.ok() ? *made : nullptr;
+}
+
+/// The last sequence number that was heard of each path.
+class Heard {
+  template <class F>
+  auto with(F f) const {
+    const std::lock_guard lock{mutex_};
+    return f();
+  }
+
+ public:
+  dds::Heard<LifecycleStatus> listener() {
+    return {.sample =
+                [this](const LifecycleStatus& status, dds::WriterId) {
+                  const std::lock_guard lock{mutex_};
+                  std::uint64_t& last = last_[status.path().to_string()];
+                  if (status.sequence_number() <= last) ++doubled_;
+                  if (status.sequence_number() > last + 1) gaps_ += status.sequence_number() - last - 1;
+                  last = status.sequence_number();
+                  ++samples_;
+                  if (samples_ == held_up_at_) std::this_thread::sleep_for(1s);
+                },
+            .disposed =
+                [this](const LifecycleStatus& key, dds::WriterId) {
+                  const std::lock_guard lock{mutex_};
+                  last_.erase(key.path().to_string());
+                }};
+  }
+  /// Takes a second for this sample.
+  void hold_up(std::size_t sample) {
+    const std::lock_guard lock{mutex_};
+    held_up_at_ = sample;
+  }
+  std::size_t keys() const {
+    return with([this] { return last_.size(); });
+  }
+  std::size_t samples() const {
+    return with([this] { return samples_; });
+  }
+  std::size_t doubled() const {
+    return with([this] { return doubled_; });
+  }
+  std::size_t gaps() const {
+    return with([this] { return gaps_; });
+  }
+  std::set<std::uint64_t> last() const {
+    return with([this] {
+      std::set<std::uint64_t> all;
+      for (const auto& [path, number] : last_) all.insert(number);
+      return all;
+    });
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, std::uint64_t> last_;
+  std::size_t samples_ = 0;
+  std::size_t doubled_ = 0;
+  std::size_t gaps_ = 0;
+  std::size_t held_up_at_ = 0;
+};
+
+TEST(Lifecycle, WhoJoinsLateGetsThePresentStateOfThreeHundredModules) {
+  Peer writer{{"state", "300"}};
+  ASSERT_EQ(writer.line(), "failures 0");
+  Heard heard;
+  auto reader = dds::Reader<LifecycleStatus>::create(participate(), heard.listener());
+  ASSERT_TRUE(reader.ok());
+  EXPECT_TRUE(soon([&] { return heard.keys() == 300; })) << heard.keys();
+  EXPECT_EQ(heard.last(), std::set<std::uint64_t>{2}) << "the last state of each, not the first";
+  EXPECT_EQ(heard.samples(), 300U);
+}
+
+TEST(Lifecycle, WhatWasDisposedIsNotToldToWhoComesLater) {
+  Peer writer{{"state", "20"}};
+  ASSERT_EQ(writer.line(), "failures 0");
+  auto participant = participate();
+  Heard heard;
+  auto reader = dds::Reader<LifecycleStatus>::create(participant, heard.listener());
+  ASSERT_TRUE(soon([&] { return heard.keys() == 20; }));
+  writer.say("dispose");
+  EXPECT_TRUE(soon([&] { return heard.keys() == 0; }));
+  Heard late;
+  auto later = dds::Reader<LifecycleStatus>::create(participant, late.listener());
+  ASSERT_TRUE(soon([&] { return later->matched() == 1; }));
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(late.samples(), 0U);
+}
+
+TEST(Lifecycle, TenThousandTransitionsUnderLoadAreNeitherLostNorDoubled) {
+  std::atomic<bool> ending{false};
+  std::vector<std::thread> load;
+  for (unsigned i = 0; i < std::thread::hardware_concurrency(); ++i)
+    load.emplace_back([&ending] {
+      while (!ending) continue;
+    });
+  Heard heard;
+  auto reader = dds::Reader<LifecycleStatus>::create(participate(), heard.listener());
+  ASSERT_TRUE(reader.ok());
+  Peer writer{{"transitions", "20", "10000"}};
+  ASSERT_TRUE(writer.says("ready"));
+  ASSERT_TRUE(soon([&] { return heard.samples() == 20; })) << "it joined first";
+  heard.hold_up(1000);  // meanwhile more comes than its socket holds, if the writer does not wait
+  const auto begin = Clock::now();
+  writer.say("go");
+  EXPECT_EQ(writer.line(100s), "written; failures 0, waited in vain 0");
+  EXPECT_TRUE(soon([&] { return heard.samples() == 10000; }, 5s)) << heard.samples();
+  std::cout << "10,000 transitions in " << std::chrono::duration<double>(Clock::now() - begin).count()
+            << " s\n";
+  EXPECT_EQ(heard.gaps(), 0U);
+  EXPECT_EQ(heard.doubled(), 0U);
+  ending = true;
+  for (std::thread& each : load) each.join();
+}
+
+/// What becomes of the writers of device states.
+class Devices {
+ public:
+  dds::Heard<DeviceStatus> listener() {
+    return {.sample =
+                [this](const DeviceStatus& status, dds::WriterId writer) {
+                  const std::lock_guard lock{mutex_};
+                  names_[writer] = status.device().to_string();
+                  ++samples_[names_[writer]];
+                },
+            .lost = [this](dds::WriterId writer) { note(writer, "lost"); },
+            .alive = [this](dds::WriterId writer) { note(writer, "alive"); }};
+  }
+  /// "alive lost alive"
+  std::string told(const std::string& device) const {
+    const std::lock_guard lock{mutex_};
+    std::string all;
+    for (const auto& [writer, what] : told_) {
+      if (names_.count(writer) > 0 && names_.at(writer) == device) all += (all.empty() ? "" : " ") + what;
+    }
+    return all;
+  }
+  std::size_t samples(const std::string& device) const {
+    const std::lock_guard lock{mutex_};
+    return samples_.count(device) == 0 ? 0 : samples_.at(device);
+  }
+
+ private:
+  void note(dds::WriterId writer, const std::string& what) {
+    const std::lock_guard lock{mutex_};
+    told_.emplace_back(writer, what);
+  }
+  mutable std::mutex mutex_;
+  std::map<dds::WriterId, std::string> names_;
+  std::map<std::string, std::size_t> samples_;
+  std::vector<std::pair<dds::WriterId, std::string>> told_;
+};
+
+TEST(Device, DeathIsToldWithinTheLeaseWhileAnotherLivesOn) {
+  auto participant = participate();
+  Devices devices;
+  auto reader = dds::Reader<DeviceStatus>::create(participant, devices.listener());
+  Peer other{{"device", "other"}};
+  ASSERT_TRUE(soon([&] { return devices.samples("other") > 0; }));
+  std::vector<double> seconds;
+  // The machine may be held up; the claim is of one that is not.
+  for (int attempt = 0; attempt < 5 && (seconds.empty() || seconds.back() > 0.4); ++attempt) {
+    const std::string name = "mortal" + std::to_string(attempt);
+    Peer mortal{{"device", name}};
+    ASSERT_TRUE(soon([&] { return devices.samples(name) >= 5; }));
+    mortal.signal(SIGKILL);
+    const auto killed = Clock::now();
+    ASSERT_TRUE(soon([&] { return devices.told(name) == "alive lost"; }, 2s)) << devices.told(name);
+    seconds.push_back(std::chrono::duration<double>(Clock::now() - killed).count());
+    std::cout << "told after " << seconds.back() << " s\n";
+  }
+  EXPECT_LE(seconds.back(), 0.4);
+  EXPECT_EQ(devices.told("other"), "alive") << "it goes on";
+  std::this_thread::sleep_for(4s);  // its participant's lease runs out too
+  EXPECT_EQ(devices.told("mortal0"), "alive lost") << "once";
+}
+
+TEST(Device, ThatHangsAndGoesOnIsLostAndAliveAgain) {
+  Devices devices;
+  auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
+  Peer peer{{"device", "d"}};
+  ASSERT_TRUE(soon([&] { return devices.samples("d") >= 3; }));
+  peer.signal(SIGSTOP);
+  ASSERT_TRUE(soon([&] { return devices.told("d") == "alive lost"; })) << devices.told("d");
+  peer.signal(SIGCONT);
+  EXPECT_TRUE(soon([&] { return devices.told("d") == "alive lost alive"; })) << devices.told("d");
+}
+
+TEST(Device, ThatLeavesInOrderIsLostAtOnce) {
+  Devices devices;
+  auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
+  Peer peer{{"device", "d"}};
+  ASSERT_TRUE(soon([&] { return devices.samples("d") >= 1; }));
+  peer.say("end");
+  EXPECT_TRUE(soon([&] { return devices.told("d") == "alive lost"; })) << devices.told("d");
+}
+
+/// The hexadecimal digits of a sample as it is on the wire.
+template <class Generated>
+std::string wire(typename Generated::type& sample) {
+  Generated type;
+  dds::rtps::SerializedPayload_t payload{type.m_typeSize};
+  type.serialize(&sample, &payload);
+  std::string text;
+  for (std::uint32_t i = 0; i < payload.length; ++i) {
+    std::array<char, 3> digits{};
+    std::snprintf(digits.data(), digits.size(), "%02x", payload.data[i]);
+    text += digits.data();
+  }
+  return text;
+}
+
+TEST(Device, ForgedSamplesAreRefusedAndCountedAndTheReaderGoesOn) {
+  Devices devices;
+  auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
+  DeviceStatus status;
+  status.path("test/d");
+  status.cell("test");
+  status.device("d");
+  status.node("n");
+  status.text("well");
+  Peer forger{
+      {"forge", "takt/device", "takt::DeviceStatus", "keyed", "3000", wire<DeviceStatusPubSubType>(status)}};
+  ASSERT_TRUE(forger.says("forged", 60s));
+  EXPECT_GT(reader->refused(), 1000U);
+  Peer honest{{"device", "honest"}};
+  EXPECT_TRUE(soon([&] { return devices.samples("honest") > 0; }));
+}
+
+TEST(Sensible, RefusesWhatCannotBe) {
+  DeviceStatus good;
+  good.path("c/d");
+  good.cell("c");
+  good.device("d");
+  good.node("n");
+  DeviceStatus status = good;
+  EXPECT_TRUE(dds::make_sensible(status));
+  status.state(static_cast<DeviceState>(17));
+  EXPECT_FALSE(dds::make_sensible(status));
+  status = good;
+  status.device("");
+  EXPECT_FALSE(dds::make_sensible(status));
+  status = good;
+  status.device("a\x1b[2Jb");
+  EXPECT_FALSE(dds::make_sensible(status));
+  status = good;
+  status.cell("\xff");
+  EXPECT_FALSE(dds::make_sensible(status));
+  status = good;
+  status.text("it broke: \xff\x1b[31m \xc3\xa4");
+  EXPECT_TRUE(dds::make_sensible(status));
+  EXPECT_EQ(status.text().to_string(), "it broke: ? [31m \xc3\xa4");
+
+  Command command;
+  command.id("1");
+  command.device("d");
+  command.parts(1);
+  EXPECT_TRUE(dds::make_sensible(command));
+  command.part(1);
+  EXPECT_FALSE(dds::make_sensible(command));
+  command.part(0);
+  command.parts(0);
+  EXPECT_FALSE(dds::make_sensible(command));
+  command.parts(1);
+  command.kind(static_cast<CommandKind>(99));
+  EXPECT_FALSE(dds::make_sensible(command));
+}
+
+TEST(Keys, AreTheSameWhoeverComputesThemAtTheSameTime) {
+  dds::Guarded<LifecycleStatusPubSubType> type;
+  const auto key_of = [&type](const std::string& path) {
+    LifecycleStatus status;
+    status.path(path);
+    dds::rtps::InstanceHandle_t handle;
+    type.getKey(&status, &handle);
+    return dds::number_of(handle);
+  };
+  const std::string one = "cell/device/one";
+  const std::string other = "cell/another_device_with_a_long_name/other_module";
+  const auto expected = std::make_pair(key_of(one), key_of(other));
+  std::atomic<int> wrong{0};
+  std::thread first{[&] {
+    for (int i = 0; i < 100'000; ++i) wrong += key_of(one) == expected.first ? 0 : 1;
+  }};
+  std::thread second{[&] {
+    for (int i = 0; i < 100'000; ++i) wrong += key_of(other) == expected.second ? 0 : 1;
+  }};
+  first.join();
+  second.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+}  // namespace
+}  // namespace takt::dds_test

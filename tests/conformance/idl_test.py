@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""What takt_idl.py takes for the types of ports, fastddsgen and Cyclone's idlc take too, and what is made of it compiles; what
+it refuses, it refuses with these words.
+
+Usage: idl_test.py SOURCE_DIRECTORY BUILD_DIRECTORY CXX CC FASTDDSGEN IDLC. Reads idl/ and, beside this file, idl/good and idl/bad,
+where each NAME.idl has a NAME.expected: the lines on stderr."""
+import glob
+import os
+import subprocess
+import sys
+import tempfile
+
+source, build, cxx, cc, fastddsgen, idlc = sys.argv[1:]
+here = os.path.join(source, "tests", "conformance", "idl")
+script = os.path.join(source, "cmake", "takt_idl.py")
+failures = []
+checked = 0
+
+
+def run(*command, cwd=None):
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+
+
+def expect(right, what, result=None):
+    global checked
+    checked += 1
+    if not right:
+        failures.append(what + (":\n" + (result.stdout + result.stderr).strip() if result else ""))
+
+
+def takt_idl(folder, *arguments):
+    return run(sys.executable, script, *arguments, cwd=folder)
+
+
+def accepted_by_others(folder, names, scratch):
+    """The files as their authors wrote them."""
+    for tool in ("dds", "dds_tmp", "idlc"):
+        os.makedirs(os.path.join(scratch, tool), exist_ok=True)
+    result = run(fastddsgen, "-replace", "-cs", "-t", os.path.join(scratch, "dds_tmp"), "-d", os.path.join(scratch, "dds"), *names,
+                 cwd=folder)
+    expect(result.returncode == 0 and "error" not in result.stdout + result.stderr, f"fastddsgen refuses one of {names}", result)
+    for name in names:
+        result = run(idlc, "-l", "c", "-o", os.path.join(scratch, "idlc"), name, cwd=folder)
+        expect(result.returncode == 0, f"idlc refuses {name}", result)
+
+
+def idl_files(folder):
+    return sorted(os.path.basename(path) for path in glob.glob(os.path.join(folder, "*.idl")))
+
+
+def test_ours(scratch):
+    folder = os.path.join(source, "idl")
+    names = idl_files(folder)
+    expect({"takt.idl", "motion.idl", "line.idl"} <= set(names), f"idl/ has only {names}")
+    accepted_by_others(folder, names, scratch)
+    ports = [name for name in names if name != "takt.idl"]
+    result = takt_idl(folder, "--check", *ports)
+    expect(result.returncode == 0 and not result.stderr, "takt_idl.py refuses a type of ours", result)
+    # Its keys make topics of instances of it, and no ports.
+    result = takt_idl(folder, "--check", "takt.idl")
+    expect(result.returncode == 1 and "takt::LifecycleStatus.path is a key" in result.stderr, "takt.idl has no keys", result)
+
+
+def test_good(scratch):
+    folder = os.path.join(here, "good")
+    names = idl_files(folder)
+    expect(len(names) >= 6, f"{folder} has only {names}")
+    out = os.path.join(scratch, "out")
+    for name in names:
+        result = takt_idl(folder, "--check", name)
+        expect(result.returncode == 0 and not result.stdout and not result.stderr, f"takt_idl.py refuses {name}", result)
+    every = names + sorted(os.path.relpath(path, folder) for path in glob.glob(os.path.join(folder, "*", "*.idl")))
+    accepted_by_others(folder, names, scratch)
+    # All in one library, then the compilers: each kind of source as one.
+    result = takt_idl(folder, "--out", out, *every)
+    expect(result.returncode == 0, "takt_idl.py makes nothing", result)
+    stems = [os.path.splitext(os.path.basename(name))[0] for name in every]
+    plain = os.path.join(out, "plain")
+    result = run(fastddsgen, "-replace", "-cs", "-t", scratch, "-d", out, *(f"{stem}.idl" for stem in stems), cwd=plain)
+    expect(result.returncode == 0, "fastddsgen refuses what takt_idl.py writes for it", result)
+    includes = ["-I", out] + [f"-I{os.path.join(build, 'rooms', room)}" for room in ("core", "component")]
+    for kind, end in (("classes", ".cxx"), ("types", "_types.cpp"), ("in_c", "_c.cpp")):
+        unit = os.path.join(scratch, kind + ".cpp")
+        with open(unit, "w", encoding="utf-8") as stream:
+            stream.writelines(f'#include "{stem}{end}"\n' for stem in stems)
+        result = run(cxx, "-std=c++20", "-fsyntax-only", "-w", *includes, unit)
+        expect(result.returncode == 0, f"{kind} of {stems} do not compile", result)
+    unit = os.path.join(scratch, "headers.c")
+    with open(unit, "w", encoding="utf-8") as stream:
+        stream.writelines(f"#include <{stem}_c.h>\n" for stem in stems + stems)
+        stream.write("long long smallest(void) { return odd_names_SMALLEST; }\n")
+    result = run(cc, "-std=c11", "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Werror", *includes, unit)
+    expect(result.returncode == 0, f"the C headers of {stems} do not compile", result)
+
+
+def test_bad(scratch):
+    folder = os.path.join(here, "bad")
+    # Files that a case needs beside its own.
+    more = {"sees.idl": ["part_a.idl", "sees.idl"], "twins.idl": ["folder/twins.idl", "twins.idl"]}
+    parts = {"part_a.idl", "part_b.idl", "part_base.idl"}
+    cases = [name for name in idl_files(folder) if name not in parts]
+    expect(len(cases) >= 15, f"{folder} has only {cases}")
+    for name in cases:
+        with open(os.path.join(folder, name[:-4] + ".expected"), encoding="utf-8") as stream:
+            expected = stream.read()
+        out = os.path.join(scratch, "refused")
+        for arguments in (["--check"], ["--out", out]):
+            result = takt_idl(folder, *arguments, *more.get(name, [name]))
+            lines = result.stderr
+            if arguments[0] == "--out":
+                # A library must name its files too.
+                lines = "".join(line for line in lines.splitlines(True) if "not in the same library" not in line)
+            expect(result.returncode == 1, f"{name} is not refused", result)
+            expect(lines == expected and not result.stdout, f"{name} is refused with other words", result)
+        expect(not os.path.exists(out), f"of {name} something is written")
+    for name in parts | {"missing.idl"}:
+        result = takt_idl(folder, "--out", out, name)
+        expect((result.returncode == 1) == (name != "part_base.idl"), f"{name}: a file that is included is to be in the library", result)
+    result = takt_idl(folder, "--check", "missing.idl")
+    expect(result.stderr == "missing.idl:1: error: the file cannot be read: No such file or directory\n", "missing.idl", result)
+
+
+for test in (test_ours, test_good, test_bad):
+    with tempfile.TemporaryDirectory() as scratch:
+        test(scratch)
+print("\n".join(failures) or f"{checked} expectations hold")
+sys.exit(1 if failures else 0)

@@ -1,0 +1,17 @@
+// A periodic program in C++: passes on what it reads.
+#include <takt/process.hpp>
+
+#include "sample.hpp"
+
+namespace {
+takt::InPort<samples::Count> in{"in", {.text = "What \"it\" is to pass on."}};
+takt::OutPort<samples::Count> out{"out"};
+}  // namespace
+
+int main() {
+  initPeriodExe();
+  while (true) {
+    waitPeriod();
+    while (in.read()) out.write(in.value());
+  }
+}

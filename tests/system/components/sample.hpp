@@ -1,0 +1,44 @@
+// A samples::Count and what it must look like.
+#pragma once
+
+#include <cstdint>
+
+#include <samples.hpp>
+
+inline void fill(samples::Count& count, std::uint64_t number) {
+  count.number(number);
+  for (double& same : count.same()) same = static_cast<double>(number);
+  count.few().assign(number % 5, static_cast<std::uint32_t>(number));
+}
+
+/// Whole, and all of one number.
+inline bool is_whole(const samples::Count& count) {
+  const std::uint64_t number = count.number();
+  for (const double same : count.same()) {
+    if (same != static_cast<double>(number)) return false;
+  }
+  if (count.few().size() != number % 5) return false;
+  for (const std::uint32_t few : count.few()) {
+    if (few != static_cast<std::uint32_t>(number)) return false;
+  }
+  return true;
+}
+
+/// What a reader saw.
+struct Seen {
+  std::uint64_t read = 0;
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+  std::uint64_t gaps = 0;   ///< numbers between two that never came
+  std::uint64_t wrong = 0;  ///< torn, or not after the one before
+  std::int64_t oldest_ns = 0;
+
+  void take(const samples::Count& count, std::int64_t age_ns) {
+    if (!is_whole(count) || (read != 0 && count.number() <= last)) ++wrong;
+    if (read == 0) first = count.number();
+    if (read != 0 && count.number() > last) gaps += count.number() - last - 1;
+    last = count.number();
+    if (age_ns > oldest_ns) oldest_ns = age_ns;
+    ++read;
+  }
+};

@@ -1,0 +1,14 @@
+// How a reader tells a test what it saw.
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "sample.hpp"
+
+inline void write_seen(const std::string& file, const Seen& seen) {
+  if (file.empty()) return;
+  std::ofstream(file) << "{\"read\": " << seen.read << ", \"first\": " << seen.first
+                      << ", \"last\": " << seen.last << ", \"gaps\": " << seen.gaps
+                      << ", \"wrong\": " << seen.wrong << ", \"oldest_ns\": " << seen.oldest_ns << "}\n";
+}

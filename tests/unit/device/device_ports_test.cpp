@@ -1,0 +1,286 @@
+// Ports of modules that run for real.
+#include <signal.h>
+
+#include "real_device.hpp"
+
+namespace takt::node {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+namespace fs = std::filesystem;
+
+class DevicePorts : public RealDevice {
+ protected:
+  static std::string source(const std::string& properties = "") {
+    return module("source", "port_source.so", kEvery, properties);
+  }
+  static std::string slow_source() {
+    return module("source", "port_source.so",
+                  "<operationtype>periodic</operationtype><period>10000000</period>");
+  }
+  std::string sink(const std::string& name, const std::string& properties = "",
+                   const std::string& more = "") const {
+    return module(name, "port_sink.so", kEvery, file(name) + properties, more);
+  }
+
+  json port_of(const std::string& name, const std::string& port) const {
+    const json module = module_of(name);
+    for (const json& one : module["ports"]) {
+      if (one["name"] == port) return one;
+    }
+    return {};
+  }
+  /// It read every number from 1 on, at least so many.
+  void expect_all(const std::string& name, int least) const {
+    SCOPED_TRACE(name);
+    const json sink = seen(name);
+    ASSERT_TRUE(sink.is_object());
+    EXPECT_GE(sink["read"], least);
+    EXPECT_EQ(sink["first"], 1);
+    EXPECT_EQ(sink["wrong"], 0);
+    EXPECT_EQ(sink["gaps"], 0);
+  }
+};
+
+std::string connection(const std::string& from, const std::string& to, const std::string& what = "") {
+  return "<connection from=\"d." + from + "\" to=\"d." + to + "\" " + what + "/>";
+}
+
+// ---- Values ----------------------------------------------------------------------------------------------
+
+TEST_F(DevicePorts, AValueGoesFromOneModuleToAnother) {
+  bring_up(source() + sink("sink"), connection("source.out", "sink.in"));
+  run_for(milliseconds{300});
+  take_down();
+  expect_all("sink", 200);
+  EXPECT_LT(seen("sink")["oldest_ns"], 1'000'000) << "both are in one row";
+}
+
+TEST_F(DevicePorts, AValueGoesThroughAProgramAndAModuleInC) {
+  bring_up(source() + module("relay", "port_relay.exe", kEvery) +
+               module("relay_c", "port_relay_c.so", kEvery) +
+               module("program_c", "port_relay_c.exe", kEvery) + sink("sink"),
+           connection("source.out", "relay.in", "kind=\"queue\" depth=\"64\"") +
+               connection("relay.out", "relay_c.in", "kind=\"queue\" depth=\"64\"") +
+               connection("relay_c.out", "program_c.in", "kind=\"queue\" depth=\"64\"") +
+               connection("program_c.out", "sink.in", "kind=\"queue\" depth=\"64\""));
+  run_for(milliseconds{300});
+  take_down();
+  expect_all("sink", 200);
+}
+
+TEST_F(DevicePorts, AFullQueueDropsItsOldestSamples) {
+  bring_up(source("<value name=\"burst\">10</value>") + sink("sink", "<value name=\"most\">3</value>"),
+           connection("source.out", "sink.in", "kind=\"queue\" depth=\"7\""));
+  run_for(milliseconds{200});
+  const json port = port_of("sink", "in");
+  EXPECT_EQ(port["connected"], true);
+  EXPECT_GT(port["dropped"], 100);
+  EXPECT_GT(port["samples"], 300);
+  take_down();
+  const json sink = seen("sink");
+  EXPECT_GT(sink["read"], 300);
+  EXPECT_EQ(sink["wrong"], 0);
+  EXPECT_GE(sink["gaps"], sink["read"]) << "three of ten are read";
+}
+
+TEST_F(DevicePorts, SeveralReadersEachGetAll) {
+  bring_up(source() + sink("one") + sink("two") + module("relay", "port_relay.exe", kEvery) + sink("three"),
+           connection("source.out", "one.in", "kind=\"queue\" depth=\"9\"") +
+               connection("source.out", "two.in") +
+               connection("source.out", "relay.in", "kind=\"queue\" depth=\"99\"") +
+               connection("relay.out", "three.in", "kind=\"queue\" depth=\"99\""));
+  run_for(milliseconds{300});
+  take_down();
+  for (const char* name : {"one", "two", "three"}) expect_all(name, 200);
+}
+
+TEST_F(DevicePorts, SeveralWritersShareAQueue) {
+  bring_up(source() + module("other", "port_source.so", kEvery) + sink("sink"),
+           connection("source.out", "sink.in", "kind=\"queue\" depth=\"9\"") +
+               connection("other.out", "sink.in", "kind=\"queue\" depth=\"9\""));
+  run_for(milliseconds{300});
+  const json port = port_of("sink", "in");
+  EXPECT_EQ(port["dropped"], 0);
+  EXPECT_GT(port["samples"], 400);
+  take_down();
+}
+
+TEST_F(DevicePorts, CopiesOfAModuleInCHavePortsOfTheirOwn) {
+  bring_up(source() + module("first", "port_relay_c.so", kEvery) +
+               module("second", "port_relay_c.so", kEvery) + module("third", "port_relay_c.so", kEvery) +
+               sink("one") + sink("three"),
+           connection("source.out", "first.in") + connection("source.out", "third.in") +
+               connection("first.out", "one.in") + connection("third.out", "three.in"));
+  run_for(milliseconds{200});
+  EXPECT_EQ(port_of("second", "out")["samples"], 0);
+  EXPECT_EQ(port_of("second", "in")["connected"], false);
+  take_down();
+  expect_all("one", 100);
+  expect_all("three", 100);
+}
+
+// ---- Events
+// ------------------------------------------------------------------------------------------------
+
+TEST_F(DevicePorts, AnEventReleasesASporadicModule) {
+  for (const std::string& dispatch : {kRow, kImmediate}) {
+    bring_up(slow_source() + module("events", "port_events.so", kSporadic + dispatch, file("events")) +
+                 sink("echo"),
+             connection("source.out", "events.event", "kind=\"queue\" depth=\"8\"") +
+                 connection("events.echo", "echo.in", "kind=\"queue\" depth=\"8\""));
+    run_for(milliseconds{400});
+    EXPECT_EQ(module_of("events")["cycles"], port_of("events", "event")["samples"])
+        << "it runs for events and else never";
+    take_down();
+    expect_all("events", 30);
+    expect_all("echo", 30);
+  }
+}
+
+TEST_F(DevicePorts, AnEventReleasesASporadicProgram) {
+  for (const std::string& dispatch : {kRow, kImmediate}) {
+    bring_up(slow_source() + module("events", "port_events_program.exe", kSporadic + dispatch) + sink("echo"),
+             connection("source.out", "events.event", "kind=\"queue\" depth=\"8\"") +
+                 connection("events.echo", "echo.in", "kind=\"queue\" depth=\"8\""));
+    run_for(milliseconds{400});
+    const int cycles = module_of("events")["cycles"];
+    const int samples = port_of("events", "event")["samples"];
+    if (dispatch == kImmediate) {
+      EXPECT_GE(samples, cycles - 1);  // one may be just between the two
+      EXPECT_LE(samples, cycles + 1);
+    }
+    take_down();
+    expect_all("echo", 30);
+  }
+}
+
+TEST_F(DevicePorts, AnEventOfASporadicModuleReleasesTheNextAtOnce) {
+  bring_up(slow_source() + module("first", "port_events.so", kSporadic + kImmediate, file("first")) +
+               module("second", "port_events_program.exe", kSporadic + kImmediate) +
+               module("third", "port_events.so", kSporadic + kImmediate, file("third")),
+           connection("source.out", "first.event", "kind=\"queue\" depth=\"8\"") +
+               connection("first.echo", "second.event", "kind=\"queue\" depth=\"8\"") +
+               connection("second.echo", "third.event", "kind=\"queue\" depth=\"8\""));
+  run_for(milliseconds{400});
+  take_down();
+  expect_all("first", 30);
+  expect_all("third", 30);
+}
+
+TEST_F(DevicePorts, InterarrivalHoldsAProgramBack) {
+  bring_up(source() + module("events", "port_events_program.exe",
+                             kSporadic + kImmediate + "<interarrival>20000000</interarrival>"),
+           connection("source.out", "events.event", "kind=\"queue\" depth=\"64\""));
+  run_for(milliseconds{400});
+  EXPECT_GT(module_of("events")["cycles"], 10);
+  EXPECT_LE(module_of("events")["cycles"], 22);
+  EXPECT_EQ(port_of("events", "event")["dropped"], 0) << "each body reads all there is";
+  take_down();
+}
+
+// ---- Whoever dies
+// --------------------------------------------------------------------------------------------
+
+TEST_F(DevicePorts, AProgramThatIsKilledAgainAndAgainLeavesItsLinksUsable) {
+  bring_up(
+      source() +
+          module("relay", "port_relay.exe", kEvery, "", "<recovery attempts=\"100\" backoff=\"1000000\"/>") +
+          sink("sink"),
+      connection("source.out", "relay.in", "kind=\"queue\" depth=\"64\"") +
+          connection("relay.out", "sink.in", "kind=\"queue\" depth=\"64\""));
+  for (int i = 0; i < 10; ++i) {
+    run_for(milliseconds{30 + i});
+    const std::uint64_t before = port_of("sink", "in")["samples"];
+    ::kill(module_of("relay")["pid"], SIGKILL);
+    ASSERT_TRUE(step_until([&] { return port_of("sink", "in")["samples"] > before + 20; }))
+        << "after kill " << i;
+  }
+  take_down();
+  const json sink = seen("sink");
+  EXPECT_EQ(sink["wrong"], 0);
+  EXPECT_LE(sink["gaps"], 64 * 10) << "what came while nobody read, beyond the queue";
+}
+
+TEST_F(DevicePorts, TheLinksOutliveTheHost) {
+  bring_up(source() + module("relay", "port_relay.exe", kEvery) + sink("sink") + sink("typed"),
+           connection("source.out", "relay.in", "kind=\"queue\" depth=\"64\"") +
+               connection("relay.out", "sink.in", "kind=\"queue\" depth=\"64\"") +
+               connection("source.out", "typed.in", "kind=\"queue\" depth=\"3\""));
+  for (int i = 0; i < 3; ++i) {
+    run_for(milliseconds{60});
+    const std::uint64_t before = port_of("sink", "in")["samples"];
+    const std::uint64_t typed = port_of("typed", "in")["samples"];
+    const int program = module_of("relay")["pid"];
+    ::kill(module_of("source")["pid"], SIGKILL);
+    ASSERT_TRUE(step_until([&] { return port_of("sink", "in")["samples"] > before + 20; }))
+        << "after kill " << i;
+    EXPECT_GT(port_of("typed", "in")["samples"], typed) << "the counts go on";
+    EXPECT_EQ(module_of("relay")["pid"], program);
+  }
+  take_down();
+  EXPECT_EQ(seen("typed")["wrong"], 0);
+  EXPECT_EQ(seen("typed")["first"], 1) << "of the present life of both";
+}
+
+// ---- Stale inputs
+// ----------------------------------------------------------------------------------------------
+
+TEST_F(DevicePorts, AStaleInputIsAnErrorWhereTheConnectionSaysSo) {
+  const std::string deadline = "deadline=\"50000000\" stale=\"";
+  const std::string recovery = "<recovery attempts=\"3\" backoff=\"1000000\"/>";
+  bring_up(
+      module("source", "port_relay.exe", kEvery, "", "<recovery attempts=\"3\" backoff=\"400000000\"/>") +
+          module("first", "port_source.so", kEvery) + sink("strict", "", recovery) + sink("calm") +
+          module("program", "port_relay.exe", kEvery, "", recovery),
+      connection("first.out", "source.in") + connection("source.out", "strict.in", deadline + "error\"") +
+          connection("source.out", "calm.in", deadline + "hold\"") +
+          connection("source.out", "program.in", deadline + "error\""));
+  run_for(milliseconds{200});
+  EXPECT_EQ(module_of("strict")["state"], "EXECUTING");
+  EXPECT_EQ(port_of("strict", "in")["late"], 0);
+  ::kill(module_of("source")["pid"], SIGKILL);
+  ASSERT_TRUE(step_until([&] { return module_of("strict")["state"] == "RECOVER"; }, milliseconds{350}));
+  ASSERT_TRUE(step_until([&] { return module_of("program")["state"] == "RECOVER"; }, milliseconds{350}));
+  EXPECT_EQ(module_of("calm")["state"], "EXECUTING");
+  run_for(milliseconds{150});
+  EXPECT_EQ(module_of("strict")["state"], "RECOVER") << "it waits for the input";
+  EXPECT_GT(port_of("calm", "in")["age_us"], 50'000.0);
+  ASSERT_TRUE(step_until([&] { return module_of("strict")["state"] == "EXECUTING"; }));
+  ASSERT_TRUE(step_until([&] { return module_of("program")["state"] == "EXECUTING"; }));
+  for (const char* name : {"strict", "calm", "program"}) EXPECT_EQ(port_of(name, "in")["late"], 1) << name;
+  for (const char* name : {"strict", "program"}) EXPECT_EQ(module_of(name)["errors"], 1) << name;
+  EXPECT_EQ(module_of("calm")["errors"], 0);
+  run_for(milliseconds{100});
+  EXPECT_LT(port_of("strict", "in")["age_us"], 50'000.0);
+  take_down();
+}
+
+TEST_F(DevicePorts, AnInputThatNeverGotAValueIsStaleAfterItsDeadline) {
+  bring_up(source("<value name=\"burst\">0</value>") + sink("sink"),
+           connection("source.out", "sink.in", "deadline=\"100000000\" stale=\"error\""));
+  run_for(milliseconds{80});
+  EXPECT_EQ(module_of("sink")["state"], "EXECUTING")
+      << "it is given the deadline's time from its first release on";
+  ASSERT_TRUE(step_until([&] { return module_of("sink")["state"] == "RECOVER"; }, milliseconds{500}));
+  take_down();
+}
+
+// ---- What the node offers
+// ----------------------------------------------------------------------------------------
+
+TEST_F(DevicePorts, APortWithoutAConnectionNeverHasNewsAndWritesNowhere) {
+  bring_up(source() + sink("sink"), "");
+  run_for(milliseconds{100});
+  EXPECT_EQ(port_of("source", "out")["connected"], false);
+  EXPECT_EQ(port_of("source", "out")["samples"], 0);
+  EXPECT_EQ(port_of("sink", "in")["connected"], false);
+  EXPECT_TRUE(port_of("sink", "in")["age_us"].is_null());
+  EXPECT_EQ(port_of("sink", "in")["type"], "samples::Count");
+  take_down();
+  EXPECT_EQ(seen("sink")["read"], 0);
+}
+
+}  // namespace
+}  // namespace takt::node

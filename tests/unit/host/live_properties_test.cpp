@@ -1,0 +1,143 @@
+// Properties that are set while their component runs.
+#include <takt/host/live_properties.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <random>
+#include <thread>
+
+namespace takt::host {
+namespace {
+
+using testing::HasSubstr;
+
+struct Drive : Component {
+  Property<std::int64_t> low{*this, "low", 0};
+  Property<std::int64_t> high{*this, "high", 1, {.min = 1}};
+  Property<double> gain{*this, "gain", 1.5, {.unit = "1/s", .min = 0.0, .max = 100.0}};
+  Property<std::string> label{*this, "label", "0"};
+  void run(const Cycle&) noexcept override {}
+};
+
+class LivePropertiesOfADrive : public testing::Test {
+ protected:
+  void SetUp() override { live.serve(&drive, "Drive"); }
+  std::string reason(const LiveProperties::Values& values) {
+    const auto set = live.set(values);
+    return set ? "" : to_text(set.problems());
+  }
+  std::string told(const std::string& name) { return live.get(name).value(); }
+
+  Drive drive;
+  LiveProperties live;
+};
+
+TEST_F(LivePropertiesOfADrive, AreSeenFromTheNextCallOnAndNoSooner) {
+  ASSERT_EQ(reason({{"gain", "2.5"}}), "");
+  EXPECT_EQ(drive.gain, 1.5) << "a call may be going on";
+  EXPECT_EQ(told("gain"), "2.5");
+  live.take_over();
+  EXPECT_EQ(drive.gain, 2.5);
+  EXPECT_EQ(told("gain"), "2.5");
+  live.take_over();
+  EXPECT_EQ(drive.gain, 2.5) << "it is taken over once";
+}
+
+TEST_F(LivePropertiesOfADrive, OfSeveralSetBeforeACallAreAllSeenByItAndTheLastOfEach) {
+  ASSERT_EQ(reason({{"gain", "2"}}), "");
+  ASSERT_EQ(reason({{"label", "first"}}), "");
+  ASSERT_EQ(reason({{"label", "second"}, {"low", "-4"}}), "");
+  live.take_over();
+  EXPECT_EQ(drive.gain, 2);
+  EXPECT_EQ(drive.label.value(), "second");
+  EXPECT_EQ(drive.low, -4);
+}
+
+TEST_F(LivePropertiesOfADrive, AreRefusedWithTheirRangeAndWhatWaitsStays) {
+  ASSERT_EQ(reason({{"gain", "2"}}), "");
+  EXPECT_EQ(reason({{"gain", "100.5"}}),
+            "error: property 'gain' cannot be '100.5'; it takes a number, 0 to 100, in 1/s");
+  EXPECT_EQ(told("gain"), "2");
+  live.take_over();
+  EXPECT_EQ(drive.gain, 2);
+}
+
+TEST_F(LivePropertiesOfADrive, OfOneRequestAreAllSetOrNone) {
+  EXPECT_EQ(reason({{"gain", "3"}, {"high", "0"}, {"speed", "1"}, {"low", "7"}}),
+            "error: property 'high' cannot be '0'; it takes a whole number, at least 1\n"
+            "error: component Drive has no property 'speed'; it has low, high, gain, label");
+  live.take_over();
+  EXPECT_EQ(drive.gain, 1.5);
+  EXPECT_EQ(drive.low, 0);
+  EXPECT_EQ(told("gain"), "1.5");
+}
+
+TEST_F(LivePropertiesOfADrive, AreToldByNameAndAnotherIsNone) {
+  EXPECT_EQ(told("low"), "0");
+  const auto none = live.get("Gain\n");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(to_text(none.problems()),
+            R"(error: component Drive has no property 'Gain\n'; it has low, high, gain, label)");
+}
+
+TEST_F(LivePropertiesOfADrive, OfAComponentThatIsLoadedAfreshWaitForNobody) {
+  ASSERT_EQ(reason({{"gain", "9"}}), "");
+  Drive fresh;
+  live.serve(&fresh, "Drive");
+  live.take_over();
+  EXPECT_EQ(fresh.gain, 1.5);
+  EXPECT_EQ(drive.gain, 1.5);
+}
+
+// One thread sets as fast as it can, sometimes before the last values were taken over; the other calls.
+TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr std::int64_t kRequests = 5'000;
+#else
+  constexpr std::int64_t kRequests = 50'000;
+#endif
+  const auto text_of = [](std::int64_t n) {
+    std::string text(static_cast<std::size_t>(n % 60), 'x');  // some have memory of their own
+    return text + std::to_string(n);
+  };
+  std::atomic<bool> end{false};
+  std::atomic<std::int64_t> seen{0};
+  std::uint64_t changes = 0;
+  std::uint64_t wrong = 0;
+  std::thread caller{[&] {
+    std::int64_t last = 0;
+    bool ending = false;
+    while (!ending) {
+      ending = end.load();
+      live.take_over();
+      const std::int64_t now = drive.low;
+      const char* const bytes = drive.label.value().data();
+      if (now < last || drive.high != now + 1 || drive.label.value() != text_of(now)) ++wrong;
+      for (int look = 0; look < 5; ++look) {
+        if (drive.low != now || drive.label.value().data() != bytes) ++wrong;
+      }
+      if (now != last) ++changes;
+      last = now;
+      seen.store(now);
+    }
+  }};
+  std::mt19937 random{9};
+  for (std::int64_t n = 1; n <= kRequests; ++n) {
+    ASSERT_TRUE(
+        live.set({{"low", std::to_string(n)}, {"high", std::to_string(n + 1)}, {"label", text_of(n)}}).ok());
+    ASSERT_EQ(told("label"), text_of(n));
+    if (random() % 2 == 0) {
+      while (seen.load() != n) std::this_thread::yield();
+    }
+  }
+  end = true;
+  caller.join();
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_GE(changes, static_cast<std::uint64_t>(kRequests) / 3);
+  EXPECT_EQ(drive.low, kRequests) << "the last is not lost";
+}
+
+}  // namespace
+}  // namespace takt::host
