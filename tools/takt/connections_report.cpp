@@ -73,10 +73,10 @@ std::vector<std::string> stale_by_design(const model::Cell& cell) {
   };
   std::vector<std::string> stale;
   for (const Connection& connection : cell.connections) {
-    if (!connection.deadline || connection.kind != model::ConnectionKind::latest) continue;
+    if (!connection.deadline) continue;
     const auto written = period_of(connection.from);
     const auto read = period_of(connection.to);
-    if (!written || !read || *read > *written || *written - *read <= *connection.deadline) continue;
+    if (!written || !read || *written - *read <= *connection.deadline) continue;
     stale.push_back(fmt::format("{}, which is written every {}", end_text(connection.to), to_text(*written)));
   }
   return stale;

@@ -262,6 +262,12 @@ TEST(Validate, CountsWritersOutsideOfTheCell) {
   named.domain.reset();
   other.domain = 0;
   EXPECT_THAT(with(named, other), two(8)) << "0 is the cell's domain";
+  other.domain = 6;
+  const auto in_domain_6 = problems_after([&](Cell& c) {
+    c.domain = 6;
+    c.connections = {named, other};
+  });
+  EXPECT_THAT(in_domain_6, two(8)) << "6 is the cell's domain";
   other.domain.reset();
   named.kind = ConnectionKind::queue;
   EXPECT_THAT(with(named, other), IsEmpty());

@@ -246,6 +246,9 @@ TEST(CheckText, WarnsOfAConnectionThatIsStaleBetweenTwoWrites) {
   EXPECT_THAT(of(98ms), HasSubstr("  stale by design, older than the deadline between two writes:\n"
                                   "    robot.arm.in, which is written every 100 ms\n"));
   EXPECT_THAT(of(99ms), Not(HasSubstr("stale by design")));
+  EXPECT_THAT(text(robot_and_line({stale_after(queue("line.belt.out", "robot.arm.in", 4), 98ms)})),
+              HasSubstr("stale by design"))
+      << "the newest of a queue is as old";
   // Who looks as seldom as it is written may always see it fresh; of who looks when it comes nobody can tell.
   EXPECT_THAT(text(robot_and_line({stale_after(latest("robot.arm.out", "line.belt.in"), 1us)})),
               Not(HasSubstr("stale by design")));
