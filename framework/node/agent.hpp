@@ -76,11 +76,7 @@ class Agent {
   void look_at_description();
   void described(const Result<Inspected>& result);
   void order(const Command& command, Verb verb);
-  void property(const Command& command);
   void tap(const Command& command);
-  bool refused_unless_running(const Command& command);
-  /// The module of the running device that a command names; none, and answered, where there is no such.
-  std::optional<std::uint32_t> module_of(const Command& command);
   void property(const Command& command);
   /// False where there is nothing that could be told to do something; that is answered then.
   bool runs(const Command& command);

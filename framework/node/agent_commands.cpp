@@ -67,7 +67,7 @@ void Agent::hear(const dds::WholeCommand& command) {
     case COMMAND_SET:
       return property(head);
     case COMMAND_TAP:
-      break;
+      return tap(head);
   }
   answer(head, REPLY_REFUSED,
          "this node does not know the command '" + std::to_string(static_cast<std::uint32_t>(head.kind())) +
@@ -203,48 +203,13 @@ void Agent::property(const Command& command) {
   }
 }
 
-std::optional<std::uint32_t> Agent::module_of(const Command& command) {
-  const std::vector<model::Module>& modules = deployment_->of_device().modules;
-  const std::string name = command.module_name().to_string();
-  const auto module =
-      std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
-  if (module != modules.end()) return static_cast<std::uint32_t>(module - modules.begin());
-  std::vector<std::string_view> names;
-  for (const model::Module& m : modules) names.push_back(m.name);
-  answer(command, REPLY_REFUSED,
-         "device " + options_.device + " has no module " + in_quotes(name) + "; " + suggestion(name, names));
-  return std::nullopt;
-}
-
-bool Agent::refused_unless_running(const Command& command) {
-  if (deployment_ && deployment_->supervised && deployment_->supervised->phase() == Phase::running) return false;
-  answer(command, REPLY_REFUSED,
-         deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
-                     : "device " + options_.device + " has no deployment");
-  return true;
-}
-
-void Agent::property(const Command& command) {
-  if (refused_unless_running(command)) return;
-  const auto module = module_of(command);
-  if (!module) return;
-  const auto done = [this, command](const Outcome& outcome) {
-    answer(command, outcome.code, outcome.text, {}, std::nullopt, outcome.value);
-  };
-  const std::string name = command.property().to_string();
-  if (command.kind() == COMMAND_GET)
-    deployment_->supervised->get(*module, name, done);
-  else
-    deployment_->supervised->set(*module, name, command.value().to_string(), done);
-}
-
 void Agent::tap(const Command& command) {
-  if (refused_unless_running(command)) return;
+  if (!runs(command)) return;
   const auto module = module_of(command);
   if (!module) return;
   const Nanoseconds longer{command.time_ns() - options_.wall_ns()};
-  const auto tapped = deployment_->supervised->tap(*module, command.property().to_string(),
-                                                   options_.now() + std::min<Nanoseconds>(longer, kLongestTap));
+  const auto tapped = deployment_->supervised->tap(
+      *module, command.property().to_string(), options_.now() + std::min<Nanoseconds>(longer, kLongestTap));
   if (!tapped) {
     answer(command, REPLY_REFUSED, in_words(tapped.problems()));
     return;
@@ -254,7 +219,7 @@ void Agent::tap(const Command& command) {
 }
 
 void Agent::order(const Command& command, Verb verb) {
-  if (refused_unless_running(command)) return;
+  if (!runs(command)) return;
   const std::vector<model::Module>& modules = deployment_->of_device().modules;
   if (command.module_name().size() != 0) {
     const auto module = module_of(command);
