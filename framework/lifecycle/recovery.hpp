@@ -31,6 +31,9 @@ class Recovery {
   /// What to do now with a module that is in RECOVER. `attempt` counts it.
   Step next(Instant now) noexcept;
 
+  /// The next attempt does not wait for its back-off.
+  void hurry() noexcept { not_before_ = Instant{}; }
+
   /// Attempts since the last lasting success.
   [[nodiscard]] int attempts() const noexcept { return made_; }
 

@@ -14,11 +14,20 @@
 #include <takt/lifecycle/recovery.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/node/output.hpp>
+#include <takt/node/supervised.hpp>
 #include <takt/node/wiring.hpp>
 #include <takt/os/process.hpp>
 #include <takt/os/shared_memory.hpp>
 
 namespace takt::node {
+
+/// What an operator has asked of a module, until it is answered.
+struct Ordered {
+  Verb verb;
+  Instant since;
+  std::function<void(const Outcome&)> done;
+  int attempts = 0;  ///< to recover, that were made before
+};
 
 struct Member {
   Member(const model::Module& m, std::uint32_t i, channel::ModuleBlock& b)
@@ -64,6 +73,8 @@ struct Member {
   std::vector<Wiring::Wire*> inputs;  ///< that have a deadline; of any module
   Instant put_in_at{};                ///< into the tables
   bool stale = false;                 ///< it is in RECOVER because an input was stale
+
+  std::optional<Ordered> ordered;
 
   bool started_again = false;   ///< by an attempt to recover; it is to become ready
   std::uint64_t seen_late = 0;  ///< of seat->late

@@ -272,6 +272,7 @@ void Supervisor::running_step(Instant now) {
 
   for (auto& pointer : members_) {
     Member& member = *pointer;
+    order_step(member, now);
     if (member.lost) continue;
     watch_inputs(member, now);
     // What the executor saw. SYNC: error raised

@@ -101,6 +101,10 @@ class Supervisor final : public Supervised {
   void property_answered(const host::Answer& answer);
   void nobody_answers(const std::string& why);
 
+  // Orders (supervisor_command.cpp)
+  void order_step(Member& member, Instant now);
+  static void finish(Member& member, ReplyCode code, const std::string& text = {});
+
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},
              ErrorType error = ErrorType::none);

@@ -76,10 +76,10 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
   const std::string failure = std::string{channel::to_text(hook)} + " failed: " + text;
   switch (hook) {
     case Doing::load:
-      if (ok)
-        ask(member, Doing::initialize);
-      else
+      if (!ok)
         lose(member, failure);
+      else if (!member.ordered)  // else it was reset, and waits
+        ask(member, Doing::initialize);
       break;
     case Doing::initialize:
       if (!ok) {
@@ -89,7 +89,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       apply(member, Event::initialize);
       // While the device is prepared, all are initialised before the first is started; one that comes back
       // waits for nobody.
-      if (phase_ == Phase::ready || phase_ == Phase::running) ask(member, Doing::start);
+      if (!member.ordered && (phase_ == Phase::ready || phase_ == Phase::running)) ask(member, Doing::start);
       break;
     case Doing::start:
       if (ok && member.state() == State::recover)

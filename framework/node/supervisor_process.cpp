@@ -187,7 +187,7 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
     text += "; its last line was: " + words;
 
   if (member.state() == State::destruct) return;
-  if (phase_ == Phase::stopping) {
+  if (phase_ == Phase::stopping || (member.ordered && member.ordered->verb == Verb::destruct)) {
     if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
     apply(member, Event::destruct, end.text());
     return;

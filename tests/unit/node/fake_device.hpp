@@ -95,10 +95,6 @@ class FakeSupervised final : public Supervised {
     work_.properties.push_back(std::to_string(module) + " " + property + " = " + value);
     work_.done.push_back(std::move(done));
   }
-  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant) override {
-    if (port != "state") return fail("module " + std::to_string(module) + " has no port '" + port + "'");
-    return Tapped{"takt/cell/robot/servo/state", "{}", false};
-  }
   [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }
   [[nodiscard]] const Problems& failures() const noexcept override { return work_.failures; }
   [[nodiscard]] Standing standing() const override { return work_.standing; }
