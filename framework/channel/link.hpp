@@ -354,9 +354,10 @@ class BasicLinkReader {
             std::min(head.size, link_.stride())};
   }
 
-  /// Whether take() would find a sample.
+  /// Whether take() would find a sample. Also for another thread, which may then be answered by what was the
+  /// case a moment ago.
   [[nodiscard]] bool has_news() const noexcept {
-    return SlotWord::full(link_.slot(place_).load(std::memory_order_seq_cst));
+    return SlotWord::full(link_.slot(place()).load(std::memory_order_seq_cst));
   }
 
   /// The next sample becomes ours: the oldest that was not overwritten. False when there is none. Lock-free:
@@ -364,7 +365,7 @@ class BasicLinkReader {
   bool take() noexcept {
     auto& block = link_.block();
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
-      auto& slot = link_.slot(place_);
+      auto& slot = link_.slot(place());
       std::uint64_t word = slot.load(std::memory_order_acquire);
       if (!SlotWord::full(word)) return false;
       if (SlotWord::sequence(word) != next_) {  // the writer has come round: what is left begins after it
@@ -383,7 +384,7 @@ class BasicLinkReader {
       block.reader_has.store(takes, std::memory_order_release);
       block.taken.store(block.taken.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
       ++next_;
-      place_ = link_.after(place_);
+      place(link_.after(place()));
       return true;
     }
     return false;
@@ -392,14 +393,20 @@ class BasicLinkReader {
  private:
   static constexpr int kAttempts = 64;
 
+  // Others look whether there is news.
+  [[nodiscard]] std::uint32_t place() const noexcept {
+    return std::atomic_ref{place_}.load(std::memory_order_relaxed);
+  }
+  void place(std::uint32_t next) noexcept { std::atomic_ref{place_}.store(next, std::memory_order_relaxed); }
+
   void go_to(std::uint64_t sequence) noexcept {
     next_ = sequence;
-    place_ = link_.place_of(sequence);
+    place(link_.place_of(sequence));
   }
 
   BasicLink<Atomic> link_;
   std::uint32_t private_ = 0;
-  std::uint32_t place_ = 0;
+  mutable std::uint32_t place_ = 0;  // mutable: of an atomic_ref
   std::uint64_t next_ = 1;
 };
 

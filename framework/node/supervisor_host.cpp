@@ -182,6 +182,7 @@ std::optional<Supervisor::Hang> Supervisor::never_halts() const {
 
 void Supervisor::host_ended(const os::ProcessEnd& end) {
   nobody_answers("the host of device " + device().name + " has ended");
+  ring(~0U);  // for what it wrote last, if it could not ring for that any more
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
   channel::HostBlock& block = channel_.host();
   std::string text = "the host " + end.text();

@@ -177,6 +177,7 @@ void Supervisor::watch_body(Member& member, Instant now) {
 }
 
 void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
+  ring(~0U);  // for what it wrote last, if it could not ring for that any more
   std::string text = "the process " + end.text();
   if (member.killed_for_hanging) {
     text = "the process did not come back to " + std::string{wait_function(member)} + " within " +

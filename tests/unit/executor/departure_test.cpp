@@ -6,8 +6,13 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
+#include <memory>
 #include <random>
 #include <thread>
+#include <vector>
+
+#include <takt/channel/link.hpp>
 
 #include "fake_device.hpp"
 
@@ -107,6 +112,55 @@ TEST(Departure, IsOverOnceNothingOfTheModuleRuns) {
   sporadics.join();
   EXPECT_EQ(met, 0U) << "a module ran when it was out";
   for (std::size_t i = 0; i < kModules; ++i) EXPECT_EQ(shared[i].plain, shared[i].calls + outs[i]) << i;
+}
+
+// The row looks whether there is news while the sporadic thread may be reading.
+TEST(Immediate, IsLookedAtByRowsWhileItRuns) {
+  constexpr std::uint64_t kEvents = 20'000;
+  FakeDevice device{{thread(milliseconds{1}), at_once(milliseconds{5})}};
+  TickingClock clock;
+  Executor executor{device.plan.executors[0], device.periodic_units, device.sporadic_units, *device.block,
+                    clock};
+  const channel::Link::Options options{.depth = 64, .payload = 8, .is_queue = true};
+  std::vector<std::byte> memory(channel::Link::layout(options).size() + 64);
+  void* place = memory.data();
+  std::size_t space = memory.size();
+  auto* aligned = static_cast<std::byte*>(std::align(64, memory.size() - 64, place, space));
+  channel::Link::format(aligned, options);
+  channel::LinkWriter writer{channel::Link{aligned}};
+  channel::LinkReader reader{channel::Link{aligned}};
+  std::uint64_t written = 0;
+  device.bodies[0].on_run = [&](const Cycle& cycle) -> const char* {
+    if (written++ < kEvents) writer.publish(8, to_ns(cycle.start));
+    return nullptr;
+  };
+  std::atomic<std::uint64_t> taken{0};
+  device.bodies[1].on_news = [&] { return reader.has_news(); };
+  device.bodies[1].on_condition = [&](bool* ready) -> const char* {
+    *ready = reader.has_news();
+    return nullptr;
+  };
+  device.bodies[1].on_run = [&](const Cycle&) -> const char* {
+    while (reader.take()) ++taken;
+    return nullptr;
+  };
+  executor.join_grid(from_ns(2'000'000'000), from_ns(2'000'000'000));
+  std::atomic<bool> end{false};
+  std::thread sporadics{[&] {
+    while (!end.load(std::memory_order_relaxed)) {
+      if (!executor.run_sporadic()) std::this_thread::yield();
+    }
+  }};
+  while (written < kEvents) executor.run_cycle(executor.next_release());
+  const auto& block = channel::Link{aligned}.block();
+  while (taken.load() + block.overwritten.load() < kEvents) {
+    EXPECT_EQ(executor.run_cycle(executor.next_release()) & ~channel::kSporadicBit, 0U);
+    std::this_thread::yield();
+  }
+  end = true;
+  sporadics.join();
+  EXPECT_EQ(taken.load() + block.overwritten.load(), kEvents);
+  EXPECT_GT(taken.load(), 0U);
 }
 
 /// One step at a time: what it waits for, and what not.

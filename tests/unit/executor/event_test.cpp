@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include <takt/channel/link.hpp>
@@ -353,6 +355,128 @@ TEST(DeadlineOrder, IsThatOfTheRule) {
     });
     EXPECT_EQ(ran, wanted) << "set " << set;
   }
+}
+
+/// The rule again, as one would do it by hand: who is released when, and who is next.
+struct ByHand {
+  struct Each {
+    model::Module module;
+    int events = 0;
+    std::optional<Instant> released{};
+    Instant not_before{};
+
+    void release(Instant at) {
+      released = at;
+      not_before = at + module.interarrival.value_or(Nanoseconds{0});
+    }
+    [[nodiscard]] bool may_be_released(Instant at) const {
+      return !released && events > 0 && at >= not_before;
+    }
+  };
+  std::vector<Each> all;  // by their place on the device
+
+  void row(Instant at) {
+    for (Each& each : all) {
+      if (each.module.dispatch == model::Dispatch::row && each.may_be_released(at)) each.release(at);
+    }
+  }
+  std::optional<std::size_t> next(Instant now) {
+    std::optional<std::size_t> first;
+    const auto rank = [this](std::size_t i) {
+      return std::tuple{*all[i].released + *all[i].module.deadline, all[i].module.priority, i};
+    };
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Each& each = all[i];
+      if (each.module.operation != model::Operation::sporadic) continue;
+      if (each.module.dispatch == model::Dispatch::immediate && each.may_be_released(now)) each.release(now);
+      if (each.released && (!first || rank(i) < rank(*first))) first = i;
+    }
+    return first;
+  }
+};
+
+// Events at random, bodies of random length, rows that come in the middle of them.
+TEST(DeadlineOrder, IsThatOfTheRuleWhateverComesWhen) {
+  constexpr auto kPeriod = milliseconds{1};
+  std::mt19937 random{23};
+  const auto up_to = [&random](int most) { return static_cast<int>(random() % static_cast<unsigned>(most)); };
+  std::uint64_t runs = 0;
+  std::uint64_t overtaken = 0;
+  for (int set = 0; set < 60; ++set) {
+    std::vector<model::Module> modules{thread(kPeriod)};
+    const int count = 2 + up_to(5);
+    for (int i = 0; i < count; ++i) {
+      modules.push_back(event_module(microseconds{500 * (1 + up_to(12))}, microseconds{up_to(3) * 700},
+                                     up_to(2) == 0 ? model::Dispatch::row : model::Dispatch::immediate));
+      modules.back().priority = up_to(3);
+    }
+    ByHand by_hand;
+    for (const model::Module& module : modules) by_hand.all.push_back({.module = module});
+    FakeDevice device{modules};
+    struct Arrival {
+      Instant at;
+      std::size_t module;
+    };
+    std::vector<Arrival> arrivals;
+    const Instant begin = device.clock.time;
+    const Instant end = begin + milliseconds{200};
+    for (Instant at = begin; at < end; at += microseconds{up_to(700)})
+      arrivals.push_back({at, 1 + static_cast<std::size_t>(up_to(count))});
+    std::size_t arrived = 0;
+
+    // Lets time pass: what comes and which rows fall due meanwhile.
+    const auto pass_to = [&](Instant then) {
+      while (true) {
+        const Instant row = device.executor->next_release();
+        const bool event = arrived < arrivals.size() && arrivals[arrived].at <= std::min(row, then);
+        if (event) {
+          device.clock.time = std::max(device.clock.time, arrivals[arrived].at);
+          ++by_hand.all[arrivals[arrived++].module].events;
+        } else if (row <= then) {
+          device.clock.time = std::max(device.clock.time, row);
+          device.executor->run_cycle(device.clock.time);
+          by_hand.row(row);
+        } else {
+          break;
+        }
+      }
+      device.clock.time = std::max(device.clock.time, then);
+    };
+    std::optional<std::size_t> ran;
+    for (std::size_t i = 1; i < modules.size(); ++i) {
+      device.bodies[i].on_news = [&by_hand, i] { return by_hand.all[i].events > 0; };
+      device.bodies[i].on_condition = [&by_hand, i](bool* ready) -> const char* {
+        *ready = by_hand.all[i].events > 0;
+        return nullptr;
+      };
+      device.bodies[i].on_run = [&, i](const Cycle& cycle) -> const char* {
+        ran = i;
+        EXPECT_EQ(cycle.time, by_hand.all[i].released) << "set " << set << " module " << i;
+        --by_hand.all[i].events;
+        pass_to(device.clock.time + microseconds{up_to(400)});
+        return nullptr;
+      };
+    }
+    device.join();
+    while (device.clock.time < end) {
+      pass_to(std::min(device.executor->next_release(),
+                       arrived < arrivals.size() ? arrivals[arrived].at : Instant::max()));
+      while (true) {
+        const auto wanted = by_hand.next(device.clock.time);
+        ran.reset();
+        ASSERT_EQ(device.executor->run_sporadic(), wanted.has_value()) << "set " << set;
+        ASSERT_EQ(ran, wanted) << "set " << set;
+        if (!wanted) break;
+        for (const auto& each : by_hand.all) {
+          if (each.released && *each.released < *by_hand.all[*wanted].released) ++overtaken;
+        }
+        by_hand.all[*wanted].released.reset();
+        ++runs;
+      }
+    }
+  }
+  EXPECT_GT(runs, 5'000U);
+  EXPECT_GT(overtaken, 500U) << "the order was to matter";
 }
 
 }  // namespace

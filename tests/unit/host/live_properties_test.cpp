@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
 #include <random>
 #include <thread>
+#include <vector>
 
 namespace takt::host {
 namespace {
@@ -93,10 +95,13 @@ TEST_F(LivePropertiesOfADrive, OfAComponentThatIsLoadedAfreshWaitForNobody) {
 
 // One thread sets as fast as it can, sometimes before the last values were taken over; the other calls.
 TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
+  std::vector<std::unique_ptr<Property<std::string>>> more;  // so that to take over takes a while
+  for (int i = 0; i < 30; ++i)
+    more.push_back(std::make_unique<Property<std::string>>(drive, "more" + std::to_string(i), "0"));
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  constexpr std::int64_t kRequests = 5'000;
+  constexpr std::int64_t kRequests = 2'000;
 #else
-  constexpr std::int64_t kRequests = 50'000;
+  constexpr std::int64_t kRequests = 20'000;
 #endif
   const auto text_of = [](std::int64_t n) {
     std::string text(static_cast<std::size_t>(n % 60), 'x');  // some have memory of their own
@@ -115,9 +120,8 @@ TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
       const std::int64_t now = drive.low;
       const char* const bytes = drive.label.value().data();
       if (now < last || drive.high != now + 1 || drive.label.value() != text_of(now)) ++wrong;
-      for (int look = 0; look < 5; ++look) {
-        if (drive.low != now || drive.label.value().data() != bytes) ++wrong;
-      }
+      for (const auto& each : more) wrong += each->value() != drive.label.value() ? 1 : 0;
+      if (drive.low != now || drive.label.value().data() != bytes) ++wrong;
       if (now != last) ++changes;
       last = now;
       seen.store(now);
@@ -125,8 +129,14 @@ TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
   }};
   std::mt19937 random{9};
   for (std::int64_t n = 1; n <= kRequests; ++n) {
-    ASSERT_TRUE(
-        live.set({{"low", std::to_string(n)}, {"high", std::to_string(n + 1)}, {"label", text_of(n)}}).ok());
+    LiveProperties::Values values{
+        {"low", std::to_string(n)}, {"high", std::to_string(n + 1)}, {"label", text_of(n)}};
+    for (const auto& each : more) values.emplace_back(each->name(), text_of(n));
+    ASSERT_TRUE(live.set(values).ok());
+    // Soon enough to meet the others half taken over.
+    if (random() % 2 == 0) {
+      ASSERT_TRUE(live.set({{"gain", std::to_string(n % 100)}}).ok());
+    }
     ASSERT_EQ(told("label"), text_of(n));
     if (random() % 2 == 0) {
       while (seen.load() != n) std::this_thread::yield();
