@@ -77,7 +77,12 @@ class Agent {
   void described(const Result<Inspected>& result);
   void order(const Command& command, Verb verb);
   void answer(const Command& command, ReplyCode code, const std::string& text, std::string data = {},
-              std::optional<lifecycle::State> state = {});
+              std::optional<lifecycle::State> state = {}, const std::string& value = {});
+  static constexpr std::uint32_t kWholeDevice = ~0U;
+  std::optional<std::uint32_t> module_of(const Command& command);
+  std::function<void(const Outcome&)> answer_of(const Command& command);
+  void property(const Command& command);
+  void tap(const Command& command);
   [[nodiscard]] nlohmann::ordered_json lost_devices() const;
 
   // Deployments (agent_deployment.cpp)

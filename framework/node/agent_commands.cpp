@@ -8,6 +8,7 @@
 #include <takt/core/words.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/node/agent_deployment.hpp>
+#include <takt/node/limits.hpp>
 #include <takt/node/problems_json.hpp>
 
 namespace takt::node {
@@ -16,7 +17,7 @@ using json = nlohmann::ordered_json;
 using Phase = Supervised::Phase;
 
 void Agent::answer(const Command& command, ReplyCode code, const std::string& text, std::string data,
-                   std::optional<lifecycle::State> state) {
+                   std::optional<lifecycle::State> state, const std::string& value) {
   dds::WholeReply reply;
   reply.head.id(command.id());
   dds::set(reply.head.device(), options_.device);
@@ -25,6 +26,7 @@ void Agent::answer(const Command& command, ReplyCode code, const std::string& te
   reply.head.code(code);
   if (state) reply.head.state(static_cast<LifecycleState>(*state));
   dds::set(reply.head.text(), text);
+  dds::set(reply.head.value(), value);
   reply.data = std::move(data);
   outlet_.reply(reply);
 }
@@ -63,8 +65,9 @@ void Agent::hear(const dds::WholeCommand& command) {
       return order(head, Verb::destruct);
     case COMMAND_GET:
     case COMMAND_SET:
+      return property(head);
     case COMMAND_TAP:
-      break;
+      return tap(head);
   }
   answer(head, REPLY_REFUSED,
          "this node does not know the command '" + std::to_string(static_cast<std::uint32_t>(head.kind())) +
@@ -163,32 +166,73 @@ struct Agent::WholeDevice {
   std::size_t refused = 0;
 };
 
-void Agent::order(const Command& command, Verb verb) {
+// The module that a command names; none, and the command is refused, where it cannot be asked.
+std::optional<std::uint32_t> Agent::module_of(const Command& command) {
   if (!deployment_ || !deployment_->supervised || deployment_->supervised->phase() != Phase::running) {
     answer(command, REPLY_REFUSED,
            deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
                        : "device " + options_.device + " has no deployment");
-    return;
+    return std::nullopt;
   }
   const std::vector<model::Module>& modules = deployment_->of_device().modules;
   const std::string name = command.module_name().to_string();
-  if (!name.empty()) {
-    const auto module =
-        std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
-    if (module == modules.end()) {
-      std::vector<std::string_view> names;
-      for (const model::Module& m : modules) names.push_back(m.name);
-      answer(
-          command, REPLY_REFUSED,
-          "device " + options_.device + " has no module " + in_quotes(name) + "; " + suggestion(name, names));
-      return;
-    }
-    deployment_->supervised->order(static_cast<std::uint32_t>(module - modules.begin()), verb,
-                                   [this, command](const Outcome& outcome) {
-                                     answer(command, outcome.code, outcome.text, {}, outcome.state);
-                                   });
+  if (name.empty()) return kWholeDevice;
+  const auto module =
+      std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
+  if (module != modules.end()) return static_cast<std::uint32_t>(module - modules.begin());
+  std::vector<std::string_view> names;
+  for (const model::Module& m : modules) names.push_back(m.name);
+  answer(command, REPLY_REFUSED,
+         "device " + options_.device + " has no module " + in_quotes(name) + "; " + suggestion(name, names));
+  return std::nullopt;
+}
+
+std::function<void(const Outcome&)> Agent::answer_of(const Command& command) {
+  return [this, command](const Outcome& outcome) {
+    answer(command, outcome.code, outcome.text, {}, outcome.state, outcome.value);
+  };
+}
+
+void Agent::property(const Command& command) {
+  const auto module = module_of(command);
+  if (!module) return;
+  if (*module == kWholeDevice) {
+    answer(command, REPLY_REFUSED, "a property is one of a module: name DEVICE.MODULE");
     return;
   }
+  const std::string name = command.property().to_string();
+  if (command.kind() == COMMAND_GET)
+    deployment_->supervised->get(*module, name, answer_of(command));
+  else
+    deployment_->supervised->set(*module, name, command.value().to_string(), answer_of(command));
+}
+
+void Agent::tap(const Command& command) {
+  const auto module = module_of(command);
+  if (!module) return;
+  if (*module == kWholeDevice) {
+    answer(command, REPLY_REFUSED, "a port is one of a module: name DEVICE.MODULE.PORT");
+    return;
+  }
+  const Nanoseconds ahead =
+      std::min<Nanoseconds>(Nanoseconds{command.time_ns() - options_.wall_ns()}, kLongestTap);
+  const auto tapped =
+      deployment_->supervised->tap(*module, command.property().to_string(), options_.now() + ahead);
+  if (tapped)
+    answer(command, REPLY_OK, "",
+           dump({{"topic", tapped->topic}, {"type", tapped->type}, {"reliable", tapped->reliable}}));
+  else
+    answer(command, REPLY_REFUSED, in_words(tapped.problems()), dump(problems_json(tapped.problems())));
+}
+
+void Agent::order(const Command& command, Verb verb) {
+  const auto named = module_of(command);
+  if (!named) return;
+  if (*named != kWholeDevice) {
+    deployment_->supervised->order(*named, verb, answer_of(command));
+    return;
+  }
+  const std::vector<model::Module>& modules = deployment_->of_device().modules;
   auto all = std::make_shared<WholeDevice>();
   all->command = command;
   all->open = modules.size();

@@ -30,6 +30,8 @@ inline constexpr Nanoseconds kJoinGridAhead = std::chrono::milliseconds{100};
 inline constexpr Nanoseconds kFurthestStart = std::chrono::seconds{60};
 /// A node that was lent and is to end, for its closing report to be fetched.
 inline constexpr Nanoseconds kReportFetched = std::chrono::seconds{2};
+/// How long samples of a port are let out without being asked for again.
+inline constexpr Nanoseconds kLongestTap = std::chrono::seconds{60};
 /// Between two statistics of a module.
 inline constexpr Nanoseconds kMeasuresEvery = std::chrono::seconds{1};
 

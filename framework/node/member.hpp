@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -14,11 +15,20 @@
 #include <takt/lifecycle/recovery.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/node/output.hpp>
+#include <takt/node/supervised.hpp>
 #include <takt/node/wiring.hpp>
 #include <takt/os/process.hpp>
 #include <takt/os/shared_memory.hpp>
 
 namespace takt::node {
+
+/// What an operator asked of a module, until it is answered.
+struct Order {
+  Verb verb = Verb::stop;
+  std::function<void(const Outcome&)> done;
+  bool begun = false;
+  int attempts = 0;  ///< to recover, before this one
+};
 
 struct Member {
   Member(const model::Module& m, std::uint32_t i, channel::ModuleBlock& b)
@@ -42,7 +52,10 @@ struct Member {
   lifecycle::Recovery recovery;
   channel::Departure departure;  ///< of the last time that it was taken out of the tables
 
-  bool wanted = true;  ///< to be EXECUTING while the device runs
+  /// How far the node brings it by itself: to EXECUTING, unless an operator said otherwise.
+  lifecycle::State up_to = lifecycle::State::executing;
+  [[nodiscard]] bool wanted() const noexcept { return up_to == lifecycle::State::executing; }
+  std::optional<Order> order;  ///< of an operator, under way
   bool lost =
       false;  ///< no hook of it can be called any more: it crashed the host, or a hook never came back
   bool failed = false;                    ///< given up after an error

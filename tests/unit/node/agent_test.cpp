@@ -429,6 +429,51 @@ TEST(Agent, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
   EXPECT_EQ(device.data()[1]["text"], "stop is refused in state IDLE");
 }
 
+TEST(Agent, PropertiesAreAskedForAndSet) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand get = device.command(COMMAND_GET);
+  get.head.module_name("arm");
+  get.head.property("mass");
+  device.hear(get);
+  device.work.done.back()({.state = lifecycle::State::executing, .text = {}, .value = "1.5"});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.reply().value(), "1.5");
+  EXPECT_EQ(device.reply().state(), STATE_EXECUTING);
+  dds::WholeCommand set = device.command(COMMAND_SET);
+  set.head.module_name("arm");
+  set.head.property("mass");
+  set.head.value("-1");
+  device.hear(set);
+  device.work.done.back()({.code = REPLY_REFUSED, .state = {}, .text = "mass is at least 0"});
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "mass is at least 0");
+  EXPECT_THAT(device.work.properties, ElementsAre("1 mass", "1 mass = -1"));
+  device.hear(device.command(COMMAND_GET));
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("DEVICE.MODULE"));
+}
+
+TEST(Agent, APortIsTappedForAWhile) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand tap = device.command(COMMAND_TAP);
+  tap.head.module_name("servo");
+  tap.head.property("effort");
+  tap.head.time_ns(device.wall() + 5'000'000'000);
+  device.hear(tap);
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.data()["topic"], "takt/cell/robot/servo/effort");
+  EXPECT_EQ(device.work.tapped_until, device.now + seconds{5});
+  tap.head.time_ns(device.wall() + 3'600'000'000'000);
+  device.hear(tap);
+  EXPECT_EQ(device.work.tapped_until, device.now + seconds{60}) << "not for ever";
+  tap.head.property("torque");
+  device.hear(tap);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("torque"));
+}
+
 TEST(Agent, NumbersAreToldOnceASecondWhileThereIsADeployment) {
   FakeDevice device;
   device.pass(seconds{5});

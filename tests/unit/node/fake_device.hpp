@@ -46,6 +46,7 @@ struct Work {
   std::vector<std::string> properties;  ///< "0 gain", "0 gain = 2"
   std::vector<std::function<void(const Outcome&)>> done;
   Standing standing;
+  std::optional<Instant> tapped_until;
 };
 
 class FakeInspection final : public Inspection {
@@ -91,6 +92,11 @@ class FakeSupervised final : public Supervised {
            std::function<void(const Outcome&)> done) override {
     work_.properties.push_back(std::to_string(module) + " " + property + " = " + value);
     work_.done.push_back(std::move(done));
+  }
+  Result<Tapped> tap(std::uint32_t, const std::string& port, Instant until) override {
+    if (port != "effort") return fail("there is no port " + port);
+    work_.tapped_until = until;
+    return Tapped{.topic = "takt/cell/robot/servo/effort", .type = "{}", .reliable = true};
   }
   [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }
   [[nodiscard]] const Problems& failures() const noexcept override { return work_.failures; }
