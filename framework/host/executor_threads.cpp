@@ -37,6 +37,10 @@ void ring(channel::Bell& bell, std::uint32_t bits) noexcept {
 
 }  // namespace
 
+void ring_pending(channel::Bell& bell) noexcept {
+  if (const std::uint32_t bits = bell.take_pending(); bits != 0) ring(bell, bits);
+}
+
 void report_crashes_to(channel::Crash& crash) {
   crash_place = &crash;
   os::on_crash(last_words);
@@ -102,7 +106,7 @@ void ExecutorThreads::serve_sporadic() {
     // A ring after this load ends the wait below at once, so none is lost.
     const std::uint32_t rings = bell_.rings.load(std::memory_order_seq_cst);
     while (halt_.load(std::memory_order_relaxed) == 0 && executor_.run_sporadic()) {
-      if (const std::uint32_t bits = bell_.take_pending(); bits != 0) ring(bell_, bits);
+      ring_pending(bell_);
     }
     if (halt_.load(std::memory_order_seq_cst) == 0) os::futex_wait(bell_.rings, rings, channel::kSporadicBit);
   }

@@ -51,6 +51,10 @@ class ExecutorThreads {
   os::Thread sporadic_;
 };
 
+/// Rings for whoever waits for what was written since it was done last. Real-time: one system call at most,
+/// and none where nobody waits.
+void ring_pending(channel::Bell& bell) noexcept;
+
 /// Names the activity of the calling thread for the report of a crash.
 void report_crashes_as(const channel::Activity* activity);
 /// Makes a crash of any thread leave its last words there.

@@ -122,6 +122,7 @@ Result<void> Host::prepare() {
       channel_.host().hooks, setup_.background_cpus,
       [this](const Request& request) { return serve_request(request); },
       [this](const Request& request, const Result<std::string>& result) {
+        ring_pending(*bell_);  // for what the hook wrote
         answer({.request = request,
                 .ok = result.ok(),
                 .text = result ? *result : in_words(result.problems()),
@@ -253,6 +254,7 @@ void Host::run_background(std::uint32_t index) {
                           std::memory_order_release);  // SYNC: error raised
       }
     }
+    ring_pending(*bell_);
     block.background.end();
     const bool out = block.in_tables.load(relaxed) == 0;
     const Nanoseconds pause = out ? std::chrono::milliseconds{1} : period;

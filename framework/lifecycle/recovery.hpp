@@ -28,10 +28,11 @@ class Recovery {
   void failed(Instant now, std::optional<Instant> since = std::nullopt) noexcept;
   /// An attempt ended: it is EXECUTING or START again, or still in RECOVER.
   void attempted(Instant now, bool recovered) noexcept;
-  /// The next attempt waits for no back-off: somebody asked for it.
-  void hurry() noexcept { not_before_ = {}; }
   /// What to do now with a module that is in RECOVER. `attempt` counts it.
   Step next(Instant now) noexcept;
+
+  /// The next attempt does not wait for its back-off.
+  void hurry() noexcept { not_before_ = Instant{}; }
 
   /// Attempts since the last lasting success.
   [[nodiscard]] int attempts() const noexcept { return made_; }

@@ -76,13 +76,14 @@ class Agent {
   void look_at_description();
   void described(const Result<Inspected>& result);
   void order(const Command& command, Verb verb);
+  void tap(const Command& command);
+  void property(const Command& command);
+  /// False where there is nothing that could be told to do something; that is answered then.
+  bool runs(const Command& command);
+  /// None where there is no module of that name; that is answered then.
+  std::optional<std::uint32_t> module_of(const Command& command);
   void answer(const Command& command, ReplyCode code, const std::string& text, std::string data = {},
               std::optional<lifecycle::State> state = {}, const std::string& value = {});
-  static constexpr std::uint32_t kWholeDevice = ~0U;
-  std::optional<std::uint32_t> module_of(const Command& command);
-  std::function<void(const Outcome&)> answer_of(const Command& command);
-  void property(const Command& command);
-  void tap(const Command& command);
   [[nodiscard]] nlohmann::ordered_json lost_devices() const;
 
   // Deployments (agent_deployment.cpp)

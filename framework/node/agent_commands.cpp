@@ -166,17 +166,18 @@ struct Agent::WholeDevice {
   std::size_t refused = 0;
 };
 
-// The module that a command names; none, and the command is refused, where it cannot be asked.
+bool Agent::runs(const Command& command) {
+  if (deployment_ && deployment_->supervised && deployment_->supervised->phase() == Phase::running)
+    return true;
+  answer(command, REPLY_REFUSED,
+         deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
+                     : "device " + options_.device + " has no deployment");
+  return false;
+}
+
 std::optional<std::uint32_t> Agent::module_of(const Command& command) {
-  if (!deployment_ || !deployment_->supervised || deployment_->supervised->phase() != Phase::running) {
-    answer(command, REPLY_REFUSED,
-           deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
-                       : "device " + options_.device + " has no deployment");
-    return std::nullopt;
-  }
   const std::vector<model::Module>& modules = deployment_->of_device().modules;
   const std::string name = command.module_name().to_string();
-  if (name.empty()) return kWholeDevice;
   const auto module =
       std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
   if (module != modules.end()) return static_cast<std::uint32_t>(module - modules.begin());
@@ -187,52 +188,47 @@ std::optional<std::uint32_t> Agent::module_of(const Command& command) {
   return std::nullopt;
 }
 
-std::function<void(const Outcome&)> Agent::answer_of(const Command& command) {
-  return [this, command](const Outcome& outcome) {
-    answer(command, outcome.code, outcome.text, {}, outcome.state, outcome.value);
-  };
-}
-
 void Agent::property(const Command& command) {
+  if (!runs(command)) return;
   const auto module = module_of(command);
   if (!module) return;
-  if (*module == kWholeDevice) {
-    answer(command, REPLY_REFUSED, "a property is one of a module: name DEVICE.MODULE");
-    return;
-  }
+  const auto done = [this, command](const Outcome& outcome) {
+    answer(command, outcome.code, outcome.text, {}, outcome.state, outcome.value);
+  };
   const std::string name = command.property().to_string();
-  if (command.kind() == COMMAND_GET)
-    deployment_->supervised->get(*module, name, answer_of(command));
-  else
-    deployment_->supervised->set(*module, name, command.value().to_string(), answer_of(command));
+  if (command.kind() == COMMAND_GET) {
+    deployment_->supervised->get(*module, name, done);
+  } else {
+    deployment_->supervised->set(*module, name, command.value().to_string(), done);
+  }
 }
 
 void Agent::tap(const Command& command) {
+  if (!runs(command)) return;
   const auto module = module_of(command);
   if (!module) return;
-  if (*module == kWholeDevice) {
-    answer(command, REPLY_REFUSED, "a port is one of a module: name DEVICE.MODULE.PORT");
+  const Nanoseconds longer{command.time_ns() - options_.wall_ns()};
+  const auto tapped = deployment_->supervised->tap(
+      *module, command.property().to_string(), options_.now() + std::min<Nanoseconds>(longer, kLongestTap));
+  if (!tapped) {
+    answer(command, REPLY_REFUSED, in_words(tapped.problems()));
     return;
   }
-  const Nanoseconds ahead =
-      std::min<Nanoseconds>(Nanoseconds{command.time_ns() - options_.wall_ns()}, kLongestTap);
-  const auto tapped =
-      deployment_->supervised->tap(*module, command.property().to_string(), options_.now() + ahead);
-  if (tapped)
-    answer(command, REPLY_OK, "",
-           dump({{"topic", tapped->topic}, {"type", tapped->type}, {"reliable", tapped->reliable}}));
-  else
-    answer(command, REPLY_REFUSED, in_words(tapped.problems()), dump(problems_json(tapped.problems())));
+  answer(command, REPLY_OK, "",
+         dump({{"topic", tapped->topic}, {"type", tapped->type}, {"reliable", tapped->reliable}}));
 }
 
 void Agent::order(const Command& command, Verb verb) {
-  const auto named = module_of(command);
-  if (!named) return;
-  if (*named != kWholeDevice) {
-    deployment_->supervised->order(*named, verb, answer_of(command));
+  if (!runs(command)) return;
+  const std::vector<model::Module>& modules = deployment_->of_device().modules;
+  if (command.module_name().size() != 0) {
+    const auto module = module_of(command);
+    if (!module) return;
+    deployment_->supervised->order(*module, verb, [this, command](const Outcome& outcome) {
+      answer(command, outcome.code, outcome.text, {}, outcome.state);
+    });
     return;
   }
-  const std::vector<model::Module>& modules = deployment_->of_device().modules;
   auto all = std::make_shared<WholeDevice>();
   all->command = command;
   all->open = modules.size();

@@ -30,7 +30,12 @@ inline constexpr Nanoseconds kJoinGridAhead = std::chrono::milliseconds{100};
 inline constexpr Nanoseconds kFurthestStart = std::chrono::seconds{60};
 /// A node that was lent and is to end, for its closing report to be fetched.
 inline constexpr Nanoseconds kReportFetched = std::chrono::seconds{2};
-/// How long samples of a port are let out without being asked for again.
+/// An order to a module, to come about.
+inline constexpr Nanoseconds kOrderLimit = std::chrono::seconds{15};
+/// A module that was started, to be named by a row; later is no failure: it is sporadic, or its period is
+/// long.
+inline constexpr Nanoseconds kNamedWithin = std::chrono::milliseconds{500};
+/// A port that somebody listens in on; longer when it is asked for again.
 inline constexpr Nanoseconds kLongestTap = std::chrono::seconds{60};
 /// Between two statistics of a module.
 inline constexpr Nanoseconds kMeasuresEvery = std::chrono::seconds{1};

@@ -26,6 +26,7 @@ namespace takt::node {
 struct Order {
   Verb verb = Verb::stop;
   std::function<void(const Outcome&)> done;
+  Instant since{};
   bool begun = false;
   int attempts = 0;  ///< to recover, before this one
 };

@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include <takt/node/limits.hpp>
 #include <takt/node/supervisor.hpp>
 #include <takt/os/clock.hpp>
 
@@ -13,9 +14,6 @@ using lifecycle::Event;
 using lifecycle::State;
 
 namespace {
-
-/// A module that is started is answered for when a row has named it, or after this when none has yet.
-constexpr Nanoseconds kNamedWithin = std::chrono::seconds{1};
 
 // `start` is two events: the hook, and into the tables.
 bool allowed(Verb verb, State state) {
@@ -78,7 +76,7 @@ void Supervisor::order(std::uint32_t module, Verb verb, std::function<void(const
   if (member.order) return refuse(std::string{name_of(member.order->verb)} + " is still under way");
   if (!allowed(verb, member.state())) return refuse(refusal(verb, member.state()));
   log(member, std::string{name_of(verb)} + " was ordered");
-  member.order = Order{.verb = verb, .done = std::move(done)};
+  member.order = Order{.verb = verb, .done = std::move(done), .since = os::now()};
   order_step(member, os::now());
 }
 
@@ -148,6 +146,10 @@ void Supervisor::begin_order(Member& member) {
 
 void Supervisor::order_step(Member& member, Instant now) {
   Order& order = *member.order;
+  if (now - order.since > kOrderLimit) {
+    return end_order(member, REPLY_FAILED,
+                     "it did not come about within " + to_text(kOrderLimit) + " and goes on by itself");
+  }
   if (!order.begun) {
     if (member.pending) return;
     if (!allowed(order.verb, member.state()))

@@ -48,5 +48,9 @@ using Chosen = std::function<int()>;
 void add_deploy(CLI::App& app, Chosen& chosen);
 void add_undeploy(CLI::App& app, Chosen& chosen);
 void add_status(CLI::App& app, Chosen& chosen);
+void add_watch(CLI::App& app, Chosen& chosen);
+void add_orders(CLI::App& app, Chosen& chosen);
+void add_properties(CLI::App& app, Chosen& chosen);
+void add_echo(CLI::App& app, Chosen& chosen);
 
 }  // namespace takt::tool

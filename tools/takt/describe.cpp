@@ -47,11 +47,12 @@ std::string as_json(const host::Description& component) {
                           {"unit", p.unit},
                           {"text", p.text}});
   }
-  return nlohmann::ordered_json{{"name", component.name},
-                                {"interface", component.interface},
-                                {"hooks", component.hooks},
-                                {"properties", properties},
-                                {"ports", nlohmann::ordered_json::parse(model::ports_json(component.ports))["ports"]}}
+  return nlohmann::ordered_json{
+             {"name", component.name},
+             {"interface", component.interface},
+             {"hooks", component.hooks},
+             {"properties", properties},
+             {"ports", nlohmann::ordered_json::parse(model::ports_json(component.ports))["ports"]}}
              .dump() +
          "\n";
 }

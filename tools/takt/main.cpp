@@ -67,6 +67,10 @@ int serve(int argc, char** argv) {
   add_deploy(app, chosen);
   add_undeploy(app, chosen);
   add_status(app, chosen);
+  add_watch(app, chosen);
+  add_orders(app, chosen);
+  add_properties(app, chosen);
+  add_echo(app, chosen);
 
   DescribeOptions describe_options;
   auto* describe_command =

@@ -11,8 +11,10 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <iostream>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <random>
@@ -347,6 +349,55 @@ void feed(const Participant& participant, const Arguments& arguments) {
   }
 }
 
+dds::Flow flow_of_file(const Arguments& arguments) {
+  std::ifstream file{arguments[3]};
+  const std::string text{std::istreambuf_iterator<char>{file}, {}};
+  return {.topic = arguments[0],
+          .type = must(model::parse_type(text)),
+          .quality = quality(arguments[1], arguments[2])};
+}
+
+// show TOPIC RELIABILITY DEPTH FILE: the samples that come, of the type in the file, as JSON
+void show(const Participant& participant, const Arguments& arguments) {
+  const dds::Flow flow = flow_of_file(arguments);
+  auto tap = must(
+      dds::Tap::create(participant, flow, [&flow](const std::byte* bytes, std::size_t size, std::int64_t) {
+        print(model::sample_json(flow.type, bytes, size));
+      }));
+  print("ready");
+  while (told() == "health") print("refused " + std::to_string(tap->health().refused));
+}
+
+// give TOPIC RELIABILITY DEPTH FILE: told a sample as JSON, writes it
+void give(const Participant& participant, const Arguments& arguments) {
+  const dds::Flow flow = flow_of_file(arguments);
+  auto feed = must(dds::Feed::create(participant, flow));
+  print("ready");
+  for (std::string line = told(); line != "end"; line = told()) {
+    const auto bytes = must(model::sample_bytes(flow.type, line));
+    print(feed->write(bytes.data(), bytes.size()) ? "written" : "failed");
+  }
+}
+
+// statistics MODULE: of one module, each 100 ms
+void statistics(const Participant& participant, const Arguments& arguments) {
+  auto writer = must(dds::Writer<ModuleStatistics>::create(participant));
+  ModuleStatistics sample;
+  sample.path("test/device/" + arguments[0]);
+  sample.cell("test");
+  sample.device("device");
+  sample.name(arguments[0]);
+  sample.overruns(7);
+  sample.jitter_us().mean(-1.5);
+  sample.run_us().p99(12.25);
+  const Heartbeat beat{[&] {
+    sample.cycles(sample.cycles() + 100);
+    writer.write(sample);
+  }};
+  print("ready");
+  told();
+}
+
 // echo TOPIC BACK RELIABILITY: what comes on one goes back on the other, on the thread of Fast DDS
 void echo(const Participant& participant, const Arguments& arguments) {
   const dds::Quality same = quality(arguments[2], "1");
@@ -413,9 +464,18 @@ Result<Participant> participate(int domain) {
 int run(int domain, const std::string& command, const Arguments& arguments) {
   const Participant participant = must(participate(domain));
   const std::map<std::string, std::function<void(const Participant&, const Arguments&)>> commands{
-      {"device", device}, {"state", state}, {"transitions", transitions},
-      {"server", server}, {"forge", forge}, {"tap", tap},
-      {"feed", feed},     {"echo", echo},   {"all", all}};
+      {"device", device},
+      {"state", state},
+      {"transitions", transitions},
+      {"server", server},
+      {"forge", forge},
+      {"tap", tap},
+      {"feed", feed},
+      {"echo", echo},
+      {"show", show},
+      {"give", give},
+      {"statistics", statistics},
+      {"all", all}};
   std::atomic<bool> rescanning{std::getenv("PEER_RESCAN") != nullptr};
   std::thread rescan{[&] {
     while (rescanning) {

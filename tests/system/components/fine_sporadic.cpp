@@ -1,20 +1,29 @@
-// A good sporadic module: its condition holds at every `every`-th check. Writes the number of runs to `file`
-// at the end.
+// A good sporadic module: its condition holds at every `every`-th check (10), and its run() spins for `ns`
+// then (0). Writes the number of runs to `file` at the end.
 #include "count_file.hpp"
+
+#include <chrono>
 
 #include <takt/module.h>
 
 static long long every = 10;
 static long long checks = 0;
 static long long count = 0;
+static std::chrono::nanoseconds length{};
 static std::string file;
 
 extern "C" {
 void initialize(irp::Property const& property) {
   every = property.get("every", 10LL, 1, 1000000000);
+  length = std::chrono::nanoseconds{property.get("ns", 0LL, 0, 60000000000)};
   file = property.get("file", "");
 }
 int condition(void) { return ++checks % every == 0 ? TRUE : FALSE; }
-void run(void) { ++count; }
+void run(void) {
+  ++count;
+  const auto end = std::chrono::steady_clock::now() + length;
+  while (std::chrono::steady_clock::now() < end) {
+  }
+}
 void destruct(void) { write_count(file, count); }
 }

@@ -9,7 +9,7 @@ EXAMPLE = os.path.join(takt_system.SOURCE, "deploy", "module.xml")
 
 class Usage(takt_system.Case):
     def test_wrong_usage_is_status_2(self):
-        for arguments in ([], ["nonsense"], ["run"], ["check"], ["describe"], ["run", EXAMPLE, "more"], ["run", EXAMPLE, "--nope"],
+        for arguments in ([], ["nonsense"], ["run"], ["check"], ["graph"], ["describe"], ["run", EXAMPLE, "more"], ["run", EXAMPLE, "--nope"],
                           ["check", "--for", "1", EXAMPLE], ["run", EXAMPLE, "--for"], ["run", EXAMPLE, "--for", "soon"],
                           ["run", EXAMPLE, "--for", "-1"], ["run", EXAMPLE, "--for", "0"], ["run", EXAMPLE, "--for", "inf"],
                           ["run", EXAMPLE, "--for", "nan"], ["run", EXAMPLE, "--for", "1e300"]):
@@ -28,7 +28,7 @@ class Usage(takt_system.Case):
     def test_what_is_no_descriptor_is_refused_at_its_line(self):
         garbage = self.write("garbage.xml", "\0\1\2 no descriptor")
         empty = self.write("empty.xml", "")
-        for command in (["check"], ["check", "--json"], ["run", "--json"]):
+        for command in (["check"], ["check", "--json"], ["graph"], ["graph", "--json"], ["run", "--json"]):
             for file, line in ((os.path.join(self.folder, "absent.xml"), 1), (self.folder, 1), (garbage, 1), (empty, 1),
                                (self.beside("not_well_formed.xml"), 4)):
                 with self.subTest(command=command, file=file):
@@ -36,6 +36,30 @@ class Usage(takt_system.Case):
                     self.assertEqual((1, ""), (run.status, run.out))
                     self.assertEqual(1, len(run.err.splitlines()), run.err)
                     self.assertTrue(run.err.startswith("%s:%d: error: " % (file, line)), run.err)
+
+    def test_graph_needs_no_component(self):
+        cell = self.write("cell.xml", """<cell name="c">
+  <device name="d">
+    <module><filename>nowhere.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
+      <period>1000000</period><priority>1</priority></module>
+  </device>
+  <connection from="d.nowhere.out" topic="rt/x"/>
+</cell>""")
+        text = self.takt("graph", cell)
+        self.assertEqual((0, ""), (text.status, text.err))
+        self.assertIn("d.nowhere.out", text.out)
+        report = self.takt("graph", cell, "--json").report
+        self.assertEqual([{"from": "d.nowhere.out", "to": None, "kind": "latest", "reliability": "best-effort", "topic": "rt/x"}],
+                         report["connections"])
+        picture = os.path.join(self.folder, "c.svg")
+        drawn = self.takt("graph", cell, "--svg", picture)
+        self.assertEqual((0, "", ""), (drawn.status, drawn.out, drawn.err))
+        with open(picture, encoding="utf-8") as file:
+            self.assertIn(">rt/x<", file.read())
+        self.assertEqual("c", self.takt("graph", cell, "--svg", picture, "--json").report["cell"])
+        refused = self.takt("graph", cell, "--svg", os.path.join(self.folder, "nowhere", "c.svg"))
+        self.assertEqual((1, ""), (refused.status, refused.out))
+        self.assertIn("cannot be written", refused.err)
 
     def test_describe_a_component_in_cpp(self):
         run = self.takt("describe", "cpp_properties.so", "--json")

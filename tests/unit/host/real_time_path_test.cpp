@@ -23,12 +23,15 @@
 
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
+#include <takt/component/in_port.hpp>
+#include <takt/component/out_port.hpp>
 #include <takt/host/executor_threads.hpp>
 #include <takt/host/live_properties.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/schedule/plan.hpp>
 
+#include "../../system/components/sample.hpp"
 #include "system_call_trap.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -325,6 +328,68 @@ TEST_F(RealTimePath, TakesOverPropertiesThatAreSetWhileItRuns) {
   for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
   for (const SystemCall& call : row_calls) EXPECT_EQ(call.number, SYS_futex);
   EXPECT_GT(changes.load(), 500U);
+}
+
+/// Two ports and the link between them.
+struct Connected {
+  Connected(bool as_objects, std::uint32_t wake_bits) {
+    const channel::Link::Options options{.depth = 4,
+                                         .payload = as_objects ? 0 : PortType<samples::Count>::info.max_size,
+                                         .is_queue = true,
+                                         .wake_bits = wake_bits};
+    memory.resize(channel::Link::layout(options).size() / sizeof(Line));
+    auto* start = reinterpret_cast<std::byte*>(memory.data());
+    channel::Link::format(start, options);
+    const channel::Link link{start};
+    void* values = as_objects ? out.make_values(link.buffers()) : nullptr;
+    out.connect(link, values);
+    in.connect(link, values);
+  }
+  struct alignas(64) Line {
+    std::array<std::byte, 64> bytes;
+  };
+  std::vector<Line> memory;
+  OutPort<samples::Count> out{"out"};
+  InPort<samples::Count> in{"in"};
+};
+
+TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
+  Connected objects{true, 0};
+  Connected bytes{false, channel::kSporadicBit};
+  PortContext context{.start_ns = 1, .bell = &bell};
+  for (Connected* each : {&objects, &bytes}) {
+    each->out.serve(context);
+    each->in.serve(context);
+  }
+  samples::Count count;
+  count.few().reserve(4);
+  std::uint64_t wrong = 0;
+  std::uint64_t read = 0;
+  bodies[1].on_run = [&](const Cycle& cycle) {
+    for (int i = 0; i < 3; ++i) {
+      fill(count, cycle.number + 1);
+      objects.out.write(count);
+      bytes.out.write(count);
+    }
+  };
+  bodies[2].on_run = [&](const Cycle&) {
+    for (Connected* each : {&objects, &bytes}) {
+      while (each->in.read()) {
+        ++read;
+        if (!is_whole(each->in.value())) ++wrong;
+      }
+    }
+  };
+  run(2000);
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_GT(read, 2000U);
+  std::map<std::uint64_t, int> rings;
+  for (const SystemCall& call : row_calls) {
+    EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
+    if (is_futex(call, FUTEX_WAKE_BITSET, &bell, sizeof bell)) ++rings[call.stamp];
+  }
+  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
 }
 
 // The traps work: what a module must not do is seen.

@@ -412,6 +412,50 @@ TEST(Agent, AModuleThatIsNotThereIsNamedWithWhatIs) {
   EXPECT_THAT(device.text(), HasSubstr("servo"));
 }
 
+TEST(Agent, APropertyIsAskedForAndSetAtItsModule) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand get = device.command(COMMAND_GET);
+  get.head.module_name("arm");
+  get.head.property("gain");
+  device.hear(get);
+  dds::WholeCommand set = device.command(COMMAND_SET);
+  set.head.module_name("arm");
+  set.head.property("gain");
+  set.head.value("2.5");
+  device.hear(set);
+  EXPECT_EQ(device.work.properties, (std::vector<std::string>{"1 gain", "1 gain = 2.5"}));
+
+  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::executing, .text = "", .value = "1.5"});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.reply().id(), get.head.id());
+  EXPECT_EQ(device.reply().value(), "1.5");
+  EXPECT_EQ(device.reply().state(), STATE_EXECUTING);
+  device.work.done[1]({.code = REPLY_REFUSED, .state = lifecycle::State::executing, .text = "0 to 2"});
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.reply().id(), set.head.id());
+  EXPECT_EQ(device.text(), "0 to 2");
+}
+
+TEST(Agent, APropertyOfNoModuleIsRefused) {
+  FakeDevice device;
+  dds::WholeCommand get = device.command(COMMAND_GET);
+  get.head.module_name("arn");
+  get.head.property("gain");
+  device.hear(get);
+  EXPECT_EQ(device.text(), "device robot has no deployment");
+  device.become_running();
+  dds::WholeCommand again = device.command(COMMAND_GET);
+  again.head.module_name("arn");
+  device.hear(again);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "device robot has no module 'arn'; did you mean arm?");
+  dds::WholeCommand none = device.command(COMMAND_SET);
+  device.hear(none);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a device as a whole has no properties";
+  EXPECT_TRUE(device.work.properties.empty());
+}
+
 TEST(Agent, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
   FakeDevice device;
   device.become_running();
@@ -427,51 +471,6 @@ TEST(Agent, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
   EXPECT_EQ(device.data()[0]["state"], "START");
   EXPECT_EQ(device.data()[1]["ok"], false);
   EXPECT_EQ(device.data()[1]["text"], "stop is refused in state IDLE");
-}
-
-TEST(Agent, PropertiesAreAskedForAndSet) {
-  FakeDevice device;
-  device.become_running();
-  dds::WholeCommand get = device.command(COMMAND_GET);
-  get.head.module_name("arm");
-  get.head.property("mass");
-  device.hear(get);
-  device.work.done.back()({.state = lifecycle::State::executing, .text = {}, .value = "1.5"});
-  EXPECT_EQ(device.reply().code(), REPLY_OK);
-  EXPECT_EQ(device.reply().value(), "1.5");
-  EXPECT_EQ(device.reply().state(), STATE_EXECUTING);
-  dds::WholeCommand set = device.command(COMMAND_SET);
-  set.head.module_name("arm");
-  set.head.property("mass");
-  set.head.value("-1");
-  device.hear(set);
-  device.work.done.back()({.code = REPLY_REFUSED, .state = {}, .text = "mass is at least 0"});
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_EQ(device.text(), "mass is at least 0");
-  EXPECT_THAT(device.work.properties, ElementsAre("1 mass", "1 mass = -1"));
-  device.hear(device.command(COMMAND_GET));
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("DEVICE.MODULE"));
-}
-
-TEST(Agent, APortIsTappedForAWhile) {
-  FakeDevice device;
-  device.become_running();
-  dds::WholeCommand tap = device.command(COMMAND_TAP);
-  tap.head.module_name("servo");
-  tap.head.property("effort");
-  tap.head.time_ns(device.wall() + 5'000'000'000);
-  device.hear(tap);
-  EXPECT_EQ(device.reply().code(), REPLY_OK);
-  EXPECT_EQ(device.data()["topic"], "takt/cell/robot/servo/effort");
-  EXPECT_EQ(device.work.tapped_until, device.now + seconds{5});
-  tap.head.time_ns(device.wall() + 3'600'000'000'000);
-  device.hear(tap);
-  EXPECT_EQ(device.work.tapped_until, device.now + seconds{60}) << "not for ever";
-  tap.head.property("torque");
-  device.hear(tap);
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("torque"));
 }
 
 TEST(Agent, NumbersAreToldOnceASecondWhileThereIsADeployment) {

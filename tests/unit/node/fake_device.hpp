@@ -46,7 +46,6 @@ struct Work {
   std::vector<std::string> properties;  ///< "0 gain", "0 gain = 2"
   std::vector<std::function<void(const Outcome&)>> done;
   Standing standing;
-  std::optional<Instant> tapped_until;
 };
 
 class FakeInspection final : public Inspection {
@@ -83,6 +82,9 @@ class FakeSupervised final : public Supervised {
     work_.orders.emplace_back(module, verb);
     work_.done.push_back(std::move(done));
   }
+  Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant) override {
+    return Tapped{"takt/cell/robot/" + std::to_string(module) + "/" + port, "t", false};
+  }
   void get(std::uint32_t module, const std::string& property,
            std::function<void(const Outcome&)> done) override {
     work_.properties.push_back(std::to_string(module) + " " + property);
@@ -92,11 +94,6 @@ class FakeSupervised final : public Supervised {
            std::function<void(const Outcome&)> done) override {
     work_.properties.push_back(std::to_string(module) + " " + property + " = " + value);
     work_.done.push_back(std::move(done));
-  }
-  Result<Tapped> tap(std::uint32_t, const std::string& port, Instant until) override {
-    if (port != "effort") return fail("there is no port " + port);
-    work_.tapped_until = until;
-    return Tapped{.topic = "takt/cell/robot/servo/effort", .type = "{}", .reliable = true};
   }
   [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }
   [[nodiscard]] const Problems& failures() const noexcept override { return work_.failures; }

@@ -1,24 +1,7 @@
-// Ports of modules that run for real: a device is brought up by its supervisor, with its host and its
-// programs, but without a node around it.
-#include <gtest/gtest.h>
+// Ports of modules that run for real.
 #include <signal.h>
 
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <sstream>
-#include <string>
-
-#include <nlohmann/json.hpp>
-
-#include <takt/descriptor/descriptor.hpp>
-#include <takt/host/inspect.hpp>
-#include <takt/node/log.hpp>
-#include <takt/node/supervisor.hpp>
-#include <takt/os/clock.hpp>
-#include <takt/os/signals.hpp>
+#include "real_device.hpp"
 
 namespace takt::node {
 namespace {
@@ -27,35 +10,8 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 namespace fs = std::filesystem;
 
-class DevicePorts : public testing::Test {
+class DevicePorts : public RealDevice {
  protected:
-  void SetUp() override {
-    if (!fs::exists(kComponents + "/port_source.so"))
-      GTEST_SKIP() << "the test's components are not built here";
-    ::setenv("TAKT_COMPONENT_PATH", kComponents.c_str(), 1);
-    folder = fs::temp_directory_path() / ("takt-ports-" + std::to_string(::getpid()));
-    fs::create_directory(folder);
-    log_nothing();
-  }
-  void TearDown() override {
-    if (!folder.empty()) fs::remove_all(folder);
-  }
-
-  static std::string module(const std::string& name, const std::string& file, const std::string& what,
-                            const std::string& properties = "", const std::string& more = "") {
-    const bool program = file.ends_with(".exe");
-    return "<module><name>" + name + "</name><filename>" + file + "</filename><moduletype>" +
-           (program ? "process" : "thread") + "</moduletype>" + what + "<priority>1</priority><property>" +
-           properties + "</property>" + more + "</module>";
-  }
-  std::string file(const std::string& name) const {
-    return "<value name=\"file\">" + (folder / name).string() + "</value>";
-  }
-  static inline const std::string kEvery = "<operationtype>periodic</operationtype><period>1000000</period>";
-  static inline const std::string kSporadic =
-      "<operationtype>sporadic</operationtype><deadline>10000000</deadline>";
-  static inline const std::string kRow = "<dispatch>row</dispatch>";
-  static inline const std::string kImmediate = "<dispatch>immediate</dispatch>";
   static std::string source(const std::string& properties = "") {
     return module("source", "port_source.so", kEvery, properties);
   }
@@ -68,47 +24,9 @@ class DevicePorts : public testing::Test {
     return module(name, "port_sink.so", kEvery, file(name) + properties, more);
   }
 
-  /// The device d of a cell of it alone.
-  void bring_up(const std::string& modules, const std::string& connections) {
-    const std::string text =
-        "<cell name=\"c\"><device name=\"d\">" + modules + "</device>" + connections + "</cell>";
-    auto cell = descriptor::parse(text, "test.xml");
-    ASSERT_TRUE(cell.ok()) << to_text(cell.problems());
-    auto components = host::check_components(*cell);
-    ASSERT_TRUE(components.ok()) << to_text(components.problems());
-    device = std::make_unique<Supervisor>(Supervisor::Options{
-        .cell = *cell, .device = 0, .paths = components->paths[0], .ports = components->ports[0]});
-    const auto prepared = device->prepare();
-    ASSERT_TRUE(prepared.ok()) << to_text(prepared.problems());
-    ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ready; })) << problems();
-    device->go(os::now() + milliseconds{20});
-  }
-  bool step_until(const std::function<bool()>& holds, milliseconds limit = milliseconds{10000}) {
-    const Instant end = os::now() + limit;
-    while (!holds()) {
-      if (os::now() > end) return false;
-      os::wait_readable(device->wait_on(), 5);
-      device->step();
-    }
-    return true;
-  }
-  void run_for(milliseconds time) {
-    step_until([] { return false; }, time);
-  }
-  void take_down() {
-    device->stop();
-    ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ended; }));
-    EXPECT_TRUE(device->failures().empty()) << problems();
-  }
-  std::string problems() const { return device->failures().empty() ? "" : to_text(device->failures()); }
-  json module_of(const std::string& name) const {
-    for (const auto& one : device->report()["modules"]) {
-      if (one["name"] == name) return one;
-    }
-    return {};
-  }
   json port_of(const std::string& name, const std::string& port) const {
-    for (const json& one : module_of(name)["ports"]) {
+    const json module = module_of(name);
+    for (const json& one : module["ports"]) {
       if (one["name"] == port) return one;
     }
     return {};
@@ -123,16 +41,6 @@ class DevicePorts : public testing::Test {
     EXPECT_EQ(sink["wrong"], 0);
     EXPECT_EQ(sink["gaps"], 0);
   }
-  json seen(const std::string& name) const {
-    std::ifstream file{folder / name};
-    std::stringstream text;
-    text << file.rdbuf();
-    return json::parse(text.str(), nullptr, false);
-  }
-
-  static inline const std::string kComponents = std::string{TAKT_BINARY_DIR} + "/tests/components";
-  fs::path folder;
-  std::unique_ptr<Supervisor> device;
 };
 
 std::string connection(const std::string& from, const std::string& to, const std::string& what = "") {

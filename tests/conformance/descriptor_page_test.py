@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""docs/descriptor.md names every element and attribute of the schema, with its values, bounds and default, and none besides; its
+bounds are those of the code, and its examples are right.
+
+Usage: descriptor_page_test.py BUILD_DIRECTORY SOURCE_DIRECTORY"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+
+build, source = sys.argv[1:]
+XS = "{http://www.w3.org/2001/XMLSchema}"
+schema = ElementTree.parse(os.path.join(source, "config", "takt.xsd")).getroot()
+page = open(os.path.join(source, "docs", "descriptor.md"), encoding="utf-8").read()
+failures = []
+
+types = {t.get("name"): t for t in schema if t.tag in (XS + "complexType", XS + "simpleType")}
+groups = {g.get("name"): g for g in schema if g.tag == XS + "group"}
+# What the page says once for all of a type, and not in each row.
+SAID_ABOVE = {"Name", "Time", "Endpoint"}
+
+
+def inside(node):
+    """The nodes of one element's own content, through groups and extensions, without those of its children."""
+    for child in node:
+        if child.tag == XS + "element":
+            yield child
+        elif child.tag == XS + "attribute":
+            yield child
+        elif child.tag == XS + "group" and child.get("ref"):
+            yield from inside(groups[child.get("ref")])
+        else:
+            yield from inside(child)
+
+
+def facets(node):
+    """Words and numbers that a value of this attribute or element is held against."""
+    kind = node.get("type")
+    found = []
+    if kind is not None:
+        if kind in SAID_ABOVE or kind not in types:
+            return found
+        node = types[kind]
+        if node.tag == XS + "complexType":
+            return found
+    for child in node.iter():
+        if child.tag in (XS + "element", XS + "attribute") and child is not node:
+            break  # of a child
+        name = child.tag.replace(XS, "")
+        if name == "enumeration":
+            found.append("`%s`" % child.get("value"))
+        elif name in ("minInclusive", "maxInclusive", "minLength", "maxLength"):
+            found.append(child.get("value"))
+        elif name == "restriction" and child.get("base") in types and child.get("base") not in SAID_ABOVE:
+            found += facets(types[child.get("base")])
+    return found
+
+
+def walk(name, node, elements):
+    """elements[NAME] = {"`attribute`" or "`<element>`": its node}, for all elements with something in them."""
+    rows = {}
+    for child in inside(types[node.get("type")] if node.get("type") in types else node):
+        is_element = child.tag == XS + "element"
+        rows["`<%s>`" % child.get("name") if is_element else "`%s`" % child.get("name")] = child
+        if is_element:
+            walk(child.get("name"), child, elements)
+    if rows:
+        if elements.get(name, rows).keys() != rows.keys():
+            # <executor> and <deadline> stand in two places: the one with attributes is the one with a section.
+            rows = {**elements[name], **rows}
+        elements[name] = rows
+
+
+elements = {}
+for root in schema.findall(XS + "element"):
+    walk(root.get("name"), root, elements)
+
+sections = {}
+for heading, text in re.findall(r"^## `<([a-z-]+)>`\n(.*?)(?=^## |\Z)", page, re.S | re.M):
+    rows = re.findall(r"^\| (`[^`]+`) \|(.*)\|$", text, re.M)
+    if len(rows) != len({row for row, _ in rows}):
+        failures.append(f"<{heading}> has a row twice")
+    sections[heading] = dict(rows)
+
+if len(elements) < 10 or sum(map(len, elements.values())) < 40:
+    failures.append(f"only {len(elements)} elements were found in the schema")
+for name in sorted(set(elements) - set(sections)):
+    failures.append(f"<{name}> has no section")
+for name in sorted(set(sections) - set(elements)):
+    failures.append(f"<{name}> has a section and is not in the schema")
+for name in set(elements) & set(sections):
+    for row in elements[name].keys() - sections[name].keys():
+        failures.append(f"<{name}>: {row} has no row")
+    for row in sections[name].keys() - elements[name].keys():
+        failures.append(f"<{name}>: {row} has a row and is not in the schema")
+    for row in elements[name].keys() & sections[name].keys():
+        node, text = elements[name][row], sections[name][row]
+        value, _, rest = text.partition("|")
+        unless_said = [node.get("default")] if node.get("default") is not None else []
+        unless_said += ["required"] if node.get("use") == "required" else []
+        for words, where in ((facets(node), value), (unless_said, rest)):
+            for word in words:
+                if not re.search(r"(?<![\w-])" + re.escape(word) + r"(?![\w-])", where):
+                    failures.append(f"<{name}>: the row of {row} does not say {word}: {where.strip()}")
+
+# The bounds as the code has them.
+for header in ("framework/model/validate.hpp", "framework/descriptor/well_formed.hpp"):
+    code = open(os.path.join(source, header), encoding="utf-8").read()
+    bounds = re.findall(r"inline constexpr (?:int|std::size_t) (kM\w+) = ([0-9']+);", code)
+    if not bounds:
+        failures.append(f"{header} has no bounds")
+    for constant, value in bounds:
+        if constant == "kMaxProblems":
+            continue  # of a report, not of a descriptor
+        value = value.replace("'", "")
+        if not re.search(r"(?<!\d)" + value + r"(?!\d)", page):
+            failures.append(f"{header}: {constant} is {value}, which the page does not name")
+
+examples = re.findall(r"```xml\n(<(?:cell|root).*?)```", page, re.S)
+if not examples:
+    failures.append("there is no example")
+for example in examples:
+    with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
+        file.write(example)
+        file.flush()
+        done = subprocess.run([os.path.join(build, "bin", "takt"), "check", "--remote", file.name], capture_output=True, text=True,
+                              timeout=60)
+        if done.returncode != 0:
+            failures.append(f"an example is refused:\n{done.stderr}")
+
+print("\n".join(failures) or f"{sum(map(len, elements.values()))} rows are as the schema has them")
+sys.exit(1 if failures else 0)

@@ -1,0 +1,310 @@
+// What a connection promises, whatever way its samples go. A way is a class that ties ports together; every
+// claim is held for each. To add one, give it the functions of InHost and name it in Ways.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <takt/component.hpp>
+#include <takt/os/shared_memory.hpp>
+
+#include "../system/components/sample.hpp"
+
+namespace takt {
+namespace {
+
+using Sample = ::samples::Count;
+
+struct Quality {
+  std::uint32_t depth = 1;
+};
+
+/// One writer, one reader, and what lies between. Settles at once.
+template <bool kObjects>
+class Link {
+ public:
+  explicit Link(Quality quality) {
+    const channel::Link::Options options{.depth = quality.depth,
+                                         .payload = kObjects ? 0 : PortType<Sample>::info.max_size,
+                                         .is_queue = quality.depth > 1};
+    memory_ = std::move(os::SharedMemory::create("takt-link", channel::Link::layout(options).size()).value());
+    channel::Link::format(memory_.data(), options);
+    if (kObjects) values_ = OutPort<Sample>{"any"}.make_values(link().buffers());
+  }
+  void connect(PortBase& port) { port.connect(link(), values_); }
+  /// Returns once what was written can be read, or is lost.
+  void settle() const {}
+  [[nodiscard]] std::uint64_t dropped() const { return link().block().overwritten.load(); }
+  [[nodiscard]] std::uint64_t unfit() const { return link().block().unfit.load(); }
+
+ private:
+  [[nodiscard]] channel::Link link() const { return channel::Link{memory_.data()}; }
+  os::SharedMemory memory_;
+  void* values_ = nullptr;
+};
+
+using InHost = Link<true>;  // objects in the memory of the host
+using Ring = Link<false>;   // bytes in memory that is shared
+
+/// A module with an output, or with an input, that runs at a time.
+struct Writer {
+  Writer() { out.serve(context); }
+  Written write(std::uint64_t number, std::int64_t start_ns = 1000) {
+    context.start_ns = start_ns;
+    fill(sample, number);
+    return out.write(sample);
+  }
+  PortContext context;
+  Sample sample;
+  OutPort<Sample> out{"out"};
+};
+struct Reader {
+  Reader() { in.serve(context); }
+  std::vector<std::uint64_t> read_all() {
+    std::vector<std::uint64_t> numbers;
+    while (in.read()) numbers.push_back(is_whole(in.value()) ? in.value().number() : 0);
+    return numbers;
+  }
+  PortContext context;
+  InPort<Sample> in{"in"};
+};
+using Numbers = std::vector<std::uint64_t>;
+
+template <class Way>
+class Ports : public testing::Test {};
+using Ways = testing::Types<InHost, Ring>;
+TYPED_TEST_SUITE(Ports, Ways);
+
+TYPED_TEST(Ports, HaveNoValueBeforeTheFirstSample) {
+  TypeParam way{Quality{}};
+  Reader reader;
+  way.connect(reader.in);
+  EXPECT_TRUE(reader.in.connected());
+  EXPECT_FALSE(reader.in.has_news());
+  EXPECT_FALSE(reader.in.read());
+  EXPECT_FALSE(reader.in.has_value());
+  EXPECT_FALSE(reader.in.is_new());
+  EXPECT_EQ(reader.in.value().number(), 0U);
+  EXPECT_EQ(reader.in.sequence(), 0U);
+  EXPECT_EQ(reader.in.age(), Nanoseconds::max());
+}
+
+TYPED_TEST(Ports, HoldTheLatestValue) {
+  TypeParam way{Quality{}};
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  for (std::uint64_t i = 1; i <= 5; ++i) EXPECT_EQ(writer.write(i), Written::yes);
+  way.settle();
+  EXPECT_EQ(reader.read_all(), Numbers{5});
+  EXPECT_EQ(reader.in.value().number(), 5U) << "it stays when nothing has come";
+  EXPECT_TRUE(reader.in.has_value());
+  EXPECT_FALSE(reader.in.is_new());
+  EXPECT_EQ(reader.in.sequence(), 5U);
+}
+
+TYPED_TEST(Ports, TellNewsBeforeAndAfterTheyAreRead) {
+  TypeParam way{Quality{}};
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  writer.write(1);
+  way.settle();
+  EXPECT_TRUE(reader.in.has_news());
+  EXPECT_TRUE(reader.in.read());
+  EXPECT_TRUE(reader.in.is_new());
+  EXPECT_FALSE(reader.in.has_news());
+}
+
+TYPED_TEST(Ports, KeepTheOrderOfAQueue) {
+  TypeParam way{Quality{.depth = 7}};
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  for (std::uint64_t i = 1; i <= 7; ++i) writer.write(i);
+  way.settle();
+  EXPECT_EQ(reader.read_all(), (Numbers{1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(way.dropped(), 0U);
+}
+
+TYPED_TEST(Ports, DropTheOldestOfAFullQueueAndCountIt) {
+  TypeParam way{Quality{.depth = 3}};
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  for (std::uint64_t i = 1; i <= 8; ++i) writer.write(i);
+  way.settle();
+  ASSERT_TRUE(reader.in.read());
+  EXPECT_EQ(reader.in.value().number(), 6U);
+  EXPECT_EQ(reader.in.sequence(), 6U) << "the gap tells what was dropped";
+  EXPECT_EQ(reader.read_all(), (Numbers{7, 8}));
+  EXPECT_EQ(way.dropped(), 5U);
+}
+
+TYPED_TEST(Ports, TellTheAgeFromOneRunToTheOther) {
+  TypeParam way{Quality{}};
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  writer.write(1, 5'000'000);
+  way.settle();
+  reader.context.start_ns = 5'300'000;
+  ASSERT_TRUE(reader.in.read());
+  EXPECT_EQ(reader.in.age(), Nanoseconds{300'000});
+  reader.context.start_ns = 6'000'000;
+  EXPECT_EQ(reader.in.age(), Nanoseconds{1'000'000}) << "it grows while nothing comes";
+  reader.context.start_ns = 4'000'000;
+  EXPECT_EQ(reader.in.age(), Nanoseconds{0}) << "a reader that began before the writer";
+}
+
+TYPED_TEST(Ports, ThatAreNotConnectedAreOrdinaryPorts) {
+  Writer writer;
+  Reader reader;
+  EXPECT_FALSE(writer.out.connected());
+  EXPECT_FALSE(reader.in.connected());
+  EXPECT_EQ(writer.write(1), Written::yes);
+  EXPECT_FALSE(reader.in.has_news());
+  EXPECT_FALSE(reader.in.read());
+}
+
+TYPED_TEST(Ports, OfOneWriterReachAllReaders) {
+  TypeParam first{Quality{}};
+  TypeParam second{Quality{.depth = 4}};
+  Writer writer;
+  Reader latest;
+  Reader queue;
+  first.connect(writer.out);
+  second.connect(writer.out);
+  first.connect(latest.in);
+  second.connect(queue.in);
+  for (std::uint64_t i = 1; i <= 3; ++i) writer.write(i);
+  first.settle();
+  second.settle();
+  EXPECT_EQ(latest.read_all(), Numbers{3});
+  EXPECT_EQ(queue.read_all(), (Numbers{1, 2, 3}));
+}
+
+TYPED_TEST(Ports, OfSeveralWritersShareAQueueInTurn) {
+  TypeParam first{Quality{.depth = 4}};
+  TypeParam second{Quality{.depth = 4}};
+  Writer one;
+  Writer two;
+  Reader reader;
+  first.connect(one.out);
+  second.connect(two.out);
+  first.connect(reader.in);
+  second.connect(reader.in);
+  for (std::uint64_t i = 1; i <= 3; ++i) one.write(i);
+  for (std::uint64_t i = 11; i <= 12; ++i) two.write(i);
+  first.settle();
+  second.settle();
+  EXPECT_EQ(reader.read_all(), (Numbers{1, 11, 2, 12, 3}));
+}
+
+TYPED_TEST(Ports, GoOnWhereAReaderWasThatStartsAgain) {
+  TypeParam way{Quality{.depth = 8}};
+  Writer writer;
+  way.connect(writer.out);
+  for (std::uint64_t i = 1; i <= 4; ++i) writer.write(i);
+  way.settle();
+  {
+    Reader reader;
+    way.connect(reader.in);
+    ASSERT_TRUE(reader.in.read());
+    ASSERT_TRUE(reader.in.read());
+  }
+  writer.write(5);
+  way.settle();
+  Reader reader;
+  way.connect(reader.in);
+  EXPECT_EQ(reader.read_all(), (Numbers{3, 4, 5}));
+}
+
+TYPED_TEST(Ports, GoOnWhenAWriterStartsAgain) {
+  TypeParam way{Quality{.depth = 8}};
+  Reader reader;
+  way.connect(reader.in);
+  for (std::uint64_t life = 0; life < 3; ++life) {
+    Writer writer;
+    way.connect(writer.out);
+    writer.write(life * 10 + 1);
+    writer.write(life * 10 + 2);
+  }
+  way.settle();
+  EXPECT_EQ(reader.read_all(), (Numbers{1, 2, 11, 12, 21, 22}));
+  EXPECT_EQ(reader.in.sequence(), 6U) << "the numbers go on";
+}
+
+TYPED_TEST(Ports, RefuseAValueBeyondItsBounds) {
+  TypeParam way{Quality{}};
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  fill(writer.sample, 4);
+  writer.sample.few().resize(5);
+  EXPECT_EQ(writer.out.write(writer.sample), Written::unfit);
+  way.settle();
+  EXPECT_FALSE(reader.in.read());
+  EXPECT_EQ(way.unfit(), 1U);
+}
+
+TYPED_TEST(Ports, NeverShowATornSample) {
+  for (const std::uint32_t depth : {1U, 5U}) {
+    TypeParam way{Quality{.depth = depth}};
+    Writer writer;
+    Reader reader;
+    way.connect(writer.out);
+    way.connect(reader.in);
+    std::atomic<bool> over{false};
+    constexpr std::uint64_t kSamples = 200'000;
+    std::thread thread{[&] {
+      for (std::uint64_t i = 1; i <= kSamples; ++i) writer.write(i);
+      over = true;
+    }};
+    Seen seen;
+    while (seen.last != kSamples) {
+      const bool last_look = over;
+      if (reader.in.read())
+        seen.take(reader.in.value(), 0);
+      else if (last_look)
+        break;
+    }
+    thread.join();
+    EXPECT_EQ(seen.wrong, 0U);
+    EXPECT_EQ(seen.last, kSamples) << "the newest is never lost";
+    EXPECT_EQ(seen.read + way.dropped(), kSamples);
+  }
+}
+
+// Of bytes alone: what comes from elsewhere may be anything.
+TEST(RingPorts, PassOverBytesThatAreNoSampleAndKeepTheLastOne) {
+  const channel::Link::Options options{
+      .depth = 4, .payload = PortType<Sample>::info.max_size, .is_queue = true};
+  auto memory =
+      std::move(os::SharedMemory::create("takt-link", channel::Link::layout(options).size()).value());
+  channel::Link::format(memory.data(), options);
+  const channel::Link link{memory.data()};
+  channel::LinkWriter bytes{link};
+  Reader reader;
+  reader.in.connect(link, nullptr);
+  Sample sample;
+  fill(sample, 7);
+  bytes.publish(PortType<Sample>::encode(sample, link.payload(bytes.buffer()), link.stride()), 1);
+  link.payload(bytes.buffer())[1] = std::byte{9};
+  bytes.publish(20, 1);
+  EXPECT_EQ(reader.read_all(), Numbers{7});
+  EXPECT_TRUE(is_whole(reader.in.value()));
+  EXPECT_EQ(link.block().refused.load(), 1U);
+}
+
+}  // namespace
+}  // namespace takt

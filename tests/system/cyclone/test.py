@@ -1,0 +1,188 @@
+"""A program of another DDS talks to Takt: Cyclone DDS, built from idl/ by its own compiler.
+
+TAKT_DDS_PEER is the program of tests/conformance/dds, TAKT_CYCLONE_PEER the one beside this file."""
+import json
+import os
+import subprocess
+import tempfile
+import time
+import unittest
+
+PEER = os.environ["TAKT_DDS_PEER"]
+CYCLONE = os.environ["TAKT_CYCLONE_PEER"]
+DOMAIN = os.environ.get("TAKT_TEST_DOMAIN", "149")
+# Cyclone takes the first interface that is up and can multicast; nothing of this test leaves the machine.
+LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
+<AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
+REPORT, STOP = 0, 7  # of takt::CommandKind
+
+# port.idl as data
+SAMPLE = {"name": "test::Sample", "fields": [
+    {"name": "number", "type": "unsigned long long"}, {"name": "value", "type": "long long"},
+    {"name": "data", "type": "octet", "sequence": 65536}]}
+PLACE = [{"name": "x", "type": "double"}, {"name": "angle", "type": "float"}]
+MIXED = {"name": "test::Mixed", "fields": [
+    {"name": "flag", "type": "boolean"}, {"name": "small", "type": "octet"}, {"name": "number", "type": "short"},
+    {"name": "colour", "type": "enum", "of": "test::Colour", "enumerators": ["RED", "GREEN", "BLUE"]},
+    {"name": "name", "type": "string", "bound": 15},
+    {"name": "places", "type": "struct", "of": "test::Place", "array": [2], "fields": PLACE},
+    {"name": "values", "type": "double", "sequence": 4},
+    {"name": "way", "type": "struct", "of": "test::Place", "sequence": 3, "fields": PLACE},
+    {"name": "last", "type": "long long"}]}
+
+
+class Program:
+    def __init__(self, *arguments, environment=None):
+        self.process = subprocess.Popen(arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                                        env={**os.environ, **(environment or {})})
+
+    def lines(self):
+        return iter(self.process.stdout.readline, "")
+
+    def line(self):
+        return self.process.stdout.readline().rstrip("\n")
+
+    def say(self, text):
+        self.process.stdin.write(text + "\n")
+        self.process.stdin.flush()
+
+    def end(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdin.close()
+        self.process.stdout.close()
+
+
+class Cyclone(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def takt(self, *arguments, first="ready"):
+        program = Program(PEER, DOMAIN, *arguments)
+        self.addCleanup(program.end)
+        self.assertEqual(first, program.line())
+        return program
+
+    def cyclone(self, *arguments):
+        program = Program(CYCLONE, DOMAIN, *arguments, environment={"CYCLONEDDS_URI": LOOPBACK})
+        self.addCleanup(program.end)
+        return program
+
+    def type_file(self, shape):
+        path = os.path.join(self.folder, shape["name"].replace("::", "_"))
+        with open(path, "w") as file:
+            json.dump(shape, file)
+        return path
+
+    def test_reads_what_nodes_say(self):
+        self.takt("state", "12", first="failures 0")
+        device = self.takt("device", "robot")
+        self.takt("statistics", "servo")
+        watch = self.cyclone("watch", "60")
+        modules, seen, lost = {}, {}, False
+        for text in watch.lines():
+            said = json.loads(text)
+            if said["topic"] == "lifecycle" and "path" in said:
+                modules[said["path"]] = said
+            elif "path" in said:
+                seen.setdefault(said["topic"], []).append(said)
+            if len(modules) == 12 and len(seen.get("device", [])) >= 5 and len(seen.get("statistics", [])) >= 3:
+                device.process.kill()
+            if said == {"topic": "device", "not_alive": 1}:
+                lost = True
+                break
+        self.assertTrue(lost, "the death of a node")
+        self.assertEqual({"test/device/module%d" % n for n in range(12)}, set(modules))
+        one = modules["test/device/module3"]
+        self.assertEqual((2, 2, "module3", "test", "device"),
+                         (one["sequence_number"], one["state"], one["name"], one["cell"], one["device"]))
+        self.assertEqual({"robot"}, {s["device"] for s in seen["device"]})
+        self.assertEqual({(3, 0, "here")}, {(s["state"], s["health"], s["host_name"]) for s in seen["device"]})
+        self.assertGreater(seen["device"][-1]["sequence_number"], seen["device"][0]["sequence_number"])
+        self.assertEqual({("servo", 7, -1.5, 12.25)},
+                         {(s["name"], s["overruns"], s["jitter_mean_us"], s["run_p99_us"]) for s in seen["statistics"]})
+
+    def test_sends_a_command_and_gets_its_answer(self):
+        server = self.takt("server", "robot", "5")
+        run = self.cyclone("command", "robot", "servo", str(STOP))
+        answer = json.loads(run.line())
+        self.assertEqual(0, run.process.wait(10))
+        handled = server.line()
+        self.assertRegex(handled, r"^handled cyclone-\d+-\d+ 0$")
+        self.assertEqual((0, 5, "robot", "node"), (answer["code"], answer["bytes"], answer["device"], answer["node"]))
+        self.assertEqual("for " + handled.split()[1], answer["value"])
+
+    def test_writes_samples_that_a_port_reads(self):
+        for reliability in ("reliable", "best-effort"):
+            with self.subTest(reliability):
+                topic = "to/" + reliability.replace("-", "_")  # Cyclone takes no other marks
+                tap = self.takt("tap", topic, reliability, "32")
+                write = self.cyclone("write", "Sample", topic, "40", "5", reliability)
+                for number in range(1, 41):
+                    self.assertEqual("sample %d" % number, tap.line(), "whole, and in order")
+                self.assertEqual("written", write.line())
+                tap.say("health")
+                self.assertEqual("samples 40 lost 0 refused 0", " ".join(tap.line().split()[2:8]))
+
+    def test_reads_samples_that_a_port_writes(self):
+        for reliability in ("reliable", "best-effort"):
+            with self.subTest(reliability):
+                topic = "from/" + reliability.replace("-", "_")
+                feed = self.takt("feed", topic, reliability, "32")
+                read = self.cyclone("read", "Sample", topic, "30", "30", reliability)
+                first = None
+                for step in range(100):  # what is written before they match is not delivered
+                    feed.say("1 3000")
+                    if "matched 1" in feed.line():
+                        break
+                    time.sleep(0.05)
+                time.sleep(1)
+                feed.say("40")
+                numbers = []
+                for text in read.lines():
+                    sample = json.loads(text)
+                    self.assertTrue(sample["whole"])
+                    self.assertEqual(sample["number"], sample["value"])
+                    numbers.append(sample["number"])
+                self.assertEqual(list(range(numbers[0], numbers[0] + 30)), numbers)
+                self.assertEqual(0, read.process.wait(10))
+
+    def test_every_kind_of_member_both_ways(self):
+        mixed = self.type_file(MIXED)
+        show = self.takt("show", "mixed/to", "reliable", "32", mixed)
+        self.cyclone("write", "Mixed", "mixed/to", "12", "5", "reliable")
+        for n in range(1, 13):
+            self.assertEqual({"flag": n % 2 == 1, "small": n, "number": -n, "colour": ["RED", "GREEN", "BLUE"][n % 3],
+                              "name": "abcdefghijklmno"[:n % 16], "places": [{"x": n, "angle": 0}, {"x": n + 1, "angle": 0.5}],
+                              "values": [n * 10 + i for i in range(n % 5)],
+                              "way": [{"x": i, "angle": 0.25} for i in range(n % 4)], "last": 1 << 40}, json.loads(show.line()))
+        show.say("health")
+        self.assertEqual("refused 0", show.line())
+
+        give = self.takt("give", "mixed/from", "reliable", "32", mixed)
+        read = self.cyclone("read", "Mixed", "mixed/from", "1", "30", "reliable")
+        sample = {"flag": True, "small": 200, "number": -32768, "colour": "BLUE", "name": "fifteen letters",
+                  "places": [{"x": 1.5, "angle": -2.5}, {"x": -0.25, "angle": 8}], "values": [0.5, 1e300, -1],
+                  "way": [{"x": 9, "angle": 1}], "last": -5}
+        while read.process.poll() is None:
+            give.say(json.dumps(sample))
+            self.assertEqual("written", give.line())
+            time.sleep(0.05)
+        got = json.loads(read.line())
+        self.assertEqual({**sample, "colour": 2, "places": [[1.5, -2.5], [-0.25, 8]], "way": [[9, 1]]}, got)
+
+    def test_a_port_of_the_demonstration(self):
+        """The IDL of the components that come with Takt."""
+        shape = {"name": "line::PartSeen", "fields": [
+            {"name": "number", "type": "unsigned long"}, {"name": "kind", "type": "string", "bound": 15},
+            {"name": "offset", "type": "double"}]}
+        show = self.takt("show", "part", "reliable", "32", self.type_file(shape))
+        self.cyclone("write", "PartSeen", "part", "3", "5", "reliable")
+        for number in (1, 2, 3):
+            self.assertEqual({"number": number, "kind": "box", "offset": 0.01}, json.loads(show.line()))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,51 @@
+import json
+import os
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+
+
+class Ports(takt_system.Case):
+    def seen(self, name):
+        return json.loads(self.read(name))
+
+    def port(self, run, module, port):
+        return next(p for p in run.modules("d")[module]["ports"] if p["name"] == port)
+
+    def test_samples_reach_whoever_is_connected(self):
+        run = self.takt("run", "cell.xml", "--for", "1", "--json")
+        self.assertEqual(0, run.status, run.err)
+        for name in ("objects", "bytes", "events"):
+            seen = self.seen(name)
+            self.assertGreater(seen["read"], 300, name)
+            self.assertEqual((1, 0, 0), (seen["first"], seen["gaps"], seen["wrong"]), name)
+        self.assertEqual(0, self.port(run, "bytes", "in")["dropped"])
+        slow = self.seen("slow")
+        self.assertEqual(0, slow["wrong"])
+        self.assertGreater(slow["gaps"], slow["read"])
+        self.assertGreater(self.port(run, "slow", "in")["dropped"], 100)
+
+    def test_a_killed_program_leaves_its_links_usable(self):
+        run = self.start("run", "cell.xml", "--json")
+        run.wait_for_state("relay", "EXECUTING")
+        time.sleep(0.3)
+        begun = len(run.raw)
+        os.kill(run.one("port_relay.exe").pid, signal.SIGKILL)
+        run.wait_for_line(r"\.relay: RECOVER -> EXECUTING", after=begun)
+        time.sleep(0.3)
+        run.signal(signal.SIGINT)
+        run.wait(10)
+        self.assertEqual(0, run.status, run.err)
+        seen = self.seen("bytes")
+        self.assertEqual(0, seen["wrong"])
+        # What the program had read and not passed on is gone with it, and nothing else.
+        self.assertLess(seen["gaps"], 20)
+        self.assertGreater(seen["last"], 250)
+        self.assertEqual((0, 0), (self.seen("objects")["gaps"], self.seen("objects")["wrong"]))
+
+
+if __name__ == "__main__":
+    takt_system.main()

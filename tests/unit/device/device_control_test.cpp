@@ -1,0 +1,189 @@
+// What is asked of modules that run for real: properties, and being on time.
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <optional>
+
+#include "real_device.hpp"
+
+namespace takt::node {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+class DeviceProperties : public RealDevice {
+ protected:
+  std::string live(const std::string& properties = "", const std::string& what = kEvery) const {
+    return module("live", "live.so", what, file("live") + properties);
+  }
+  static std::string value(const std::string& name, const std::string& text) {
+    return "<value name=\"" + name + "\">" + text + "</value>";
+  }
+
+  Outcome get(std::uint32_t module, const std::string& property) {
+    return wait([&](auto done) { device->get(module, property, done); });
+  }
+  Outcome set(std::uint32_t module, const std::string& property, const std::string& text) {
+    return wait([&](auto done) { device->set(module, property, text, done); });
+  }
+  template <class Ask>
+  Outcome wait(const Ask& ask) {
+    std::optional<Outcome> told;
+    ask([&told](const Outcome& outcome) {
+      EXPECT_FALSE(told) << "answered twice";
+      told = outcome;
+    });
+    EXPECT_TRUE(step_until([&] { return told.has_value(); }));
+    return told.value_or(Outcome{.code = REPLY_LATE, .text = {}});
+  }
+};
+
+TEST_F(DeviceProperties, AreSetWhileTheModuleRunsAndTold) {
+  bring_up(live(value("step", "2")));
+  ASSERT_TRUE(step_until([&] { return module_of("live")["cycles"] > 20; }));
+  const Outcome before = get(0, "step");
+  EXPECT_EQ(before.code, REPLY_OK) << before.text;
+  EXPECT_EQ(before.value, "2");
+  EXPECT_EQ(before.state, lifecycle::State::executing);
+  for (const int step : {5, 1000, 7}) {
+    const Outcome outcome = set(0, "step", std::to_string(step));
+    EXPECT_EQ(outcome.code, REPLY_OK) << outcome.text;
+    EXPECT_EQ(get(0, "step").value, std::to_string(step));
+    run_for(milliseconds{50});
+  }
+  EXPECT_EQ(set(0, "label", "a text that has memory of its own, which run() frees never").code, REPLY_OK);
+  run_for(milliseconds{50});
+  take_down();
+  EXPECT_EQ(seen("live")["steps"], json::array({2, 5, 1000, 7}));
+  EXPECT_EQ(seen("live")["changed"], 0);
+  EXPECT_THAT(seen("live")["label"].get<std::string>(), HasSubstr("memory of its own"));
+}
+
+TEST_F(DeviceProperties, AreRefusedInTheWordsOfTheComponentAndStay) {
+  bring_up(live());
+  const Outcome high = set(0, "step", "1001");
+  EXPECT_EQ(high.code, REPLY_REFUSED);
+  EXPECT_EQ(high.text, "property 'step' cannot be '1001'; it takes a whole number, 1 to 1000, in mm");
+  const Outcome unknown = set(0, "stop", "1");
+  EXPECT_EQ(unknown.code, REPLY_REFUSED);
+  EXPECT_EQ(unknown.text, "component Live has no property 'stop'; it has step, label, file");
+  EXPECT_EQ(get(0, "stop").text, unknown.text);
+  run_for(milliseconds{30});
+  take_down();
+  EXPECT_EQ(seen("live")["steps"], json::array({1}));
+}
+
+TEST_F(DeviceProperties, AreSetBeforeTheFirstRun) {
+  bring_up(live(), "", false);
+  EXPECT_EQ(set(0, "step", "3").code, REPLY_OK);
+  EXPECT_EQ(set(0, "step", "4").code, REPLY_OK);
+  device->go(os::now() + milliseconds{20});
+  run_for(milliseconds{50});
+  take_down();
+  EXPECT_EQ(seen("live")["steps"], json::array({4}));
+}
+
+TEST_F(DeviceProperties, OfAModuleThatIsNotRealTimeAreSetToo) {
+  bring_up(module("tick", "fine.so", kEvery) +
+           live("", "<operationtype>non-real</operationtype><period>2000000</period>"));
+  ASSERT_TRUE(step_until([&] { return module_of("live")["cycles"] > 5; }));
+  EXPECT_EQ(set(1, "step", "9").code, REPLY_OK);
+  run_for(milliseconds{50});
+  take_down();
+  EXPECT_EQ(seen("live")["steps"], json::array({1, 9}));
+}
+
+TEST_F(DeviceProperties, OfCModulesAndProgramsAreThoseOfTheDescriptor) {
+  bring_up(module("c", "slow.so", kEvery, value("ns", "1000")) +
+           module("p", "fine.exe", kEvery, value("every", "3")));
+  EXPECT_EQ(get(0, "ns").value, "1000");
+  EXPECT_EQ(get(0, "every").text, "the descriptor gives c no property 'every'; it gives ns");
+  EXPECT_EQ(set(0, "ns", "2000").text,
+            "c is written in C: it reads its properties in initialize(); change the descriptor and reset it");
+  EXPECT_EQ(get(1, "every").value, "3");
+  EXPECT_EQ(get(1, "ns").code, REPLY_REFUSED);
+  const Outcome refused = set(1, "every", "4");
+  EXPECT_EQ(refused.code, REPLY_REFUSED);
+  EXPECT_EQ(refused.text,
+            "p is a program: it is given its properties when it starts; change the descriptor and reset it");
+  take_down();
+}
+
+TEST_F(DeviceProperties, OfAHostThatEndsAreAnsweredForAndThoseOfTheDescriptorAfterwards) {
+  bring_up(live());
+  EXPECT_EQ(set(0, "step", "6").code, REPLY_OK);
+  run_for(milliseconds{30});
+  const int host = module_of("live")["pid"];
+  ASSERT_EQ(::kill(host, SIGSTOP), 0);
+  std::optional<Outcome> told;
+  device->get(0, "step", [&told](const Outcome& outcome) { told = outcome; });
+  run_for(milliseconds{20});
+  EXPECT_FALSE(told);
+  ASSERT_EQ(::kill(host, SIGKILL), 0);
+  ASSERT_TRUE(step_until([&] { return told.has_value(); }));
+  EXPECT_EQ(told->code, REPLY_FAILED);
+  EXPECT_EQ(told->text, "the host of device d has ended");
+  EXPECT_EQ(get(0, "step").code, REPLY_REFUSED) << "it is loaded afresh";
+  ASSERT_TRUE(step_until([&] { return module_of("live")["state"] == "EXECUTING"; }));
+  EXPECT_EQ(get(0, "step").value, "1");
+  take_down();
+}
+
+class DeviceDeadlines : public RealDevice {
+ protected:
+  /// Takes 20 ms of its 5 ms, once in 50 rows.
+  static std::string late(const std::string& file, const std::string& miss, const std::string& recovery) {
+    return module("late", file,
+                  "<operationtype>sporadic</operationtype><deadline miss=\"" + miss + "\">5000000</deadline>",
+                  "<value name=\"every\">50</value><value name=\"ns\">20000000</value>", recovery);
+  }
+  std::string with_tick(const std::string& module_text) const {
+    return module("tick", "fine.so", kEvery) + module_text;
+  }
+  std::string story() const {
+    std::string words;
+    for (const Step& step : steps) {
+      if (step.module == 1) words += std::string{lifecycle::to_text(step.transition.to)} + " ";
+    }
+    return words;
+  }
+};
+
+TEST_F(DeviceDeadlines, MissedAreCounted) {
+  for (const std::string file : {"fine_sporadic.so", "fine_sporadic.exe"}) {
+    SCOPED_TRACE(file);
+    steps.clear();
+    bring_up(with_tick(late(file, "count", "")));
+    ASSERT_TRUE(step_until([&] { return module_of("late")["overruns"] >= 2; }));
+    EXPECT_EQ(story(), "INITIALIZE START EXECUTING ");
+    EXPECT_EQ(module_of("late")["errors"], 0);
+    take_down();
+  }
+}
+
+TEST_F(DeviceDeadlines, MissedAreErrorsWhereTheDescriptorSaysSo) {
+  for (const std::string file : {"fine_sporadic.so", "fine_sporadic.exe"}) {
+    SCOPED_TRACE(file);
+    steps.clear();
+    bring_up(with_tick(late(file, "error", R"(<recovery attempts="2" backoff="10000000"/>)")));
+    ASSERT_TRUE(step_until([&] { return module_of("late")["state"] == "EXECUTING"; }));
+    const int pid = module_of("late")["pid"];
+    ASSERT_TRUE(step_until([&] { return module_of("late")["state"] == "DESTRUCT"; }));
+    EXPECT_EQ(story(), "INITIALIZE START EXECUTING RECOVER EXECUTING RECOVER EXECUTING RECOVER DESTRUCT ")
+        << "two attempts, and each success short";
+    EXPECT_EQ(module_of("late")["pid"], pid) << "a program that was late is not started again";
+    EXPECT_EQ(module_of("late")["errors"], 3);
+    for (const Step& step : steps) {
+      if (step.transition.event != lifecycle::Event::error) continue;
+      EXPECT_EQ(step.error, ErrorType::deadline);
+      EXPECT_THAT(step.text, HasSubstr("after its deadline"));
+    }
+    device->stop();
+    ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ended; }));
+  }
+}
+
+}  // namespace
+}  // namespace takt::node

@@ -1,0 +1,118 @@
+// A device that runs for real: brought up by its supervisor, with its host and its programs, but without a
+// node around it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/host/inspect.hpp>
+#include <takt/node/log.hpp>
+#include <takt/node/supervisor.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/signals.hpp>
+
+namespace takt::node {
+
+class RealDevice : public testing::Test {
+ protected:
+  using json = nlohmann::json;
+  using milliseconds = std::chrono::milliseconds;
+
+  void SetUp() override {
+    if (!std::filesystem::exists(kComponents + "/port_source.so"))
+      GTEST_SKIP() << "the test's components are not built here";
+    ::setenv("TAKT_COMPONENT_PATH", kComponents.c_str(), 1);
+    folder = std::filesystem::temp_directory_path() / ("takt-device-" + std::to_string(::getpid()));
+    std::filesystem::create_directory(folder);
+    log_nothing();
+  }
+  void TearDown() override {
+    if (!folder.empty()) std::filesystem::remove_all(folder);
+  }
+
+  static std::string module(const std::string& name, const std::string& file, const std::string& what,
+                            const std::string& properties = "", const std::string& more = "") {
+    const bool program = file.ends_with(".exe");
+    return "<module><name>" + name + "</name><filename>" + file + "</filename><moduletype>" +
+           (program ? "process" : "thread") + "</moduletype>" + what + "<priority>1</priority><property>" +
+           properties + "</property>" + more + "</module>";
+  }
+  std::string file(const std::string& name) const {
+    return "<value name=\"file\">" + (folder / name).string() + "</value>";
+  }
+  static inline const std::string kEvery = "<operationtype>periodic</operationtype><period>1000000</period>";
+  static inline const std::string kSporadic =
+      "<operationtype>sporadic</operationtype><deadline>10000000</deadline>";
+  static inline const std::string kRow = "<dispatch>row</dispatch>";
+  static inline const std::string kImmediate = "<dispatch>immediate</dispatch>";
+
+  /// The device d of a cell of it alone, in START; its first row runs at once unless it is not let go.
+  void bring_up(const std::string& modules, const std::string& connections = "", bool let_go = true) {
+    const std::string text =
+        "<cell name=\"c\"><device name=\"d\">" + modules + "</device>" + connections + "</cell>";
+    auto cell = descriptor::parse(text, "test.xml");
+    ASSERT_TRUE(cell.ok()) << to_text(cell.problems());
+    auto components = host::check_components(*cell);
+    ASSERT_TRUE(components.ok()) << to_text(components.problems());
+    device = std::make_unique<Supervisor>(
+        Supervisor::Options{.cell = *cell,
+                            .device = 0,
+                            .paths = components->paths[0],
+                            .ports = components->ports[0],
+                            .stepped = [this](const Step& step) { steps.push_back(step); }});
+    const auto prepared = device->prepare();
+    ASSERT_TRUE(prepared.ok()) << to_text(prepared.problems());
+    ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ready; })) << problems();
+    if (let_go) device->go(os::now() + milliseconds{20});
+  }
+  bool step_until(const std::function<bool()>& holds, milliseconds limit = milliseconds{10000}) {
+    const Instant end = os::now() + limit;
+    while (!holds()) {
+      if (os::now() > end) return false;
+      os::wait_readable(device->wait_on(), 5);
+      device->step();
+    }
+    return true;
+  }
+  void run_for(milliseconds time) {
+    step_until([] { return false; }, time);
+  }
+  void take_down() {
+    device->stop();
+    ASSERT_TRUE(step_until([&] { return device->phase() == Supervisor::Phase::ended; }));
+    EXPECT_TRUE(device->failures().empty()) << problems();
+  }
+  std::string problems() const { return device->failures().empty() ? "" : to_text(device->failures()); }
+  json module_of(const std::string& name) const {
+    const json report = device->report();
+    for (const json& one : report["modules"]) {
+      if (one["name"] == name) return one;
+    }
+    return {};
+  }
+  json seen(const std::string& name) const {
+    std::ifstream file{folder / name};
+    std::stringstream text;
+    text << file.rdbuf();
+    return json::parse(text.str(), nullptr, false);
+  }
+
+  static inline const std::string kComponents = std::string{TAKT_BINARY_DIR} + "/tests/components";
+  std::filesystem::path folder;
+  std::vector<Step> steps;  ///< of all modules
+  std::unique_ptr<Supervisor> device;
+};
+
+}  // namespace takt::node

@@ -1,0 +1,192 @@
+#include <takt/node/wiring.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <takt/channel/seat.hpp>
+
+namespace takt::node {
+namespace {
+
+using model::Direction;
+using std::chrono::milliseconds;
+
+/// Device "here" with modules a (C++), b (C++), c (C), p (program, sporadic, at once), and device "there".
+class WiringPlanned : public testing::Test {
+ protected:
+  WiringPlanned() {
+    cell.name = "cell";
+    cell.devices = {{.name = "here", .executors = {{}}, .modules = {}},
+                    {.name = "there", .executors = {{}}, .modules = {}}};
+    const auto ports_of = [](bool object) {
+      const model::Type type{"t::T", {{.name = "x", .scalar = model::Scalar::float64}}};
+      return model::ModulePorts{{{"in", Direction::in, type, "", object},
+                                 {"event", Direction::event, type, "", object},
+                                 {"out", Direction::out, type, "", object}}};
+    };
+    for (const char* name : {"a", "b", "c", "p"}) {
+      model::Module module;
+      module.name = name;
+      if (module.name == "p") {
+        module.type = model::ModuleType::process;
+        module.operation = model::Operation::sporadic;
+        module.dispatch = model::Dispatch::immediate;
+      }
+      cell.devices[0].modules.push_back(module);
+      ports.push_back(ports_of(module.name == "a" || module.name == "b"));
+    }
+  }
+  static model::Endpoint end(const std::string& device, const std::string& module, const std::string& port) {
+    return {device, module, port};
+  }
+  model::Connection& connect(const model::Endpoint& from, const model::Endpoint& to) {
+    model::Connection& connection = cell.connections.emplace_back();
+    connection.from = from;
+    connection.to = to;
+    return connection;
+  }
+  WiringPlan plan() const { return plan_wiring(cell, 0, ports); }
+  static std::vector<PlannedLink> local(const WiringPlan& plan) {
+    std::vector<PlannedLink> links;
+    std::copy_if(plan.links.begin(), plan.links.end(), std::back_inserter(links),
+                 [](const PlannedLink& l) { return l.from.module && l.to.module; });
+    return links;
+  }
+  static const PlannedFlow& flow(const WiringPlan& plan, const std::string& topic) {
+    static const PlannedFlow none{};
+    const auto found = std::find_if(plan.flows.begin(), plan.flows.end(),
+                                    [&](const PlannedFlow& f) { return f.topic == topic; });
+    return found == plan.flows.end() ? none : *found;
+  }
+
+  model::Cell cell;
+  std::vector<model::ModulePorts> ports;
+};
+
+TEST_F(WiringPlanned, EveryOutputCanBeLookedAt) {
+  const WiringPlan plan = this->plan();
+  ASSERT_EQ(plan.flows.size(), 4U);
+  for (const PlannedFlow& flow : plan.flows) {
+    EXPECT_TRUE(flow.outgoing);
+    EXPECT_FALSE(flow.connected);
+    const PlannedLink& link = plan.links.at(flow.links.at(0));
+    EXPECT_FALSE(link.options.enabled) << "nothing is written while nobody looks";
+    EXPECT_EQ(link.options.wake_bits, channel::kGatewayBit);
+  }
+  EXPECT_EQ(flow(plan, "takt/cell/here/a/out").links.size(), 1U);
+}
+
+TEST_F(WiringPlanned, ObjectsGoBetweenModulesInCppAndBytesElsewhere) {
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  connect(end("here", "a", "out"), end("here", "c", "in"));
+  const auto links = local(plan());
+  ASSERT_EQ(links.size(), 2U);
+  EXPECT_TRUE(links[0].typed);
+  EXPECT_EQ(links[0].options.payload, 0U);
+  EXPECT_FALSE(links[1].typed);
+  EXPECT_EQ(links[1].options.payload, model::max_size((*ports[0])[2].type));
+  EXPECT_EQ(links[1].to, (LinkEnd{2, "in"}));
+}
+
+TEST_F(WiringPlanned, TheQualityOfAConnectionIsThatOfItsLink) {
+  auto& connection = connect(end("here", "a", "out"), end("here", "b", "in"));
+  connection.kind = model::ConnectionKind::queue;
+  connection.depth = 7;
+  connection.deadline = milliseconds{20};
+  connection.stale = model::Stale::error;
+  const PlannedLink link = local(plan()).at(0);
+  EXPECT_EQ(link.options.depth, 7U);
+  EXPECT_TRUE(link.options.is_queue);
+  EXPECT_EQ(link.options.deadline_ns, 20'000'000);
+  EXPECT_EQ(link.stale, model::Stale::error);
+}
+
+TEST_F(WiringPlanned, OnlyAnEventOfAModuleThatRunsAtOnceWakesIt) {
+  connect(end("here", "a", "out"), end("here", "p", "event"));
+  connect(end("here", "a", "out"), end("here", "p", "in"));
+  connect(end("here", "a", "out"), end("here", "b", "event"));
+  auto links = local(plan());
+  EXPECT_EQ(links.at(0).options.wake_bits, channel::bell_bit(3));
+  EXPECT_EQ(links.at(1).options.wake_bits, 0U);
+  EXPECT_EQ(links.at(2).options.wake_bits, 0U);
+  cell.devices[0].modules[1].dispatch = model::Dispatch::immediate;
+  EXPECT_EQ(local(plan()).at(2).options.wake_bits, channel::kSporadicBit);
+}
+
+TEST_F(WiringPlanned, AnOutputServesAllOtherDevicesByOneFlow) {
+  auto& first = connect(end("here", "a", "out"), end("there", "x", "in"));
+  first.deadline = milliseconds{30};
+  first.lifespan = milliseconds{5};
+  auto& second = connect(end("here", "a", "out"), end("there", "y", "in"));
+  second.kind = model::ConnectionKind::queue;
+  second.depth = 9;
+  second.reliability = model::Reliability::reliable;
+  second.deadline = milliseconds{10};
+  second.lifespan = milliseconds{50};
+  const WiringPlan plan = this->plan();
+  EXPECT_TRUE(local(plan).empty());
+  const PlannedFlow& flow = this->flow(plan, "takt/cell/here/a/out");
+  ASSERT_EQ(flow.links.size(), 1U);
+  EXPECT_TRUE(flow.connected);
+  EXPECT_TRUE(flow.reliable);
+  EXPECT_EQ(flow.depth, 9U);
+  EXPECT_EQ(flow.deadline, Nanoseconds{milliseconds{10}});
+  EXPECT_EQ(flow.lifespan, Nanoseconds{milliseconds{50}});
+  const PlannedLink& link = plan.links[flow.links[0]];
+  EXPECT_TRUE(link.options.enabled);
+  EXPECT_EQ(link.options.depth, 9U);
+  EXPECT_TRUE(link.options.is_queue);
+}
+
+TEST_F(WiringPlanned, InputsOfOneQualityShareAFlow) {
+  connect(end("there", "x", "out"), end("here", "a", "in"));
+  connect(end("there", "x", "out"), end("here", "b", "in"));
+  connect(end("there", "x", "out"), end("here", "c", "in")).deadline = milliseconds{10};
+  const WiringPlan plan = this->plan();
+  std::vector<std::size_t> readers;
+  for (const PlannedFlow& flow : plan.flows) {
+    if (flow.outgoing) continue;
+    EXPECT_EQ(flow.topic, "takt/cell/there/x/out");
+    readers.push_back(flow.links.size());
+  }
+  EXPECT_EQ(readers, (std::vector<std::size_t>{2, 1}));
+}
+
+TEST_F(WiringPlanned, ATopicOfItsOwnHasAFlowOfItsOwn) {
+  auto& out = connect(end("here", "a", "out"), {});
+  out.topic = "rt/out";
+  auto& in = connect({}, end("here", "b", "in"));
+  in.topic = "rt/in";
+  in.domain = 5;
+  const WiringPlan plan = this->plan();
+  EXPECT_TRUE(flow(plan, "rt/out").outgoing);
+  EXPECT_TRUE(flow(plan, "rt/out").connected);
+  EXPECT_FALSE(flow(plan, "takt/cell/here/a/out").connected);
+  EXPECT_FALSE(flow(plan, "rt/in").outgoing);
+  EXPECT_EQ(flow(plan, "rt/in").domain, 5);
+}
+
+TEST_F(WiringPlanned, WhatIsNotKnownHasNoLink) {
+  ports[1].reset();
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  EXPECT_TRUE(local(plan()).empty());
+}
+
+TEST_F(WiringPlanned, ALinkIsHandedToBothItsEnds) {
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  connect(end("here", "a", "out"), end("here", "p", "event"));
+  auto wiring = Wiring::create(plan());
+  ASSERT_TRUE(wiring.ok());
+  const auto ends = wiring->of_host(cell.devices[0]);
+  EXPECT_EQ(std::count_if(ends.begin(), ends.end(), [](const auto& e) { return e.typed; }), 2);
+  EXPECT_EQ(ends[0].fd, ends[1].fd);
+  const std::string program = wiring->of_program(3);
+  EXPECT_TRUE(program.starts_with("event=")) << program;
+  std::vector<const os::Fd*> fds;
+  wiring->inherit(fds, 3);
+  EXPECT_EQ(fds.size(), 2U) << "its event, and its output's to the gateway";
+}
+
+}  // namespace
+}  // namespace takt::node

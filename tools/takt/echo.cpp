@@ -1,0 +1,147 @@
+// takt echo: the samples of a port, field by field.
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <deque>
+#include <mutex>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <takt/dds/gateway.hpp>
+#include <takt/model/type.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/signals.hpp>
+
+#include "client.hpp"
+#include "commands.hpp"
+#include "load.hpp"
+#include "terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+constexpr auto kTapped = std::chrono::seconds{30};
+constexpr auto kAskAgain = std::chrono::seconds{10};
+
+struct EchoOptions {
+  std::string port;
+  bool rate = false;
+  std::uint64_t count = 0;  ///< samples; 0: until Ctrl-C
+  Network network;
+};
+
+std::int64_t wall_ns() {
+  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+/// What came and was not printed yet. Bounded: a terminal may be slower than a port.
+class Samples {
+ public:
+  void add(const std::byte* bytes, std::size_t size) {
+    ++seen_;
+    const std::lock_guard lock{mutex_};
+    if (waiting_.size() < kMost) waiting_.emplace_back(bytes, bytes + size);
+  }
+  std::deque<std::vector<std::byte>> take() {
+    const std::lock_guard lock{mutex_};
+    return std::exchange(waiting_, {});
+  }
+  [[nodiscard]] std::uint64_t seen() const noexcept { return seen_; }
+
+ private:
+  static constexpr std::size_t kMost = 10000;
+  std::mutex mutex_;
+  std::deque<std::vector<std::byte>> waiting_;
+  std::atomic<std::uint64_t> seen_{0};
+};
+
+int echo(const EchoOptions& options) {
+  const auto refuse = [](const Problems& problems) {
+    complain(problems);
+    return 1;
+  };
+  const std::size_t first = options.port.find('.');
+  const std::size_t second = first == std::string::npos ? first : options.port.find('.', first + 1);
+  if (second == std::string::npos || second + 1 == options.port.size())
+    return refuse({fail("'" + options.port + "' names no port", "say DEVICE.MODULE.PORT")});
+  const auto signals = os::SignalQueue::of_requests_to_end();
+  if (!signals) return refuse(signals.problems());
+  const auto client = connect(options.network);
+  if (!client) return refuse(client.problems());
+
+  const auto ask = [&] {
+    return client::accepted(client->asker->ask({.kind = COMMAND_TAP,
+                                                .device = options.port.substr(0, first),
+                                                .module = options.port.substr(first + 1, second - first - 1),
+                                                .property = options.port.substr(second + 1),
+                                                .time_ns = wall_ns() + Nanoseconds{kTapped}.count()}));
+  };
+  const auto answer = ask();
+  if (!answer) return refuse(answer.problems());
+  const auto place = nlohmann::json::parse(answer->data, nullptr, false);
+  if (!place.is_object()) return refuse({fail("the device's answer is of another version of Takt")});
+  auto type = model::parse_type(place.value("type", ""));
+  if (!type) return refuse(type.problems());
+
+  Samples samples;
+  const dds::Flow flow{
+      .topic = place.value("topic", ""),
+      .type = *type,
+      .quality = {.reliable = place.value("reliable", false), .depth = 64, .deadline = {}, .lifespan = {}}};
+  const auto tap = dds::Tap::create(
+      client->participant, flow,
+      [&](const std::byte* bytes, std::size_t size, std::int64_t) { samples.add(bytes, size); });
+  if (!tap) return refuse(tap.problems());
+
+  Instant again = os::now() + kAskAgain;
+  Instant told = os::now();
+  std::uint64_t told_samples = 0;
+  std::uint64_t printed = 0;
+  while (options.count == 0 || printed < options.count) {
+    os::wait_readable({&signals->fd()}, 20);
+    if (signals->next()) break;
+    const Instant now = os::now();
+    if (now >= again) {
+      again = now + kAskAgain;
+      if (const auto longer = ask(); !longer) return refuse(longer.problems());
+    }
+    const auto came = samples.take();
+    if (options.rate) {
+      const double seconds = std::chrono::duration<double>(now - told).count();
+      if (seconds < 1) continue;
+      const std::uint64_t seen = samples.seen();
+      if (!print(fmt::format("{:.1f} Hz, {} samples, {} lost\n",
+                             static_cast<double>(seen - told_samples) / seconds, seen,
+                             (*tap)->health().lost))) {
+        return 1;
+      }
+      ++printed;
+      told = now;
+      told_samples = seen;
+      continue;
+    }
+    for (const auto& sample : came) {
+      if (options.count != 0 && printed == options.count) break;
+      if (!print(model::sample_json(*type, sample.data(), sample.size()) + "\n")) return 1;
+      ++printed;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_echo(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<EchoOptions>();
+  auto* command = app.add_subcommand("echo", "Print the samples of a port, one a line, until Ctrl-C");
+  command->add_option("PORT", options->port, "DEVICE.MODULE.PORT")->required();
+  command->add_flag("--hz", options->rate, "print how many come in a second instead");
+  command->add_option("--count", options->count, "end after this many lines")->type_name("N");
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return echo(*options); }; });
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,140 @@
+// takt start, stop, recover, reset, destruct, initialize; takt get and set: what an operator tells a module.
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <takt/dds/words.hpp>
+
+#include "client.hpp"
+#include "commands.hpp"
+#include "load.hpp"
+#include "terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+struct Order {
+  CommandKind kind;
+  const char* name;
+  const char* text;
+};
+
+constexpr std::array kOrders{
+    Order{COMMAND_INITIALIZE, "initialize", "Initialise a module that is in IDLE, or all of a device"},
+    Order{COMMAND_START, "start", "Start a module, so that it is EXECUTING while its device runs"},
+    Order{COMMAND_STOP, "stop", "Take a module out of its table; it stays ready in START"},
+    Order{COMMAND_RECOVER, "recover", "Try at once to recover a module that is in RECOVER"},
+    Order{COMMAND_RESET, "reset", "Load a module in DESTRUCT afresh: it is IDLE then"},
+    Order{COMMAND_DESTRUCT, "destruct", "End a module; it never runs again unless it is reset"},
+};
+
+/// DEVICE or DEVICE.MODULE
+struct Target {
+  std::string device;
+  std::string module;
+};
+
+Result<Target> target_of(const std::string& text, bool module_needed) {
+  const std::size_t dot = text.find('.');
+  Target target{text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
+  const bool right = !target.device.empty() &&
+                     (dot == std::string::npos ? !module_needed : !target.module.empty()) &&
+                     target.module.find('.') == std::string::npos;
+  if (!right) {
+    return fail("'" + text + "' names no " + (module_needed ? "module" : "device or module"),
+                module_needed ? "say DEVICE.MODULE" : "say DEVICE or DEVICE.MODULE");
+  }
+  return target;
+}
+
+int order(const Order& order, const std::string& text, const Network& network) {
+  const auto refuse = [](const Problems& problems) {
+    complain(problems);
+    return 1;
+  };
+  const auto target = target_of(text, false);
+  if (!target) return refuse(target.problems());
+  const auto client = connect(network);
+  if (!client) return refuse(client.problems());
+  const auto answer = client->asker->ask({.kind = order.kind,
+                                          .device = target->device,
+                                          .module = target->module,
+                                          .limit = std::chrono::seconds{20}});
+  if (!answer) return refuse(answer.problems());
+
+  // A whole device answers for each of its modules.
+  const auto outcomes = nlohmann::json::parse(answer->data, nullptr, false);
+  if (target->module.empty() && outcomes.is_array()) {
+    std::string lines;
+    for (const auto& each : outcomes) {
+      const std::string why = each.value("text", "");
+      lines += fmt::format("{}.{}: {}{}\n", target->device, each.value("module", ""), each.value("state", ""),
+                           why.empty() ? "" : " (" + why + ")");
+    }
+    if (!print(lines)) return 1;
+  } else if (answer->head.code() == REPLY_OK) {
+    return print(fmt::format("{}: {}\n", text, to_text(answer->head.state()))) ? 0 : 1;
+  }
+  if (answer->head.code() == REPLY_OK) return 0;
+  return refuse(client::problems_of(*answer));
+}
+
+int property(const std::string& text, const std::string& name, const std::optional<std::string>& value,
+             const Network& network) {
+  const auto refuse = [](const Problems& problems) {
+    complain(problems);
+    return 1;
+  };
+  const auto target = target_of(text, true);
+  if (!target) return refuse(target.problems());
+  if (value && value->size() > 255) return refuse({fail("the value is longer than 255 bytes")});
+  const auto client = connect(network);
+  if (!client) return refuse(client.problems());
+  const auto answer = client::accepted(client->asker->ask({.kind = value ? COMMAND_SET : COMMAND_GET,
+                                                           .device = target->device,
+                                                           .module = target->module,
+                                                           .property = name,
+                                                           .value = value.value_or("")}));
+  if (!answer) return refuse(answer.problems());
+  return print(answer->head.value().to_string() + "\n") ? 0 : 1;
+}
+
+}  // namespace
+
+void add_orders(CLI::App& app, Chosen& chosen) {
+  for (const Order& each : kOrders) {
+    auto target = std::make_shared<std::string>();
+    auto network = std::make_shared<Network>();
+    auto* command = app.add_subcommand(each.name, each.text);
+    command->add_option("TARGET", *target, "DEVICE.MODULE, or DEVICE for all of its modules")->required();
+    add_network_options(*command, *network);
+    command->callback([&each, target, network, &chosen] {
+      chosen = [&each, target, network] { return order(each, *target, *network); };
+    });
+  }
+}
+
+void add_properties(CLI::App& app, Chosen& chosen) {
+  for (const bool sets : {false, true}) {
+    auto target = std::make_shared<std::string>();
+    auto name = std::make_shared<std::string>();
+    auto value = std::make_shared<std::string>();
+    auto network = std::make_shared<Network>();
+    auto* command = sets ? app.add_subcommand(
+                               "set", "Set a property of a module while it runs, between two of its cycles")
+                         : app.add_subcommand("get", "Print the value that a property of a module has");
+    command->add_option("TARGET", *target, "DEVICE.MODULE")->required();
+    command->add_option("PROPERTY", *name, "its name, as `takt describe` prints it")->required();
+    if (sets) command->add_option("VALUE", *value, "the new value")->required();
+    add_network_options(*command, *network);
+    command->callback([=, &chosen] {
+      chosen = [=] {
+        return property(*target, *name, sets ? std::optional{*value} : std::nullopt, *network);
+      };
+    });
+  }
+}
+
+}  // namespace takt::tool
