@@ -142,58 +142,97 @@ bool write_parts(fast::DataWriter& writer, const Whole& whole) {
 }
 
 /// A writer of one topic and a reader of the other.
-struct Ends {
-  std::shared_ptr<Participant> participant;
-  fast::Topic* out_topic = nullptr;
-  fast::Topic* in_topic = nullptr;
-  fast::DataWriter* writer = nullptr;
-  fast::DataReader* reader = nullptr;
-  Undecoded* undecoded = nullptr;
+class Ends : Remade {
+ public:
+  explicit Ends(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {}
+  ~Ends() override { end(); }
 
-  Result<void> make(const char* out, const fast::TypeSupport& out_type, const char* in,
-                    const fast::TypeSupport& in_type, fast::DataWriterListener* writer_listener,
-                    fast::DataReaderListener* reader_listener) {
-    OwnParticipant& mine = own(*participant);
+  Result<void> begin(const char* out, const fast::TypeSupport& out_type, const char* in,
+                     const fast::TypeSupport& in_type, fast::DataWriterListener* writer_listener,
+                     fast::DataReaderListener* reader_listener, std::function<void()> matches_are_gone) {
+    OwnParticipant& mine = own(*participant_);
+    writer_listener_ = writer_listener;
+    reader_listener_ = reader_listener;
+    matches_are_gone_ = std::move(matches_are_gone);
     auto topic = mine.topic(out, out_type);
     if (!topic) return topic.problems();
-    out_topic = *topic;
+    out_topic_ = *topic;
     topic = mine.topic(in, in_type);
     if (!topic) return topic.problems();
-    in_topic = *topic;
-    undecoded = &dds::undecoded(mine.participant(), *in_topic);
+    in_topic_ = *topic;
+    undecoded_ = &undecoded(mine.participant(), *in_topic_);
+    if (auto made = make(); !made) return made.problems();
+    mine.enlist(*this);
+    return {};
+  }
+
+  /// There are no calls of the listeners afterwards.
+  void end() {
+    own(*participant_).dismiss(*this);
+    unmake();
+    if (in_topic_ != nullptr) own(*participant_).release(in_topic_);
+    if (out_topic_ != nullptr) own(*participant_).release(out_topic_);
+    in_topic_ = out_topic_ = nullptr;
+  }
+
+  template <class Whole>
+  void write(const Whole& whole) {
+    const std::lock_guard lock{using_it_};
+    if (writer_ != nullptr) write_parts(*writer_, whole);
+  }
+  [[nodiscard]] std::uint64_t not_decoded() const {
+    return undecoded_->count.load(std::memory_order_relaxed);
+  }
+
+ private:
+  Result<void> make() {
+    OwnParticipant& mine = own(*participant_);
     fast::DataWriterQos writer_qos;
     set_quality(writer_qos);
     writer_qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
     writer_qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
     writer_qos.reliable_writer_qos().times.nackResponseDelay = duration(kNackDelay);
-    writer = mine.publisher().create_datawriter(out_topic, writer_qos, writer_listener,
-                                                fast::StatusMask::publication_matched());
+    writer_ = mine.publisher().create_datawriter(out_topic_, writer_qos, writer_listener_,
+                                                 fast::StatusMask::publication_matched());
     fast::DataReaderQos reader_qos;
     set_quality(reader_qos);
     reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
     reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
-    reader = mine.subscriber().create_datareader(in_topic, reader_qos, reader_listener,
-                                                 fast::StatusMask::data_available());
-    if (writer == nullptr || reader == nullptr)
+    reader_ = mine.subscriber().create_datareader(in_topic_, reader_qos, reader_listener_,
+                                                  fast::StatusMask::data_available());
+    if (writer_ == nullptr || reader_ == nullptr)
       return fail("DDS made no writer or reader for commands", "see what it printed");
     return {};
   }
-
-  void end() {
-    if (reader != nullptr) {
-      reader->set_listener(nullptr);
-      own(*participant).subscriber().delete_datareader(reader);
-      reader = nullptr;
+  void unmake() {
+    if (reader_ != nullptr) {
+      reader_->set_listener(nullptr);
+      own(*participant_).subscriber().delete_datareader(reader_);
+      reader_ = nullptr;
     }
-    if (writer != nullptr) {
-      writer->set_listener(nullptr);
-      own(*participant).publisher().delete_datawriter(writer);
-      writer = nullptr;
+    if (writer_ != nullptr) {
+      writer_->set_listener(nullptr);
+      own(*participant_).publisher().delete_datawriter(writer_);
+      writer_ = nullptr;
     }
-    if (in_topic != nullptr) own(*participant).release(in_topic);
-    if (out_topic != nullptr) own(*participant).release(out_topic);
-    in_topic = out_topic = nullptr;
   }
+  void remake() override {
+    const std::lock_guard lock{using_it_};
+    unmake();
+    matches_are_gone_();
+    static_cast<void>(make());
+  }
+
+  std::shared_ptr<Participant> participant_;
+  fast::DataWriterListener* writer_listener_ = nullptr;
+  fast::DataReaderListener* reader_listener_ = nullptr;
+  std::function<void()> matches_are_gone_;
+  fast::Topic* out_topic_ = nullptr;
+  fast::Topic* in_topic_ = nullptr;
+  std::mutex using_it_;
+  fast::DataWriter* writer_ = nullptr;
+  fast::DataReader* reader_ = nullptr;
+  Undecoded* undecoded_ = nullptr;
 };
 
 std::uint64_t participant_of(const rtps::InstanceHandle_t& handle) {
@@ -218,7 +257,6 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     Clock::time_point since;
   };
 
-  Ends ends;
   std::string device;
   std::string node;
   std::function<void(const WholeCommand&)> handle;
@@ -237,7 +275,9 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
   std::multiset<std::uint64_t> matched;  // participants of reply readers
   std::thread handler;
   std::thread sender;
+  Ends ends;
 
+  explicit Inside(std::shared_ptr<Participant> participant) : ends(std::move(participant)) {}
   ~Inside() override {
     {
       const std::lock_guard lock{mutex};
@@ -329,6 +369,11 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     changed.notify_all();
   }
 
+  void matches_are_gone() {
+    const std::lock_guard lock{mutex};
+    matched.clear();
+  }
+
   void serve() {
     std::unique_lock lock{mutex};
     while (!ending) {
@@ -363,7 +408,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       const WholeReply reply = std::move(found->reply);
       to_send.erase(found);
       lock.unlock();
-      write_parts(*ends.writer, reply);
+      ends.write(reply);
       lock.lock();
     }
   }
@@ -372,14 +417,14 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
 Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> participant, std::string device,
                                             std::string node,
                                             std::function<void(const WholeCommand&)> handle) {
-  auto inside = std::make_unique<Inside>();
-  inside->ends.participant = std::move(participant);
+  auto inside = std::make_unique<Inside>(std::move(participant));
   inside->device = std::move(device);
   inside->node = std::move(node);
   inside->handle = std::move(handle);
   if (auto made =
-          inside->ends.make("takt/reply", fast::TypeSupport{new Guarded<ReplyPubSubType>}, "takt/command",
-                            fast::TypeSupport{new Guarded<CommandPubSubType>}, inside.get(), inside.get());
+          inside->ends.begin("takt/reply", fast::TypeSupport{new Guarded<ReplyPubSubType>}, "takt/command",
+                             fast::TypeSupport{new Guarded<CommandPubSubType>}, inside.get(), inside.get(),
+                             [me = inside.get()] { me->matches_are_gone(); });
       !made) {
     return made.problems();
   }
@@ -400,8 +445,7 @@ void CommandServer::reply(const WholeReply& reply) {
 
 std::uint64_t CommandServer::refused() const {
   const std::lock_guard lock{inside_->mutex};
-  return inside_->senseless + inside_->assembly.refused() +
-         inside_->ends.undecoded->count.load(std::memory_order_relaxed);
+  return inside_->senseless + inside_->assembly.refused() + inside_->ends.not_decoded();
 }
 
 // ---- The asker's end
@@ -413,7 +457,6 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     milliseconds pause = kResend;
   };
 
-  Ends ends;
   std::function<void(const WholeReply&)> heard;
   std::mutex mutex;
   std::condition_variable changed;
@@ -422,7 +465,9 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
   Assembly<Reply, WholeReply> assembly;
   std::map<std::string, Open> open;
   std::thread sender;
+  Ends ends;
 
+  explicit Inside(std::shared_ptr<Participant> participant) : ends(std::move(participant)) {}
   ~Inside() override {
     {
       const std::lock_guard lock{mutex};
@@ -461,6 +506,11 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     changed.notify_all();
   }
 
+  void matches_are_gone() {
+    const std::lock_guard lock{mutex};
+    matched = 0;
+  }
+
   void send() {
     std::unique_lock lock{mutex};
     while (!ending) {
@@ -481,7 +531,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
       if (command.data.size() > kPart) due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
       due->second.again = now + due->second.pause;
       lock.unlock();
-      write_parts(*ends.writer, command);
+      ends.write(command);
       lock.lock();
     }
   }
@@ -489,12 +539,12 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
 
 Result<CommandClient> CommandClient::create(std::shared_ptr<Participant> participant,
                                             std::function<void(const WholeReply&)> heard) {
-  auto inside = std::make_unique<Inside>();
-  inside->ends.participant = std::move(participant);
+  auto inside = std::make_unique<Inside>(std::move(participant));
   inside->heard = std::move(heard);
   if (auto made =
-          inside->ends.make("takt/command", fast::TypeSupport{new Guarded<CommandPubSubType>}, "takt/reply",
-                            fast::TypeSupport{new Guarded<ReplyPubSubType>}, inside.get(), inside.get());
+          inside->ends.begin("takt/command", fast::TypeSupport{new Guarded<CommandPubSubType>}, "takt/reply",
+                             fast::TypeSupport{new Guarded<ReplyPubSubType>}, inside.get(), inside.get(),
+                             [me = inside.get()] { me->matches_are_gone(); });
       !made) {
     return made.problems();
   }

@@ -6,6 +6,8 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <typeindex>
+#include <vector>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -27,11 +29,20 @@ namespace fast = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
+/// A reader or writer, or both, which can be made again: those of this version of Fast DDS say once and for
+/// all by which addresses they are reached.
+class Remade {
+ public:
+  virtual ~Remade() = default;
+  /// On the thread that rescans the interfaces, while others use it.
+  virtual void remake() = 0;
+};
+
 /// The one participant of the process, with its topics. Thread-safe.
 class OwnParticipant final : public Participant {
  public:
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
-                 fast::Subscriber* subscriber);
+                 fast::Subscriber* subscriber, bool only_loopback);
   ~OwnParticipant() override;
   void rescan_interfaces() override;
 
@@ -40,6 +51,10 @@ class OwnParticipant final : public Participant {
   Result<fast::Topic*> topic(const std::string& name, const fast::TypeSupport& type);
   /// Lets go of what topic() gave; it is deleted with its last user.
   void release(fast::Topic* topic);
+
+  void enlist(Remade& one);
+  /// On return it is not being made again and will not be.
+  void dismiss(Remade& one);
 
   [[nodiscard]] fast::DomainParticipant& participant() noexcept { return *participant_; }
   [[nodiscard]] fast::Publisher& publisher() noexcept { return *publisher_; }
@@ -51,7 +66,9 @@ class OwnParticipant final : public Participant {
     int users = 0;
   };
   struct Known {
-    std::uint32_t size = 0;  // of the largest sample: all that use the type must agree on it
+    // All that use the type must agree on the size of its largest sample and on who decodes it.
+    std::uint32_t size = 0;
+    std::type_index decoder{typeid(void)};
     int topics = 0;
   };
   fast::DomainParticipant* participant_;
@@ -60,6 +77,9 @@ class OwnParticipant final : public Participant {
   std::mutex mutex_;
   std::map<std::string, Shared> topics_;
   std::map<std::string, Known> types_;
+  std::mutex remaking_;
+  std::vector<Remade*> remade_;
+  bool only_loopback_;  // when what there is was made
 };
 
 /// Every Participant is one of ours.

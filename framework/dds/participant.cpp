@@ -13,10 +13,10 @@
 #include <fastrtps/utils/IPLocator.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/log/Log.hpp>
 
 #include <takt/core/check.hpp>
 #include <takt/dds/inside.hpp>
+#include <takt/dds/log.hpp>
 #include <takt/os/network.hpp>
 #include <takt/os/real_time.hpp>
 
@@ -63,6 +63,12 @@ Result<rtps::Locator_t> server_locator(const std::string& server) {
     }
   }
   return locator(server.substr(0, colon), port);
+}
+
+bool has_only_loopback() {
+  const std::vector<std::string> mine = os::ipv4_addresses();
+  return std::all_of(mine.begin(), mine.end(),
+                     [](const std::string& address) { return address.starts_with("127."); });
 }
 
 Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery) {
@@ -139,7 +145,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     return problems;
   };
   ignore_environment();
-  fast::Log::SetVerbosity(fast::Log::Kind::Error);
+  log_to_standard_error();
   eprosima::fastrtps::LibrarySettingsAttributes library;
   library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
   eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
@@ -160,14 +166,18 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   }
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
-  std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(made, publisher, subscriber);
+  std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
+      made, publisher, subscriber, options.interfaces.empty() && has_only_loopback());
   if (publisher == nullptr || subscriber == nullptr) return fail("DDS made no publisher or subscriber");
   return participant;
 }
 
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
-                               fast::Subscriber* subscriber)
-    : participant_(participant), publisher_(publisher), subscriber_(subscriber) {}
+                               fast::Subscriber* subscriber, bool only_loopback)
+    : participant_(participant),
+      publisher_(publisher),
+      subscriber_(subscriber),
+      only_loopback_(only_loopback) {}
 
 OwnParticipant::~OwnParticipant() {
   participant_->delete_contained_entities();
@@ -178,13 +188,28 @@ OwnParticipant::~OwnParticipant() {
 void OwnParticipant::rescan_interfaces() {
   fast::DomainParticipantQos qos;
   if (participant_->get_qos(qos) == ReturnCode::RETCODE_OK) participant_->set_qos(qos);
+  const std::lock_guard lock{remaking_};
+  if (!only_loopback_ || has_only_loopback()) return;
+  only_loopback_ = false;
+  for (Remade* each : remade_) each->remake();
+}
+
+void OwnParticipant::enlist(Remade& one) {
+  const std::lock_guard lock{remaking_};
+  remade_.push_back(&one);
+}
+
+void OwnParticipant::dismiss(Remade& one) {
+  const std::lock_guard lock{remaking_};
+  std::erase(remade_, &one);
 }
 
 Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::TypeSupport& type) {
   const std::lock_guard lock{mutex_};
   const std::string& type_name = type.get_type_name();
   if (const auto found = types_.find(type_name);
-      found != types_.end() && found->second.size != type->m_typeSize) {
+      found != types_.end() &&
+      (found->second.size != type->m_typeSize || found->second.decoder != typeid(*type.get()))) {
     return fail("there are two types of the name '" + type_name + "' in this process",
                 "components that are built with different versions of a type cannot be used together");
   }
@@ -199,6 +224,7 @@ Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::
   Known& known = types_[type_name];
   if (known.topics == 0) {
     known.size = type->m_typeSize;
+    known.decoder = typeid(*type.get());
     participant_->register_type(type, type_name);
   }
   fast::Topic* made = participant_->create_topic(name, type_name, fast::TOPIC_QOS_DEFAULT);

@@ -27,7 +27,10 @@ class Participant {
   static Result<std::shared_ptr<Participant>> create(const ParticipantOptions& options);
   virtual ~Participant() = default;
 
-  /// Uses interfaces that have come up since. Cheap; to be called now and then.
+  /// Uses interfaces that have come up since. Cheap; to be called now and then. Where there was none but the
+  /// loopback one before, as on a machine that is starting, every reader and writer is made again, and is
+  /// lost for a moment to those on this machine. Later ones serve what is made from then on, and who has been
+  /// reached by another address goes on by that.
   virtual void rescan_interfaces() = 0;
 
  protected:

@@ -91,13 +91,24 @@ FlowHealth Health::read() const {
 
 Result<std::unique_ptr<RawWriter>> RawWriter::create(std::shared_ptr<Participant> participant,
                                                      const Flow& flow) {
-  std::unique_ptr<RawWriter> made{new RawWriter{std::move(participant)}};
-  OwnParticipant& mine = own(*made->participant_);
-  auto topic = topic_of(mine, flow);
+  std::unique_ptr<RawWriter> writer{new RawWriter{std::move(participant), flow}};
+  auto topic = topic_of(*writer->participant_, flow);
   if (!topic) return topic.problems();
-  made->topic_ = *topic;
+  writer->topic_ = *topic;
+  if (auto made = writer->make(); !made) return made.problems();
+  own(*writer->participant_).enlist(*writer);
+  return writer;
+}
+
+RawWriter::~RawWriter() {
+  own(*participant_).dismiss(*this);
+  unmake();
+  if (topic_ != nullptr) own(*participant_).release(topic_);
+}
+
+Result<void> RawWriter::make() {
   fast::DataWriterQos qos;
-  set_quality(qos, flow.quality, depth_of(flow.quality), model::max_size(flow.type));
+  set_quality(qos, flow_.quality, depth_of(flow_.quality), model::max_size(flow_.type));
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
@@ -105,26 +116,32 @@ Result<std::unique_ptr<RawWriter>> RawWriter::create(std::shared_ptr<Participant
   qos.writer_resource_limits().reader_filters_allocation.maximum = 0;
   fast::StatusMask mask = fast::StatusMask::publication_matched();
   mask << fast::StatusMask::offered_incompatible_qos();
-  made->writer_ = mine.publisher().create_datawriter(made->topic_, qos, made.get(), mask);
-  if (made->writer_ == nullptr)
-    return fail("DDS made no writer of '" + flow.topic + "'", "see what it printed");
-  return made;
+  writer_ = own(*participant_).publisher().create_datawriter(topic_, qos, this, mask);
+  if (writer_ == nullptr) return fail("DDS made no writer of '" + flow_.topic + "'", "see what it printed");
+  return {};
 }
 
-RawWriter::~RawWriter() {
-  if (writer_ != nullptr) {
-    writer_->set_listener(nullptr);
-    own(*participant_).publisher().delete_datawriter(writer_);
-  }
-  if (topic_ != nullptr) own(*participant_).release(topic_);
+void RawWriter::unmake() {
+  if (writer_ == nullptr) return;
+  writer_->set_listener(nullptr);
+  own(*participant_).publisher().delete_datawriter(writer_);
+  writer_ = nullptr;
+}
+
+void RawWriter::remake() {
+  const std::lock_guard lock{using_it_};
+  unmake();
+  health_.matched(0);
+  static_cast<void>(make());  // without one every write fails, and is counted
 }
 
 bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns) {
   Bytes sample = bytes;
   const eprosima::fastrtps::Time_t time{static_cast<std::int32_t>(time_ns / 1'000'000'000),
                                         static_cast<std::uint32_t>(time_ns % 1'000'000'000)};
-  const bool taken =
-      writer_->write_w_timestamp(&sample, rtps::c_InstanceHandle_Unknown, time) == ReturnCode::RETCODE_OK;
+  const std::lock_guard lock{using_it_};
+  const bool taken = writer_ != nullptr && writer_->write_w_timestamp(&sample, rtps::c_InstanceHandle_Unknown,
+                                                                      time) == ReturnCode::RETCODE_OK;
   taken ? health_.moved() : health_.failed();
   return taken;
 }
@@ -142,38 +159,53 @@ void RawWriter::on_offered_incompatible_qos(fast::DataWriter*,
 
 Result<std::unique_ptr<RawReader>> RawReader::create(std::shared_ptr<Participant> participant,
                                                      const Flow& flow, Receiver& receiver) {
-  std::unique_ptr<RawReader> made{new RawReader{std::move(participant), flow.type, receiver}};
-  OwnParticipant& mine = own(*made->participant_);
-  auto topic = topic_of(mine, flow);
+  std::unique_ptr<RawReader> reader{new RawReader{std::move(participant), flow, receiver}};
+  auto topic = topic_of(*reader->participant_, flow);
   if (!topic) return topic.problems();
-  made->topic_ = *topic;
+  reader->topic_ = *topic;
+  if (auto made = reader->make(); !made) return made.problems();
+  own(*reader->participant_).enlist(*reader);
+  return reader;
+}
+
+RawReader::~RawReader() {
+  own(*participant_).dismiss(*this);
+  unmake();
+  if (topic_ != nullptr) own(*participant_).release(topic_);
+}
+
+Result<void> RawReader::make() {
   fast::DataReaderQos qos;
   // What comes before a sample that is sent again is kept until that one is here.
-  const std::int32_t depth =
-      flow.quality.reliable ? std::max(depth_of(flow.quality), kReliableReaderDepth) : depth_of(flow.quality);
-  set_quality(qos, flow.quality, depth, model::max_size(flow.type));
+  const std::int32_t depth = flow_.quality.reliable ? std::max(depth_of(flow_.quality), kReliableReaderDepth)
+                                                    : depth_of(flow_.quality);
+  set_quality(qos, flow_.quality, depth, model::max_size(flow_.type));
   // With a fixed size, a sample that is too long would be offered again and again, and never be counted.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(kDelay);
   qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
   fast::StatusMask mask = fast::StatusMask::data_available();
   mask << fast::StatusMask::subscription_matched() << fast::StatusMask::requested_incompatible_qos();
-  made->reader_ = mine.subscriber().create_datareader(made->topic_, qos, made.get(), mask);
-  if (made->reader_ == nullptr)
-    return fail("DDS made no reader of '" + flow.topic + "'", "see what it printed");
-  return made;
+  reader_ = own(*participant_).subscriber().create_datareader(topic_, qos, this, mask);
+  if (reader_ == nullptr) return fail("DDS made no reader of '" + flow_.topic + "'", "see what it printed");
+  return {};
 }
 
-RawReader::~RawReader() {
-  if (reader_ != nullptr) {
-    reader_->set_listener(nullptr);
-    own(*participant_).subscriber().delete_datareader(reader_);
-  }
-  if (topic_ != nullptr) own(*participant_).release(topic_);
+void RawReader::unmake() {
+  if (reader_ == nullptr) return;
+  reader_->set_listener(nullptr);
+  own(*participant_).subscriber().delete_datareader(reader_);
+  reader_ = nullptr;
+}
+
+void RawReader::remake() {
+  unmake();
+  health_.matched(0);
+  static_cast<void>(make());
 }
 
 void RawReader::take(const Bytes& bytes) {
-  is_sample_ = model::is_sample(type_, bytes.data, bytes.size);
+  is_sample_ = model::is_sample(flow_.type, bytes.data, bytes.size);
   if (is_sample_) receiver_.receive(bytes);
 }
 

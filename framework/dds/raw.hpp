@@ -65,7 +65,7 @@ class Health {
 };
 
 /// A writer of one topic.
-class RawWriter final : fast::DataWriterListener {
+class RawWriter final : fast::DataWriterListener, Remade {
  public:
   static Result<std::unique_ptr<RawWriter>> create(std::shared_ptr<Participant> participant,
                                                    const Flow& flow);
@@ -76,19 +76,25 @@ class RawWriter final : fast::DataWriterListener {
   [[nodiscard]] FlowHealth health() const { return health_.read(); }
 
  private:
-  explicit RawWriter(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {}
+  RawWriter(std::shared_ptr<Participant> participant, Flow flow)
+      : participant_(std::move(participant)), flow_(std::move(flow)) {}
+  Result<void> make();
+  void unmake();
+  void remake() override;
   void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override;
   void on_offered_incompatible_qos(fast::DataWriter*,
                                    const fast::OfferedIncompatibleQosStatus& status) override;
 
   std::shared_ptr<Participant> participant_;
+  Flow flow_;
   fast::Topic* topic_ = nullptr;
+  std::mutex using_it_;
   fast::DataWriter* writer_ = nullptr;
   Health health_;
 };
 
 /// A reader of one topic, which hands on what is a sample of the type.
-class RawReader final : fast::DataReaderListener, Taker {
+class RawReader final : fast::DataReaderListener, Taker, Remade {
  public:
   /// Called on a thread of Fast DDS, one at a time.
   struct Receiver {
@@ -108,8 +114,11 @@ class RawReader final : fast::DataReaderListener, Taker {
   [[nodiscard]] FlowHealth health() const { return health_.read(); }
 
  private:
-  RawReader(std::shared_ptr<Participant> participant, model::Type type, Receiver& receiver)
-      : participant_(std::move(participant)), type_(std::move(type)), receiver_(receiver) {}
+  RawReader(std::shared_ptr<Participant> participant, Flow flow, Receiver& receiver)
+      : participant_(std::move(participant)), flow_(std::move(flow)), receiver_(receiver) {}
+  Result<void> make();
+  void unmake();
+  void remake() override;
   void take(const Bytes& bytes) override;
   void on_data_available(fast::DataReader* from) override;
   void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override;
@@ -118,7 +127,7 @@ class RawReader final : fast::DataReaderListener, Taker {
   void count_gap(const fast::SampleInfo& info);
 
   std::shared_ptr<Participant> participant_;
-  model::Type type_;
+  Flow flow_;
   Receiver& receiver_;
   fast::Topic* topic_ = nullptr;
   fast::DataReader* reader_ = nullptr;

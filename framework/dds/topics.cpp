@@ -1,5 +1,6 @@
 #include <takt/dds/topics.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <map>
 #include <mutex>
@@ -27,6 +28,7 @@ constexpr std::int32_t kReaderDepth =
 constexpr Nanoseconds kHeartbeat = std::chrono::milliseconds{5};
 constexpr Nanoseconds kNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kFirstAck = std::chrono::milliseconds{10};
+constexpr Nanoseconds kStep = std::chrono::milliseconds{20};  ///< of a wait, in which nobody else gets at it
 
 /// What the contract says of each topic.
 template <class T>
@@ -97,15 +99,37 @@ Problem no_entity(const char* what) {
 }  // namespace
 
 template <class T>
-struct Writer<T>::Inside {
+struct Writer<T>::Inside final : Remade {
   std::shared_ptr<Participant> participant;
   fast::Topic* topic = nullptr;
+  std::mutex using_it;
   fast::DataWriter* writer = nullptr;
+  std::map<std::string, T> states;  // by path: what is to be said again
   std::atomic<std::uint64_t> failures{0};
 
-  ~Inside() {
+  ~Inside() override {
+    own(*participant).dismiss(*this);
     if (writer != nullptr) own(*participant).publisher().delete_datawriter(writer);
     if (topic != nullptr) own(*participant).release(topic);
+  }
+
+  Result<void> make() {
+    fast::DataWriterQos qos;
+    set_quality<T>(qos, 1);
+    qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
+    qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
+    qos.reliable_writer_qos().times.nackResponseDelay = duration(kNackDelay);
+    qos.writer_data_lifecycle().autodispose_unregistered_instances = true;
+    writer = own(*participant).publisher().create_datawriter(topic, qos, nullptr, fast::StatusMask::none());
+    if (writer == nullptr) return no_entity<T>("writer");
+    return {};
+  }
+
+  void remake() override {
+    const std::lock_guard lock{using_it};
+    if (writer != nullptr) own(*participant).publisher().delete_datawriter(writer);
+    if (!make()) return;  // every write fails, and is counted
+    for (auto& [path, sample] : states) writer->write(&sample);
   }
 };
 
@@ -117,14 +141,8 @@ Result<Writer<T>> Writer<T>::create(std::shared_ptr<Participant> participant) {
   auto topic = mine.topic(TopicOf<T>::name, type_of<T>());
   if (!topic) return topic.problems();
   inside->topic = *topic;
-  fast::DataWriterQos qos;
-  set_quality<T>(qos, 1);
-  qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
-  qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
-  qos.reliable_writer_qos().times.nackResponseDelay = duration(kNackDelay);
-  qos.writer_data_lifecycle().autodispose_unregistered_instances = true;
-  inside->writer = mine.publisher().create_datawriter(inside->topic, qos, nullptr, fast::StatusMask::none());
-  if (inside->writer == nullptr) return no_entity<T>("writer");
+  if (auto made = inside->make(); !made) return made.problems();
+  mine.enlist(*inside);
   return Writer{std::move(inside)};
 }
 
@@ -139,14 +157,19 @@ Writer<T>::~Writer() = default;
 
 template <class T>
 bool Writer<T>::write(const T& sample) {
+  const std::lock_guard lock{inside_->using_it};
+  if (TopicOf<T>::state) inside_->states.insert_or_assign(sample.path().to_string(), sample);
   // Fast DDS takes a pointer that is not const and does not write through it.
-  const bool taken = inside_->writer->write(const_cast<T*>(&sample));
+  const bool taken = inside_->writer != nullptr && inside_->writer->write(const_cast<T*>(&sample));
   if (!taken) inside_->failures.fetch_add(1, std::memory_order_relaxed);
   return taken;
 }
 
 template <class T>
 void Writer<T>::dispose(const T& sample) {
+  const std::lock_guard lock{inside_->using_it};
+  inside_->states.erase(sample.path().to_string());
+  if (inside_->writer == nullptr) return;
   T copy = sample;
   inside_->writer->dispose(&copy, inside_->writer->lookup_instance(&copy));
   inside_->writer->unregister_instance(&copy, rtps::c_InstanceHandle_Unknown);
@@ -154,12 +177,23 @@ void Writer<T>::dispose(const T& sample) {
 
 template <class T>
 void Writer<T>::assert_liveliness() {
-  static_cast<void>(inside_->writer->assert_liveliness());
+  const std::lock_guard lock{inside_->using_it};
+  if (inside_->writer != nullptr) static_cast<void>(inside_->writer->assert_liveliness());
 }
 
 template <class T>
 bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
-  return inside_->writer->wait_for_acknowledgments(duration(limit)) == ReturnCode::RETCODE_OK;
+  // In steps: others assert its liveliness meanwhile.
+  const auto end = std::chrono::steady_clock::now() + limit;
+  for (;;) {
+    const auto left = std::max(
+        Nanoseconds{0}, std::chrono::duration_cast<Nanoseconds>(end - std::chrono::steady_clock::now()));
+    const std::lock_guard lock{inside_->using_it};
+    if (inside_->writer == nullptr) return false;
+    if (inside_->writer->wait_for_acknowledgments(duration(std::min(left, kStep))) == ReturnCode::RETCODE_OK)
+      return true;
+    if (left <= kStep) return false;
+  }
 }
 
 template <class T>
@@ -168,7 +202,7 @@ std::uint64_t Writer<T>::failures() const noexcept {
 }
 
 template <class T>
-struct Reader<T>::Inside final : fast::DataReaderListener {
+struct Reader<T>::Inside final : fast::DataReaderListener, Remade {
   std::shared_ptr<Participant> participant;
   Heard<T> heard;
   fast::Topic* topic = nullptr;
@@ -183,11 +217,36 @@ struct Reader<T>::Inside final : fast::DataReaderListener {
   std::map<rtps::InstanceHandle_t, std::string> paths;
 
   ~Inside() override {
-    if (reader != nullptr) {
-      reader->set_listener(nullptr);
-      own(*participant).subscriber().delete_datareader(reader);
-    }
+    own(*participant).dismiss(*this);
+    unmake();
     if (topic != nullptr) own(*participant).release(topic);
+  }
+
+  Result<void> make() {
+    fast::DataReaderQos qos;
+    set_quality<T>(qos, kReaderDepth);
+    qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
+    qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
+    fast::StatusMask mask = fast::StatusMask::data_available();
+    mask << fast::StatusMask::liveliness_changed() << fast::StatusMask::subscription_matched();
+    reader = own(*participant).subscriber().create_datareader(topic, qos, this, mask);
+    if (reader == nullptr) return no_entity<T>("reader");
+    return {};
+  }
+  void unmake() {
+    if (reader == nullptr) return;
+    reader->set_listener(nullptr);
+    own(*participant).subscriber().delete_datareader(reader);
+    reader = nullptr;
+  }
+  void remake() override {
+    unmake();
+    {
+      const std::lock_guard lock{calling};
+      matched = 0;
+      while (!living.empty()) is_lost(*living.begin());
+    }
+    static_cast<void>(make());
   }
 
   void lives(WriterId writer) {
@@ -244,14 +303,8 @@ Result<Reader<T>> Reader<T>::create(std::shared_ptr<Participant> participant, He
   if (!topic) return topic.problems();
   inside->topic = *topic;
   inside->undecoded = &undecoded(mine.participant(), **topic);
-  fast::DataReaderQos qos;
-  set_quality<T>(qos, kReaderDepth);
-  qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
-  qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
-  fast::StatusMask mask = fast::StatusMask::data_available();
-  mask << fast::StatusMask::liveliness_changed() << fast::StatusMask::subscription_matched();
-  inside->reader = mine.subscriber().create_datareader(inside->topic, qos, inside.get(), mask);
-  if (inside->reader == nullptr) return no_entity<T>("reader");
+  if (auto made = inside->make(); !made) return made.problems();
+  mine.enlist(*inside);
   return Reader{std::move(inside)};
 }
 

@@ -27,8 +27,11 @@ std::vector<std::string> ipv4_addresses() {
   std::vector<std::string> addresses;
   if (getifaddrs(&all) != 0) return addresses;
   for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
-    if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET || (each->ifa_flags & IFF_UP) == 0)
+    constexpr unsigned kUsable = IFF_UP | IFF_RUNNING;
+    if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET ||
+        (each->ifa_flags & kUsable) != kUsable) {
       continue;
+    }
     addresses.push_back(in_dots(each->ifa_addr));
   }
   freeifaddrs(all);

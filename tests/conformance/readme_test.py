@@ -30,7 +30,7 @@ with tempfile.TemporaryDirectory() as folder:
     open(os.path.join(folder, "ramp.cpp"), "w").write(component)
     open(os.path.join(folder, "cell.xml"), "w").write(cell)
     run(compiler, "-std=c++20", "-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", f"-I{build}/rooms/component",
-        f"-I{build}/rooms/core", os.path.join(folder, "ramp.cpp"), "-o", os.path.join(folder, "ramp.so"),
+        f"-I{build}/rooms/core", f"-I{build}/rooms/channel", os.path.join(folder, "ramp.cpp"), "-o", os.path.join(folder, "ramp.so"),
         f"-L{build}/lib", "-ltakt_component", f"-Wl,-rpath,{build}/lib")
     run(takt, "check", os.path.join(folder, "cell.xml"))
     described = json.loads(run(takt, "describe", os.path.join(folder, "ramp.so"), "--json"))

@@ -28,6 +28,8 @@ CASES = {
     "host": (["takt/executor/executor.hpp"], ["takt/descriptor/descriptor.hpp", "takt/node/supervisor.hpp", "dlfcn.h", "tinyxml2.h", "takt/dds/gateway.hpp", "takt/wire/takt.h"]),
     "dds": (["takt/channel/link.hpp", "takt/wire/takt.h", "fastdds/dds/domain/DomainParticipant.hpp"],
             ["takt/host/inspect.hpp", "takt/node/supervisor.hpp", "takt/component/component.hpp", "sys/socket.h", "tinyxml2.h"]),
+    "client": (["takt/dds/topics.hpp", "takt/wire/takt.h", "takt/model/ports.hpp"],
+               ["takt/node/agent.hpp", "takt/host/host.hpp", "fastdds/dds/domain/DomainParticipant.hpp", "sys/socket.h"]),
     "node": (["takt/host/inspect.hpp", "takt/descriptor/descriptor.hpp", "takt/dds/gateway.hpp"], ["sys/wait.h", "poll.h", "tinyxml2.h", "takt/dds/inside.hpp", "fastdds/dds/log/Log.hpp",
                                                                               "fastrtps/utils/IPLocator.h", "takt/wire/taktPubSubTypes.h"]),
 }

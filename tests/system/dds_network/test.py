@@ -1,0 +1,164 @@
+"""What DDS does with the interfaces of a machine: two machines as network namespaces, joined by two cables.
+
+TAKT_DDS_PEER is the program of tests/conformance/dds. Needs root and iproute2."""
+import os
+import queue
+import subprocess
+import sys
+import threading
+import time
+import unittest
+import uuid
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import networks
+
+PEER = os.environ["TAKT_DDS_PEER"]
+
+
+def ip(*arguments):
+    subprocess.run(["ip", *arguments], check=True, capture_output=True)
+
+
+class TwoMachines:
+    """robot and line, with cables net0 (10.80.0.x) and net1 (10.80.1.x), which are not connected yet."""
+
+    def __init__(self):
+        mark = "t" + uuid.uuid4().hex[:6]
+        self.spaces = {name: mark + "-" + name for name in ("robot", "line")}
+        for space in self.spaces.values():
+            ip("netns", "add", space)
+            ip("-n", space, "link", "set", "lo", "up")
+        for cable in (0, 1):
+            ip("link", "add", "net%d" % cable, "netns", self.spaces["robot"], "type", "veth", "peer", "name", "net%d" % cable,
+               "netns", self.spaces["line"])
+
+    def connect(self, cable):
+        for number, space in enumerate(self.spaces.values(), 1):
+            ip("-n", space, "addr", "add", "10.80.%d.%d/24" % (cable, number), "dev", "net%d" % cable)
+            ip("-n", space, "link", "set", "net%d" % cable, "up")
+        for space in self.spaces.values():
+            while b"LOWER_UP" not in subprocess.run(["ip", "-n", space, "link", "show", "net%d" % cable], capture_output=True).stdout:
+                time.sleep(0.01)
+
+    def set(self, machine, cable, state):
+        ip("-n", self.spaces[machine], "link", "set", "net%d" % cable, state)
+
+    def bytes(self, machine, cable):
+        out = subprocess.run(["ip", "netns", "exec", self.spaces[machine], "cat", "/sys/class/net/net%d/statistics/tx_bytes" % cable],
+                             check=True, capture_output=True, text=True)
+        return int(out.stdout)
+
+    def end(self):
+        for space in self.spaces.values():
+            subprocess.run(["ip", "netns", "del", space], capture_output=True)
+
+
+class Peer:
+    def __init__(self, network, machine, *arguments, **environment):
+        self.process = subprocess.Popen(["ip", "netns", "exec", network.spaces[machine], PEER, "0", *arguments],
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                                        env={**os.environ, "PEER_INTERFACES": "all", **environment})
+        self.lines = queue.Queue()
+        self.reader = threading.Thread(target=self._read)
+        self.reader.start()
+
+    def say(self, text):
+        self.process.stdin.write(text + "\n")
+        self.process.stdin.flush()
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.lines.put(line.rstrip("\n"))
+
+    def line(self, limit=20):
+        """The next line; empty when it says nothing for that long."""
+        try:
+            return self.lines.get(timeout=limit)
+        except queue.Empty:
+            return ""
+
+    def end(self):
+        self.process.kill()
+        self.process.wait()
+        self.reader.join()
+        self.process.stdin.close()
+        self.process.stdout.close()
+
+
+class Interfaces(unittest.TestCase):
+    def setUp(self):
+        reason = networks.available()
+        if reason:
+            self.skipTest(reason)
+        self.net = TwoMachines()
+        self.addCleanup(self.net.end)
+
+    def peer(self, machine, *arguments, **environment):
+        peer = Peer(self.net, machine, *arguments, **environment)
+        self.addCleanup(peer.end)
+        self.assertEqual("ready", peer.line())
+        return peer
+
+    def match(self, feed, tap, limit=20):
+        """Writes until the other has heard one, and no other is on its way. Returns the number of the last."""
+        end = time.monotonic() + limit
+        while time.monotonic() < end:
+            feed.say("1")
+            written = int(feed.line().split()[1])
+            if tap.line(0.1):
+                while tap.line(0.3):
+                    pass
+                return written
+        self.fail("they did not find each other")
+
+    def assert_arrive(self, feed, tap, first, count):
+        feed.say(str(count))
+        for number in range(first, first + count):
+            self.assertEqual("sample %d" % number, tap.line())
+        self.assertTrue(feed.line().startswith("written %d failures 0" % (first + count - 1)))
+
+    def test_only_the_interface_that_is_named_is_used(self):
+        for cable in (0, 1):
+            self.net.connect(cable)
+        tap = self.peer("line", "tap", "t", "reliable", "64", PEER_INTERFACES="10.80.1.2")
+        feed = self.peer("robot", "feed", "t", "reliable", "64", PEER_INTERFACES="10.80.1.1")
+        last = self.match(feed, tap)
+        before = [self.net.bytes("robot", cable) for cable in (0, 1)]
+        feed.say("100 5000")
+        for number in range(last + 1, last + 101):
+            self.assertEqual("sample %d" % number, tap.line())
+        after = [self.net.bytes("robot", cable) for cable in (0, 1)]
+        self.assertGreater(after[1] - before[1], 500000)
+        self.assertLess(after[0] - before[0], 2000, "what the kernel says of itself")
+
+    def test_an_interface_that_comes_up_later_is_used(self):
+        tap = self.peer("line", "tap", "t", "reliable", "64", PEER_RESCAN="yes")
+        feed = self.peer("robot", "feed", "t", "reliable", "64", PEER_RESCAN="yes")
+        time.sleep(1)
+        feed.say("0")
+        self.assertIn("matched 0", feed.line())
+        self.net.connect(0)
+        begin = time.monotonic()
+        last = self.match(feed, tap)
+        print("matched %.1f s after the interface came up" % (time.monotonic() - begin))
+        self.assert_arrive(feed, tap, last + 1, 20)
+
+    def test_what_is_sent_while_the_cable_is_out_arrives_afterwards(self):
+        self.net.connect(0)
+        tap = self.peer("line", "tap", "t", "reliable", "64")
+        feed = self.peer("robot", "feed", "t", "reliable", "64")
+        last = self.match(feed, tap)
+        self.assert_arrive(feed, tap, last + 1, 10)
+        self.net.set("line", 0, "down")
+        feed.say("40")
+        time.sleep(0.5)
+        self.net.set("line", 0, "up")
+        for number in range(last + 11, last + 51):
+            self.assertEqual("sample %d" % number, tap.line())
+        self.assertTrue(feed.line().startswith("written %d failures 0" % (last + 50)))
+        self.assert_arrive(feed, tap, last + 51, 10)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
