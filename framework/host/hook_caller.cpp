@@ -18,6 +18,7 @@ struct HookCaller::Shared {
   std::deque<Request> queue;
   std::uint64_t generation = 0;  // of the thread that may serve
   bool busy = false;
+  std::uint32_t module = 0;  // whose hook it is in
   bool end = false;
 
   void serve(std::uint64_t mine) {
@@ -29,6 +30,7 @@ struct HookCaller::Shared {
       const Request request = queue.front();
       queue.pop_front();
       busy = true;
+      module = request.module;
       activity.begin(request.module, request.hook, to_ns(os::now()));
       lock.unlock();
       const Result<std::string> result = call(request);
@@ -76,16 +78,17 @@ void HookCaller::enqueue(const Request& request) {
   shared_->wanted.notify_all();
 }
 
-void HookCaller::give_up() {
+bool HookCaller::give_up(std::uint32_t module) {
   {
     const std::lock_guard lock{shared_->mutex};
-    if (!shared_->busy) return;  // it came back after all
+    if (!shared_->busy || shared_->module != module) return false;
     ++shared_->generation;
     shared_->busy = false;
     shared_->activity.end();
   }
   thread_.detach();
   start_thread();
+  return true;
 }
 
 }  // namespace takt::host

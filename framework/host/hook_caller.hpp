@@ -31,9 +31,9 @@ class HookCaller {
   ~HookCaller();
 
   void enqueue(const Request& request);
-  /// Leaves the thread in its hook; if it ever returns, nobody is told. The next request is served by a new
-  /// thread.
-  void give_up();
+  /// Leaves the thread in a hook of this module; if it ever returns, nobody is told. The next request is
+  /// served by a new thread. False when it came back after all.
+  bool give_up(std::uint32_t module);
 
  private:
   struct Shared;

@@ -218,7 +218,7 @@ Answer Host::begin() {
 
 void Host::start_background() {
   for (std::uint32_t i = 0; i < modules_.size(); ++i) {
-    if (module(i).operation != model::Operation::non_real || !modules_[i] || setup_.left_out[i]) continue;
+    if (module(i).operation != model::Operation::non_real || !modules_[i]) continue;
     auto thread = os::Thread::start(
         {.name = module(i).name, .cpus = setup_.background_cpus, .stack_bytes = 8 * 1024 * 1024},
         [this, i] { run_background(i); }, nullptr);
@@ -319,7 +319,8 @@ void Host::serve() {
         answer({.request = *request, .ok = true, .text = {}, .warnings = {}});
         break;
       case Request::Do::give_up:
-        hooks_->give_up();
+        // Whatever it holds stays where it is; loaded again, it gets an instance of its own.
+        if (hooks_->give_up(request->module)) modules_[request->module]->abandon();
         break;
       case Request::Do::end:
         // Not by way of destructors: a hook that was given up may still be inside any of them.

@@ -110,7 +110,6 @@ std::string encode(const Setup& setup) {
                {"modules", modules},
                {"executors", executors},
                {"paths", setup.paths},
-               {"left_out", setup.left_out},
                {"executor_cpus", setup.executor_cpus},
                {"background_cpus", setup.background_cpus},
                {"seat_fds", setup.seat_fds},
@@ -135,7 +134,6 @@ Result<Setup> decode_setup(const std::string& text) {
     for (const json& executor : value.at("executors"))
       setup.device.executors.push_back(executor_from(executor));
     setup.paths = value.at("paths").get<std::vector<std::string>>();
-    setup.left_out = value.at("left_out").get<std::vector<bool>>();
     setup.executor_cpus = value.at("executor_cpus").get<std::vector<std::vector<int>>>();
     setup.background_cpus = value.at("background_cpus").get<std::vector<int>>();
     setup.seat_fds = value.at("seat_fds").get<std::vector<int>>();

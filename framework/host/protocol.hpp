@@ -27,7 +27,6 @@ struct PortLink {
 struct Setup {
   model::Device device;
   std::vector<std::string> paths;               ///< of each module's component
-  std::vector<bool> left_out;                   ///< modules that crashed an earlier host: not loaded
   std::vector<std::vector<int>> executor_cpus;  ///< of each executor
   std::vector<int> background_cpus;             ///< of everything that is not real-time
   std::vector<int> seat_fds;                    ///< of each module; -1: it has no seat
@@ -44,7 +43,7 @@ struct Request {
     begin,       ///< start the executors on the grid of channel.host().t0_ns; answered
     background,  ///< start the threads of non-real-time modules
     halt,        ///< end the executors and background threads; answered
-    give_up,     ///< the hook that is being called never returns: go on without its module
+    give_up,     ///< the hook of `module` that is being called never returns: go on without it
     end,         ///< end the process
   };
   Do what = Do::end;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -21,12 +22,13 @@
 
 namespace takt::node {
 
-/// What an operator has asked of a module, until it is answered.
-struct Ordered {
-  Verb verb;
-  Instant since;
+/// What an operator asked of a module, until it is answered.
+struct Order {
+  Verb verb = Verb::stop;
   std::function<void(const Outcome&)> done;
-  int attempts = 0;  ///< to recover, that were made before
+  Instant since{};
+  bool begun = false;
+  int attempts = 0;  ///< to recover, before this one
 };
 
 struct Member {
@@ -51,7 +53,10 @@ struct Member {
   lifecycle::Recovery recovery;
   channel::Departure departure;  ///< of the last time that it was taken out of the tables
 
-  bool wanted = true;  ///< to be EXECUTING while the device runs
+  /// How far the node brings it by itself: to EXECUTING, unless an operator said otherwise.
+  lifecycle::State up_to = lifecycle::State::executing;
+  [[nodiscard]] bool wanted() const noexcept { return up_to == lifecycle::State::executing; }
+  std::optional<Order> order;  ///< of an operator, under way
   bool lost =
       false;  ///< no hook of it can be called any more: it crashed the host, or a hook never came back
   bool failed = false;                    ///< given up after an error
@@ -73,8 +78,6 @@ struct Member {
   std::vector<Wiring::Wire*> inputs;  ///< that have a deadline; of any module
   Instant put_in_at{};                ///< into the tables
   bool stale = false;                 ///< it is in RECOVER because an input was stale
-
-  std::optional<Ordered> ordered;
 
   bool started_again = false;   ///< by an attempt to recover; it is to become ready
   std::uint64_t seen_late = 0;  ///< of seat->late

@@ -125,6 +125,9 @@ void Supervisor::step() {
   if (phase_ == Phase::preparing) prepare_step();
   if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
   if (phase_ == Phase::stopping) stopping_step(now);
+  for (auto& member : members_) {
+    if (member->order) order_step(*member, now);
+  }
 }
 
 Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, Instant until) {
@@ -258,7 +261,7 @@ void Supervisor::running_step(Instant now) {
       background_begun_ = true;
       host_.ask({.what = host::Request::Do::background});
       for (auto& member : members_) {
-        if (member->scheduled() || !member->wanted || member->state() != State::start) continue;
+        if (member->scheduled() || !member->wanted() || member->state() != State::start) continue;
         if (member->is_thread()) {
           put_in_tables(*member);
         } else if (auto spawned = spawn(*member); !spawned) {
@@ -272,7 +275,6 @@ void Supervisor::running_step(Instant now) {
 
   for (auto& pointer : members_) {
     Member& member = *pointer;
-    order_step(member, now);
     if (member.lost) continue;
     watch_inputs(member, now);
     // What the executor saw. SYNC: error raised
@@ -339,7 +341,8 @@ void Supervisor::recovered(Member& member) {
   member.started_again = false;
   if (!apply(member, Event::recover)) return;
   ++member.recoveries;
-  if (rows_begun_ && member.wanted && (member.scheduled() || member.is_thread())) put_in_tables(member);
+  if (!member.wanted() && member.state() == State::executing) apply(member, Event::stop);
+  if (rows_begun_ && member.wanted() && (member.scheduled() || member.is_thread())) put_in_tables(member);
 }
 
 void Supervisor::not_recovered(Member& member, const std::string& text) {

@@ -93,6 +93,11 @@ class Supervisor final : public Supervised {
   void forward_output();
   void ring(std::uint32_t bits);
 
+  // Orders of an operator (supervisor_command.cpp)
+  void begin_order(Member& member);
+  void order_step(Member& member, Instant now);
+  void end_order(Member& member, ReplyCode code, const std::string& text = {});
+
   // Inputs (supervisor_ports.cpp)
   void watch_inputs(Member& member, Instant now);
   static bool has_stale_input(const Member& member, Instant now);
@@ -100,10 +105,6 @@ class Supervisor final : public Supervised {
   void ask_property(host::Request request, std::function<void(const Outcome&)> done);
   void property_answered(const host::Answer& answer);
   void nobody_answers(const std::string& why);
-
-  // Orders (supervisor_command.cpp)
-  void order_step(Member& member, Instant now);
-  static void finish(Member& member, ReplyCode code, const std::string& text = {});
 
   // Lifecycle (supervisor.cpp)
   bool apply(Member& member, lifecycle::Event event, const std::string& text = {},

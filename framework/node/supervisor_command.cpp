@@ -1,5 +1,6 @@
-// What an operator may ask of a module while the device runs. An order begins here, if the lifecycle's table
-// allows it, and is answered when the module is where it was to go, or has failed to.
+// What an operator asks of a module while the device runs: each a step of the lifecycle's table, taken here
+// because hooks must be waited for, and rows.
+#include <array>
 #include <utility>
 
 #include <takt/node/limits.hpp>
@@ -11,6 +12,42 @@ namespace takt::node {
 using channel::Doing;
 using lifecycle::Event;
 using lifecycle::State;
+
+namespace {
+
+// `start` is two events: the hook, and into the tables.
+bool allowed(Verb verb, State state) {
+  const auto takes = [state](Event event) {
+    return lifecycle::next(state, event, State::executing).has_value();
+  };
+  switch (verb) {
+    case Verb::initialize:
+      return takes(Event::initialize);
+    case Verb::start:
+      return takes(Event::start) || takes(Event::run);
+    case Verb::stop:
+      return takes(Event::stop);
+    case Verb::recover:
+      return takes(Event::recover);
+    case Verb::reset:
+      return takes(Event::reset);
+    case Verb::destruct:
+      return takes(Event::destruct);
+  }
+  return false;
+}
+
+std::string refusal(Verb verb, State state) {
+  std::string states;
+  for (const State each : lifecycle::kStates) {
+    if (!allowed(verb, each)) continue;
+    states += (states.empty() ? "" : " or ") + std::string{lifecycle::to_text(each)};
+  }
+  return std::string{name_of(verb)} + " is refused in state " + lifecycle::to_text(state) +
+         "; it is allowed in " + states;
+}
+
+}  // namespace
 
 const char* name_of(Verb verb) noexcept {
   switch (verb) {
@@ -30,160 +67,139 @@ const char* name_of(Verb verb) noexcept {
   return "?";
 }
 
-namespace {
-
-/// Why an order makes no sense in this state, and what would; null where it does.
-const char* against(Verb verb, State state) noexcept {
-  switch (verb) {
-    case Verb::initialize:
-      return state == State::idle ? nullptr
-                                  : "it initialises a module in IDLE; reset brings one from DESTRUCT there";
-    case Verb::start:
-      return state == State::initialize || state == State::start
-                 ? nullptr
-                 : "it starts a module in INITIALIZE or START; initialize comes before it, recover is for "
-                   "RECOVER, reset for "
-                   "DESTRUCT";
-    case Verb::stop:
-      return state == State::executing || state == State::start ? nullptr
-                                                                : "it stops a module that is EXECUTING";
-    case Verb::recover:
-      return state == State::recover ? nullptr : "it is for a module in RECOVER; reset is for DESTRUCT";
-    case Verb::reset:
-      return state == State::destruct ? nullptr : "it is for a module in DESTRUCT; destruct comes before it";
-    case Verb::destruct:
-      return state == State::destruct ? "it is there already" : nullptr;
-  }
-  return nullptr;
-}
-
-}  // namespace
-
 void Supervisor::order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) {
   Member& member = *members_.at(module);
-  const std::string what =
-      std::string{name_of(verb)} + " is refused in " + lifecycle::to_text(member.state()) + ": ";
-  const auto refuse = [&](const std::string& why) {
-    done({.code = REPLY_REFUSED, .state = member.state(), .text = what + why});
+  const auto refuse = [&](const std::string& text) {
+    done({.code = REPLY_REFUSED, .state = member.state(), .text = text});
   };
   if (phase_ != Phase::running) return refuse("the device does not run");
-  if (member.ordered)
-    return refuse(std::string{name_of(member.ordered->verb)} + " is still being carried out");
-  if (const char* why = against(verb, member.state()); why != nullptr) return refuse(why);
-  if (verb == Verb::stop && member.state() == State::start && !member.in_tables())
-    return refuse("it is stopped already");
-  const bool plain = member.is_process() && !member.scheduled();
-  if (verb == Verb::stop && plain) return refuse("a plain program goes on by itself; destruct ends it");
-  if (member.is_thread() && !host_.running()) return refuse("its host is being started again");
-  if (member.pending && verb != Verb::destruct)
-    return refuse(std::string{channel::to_text(*member.pending)} + " is being called");
-
-  member.ordered = Ordered{verb, os::now(), std::move(done), member.recovery.attempts()};
-  switch (verb) {
-    case Verb::initialize:
-      if (member.is_thread()) {
-        ask(member, Doing::initialize);
-      } else if (plain) {
-        apply(member, Event::initialize);
-      } else if (auto spawned = spawn(member); !spawned) {
-        finish(member, REPLY_FAILED, in_words(spawned.problems()));
-      }
-      break;
-    case Verb::start:
-      member.wanted = true;
-      if (member.state() == State::initialize && member.is_thread()) {
-        ask(member, Doing::start);
-      } else if (member.state() == State::start && !plain) {
-        put_in_tables(member);
-      } else if (plain) {
-        if (member.state() == State::initialize) apply(member, Event::start);
-        if (auto spawned = spawn(member); !spawned) {
-          finish(member, REPLY_FAILED, in_words(spawned.problems()));
-        } else {
-          apply(member, Event::run);
-        }
-      }
-      break;
-    case Verb::stop:
-      member.wanted = false;
-      take_from_tables(member);
-      break;
-    case Verb::recover:
-      member.recovery.hurry();
-      break;
-    case Verb::reset:
-      member.lost = member.failed = member.stale = member.started_again = false;
-      member.wanted = false;
-      member.why.clear();
-      member.block.error.store(0);
-      member.told_to_end = {};
-      member.end_signals = 0;
-      member.recovery = lifecycle::Recovery{
-          {.attempts = member.model.recovery.attempts, .backoff = member.model.recovery.backoff}};
-      apply(member, Event::reset);
-      if (member.is_thread()) ask(member, Doing::load);
-      break;
-    case Verb::destruct:
-      member.wanted = false;
-      take_from_tables(member);
-      break;
-  }
+  if (member.order) return refuse(std::string{name_of(member.order->verb)} + " is still under way");
+  if (!allowed(verb, member.state())) return refuse(refusal(verb, member.state()));
+  log(member, std::string{name_of(verb)} + " was ordered");
+  member.order = Order{.verb = verb, .done = std::move(done), .since = os::now()};
   order_step(member, os::now());
 }
 
-// Looks how far the order has come.
-void Supervisor::order_step(Member& member, Instant now) {
-  if (!member.ordered) return;
-  const State state = member.state();
-  switch (member.ordered->verb) {
+void Supervisor::end_order(Member& member, ReplyCode code, const std::string& text) {
+  const Order order = std::move(*member.order);
+  member.order.reset();
+  if (code != REPLY_OK) log(member, std::string{name_of(order.verb)} + " failed: " + text);
+  order.done({.code = code, .state = member.state(), .text = text});
+}
+
+// The state is as the table wants it and no hook is being called.
+void Supervisor::begin_order(Member& member) {
+  Order& order = *member.order;
+  order.begun = true;
+  switch (order.verb) {
     case Verb::initialize:
-      if (state == State::initialize) return finish(member, REPLY_OK);
+      member.up_to = State::initialize;
+      if (member.is_thread()) {
+        ask(member, Doing::initialize);
+      } else if (!member.scheduled()) {
+        apply(member, Event::initialize);
+      } else if (auto spawned = spawn(member); !spawned) {
+        lose(member, in_words(spawned.problems()));
+      }
       break;
     case Verb::start:
-      if (state == State::executing) return finish(member, REPLY_OK);
-      if (state == State::initialize && member.is_process() && member.scheduled() &&
-          member.seat->phase.load(std::memory_order_acquire) == channel::SeatPhase::ready) {
-        process_ready(member);
-        apply(member, Event::start);
-        put_in_tables(member);
+      member.up_to = State::executing;
+      if (member.is_thread() || member.scheduled()) {
+        if (member.state() == State::start)
+          put_in_tables(member);
+        else if (member.is_thread())
+          ask(member, Doing::start);
+        break;  // else watch_process() sees when the program is ready
       }
-      // A sporadic module is EXECUTING once it is released.
-      if (state == State::start && member.in_tables() && now - member.ordered->since > kNamedWithin)
-        return finish(member, REPLY_OK);
+      if (member.state() == State::initialize) apply(member, Event::start);
+      if (auto spawned = spawn(member); !spawned)
+        raise(member, ErrorType::crash, in_words(spawned.problems()));
+      else
+        apply(member, Event::run);
       break;
     case Verb::stop:
-      if (!is_out(member)) break;
-      if (state == State::executing) apply(member, Event::stop);
-      return finish(member, REPLY_OK);
+      member.up_to = State::start;
+      take_from_tables(member);
+      break;
     case Verb::recover:
-      if (state == State::start || state == State::executing) return finish(member, REPLY_OK);
-      if (member.recovery.attempts() > member.ordered->attempts && !member.pending && !member.started_again)
-        return finish(member, REPLY_FAILED, member.why);
+      order.attempts = member.recovery.attempts();
+      member.recovery.hurry();
       break;
     case Verb::reset:
-      if (member.lost) return finish(member, REPLY_FAILED, member.why);
-      if (state == State::idle && !member.pending) return finish(member, REPLY_OK);
+      member.up_to = State::idle;
+      member.lost = member.failed = member.stale = member.started_again = false;
+      member.why.clear();
+      member.recovery = lifecycle::Recovery{
+          {.attempts = member.model.recovery.attempts, .backoff = member.model.recovery.backoff}};
+      member.block.error.store(0, std::memory_order_relaxed);
+      if (member.is_thread())
+        ask(member, Doing::load);
+      else
+        apply(member, Event::reset);
       break;
     case Verb::destruct:
-      if (state == State::destruct) return finish(member, REPLY_OK);
-      if (member.is_thread() ? is_out(member) : true) destruct(member, now);
+      member.up_to = State::idle;
+      take_from_tables(member);
       break;
-  }
-  if (state == State::destruct && member.ordered->verb != Verb::reset)
-    return finish(member, REPLY_FAILED, member.why);
-  if (state == State::recover && member.ordered->verb == Verb::start)
-    return finish(member, REPLY_FAILED, member.why);
-  if (now - member.ordered->since > kOrderLimit) {
-    finish(member, REPLY_FAILED,
-           std::string{name_of(member.ordered->verb)} + " did not come about within " + to_text(kOrderLimit));
   }
 }
 
-void Supervisor::finish(Member& member, ReplyCode code, const std::string& text) {
-  if (!member.ordered) return;
-  const auto done = std::move(member.ordered->done);
-  member.ordered.reset();
-  done({.code = code, .state = member.state(), .text = text});
+void Supervisor::order_step(Member& member, Instant now) {
+  Order& order = *member.order;
+  if (now - order.since > kOrderLimit) {
+    return end_order(member, REPLY_FAILED,
+                     "it did not come about within " + to_text(kOrderLimit) + " and goes on by itself");
+  }
+  if (!order.begun) {
+    if (member.pending) return;
+    if (!allowed(order.verb, member.state()))
+      return end_order(member, REPLY_REFUSED, refusal(order.verb, member.state()));
+    if (order.verb == Verb::recover && member.stale && has_stale_input(member, now))
+      return end_order(member, REPLY_REFUSED, "it waits for its input: " + member.why);
+    begin_order(member);
+    if (!member.order) return;
+  }
+  const State state = member.state();
+  const auto failed = [&] {
+    end_order(member, REPLY_FAILED,
+              "it went to " + std::string{lifecycle::to_text(state)} +
+                  (member.why.empty() ? "" : ": " + member.why));
+  };
+  switch (order.verb) {
+    case Verb::initialize:
+      if (state == State::initialize) return end_order(member, REPLY_OK);
+      if (state != State::idle) return failed();
+      return;
+    case Verb::start:
+      if (state == State::executing) return end_order(member, REPLY_OK);
+      if (state == State::recover || state == State::destruct) return failed();
+      if (state == State::start && member.in_tables() && now - member.put_in_at > kNamedWithin)
+        return end_order(member, REPLY_OK, "it runs with the next row that names it");
+      return;
+    case Verb::stop:
+      if (state == State::executing) {
+        if (member.is_process() && !member.scheduled()) end_process(member, now);
+        if (is_out(member)) apply(member, Event::stop);
+      } else if (state != State::start) {
+        return failed();
+      }
+      if (member.state() == State::start) end_order(member, REPLY_OK);
+      return;
+    case Verb::recover:
+      if (state == State::start || state == State::executing) return end_order(member, REPLY_OK);
+      if (state == State::destruct) return failed();
+      if (member.recovery.attempts() > order.attempts && !member.pending && !member.started_again)
+        end_order(member, REPLY_FAILED, "it could not recover: " + member.why);
+      return;
+    case Verb::reset:
+      if (state == State::idle && !member.pending) return end_order(member, REPLY_OK);
+      if (state == State::destruct && !member.pending) end_order(member, REPLY_FAILED, member.why);
+      return;
+    case Verb::destruct:
+      if (state == State::destruct && !member.child.running()) return end_order(member, REPLY_OK);
+      if (member.is_process() || is_out(member)) destruct(member, now);
+      return;
+  }
 }
 
 }  // namespace takt::node

@@ -15,7 +15,6 @@ using lifecycle::State;
 Result<void> Supervisor::start_host() {
   host::Setup setup{.device = device(),
                     .paths = options_.paths,
-                    .left_out = {},
                     .executor_cpus = placement_.executors,
                     .background_cpus = placement_.background,
                     .seat_fds = {},
@@ -23,7 +22,6 @@ Result<void> Supervisor::start_host() {
                     .links = wiring_.of_host(device())};
   std::vector<const os::Fd*> inherit{&bell_memory_.fd()};
   for (const auto& member : members_) {
-    setup.left_out.push_back(member->lost);
     setup.seat_fds.push_back(member->seat == nullptr ? -1 : member->seat_memory.fd().get());
     if (member->seat != nullptr) inherit.push_back(&member->seat_memory.fd());
   }
@@ -76,10 +74,15 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
   const std::string failure = std::string{channel::to_text(hook)} + " failed: " + text;
   switch (hook) {
     case Doing::load:
-      if (!ok)
+      if (!ok && member.state() == State::destruct) {  // it was to be reset
+        member.lost = true;
+        member.why = failure;
+      } else if (!ok) {
         lose(member, failure);
-      else if (!member.ordered)  // else it was reset, and waits
-        ask(member, Doing::initialize);
+      } else {
+        if (member.state() == State::destruct) apply(member, Event::reset);
+        if (member.up_to != State::idle) ask(member, Doing::initialize);
+      }
       break;
     case Doing::initialize:
       if (!ok) {
@@ -89,7 +92,8 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       apply(member, Event::initialize);
       // While the device is prepared, all are initialised before the first is started; one that comes back
       // waits for nobody.
-      if (!member.ordered && (phase_ == Phase::ready || phase_ == Phase::running)) ask(member, Doing::start);
+      if ((phase_ == Phase::ready || phase_ == Phase::running) && member.up_to != State::initialize)
+        ask(member, Doing::start);
       break;
     case Doing::start:
       if (ok && member.state() == State::recover)
@@ -101,7 +105,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       else
         raise(member, ErrorType::start, failure);
       // A module that comes back with a new host goes on where it was.
-      if (ok && rows_begun_ && member.state() == State::start && member.wanted) put_in_tables(member);
+      if (ok && rows_begun_ && member.state() == State::start && member.wanted()) put_in_tables(member);
       break;
     case Doing::error:
       if (!ok) log(member, failure);
@@ -127,7 +131,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
 
 void Supervisor::begin_rows() {
   for (auto& member : members_) {
-    if (member->scheduled() && member->wanted && member->state() == State::start) put_in_tables(*member);
+    if (member->scheduled() && member->wanted() && member->state() == State::start) put_in_tables(*member);
   }
   rows_begun_ = true;
   host_.ask({.what = host::Request::Do::begin});
@@ -146,7 +150,7 @@ void Supervisor::watch_host(Instant now) {
     Member& member = *members_.at(busy - 1);
     const Doing doing = hooks.doing.load();
     if (member.pending == doing) {
-      host_.ask({.what = host::Request::Do::give_up});
+      host_.ask({.what = host::Request::Do::give_up, .module = member.index});
       lose(member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit),
            ErrorType::hang);
     }
@@ -182,7 +186,13 @@ std::optional<Supervisor::Hang> Supervisor::never_halts() const {
 
 void Supervisor::host_ended(const os::ProcessEnd& end) {
   nobody_answers("the host of device " + device().name + " has ended");
+<<<<<<< HEAD
   ring(~0U);  // for what it wrote last, if it could not ring for that any more
+=======
+  for (auto& member : members_) {
+    if (member->order && member->is_thread()) end_order(*member, REPLY_FAILED, "the host ended");
+  }
+>>>>>>> helper-F
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
   channel::HostBlock& block = channel_.host();
   std::string text = "the host " + end.text();

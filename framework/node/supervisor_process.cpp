@@ -89,6 +89,8 @@ Result<void> Supervisor::spawn(Member& member) {
   member.last_pid = member.child.pid();
   member.spawned = os::now();
   member.killed_for_hanging = false;
+  member.told_to_end = {};
+  member.end_signals = 0;
   static_cast<void>(os::pin(member.child.pid(), placement_.background));
   if (!member.scheduled()) static_cast<void>(os::make_background(member.child.pid()));
   return {};
@@ -136,6 +138,10 @@ void Supervisor::watch_process(Member& member, Instant now) {
         lose(member,
              std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit),
              ErrorType::hang);
+      } else if (phase == channel::SeatPhase::ready && phase_ == Phase::running && member.wanted()) {
+        process_ready(member);  // while the device is prepared, all are initialised first
+        apply(member, Event::start);
+        put_in_tables(member);
       }
       break;
     case State::recover:
@@ -187,9 +193,15 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
     text += "; its last line was: " + words;
 
   if (member.state() == State::destruct) return;
-  if (phase_ == Phase::stopping || (member.ordered && member.ordered->verb == Verb::destruct)) {
+  const bool to_end = member.order && member.order->begun && member.order->verb == Verb::destruct;
+  if (phase_ == Phase::stopping || to_end) {
     if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
     apply(member, Event::destruct, end.text());
+    return;
+  }
+  if (member.order && member.order->begun && member.order->verb == Verb::stop && !member.scheduled() &&
+      member.state() == State::executing) {
+    apply(member, Event::stop, end.text());
     return;
   }
   switch (member.state()) {
@@ -205,7 +217,7 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
     case State::executing:
       take_from_tables(member);
       if (!member.scheduled() && !end.signalled && end.code == 0) {
-        member.wanted = false;
+        member.up_to = State::idle;
         apply(member, Event::destruct, "it ended by itself");
         break;
       }

@@ -15,7 +15,10 @@ void Supervisor::stop() {
   if (phase_ == Phase::stopping || phase_ == Phase::ended) return;
   phase_ = Phase::stopping;
   asked_at_ = os::now();
-  for (auto& member : members_) member->wanted = false;
+  for (auto& member : members_) {
+    member->up_to = State::start;
+    if (member->order) end_order(*member, REPLY_FAILED, "the device is ending");
+  }
   // The modules stay in their tables until the last row has ended, so that no row is walked without them.
   halted_ = !host_.running() || !host_.ask({.what = host::Request::Do::halt});
 }
