@@ -186,13 +186,10 @@ std::optional<Supervisor::Hang> Supervisor::never_halts() const {
 
 void Supervisor::host_ended(const os::ProcessEnd& end) {
   nobody_answers("the host of device " + device().name + " has ended");
-<<<<<<< HEAD
   ring(~0U);  // for what it wrote last, if it could not ring for that any more
-=======
   for (auto& member : members_) {
     if (member->order && member->is_thread()) end_order(*member, REPLY_FAILED, "the host ended");
   }
->>>>>>> helper-F
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
   channel::HostBlock& block = channel_.host();
   std::string text = "the host " + end.text();

@@ -127,13 +127,14 @@ class Run:
                                          start_new_session=True, preexec_fn=become)
         self.pid = self._process.pid
         self.raw = []  # lines of standard error
-        self._out = b""
+        self.out_lines = []  # of standard output, each with the time at which it was read
         self._readers = [threading.Thread(target=read, daemon=True) for read in (self._read_out, self._read_err)]
         for reader in self._readers:
             reader.start()
 
     def _read_out(self):
-        self._out = self._process.stdout.read()
+        for line in self._process.stdout:
+            self.out_lines.append((time.monotonic(), line.decode(errors="replace")))
 
     def _read_err(self):
         for line in self._process.stderr:
@@ -214,7 +215,16 @@ class Run:
 
     @property
     def out(self):
-        return self._out.decode()
+        return "".join(line for _, line in self.out_lines)
+
+    def wait_for_out(self, pattern, limit=15.0, after=0):
+        """When the first line of standard output from index `after` on was read that `pattern` is found in."""
+        expression = re.compile(pattern)
+
+        def find():
+            return next((at for at, text in self.out_lines[after:] if expression.search(text)), None)
+
+        return wait_until(find, limit, "%r on standard output" % pattern)
 
     @property
     def err(self):
@@ -316,6 +326,21 @@ class Case(unittest.TestCase):
 
     def takt(self, *arguments, limit=60.0, **options):
         return self.start(*arguments, **options).wait(limit)
+
+    def node(self, device, *arguments, **options):
+        """A takt-node that waits for a deployment."""
+        run = self.program("takt-node", "--device", device, *arguments, **options)
+        run.wait_for_line(r"^\S+ %s: waits for a deployment on domain %d" % (device, self.domain))
+        return run
+
+    def status_of(self, device=None, **options):
+        """What takt status says of the domain, or of one device."""
+        run = self.takt("status", "--json", **options)
+        self.assertEqual(0, run.status, run.err)
+        return run.report if device is None else run.device(device)
+
+    def states_of(self, device):
+        return {m["name"]: m["state"] for m in self.status_of(device)["modules"]}
 
     def read(self, name):
         """A file that a module wrote."""

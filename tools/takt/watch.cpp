@@ -11,6 +11,7 @@
 #include <takt/dds/words.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/keyboard.hpp>
+#include <takt/os/notice.hpp>
 #include <takt/os/signals.hpp>
 
 #include "client.hpp"
@@ -31,16 +32,25 @@ struct WatchOptions {
 /// What goes on, from the threads of DDS to ours.
 class Lines {
  public:
+  explicit Lines(os::Notice notice) : notice_(std::move(notice)) {}
+
   void add(std::string line) {
-    const std::lock_guard lock{mutex_};
-    if (lines_.size() < kMost) lines_.push_back(std::move(line));
+    {
+      const std::lock_guard lock{mutex_};
+      if (lines_.size() < kMost) lines_.push_back(std::move(line));
+    }
+    notice_.give();
   }
   std::deque<std::string> take() {
+    notice_.take();
     const std::lock_guard lock{mutex_};
     return std::exchange(lines_, {});
   }
+  /// Can be read when there is something to take.
+  [[nodiscard]] const os::Fd& fd() const noexcept { return notice_.fd(); }
 
  private:
+  os::Notice notice_;
   static constexpr std::size_t kMost = 100000;
   std::mutex mutex_;
   std::deque<std::string> lines_;
@@ -64,7 +74,7 @@ int print_lines(const WatchOptions& options, const os::SignalQueue& signals, con
   const Instant end =
       os::now() + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.seconds));
   while (options.seconds == 0 || os::now() < end) {
-    os::wait_readable({&signals.fd()}, 20);
+    os::wait_readable({&signals.fd(), &lines.fd()}, 20);
     for (const std::string& line : lines.take()) {
       if (!print(line)) return 1;
     }
@@ -138,7 +148,7 @@ int show_screen(const WatchOptions& options, const os::SignalQueue& signals, con
     return status;
   };
   while (options.seconds == 0 || os::now() < end) {
-    os::wait_readable({&signals.fd(), &keyboard.fd()}, 100);
+    os::wait_readable({&signals.fd(), &keyboard.fd(), &lines.fd()}, 100);
     if (signals.next()) return leave(0);
     bool changed = false;
     for (const std::string& line : lines.take()) {
@@ -179,7 +189,9 @@ int watch(const WatchOptions& options) {
   };
   const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return refuse(signals.problems());
-  Lines lines;
+  auto notice = os::Notice::create();
+  if (!notice) return refuse(notice.problems());
+  Lines lines{std::move(*notice)};
   const auto client =
       connect(options.network, nullptr,
               {.news = {.module = [&lines](const LifecycleStatus& status) { lines.add(line_of(status)); },
