@@ -30,9 +30,9 @@ void Agent::end(bool at_once) {
 
 bool Agent::ended() const {
   if (!ending_) return false;
-  if (!deployment_) return true;
-  if (!deployment_->over) return false;
-  return at_once_ || !options_.lent || options_.now() - *ended_at_ > kReportFetched;
+  if (deployment_ && !deployment_->over) return false;
+  // Who started it closes what it was lent by when the report is there; until then the answer is on its way.
+  return at_once_ || !options_.lent || !ended_at_ || options_.now() - *ended_at_ > kReportFetched;
 }
 
 std::vector<const os::Fd*> Agent::wait_on() {
