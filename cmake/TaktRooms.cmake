@@ -2,7 +2,7 @@
 # room that was not named under USES is not found, and a library that belongs to another room does not compile.
 #
 #   takt_room(schedule USES core model [LINKS tinyxml2] [MAY_NAME tinyxml2 linux]
-#             [SHARED] [FOR_AUTHORS component.hpp ...] [EXCEPT other.cpp ...])
+#             [SHARED] [FOR_AUTHORS component.hpp ...] [EXCEPT other.cpp ...] [PRECOMPILED large.hpp ...])
 #
 # FOR_AUTHORS: headers that are found as <takt/NAME> too. EXCEPT: sources that are built elsewhere.
 # Headers are included as <takt/ROOM/NAME.hpp>. The include root of a room holds nothing but a link to its folder.
@@ -38,8 +38,21 @@ foreach(library tinyxml2 fastdds linux)
   endforeach()
 endforeach()
 
+# takt_precompile(target large.hpp ...): what takes long to read is read once for the target. It hides nothing: each header of
+# a room is compiled without.
+function(takt_precompile target)
+  if(ARGN AND NOT TAKT_FUZZ)
+    foreach(header IN LISTS ARGN)
+      target_precompile_headers(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:<${header}$<ANGLE-R>>")
+    endforeach()
+    # GCC 12 forgets that what it precompiled are the system's headers, and warns of std::string in them.
+    target_compile_options(${target} PRIVATE 
+      "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow>")
+  endif()
+endfunction()
+
 function(takt_room name)
-  cmake_parse_arguments(ROOM "SHARED" "" "USES;LINKS;MAY_NAME;FOR_AUTHORS;EXCEPT" ${ARGN})
+  cmake_parse_arguments(ROOM "SHARED" "" "USES;LINKS;MAY_NAME;FOR_AUTHORS;EXCEPT;PRECOMPILED" ${ARGN})
   set(root ${CMAKE_BINARY_DIR}/rooms/${name})
   file(MAKE_DIRECTORY ${root}/takt)
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${name} ${root}/takt/${name} SYMBOLIC)
@@ -52,11 +65,15 @@ function(takt_room name)
   file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.hpp)
   list(TRANSFORM ROOM_EXCEPT PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/${name}/)
   list(REMOVE_ITEM sources ${ROOM_EXCEPT})
-  # Every header compiles on its own and obeys the guard: each is the first include of a source of its own.
+  # Every header compiles on its own and obeys the guard: each is the first include of a source of its own. Once is enough.
+  if(TAKT_SANITIZE OR TAKT_FUZZ)
+    set(headers)
+  endif()
   foreach(header IN LISTS headers)
     get_filename_component(stem ${header} NAME_WE)
     set(alone ${root}/alone/${stem}.cpp)
     file(GENERATE OUTPUT ${alone} CONTENT "#include <takt/${name}/${stem}.hpp>\n")
+    set_source_files_properties(${alone} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
     list(APPEND sources ${alone})
   endforeach()
 
@@ -76,4 +93,5 @@ function(takt_room name)
     target_link_libraries(takt_${name} PUBLIC takt_${room})
   endforeach()
   target_link_libraries(takt_${name} PUBLIC ${ROOM_LINKS})
+  takt_precompile(takt_${name} ${ROOM_PRECOMPILED})
 endfunction()

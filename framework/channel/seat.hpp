@@ -24,8 +24,8 @@ struct Bell {
   /// Bits that are to be rung once the cycle is over, because a sample was written for somebody who waits.
   /// Whoever wrote takes them with take_pending() at the end of its cycle and rings. SYNC: pending
   std::atomic<std::uint32_t> pending;
-  /// The gateway sleeps, or is about to: the only case in which a sample for it needs a ring. SYNC: gateway
-  /// sleeps
+  /// Gateways that sleep, or are about to, a bit each (one for each domain of DDS): the only case in which a
+  /// sample for them needs a ring. SYNC: gateway sleeps
   std::atomic<std::uint32_t> gateway_sleeps;
 
   /// Real-time. To be called after a sample was published on a link with these wake bits.
@@ -36,7 +36,7 @@ struct Bell {
   }
 };
 
-/// The bell's bits: one for the threads of sporadic modules, one for the node's gateway, the others for
+/// The bell's bits: one for the threads of sporadic modules, one for the gateways, the others for
 /// programs in turn.
 inline constexpr std::uint32_t kSporadicBit = 1U << 31;
 inline constexpr std::uint32_t kGatewayBit = 1U << 30;

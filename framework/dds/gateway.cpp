@@ -124,8 +124,8 @@ class Incoming final : RawReader::Receiver {
 
 class OwnGateway final : public Gateway {
  public:
-  OwnGateway(std::shared_ptr<Participant> participant, channel::Bell& bell)
-      : participant_(std::move(participant)), bell_(bell) {}
+  OwnGateway(std::shared_ptr<Participant> participant, channel::Bell& bell, std::uint32_t place)
+      : participant_(std::move(participant)), bell_(bell), sleeps_(1U << place) {}
 
   Result<void> start() {
     auto started = os::Thread::start(
@@ -190,12 +190,12 @@ class OwnGateway final : public Gateway {
       if (move()) continue;
       // SYNC: gateway sleeps. Who writes publishes and then looks here; either he sees that we sleep and
       // rings, or we see his sample.
-      bell_.gateway_sleeps.store(1, std::memory_order_seq_cst);
+      bell_.gateway_sleeps.fetch_or(sleeps_, std::memory_order_seq_cst);
       if (!has_news() && !ending_.load()) {
         // A host that died before it rang must not hold up what it wrote.
         os::futex_wait(bell_.rings, rings, channel::kGatewayBit, os::now() + kLongestSleep);
       }
-      bell_.gateway_sleeps.store(0, std::memory_order_seq_cst);
+      bell_.gateway_sleeps.fetch_and(~sleeps_, std::memory_order_seq_cst);
     }
   }
   bool move() {
@@ -214,6 +214,7 @@ class OwnGateway final : public Gateway {
 
   std::shared_ptr<Participant> participant_;
   channel::Bell& bell_;
+  const std::uint32_t sleeps_;  // our bit of Bell::gateway_sleeps
   mutable std::mutex mutex_;
   FlowId last_id_ = 0;
   std::map<FlowId, std::unique_ptr<Outgoing>> outgoing_;
@@ -258,8 +259,8 @@ class OwnFeed final : public Feed {
 }  // namespace
 
 Result<std::unique_ptr<Gateway>> Gateway::create(std::shared_ptr<Participant> participant,
-                                                 channel::Bell& bell) {
-  auto made = std::make_unique<OwnGateway>(std::move(participant), bell);
+                                                 channel::Bell& bell, std::uint32_t place) {
+  auto made = std::make_unique<OwnGateway>(std::move(participant), bell, place);
   if (auto started = made->start(); !started) return started.problems();
   return std::unique_ptr<Gateway>{std::move(made)};
 }

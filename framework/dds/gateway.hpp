@@ -48,8 +48,9 @@ class Gateway {
  public:
   using FlowId = std::size_t;
 
+  /// `place`: its own among the gateways that share the bell, 0 to 31.
   static Result<std::unique_ptr<Gateway>> create(std::shared_ptr<Participant> participant,
-                                                 channel::Bell& bell);
+                                                 channel::Bell& bell, std::uint32_t place = 0);
   virtual ~Gateway() = default;
 
   /// The gateway becomes the reader of `from`.

@@ -1,39 +1,92 @@
 #include <takt/node/gate.hpp>
 
 #include <algorithm>
+#include <set>
 #include <utility>
+
+#include <takt/channel/seat.hpp>
 
 namespace takt::node {
 
-Result<std::unique_ptr<Gate>> Gate::open(std::shared_ptr<dds::Participant> participant, channel::Bell& bell,
-                                         const Wiring& wiring, int domain) {
+namespace {
+
+constexpr std::uint32_t kMostFar = 31;  // bits of Bell::gateway_sleeps, less our own
+
+}  // namespace
+
+Result<std::unique_ptr<Gate>> Gate::open(std::shared_ptr<dds::Participant> participant,
+                                         const os::SharedMemory& bell, const Wiring& wiring,
+                                         const model::Cell& cell, const std::string& device) {
   auto gate = std::unique_ptr<Gate>{new Gate{wiring}};
-  auto gateway = dds::Gateway::create(std::move(participant), bell);
+  auto gateway =
+      dds::Gateway::create(std::move(participant), *reinterpret_cast<channel::Bell*>(bell.data()));
   if (!gateway) return gateway.problems();
   gate->gateway_ = std::move(*gateway);
+  std::set<int> domains;
   for (std::size_t i = 0; i < wiring.flows().size(); ++i) {
     const PlannedFlow& flow = wiring.flows()[i];
     if (!flow.connected) continue;
-    if (flow.domain && *flow.domain != domain) {
-      return fail("the topic " + flow.topic + " is on domain " + std::to_string(*flow.domain) +
-                      ", and this node on domain " + std::to_string(domain),
-                  "a node moves samples on its own domain only; leave out domain, or run the other program "
-                  "on domain " +
-                      std::to_string(domain));
+    if (flow.domain.value_or(cell.domain) != cell.domain) {
+      domains.insert(*flow.domain);
+      continue;
     }
     if (auto opened = gate->open_flow(i, std::nullopt); !opened) return opened.problems();
+  }
+  for (const int domain : domains) {
+    if (auto opened = gate->open_far(domain, bell, cell, device); !opened) return opened.problems();
   }
   return gate;
 }
 
+dds::Flow Gate::flow_at(std::size_t index) const {
+  const PlannedFlow& plan = wiring_.flows()[index];
+  return {.topic = plan.topic,
+          .type = plan.type,
+          .quality = {.reliable = plan.reliable,
+                      .depth = plan.depth,
+                      .deadline = plan.deadline,
+                      .lifespan = plan.lifespan}};
+}
+
+Result<void> Gate::open_far(int domain, const os::SharedMemory& bell, const model::Cell& cell,
+                            const std::string& device) {
+  FarGateway::Options options{.device = device,
+                              .domain = domain,
+                              .peers = cell.discovery.peers,
+                              .bell = &bell,
+                              .place = static_cast<std::uint32_t>(far_.size() + 1),
+                              .flows = {}};
+  if (options.place > kMostFar)
+    return fail("its connections name more than " + std::to_string(kMostFar) + " other domains");
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
+    const PlannedFlow& plan = wiring_.flows()[i];
+    if (!plan.connected || plan.domain != domain) continue;
+    FarFlow flow{.flow = flow_at(i), .outgoing = plan.outgoing, .links = {}};
+    for (const std::size_t wire : plan.links) flow.links.push_back(&wiring_.wires()[wire].memory);
+    options.flows.push_back(std::move(flow));
+    indices.push_back(i);
+  }
+  auto far = FarGateway::start(std::move(options));
+  if (!far) return far.problems();
+  for (std::size_t i = 0; i < indices.size(); ++i) open_[indices[i]] = Open{.id = i, .far = far->get()};
+  far_.push_back(std::move(*far));
+  return {};
+}
+
+std::optional<Result<void>> Gate::opened() const {
+  bool all = true;
+  for (const auto& far : far_) {
+    const auto& opened = far->opened();
+    if (opened && !opened->ok()) return opened;
+    all &= opened.has_value();
+  }
+  return all ? std::optional{Result<void>{}} : std::nullopt;
+}
+
 Result<void> Gate::open_flow(std::size_t index, std::optional<Instant> until) {
   const PlannedFlow& plan = wiring_.flows()[index];
-  const dds::Flow flow{.topic = plan.topic,
-                       .type = plan.type,
-                       .quality = {.reliable = plan.reliable,
-                                   .depth = plan.depth,
-                                   .deadline = plan.deadline,
-                                   .lifespan = plan.lifespan}};
+  const dds::Flow flow = flow_at(index);
   std::vector<channel::Link> links;
   for (const std::size_t wire : plan.links) links.push_back(wiring_.wires()[wire].link);
   auto id = plan.outgoing ? gateway_->add_outgoing(flow, links.front()) : gateway_->add_incoming(flow, links);
@@ -42,7 +95,7 @@ Result<void> Gate::open_flow(std::size_t index, std::optional<Instant> until) {
     for (Problem& problem : problems) problem.what = "topic " + plan.topic + ": " + problem.what;
     return problems;
   }
-  open_[index] = Open{*id, until};
+  open_[index] = Open{.id = *id, .until = until};
   return {};
 }
 
@@ -68,6 +121,7 @@ Result<void> Gate::tap(std::uint32_t module, const std::string& port, Instant un
 }
 
 void Gate::step(Instant now) {
+  for (const auto& far : far_) far->step(now);
   for (std::size_t i = 0; i < open_.size(); ++i) {
     if (!open_[i] || !open_[i]->until || now < *open_[i]->until) continue;
     wiring_.wires()[wiring_.flows()[i].links.front()].link.block().enabled.store(0,
@@ -81,7 +135,7 @@ std::optional<dds::FlowHealth> Gate::health(std::size_t wire) const {
   for (std::size_t i = 0; i < open_.size(); ++i) {
     const std::vector<std::size_t>& wires = wiring_.flows()[i].links;
     if (!open_[i] || std::find(wires.begin(), wires.end(), wire) == wires.end()) continue;
-    return gateway_->health(open_[i]->id);
+    return open_[i]->far != nullptr ? open_[i]->far->health(open_[i]->id) : gateway_->health(open_[i]->id);
   }
   return std::nullopt;
 }

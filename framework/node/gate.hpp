@@ -8,28 +8,33 @@
 #include <string>
 #include <vector>
 
-#include <takt/channel/seat.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 #include <takt/dds/gateway.hpp>
 #include <takt/dds/participant.hpp>
+#include <takt/model/cell.hpp>
+#include <takt/node/far_gateway.hpp>
 #include <takt/node/wiring.hpp>
 
 namespace takt::node {
 
 class Gate {
  public:
-  /// Opens every flow that a connection names. The wiring and the bell outlive the gate. Fails where DDS
-  /// refuses one, with its topic.
+  /// Opens every flow that a connection names; those on a domain of their own open later. The wiring and the
+  /// bell outlive the gate. Fails where DDS refuses one, with its topic.
   static Result<std::unique_ptr<Gate>> open(std::shared_ptr<dds::Participant> participant,
-                                            channel::Bell& bell, const Wiring& wiring, int domain);
+                                            const os::SharedMemory& bell, const Wiring& wiring,
+                                            const model::Cell& cell, const std::string& device);
+
+  /// None until the last flow is open, or one could not be opened.
+  [[nodiscard]] std::optional<Result<void>> opened() const;
 
   /// Opens the flow of an output that nobody is connected to, for who listens in, until then. Longer when
   /// asked again.
   Result<void> tap(std::uint32_t module, const std::string& port, Instant until);
   /// The outgoing flow of a port; null where the module has no such output.
   [[nodiscard]] const PlannedFlow* flow_of(std::uint32_t module, const std::string& port) const;
-  /// Closes taps that have run out. Now and then.
+  /// Closes taps that have run out, and looks after gateways to other domains. Now and then.
   void step(Instant now);
 
   /// Of the flow that a wire belongs to; none where it has none, or it is not open.
@@ -37,16 +42,21 @@ class Gate {
 
  private:
   struct Open {
-    dds::Gateway::FlowId id;
-    std::optional<Instant> until;  ///< of a tap
+    dds::Gateway::FlowId id;        ///< or its index in the far gateway
+    std::optional<Instant> until{};  ///< of a tap
+    const FarGateway* far = nullptr;
   };
 
   explicit Gate(const Wiring& wiring) : wiring_(wiring), open_(wiring.flows().size()) {}
   Result<void> open_flow(std::size_t index, std::optional<Instant> until);
+  Result<void> open_far(int domain, const os::SharedMemory& bell, const model::Cell& cell,
+                        const std::string& device);
+  [[nodiscard]] dds::Flow flow_at(std::size_t index) const;
 
   const Wiring& wiring_;
   std::vector<std::optional<Open>> open_;  // as Wiring::flows()
   std::unique_ptr<dds::Gateway> gateway_;
+  std::vector<std::unique_ptr<FarGateway>> far_;
 };
 
 }  // namespace takt::node

@@ -80,7 +80,7 @@ Result<void> Supervisor::prepare() {
   if (!wiring) return wiring.problems();
   wiring_ = std::move(*wiring);
   if (options_.participant) {
-    auto gate = Gate::open(options_.participant, *bell_, wiring_, options_.cell.domain);
+    auto gate = Gate::open(options_.participant, bell_memory_, wiring_, options_.cell, device().name);
     if (!gate) return gate.problems();
     gate_ = std::move(*gate);
   }
@@ -168,7 +168,9 @@ void Supervisor::prepare_step() {
     return std::all_of(members_.begin(), members_.end(), [&](const auto& member) { return holds(*member); });
   };
   if (all([](const Member& m) { return m.state() == State::start; })) {
-    phase_ = Phase::ready;
+    const auto opened = gate_ ? gate_->opened() : Result<void>{};
+    if (opened && !opened->ok()) return fail_device(opened->problems()[0]);
+    if (opened) phase_ = Phase::ready;
     return;
   }
   if (!all([](const Member& m) { return m.state() != State::idle; })) return;

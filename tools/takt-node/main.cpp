@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <takt/node/far_gateway.hpp>
 #include <takt/node/inspection.hpp>
 #include <takt/node/kept_deployment.hpp>
 #include <takt/node/node.hpp>
@@ -13,6 +14,10 @@
 
 int main(int argc, char** argv) {
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
+  if (!takt::os::environment(takt::node::kGatewayFd).empty()) {
+    const int status = takt::node::run_far_gateway(takt::tool::interfaces());
+    std::_Exit(status);  // not by way of the static objects of Fast DDS, as below
+  }
 
   takt::node::NodeOptions options;
   takt::tool::Network network;
