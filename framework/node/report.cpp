@@ -52,25 +52,19 @@ std::uint64_t overruns_of(const Member& member) {
   return member.block.overruns.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->late.load(relaxed));
 }
 
-json ports_of(const Wiring& wiring, std::uint32_t module, const model::ModulePorts& ports) {
-  json list = json::array();
-  if (!ports) return list;
-  const std::int64_t now_ns = to_ns(os::now());
-  for (const model::Port& port : *ports) {
-    const PortHealth health = wiring.health(module, port, now_ns);
-    list.push_back(
-        {{"name", port.name},
-         {"direction", to_text(port.direction)},
-         {"type", port.type.name},
-         {"connected", health.connections > 0},
-         {"samples", health.samples},
-         {"lost", health.lost},
-         {"dropped", health.dropped},
-         {"refused", health.refused},
-         {"late", health.late},
-         {"age_us", health.age_ns < 0 ? json(nullptr) : json(static_cast<double>(health.age_ns) / 1e3)}});
-  }
-  return list;
+json in_json(const model::Port& port, const PortHealth& health) {
+  return {{"name", port.name},
+          {"direction", to_text(port.direction)},
+          {"type", port.type.name},
+          {"connections", health.connections},
+          {"matched", health.matched},
+          {"samples", health.samples},
+          {"lost", health.lost},
+          {"dropped", health.dropped},
+          {"refused", health.refused},
+          {"late", health.late},
+          {"age_us", health.age_ns < 0 ? json(nullptr) : json(static_cast<double>(health.age_ns) / 1e3)},
+          {"incompatible", health.incompatible.empty() ? json(nullptr) : json(health.incompatible)}};
 }
 
 }  // namespace
@@ -95,7 +89,7 @@ Standing Supervisor::standing() const {
 Measures Supervisor::measures() const {
   constexpr auto relaxed = std::memory_order_relaxed;
   Measures measures;
-  const std::int64_t now_ns = to_ns(os::now());
+  const Instant now = os::now();
   const auto name = [this](auto& entry, const std::string& part) {
     dds::set(entry.path(), dds::path_of(options_.cell.name, device().name, part));
     dds::set(entry.cell(), options_.cell.name);
@@ -128,7 +122,7 @@ Measures Supervisor::measures() const {
     const model::ModulePorts& ports = options_.ports.at(member->index);
     if (!ports) continue;
     for (const model::Port& port : *ports) {
-      const PortHealth health = wiring_.health(member->index, port, now_ns);
+      const PortHealth health = health_of(*member, port, now);
       PortStatus status;
       dds::set(status.path(),
                dds::path_of(options_.cell.name, device().name, member->model.name) + "/" + port.name);
@@ -138,13 +132,14 @@ Measures Supervisor::measures() const {
       dds::set(status.port(), port.name);
       status.output(port.direction == model::Direction::out);
       dds::set(status.type(), port.type.name);
-      status.matched(health.connections);
+      status.matched(health.matched);
       status.connections(health.connections);
       status.samples(health.samples);
       status.lost(health.lost);
       status.dropped(health.dropped);
       status.late(health.late);
       status.age_ns(health.age_ns);
+      dds::set(status.incompatible(), health.incompatible);
       measures.ports.push_back(status);
     }
   }
@@ -153,6 +148,7 @@ Measures Supervisor::measures() const {
 
 json Supervisor::report() const {
   constexpr auto relaxed = std::memory_order_relaxed;
+  const Instant now = os::now();
   json executors = json::array();
   for (std::size_t e = 0; e < channel_.executors(); ++e) {
     const channel::ExecutorBlock& block = channel_.executor(e);
@@ -175,8 +171,10 @@ json Supervisor::report() const {
                        {"run_us", in_microseconds(run_of(*member).read())},
                        {"pid", member->is_thread() ? host_.pid() : member->last_pid}});
     // Beside what every report has: the health of its ports, where it has any.
-    if (json ports = ports_of(wiring_, member->index, options_.ports.at(member->index)); !ports.empty())
-      modules.back()["ports"] = std::move(ports);
+    const model::ModulePorts& ports = options_.ports.at(member->index);
+    if (!ports || ports->empty()) continue;
+    json& list = modules.back()["ports"] = json::array();
+    for (const model::Port& port : *ports) list.push_back(in_json(port, health_of(*member, port, now)));
   }
   return {{"name", device().name},
           {"alive", true},

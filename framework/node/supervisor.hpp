@@ -101,6 +101,7 @@ class Supervisor final : public Supervised {
   // Inputs (supervisor_ports.cpp)
   void watch_inputs(Member& member, Instant now);
   static bool has_stale_input(const Member& member, Instant now);
+  [[nodiscard]] PortHealth health_of(const Member& member, const model::Port& port, Instant now) const;
   // Properties (supervisor_property.cpp)
   void ask_property(host::Request request, std::function<void(const Outcome&)> done);
   void property_answered(const host::Answer& answer);

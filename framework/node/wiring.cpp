@@ -210,19 +210,31 @@ std::vector<Wiring::Wire*> Wiring::with_deadline(std::uint32_t module) {
   return found;
 }
 
-PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::int64_t now_ns) const {
+PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
+                          const OnDds& on_dds) const {
   constexpr auto relaxed = std::memory_order_relaxed;
   const bool output = port.direction == model::Direction::out;
   PortHealth health;
   std::int64_t newest = 0;
-  for (const Wire& wire : wires_) {
+  for (std::size_t i = 0; i < wires_.size(); ++i) {
+    const Wire& wire = wires_[i];
     const LinkEnd& end = output ? wire.plan.from : wire.plan.to;
     if (end.module != module || end.port != port.name) continue;
+    const bool enabled = wire.link.block().enabled.load(relaxed) != 0;
+    const bool goes_on = !(output ? wire.plan.to : wire.plan.from).module;
+    if (const auto flow = goes_on ? on_dds(i) : std::nullopt) {
+      health.matched += enabled && flow->matched > 0 ? 1 : 0;
+      health.lost += flow->lost + flow->failures;
+      health.refused += flow->refused;
+      if (health.incompatible.empty()) health.incompatible = flow->incompatible;
+    } else {
+      health.matched += enabled && !goes_on ? 1 : 0;
+    }
     const channel::LinkBlock& block = wire.link.block();
     const std::uint64_t written = block.written.load(relaxed);
     // An output writes each sample to all that are enabled.
     health.samples = output ? std::max(health.samples, written) : health.samples + block.taken.load(relaxed);
-    health.connections += block.enabled.load(relaxed) != 0 ? 1 : 0;
+    health.connections += enabled ? 1 : 0;
     health.dropped += block.is_queue != 0 ? block.overwritten.load(relaxed) : 0;
     health.refused += output ? block.unfit.load(relaxed) : block.refused.load(relaxed);
     health.late += block.late.load(relaxed);

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <takt/channel/link.hpp>
 #include <takt/core/result.hpp>
+#include <takt/dds/gateway.hpp>
 #include <takt/host/protocol.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/ports.hpp>
@@ -66,12 +68,14 @@ std::string port_topic(const std::string& cell, const model::Endpoint& port);
 /// What an operator wants to know of a port.
 struct PortHealth {
   std::uint32_t connections = 0;  ///< that are enabled
+  std::uint32_t matched = 0;      ///< of these, with somebody at the other end
   std::uint64_t samples = 0;      ///< written, or taken
-  std::uint64_t lost = 0;         ///< on the way between devices; known to the gateway
+  std::uint64_t lost = 0;         ///< on the way between devices
   std::uint64_t dropped = 0;      ///< from full queues
   std::uint64_t refused = 0;      ///< values or bytes that are none of the type
   std::uint64_t late = 0;         ///< times that a value became older than its connection's deadline
   std::int64_t age_ns = -1;       ///< of the newest value; -1: there is none
+  std::string incompatible{};     ///< the QoS policy that kept somebody from matching; empty: none
 };
 
 /// The links of a device, in memory. They live as long as this does, over restarts of the host and of
@@ -92,8 +96,11 @@ class Wiring {
   [[nodiscard]] std::vector<Wire*> with_deadline(std::uint32_t module);
   [[nodiscard]] const std::vector<PlannedFlow>& flows() const noexcept { return flows_; }
 
-  /// As the links tell it at this time (monotonic).
-  [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns) const;
+  /// As the links tell it at this time (monotonic), and `on_dds` of those that go on there, by their index;
+  /// it gives nothing for a link whose flow is not open.
+  using OnDds = std::function<std::optional<dds::FlowHealth>(std::size_t wire)>;
+  [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
+                                  const OnDds& on_dds) const;
 
   /// What the host is told of the links of its modules.
   [[nodiscard]] std::vector<host::PortLink> of_host(const model::Device& device) const;
