@@ -132,8 +132,7 @@ Result<json> status(Operator& asker, Nanoseconds limit) {
   // Two nodes of one name, or one that was lost while it was asked: there is no whole picture then.
   if (!reports.problems.empty()) return reports.problems;
   for (auto& [name, device] : reports.lost) reports.devices.try_emplace(name, std::move(device));
-  for (const std::string& name : reports.missing())
-    reports.devices[name] = lost_device(name, json::array());
+  for (const std::string& name : reports.missing()) reports.devices[name] = lost_device(name, json::array());
 
   std::set<std::string> cells;
   for (const dds::SeenDevice& seen : observer.devices()) {

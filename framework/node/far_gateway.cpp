@@ -26,7 +26,9 @@ std::optional<Nanoseconds> duration(const json& value) {
   return value.is_null() ? std::nullopt : std::optional{Nanoseconds{value.get<std::int64_t>()}};
 }
 
-json duration(const std::optional<Nanoseconds>& value) { return value ? json(value->count()) : json(nullptr); }
+json duration(const std::optional<Nanoseconds>& value) {
+  return value ? json(value->count()) : json(nullptr);
+}
 
 // The type travels as the one port that has it.
 json to_json(const dds::Flow& flow) {
@@ -59,9 +61,12 @@ json to_json(const dds::FlowHealth& health) {
 }
 
 dds::FlowHealth health_from(const json& value) {
-  return {.matched = value.at("matched"), .samples = value.at("samples"),
-          .lost = value.at("lost"),       .refused = value.at("refused"),
-          .failures = value.at("failures"), .incompatible = value.at("incompatible")};
+  return {.matched = value.at("matched"),
+          .samples = value.at("samples"),
+          .lost = value.at("lost"),
+          .refused = value.at("refused"),
+          .failures = value.at("failures"),
+          .incompatible = value.at("incompatible")};
 }
 
 /// The program's side: the memory, and the gateway that uses it.

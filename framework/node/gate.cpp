@@ -18,8 +18,7 @@ Result<std::unique_ptr<Gate>> Gate::open(std::shared_ptr<dds::Participant> parti
                                          const os::SharedMemory& bell, const Wiring& wiring,
                                          const model::Cell& cell, const std::string& device) {
   auto gate = std::unique_ptr<Gate>{new Gate{wiring}};
-  auto gateway =
-      dds::Gateway::create(std::move(participant), *reinterpret_cast<channel::Bell*>(bell.data()));
+  auto gateway = dds::Gateway::create(std::move(participant), *reinterpret_cast<channel::Bell*>(bell.data()));
   if (!gateway) return gateway.problems();
   gate->gateway_ = std::move(*gateway);
   std::set<int> domains;

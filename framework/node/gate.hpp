@@ -42,7 +42,7 @@ class Gate {
 
  private:
   struct Open {
-    dds::Gateway::FlowId id;        ///< or its index in the far gateway
+    dds::Gateway::FlowId id;         ///< or its index in the far gateway
     std::optional<Instant> until{};  ///< of a tap
     const FarGateway* far = nullptr;
   };

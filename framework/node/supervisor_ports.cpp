@@ -37,9 +37,8 @@ bool Supervisor::has_stale_input(const Member& member, Instant now) {
 }
 
 PortHealth Supervisor::health_of(const Member& member, const model::Port& port, Instant now) const {
-  return wiring_.health(member.index, port, to_ns(now), [this](std::size_t wire) {
-    return gate_ ? gate_->health(wire) : std::nullopt;
-  });
+  return wiring_.health(member.index, port, to_ns(now),
+                        [this](std::size_t wire) { return gate_ ? gate_->health(wire) : std::nullopt; });
 }
 
 }  // namespace takt::node

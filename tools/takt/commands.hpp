@@ -18,13 +18,6 @@ struct CheckOptions {
 };
 int check(const CheckOptions& options);
 
-struct GraphOptions {
-  std::string file;
-  std::string svg;  ///< where to write the picture; empty: a list is printed instead
-  bool json = false;
-};
-int graph(const GraphOptions& options);
-
 struct RunOptions {
   std::string file;
   Network network;
@@ -45,6 +38,7 @@ int describe(const DescribeOptions& options);
 /// What the command line asks for, once it was read.
 using Chosen = std::function<int()>;
 /// Each adds its command, which sets `chosen`. Both outlive the parsing.
+void add_graph(CLI::App& app, Chosen& chosen);
 void add_deploy(CLI::App& app, Chosen& chosen);
 void add_undeploy(CLI::App& app, Chosen& chosen);
 void add_status(CLI::App& app, Chosen& chosen);

@@ -1,13 +1,42 @@
+// takt graph: a cell's devices, modules and connections; of one that runs, how they are.
 #include <fstream>
 
+#include <nlohmann/json.hpp>
+
+#include <takt/client/status.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
+#include "client.hpp"
 #include "commands.hpp"
 #include "graph_report.hpp"
 #include "load.hpp"
 #include "terminal.hpp"
 
 namespace takt::tool {
+
+namespace {
+
+struct GraphOptions {
+  std::string file;
+  std::string svg;  ///< where to write the picture; empty: a list is printed instead
+  bool json = false;
+  bool live = false;
+  Network network;
+};
+
+Result<CellHealth> ask(const model::Cell& cell, const Network& network) {
+  const auto client = connect(network, &cell);
+  if (!client) return client.problems();
+  const auto status = client::status(*client->asker);
+  if (!status) return status.problems();
+  CellHealth health = health_of(cell, *status);
+  if (health.devices.empty()) {
+    return fail("cell " + cell.name + " does not run on domain " + std::to_string(client->domain) +
+                    ", where there is cell " + status->at("cell").get<std::string>(),
+                "deploy it, or leave out --live");
+  }
+  return health;
+}
 
 int graph(const GraphOptions& options) {
   // Not load(): what the cell looks like needs no component, and a table that does not fit is drawn as well.
@@ -16,7 +45,15 @@ int graph(const GraphOptions& options) {
     complain(cell.problems());
     return 1;
   }
-  const CellHealth health;
+  CellHealth health;
+  if (options.live) {
+    auto heard = ask(*cell, options.network);
+    if (!heard) {
+      complain(heard.problems());
+      return 1;
+    }
+    health = std::move(*heard);
+  }
   if (!options.svg.empty()) {
     std::ofstream out{options.svg};
     out << graph_svg(*cell, health);
@@ -29,6 +66,20 @@ int graph(const GraphOptions& options) {
   const std::string text =
       options.json ? graph_json(*cell, health).dump() + "\n" : graph_text(*cell, health, terminal_style());
   return print(text) ? 0 : 1;
+}
+
+}  // namespace
+
+void add_graph(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<GraphOptions>();
+  auto* command =
+      app.add_subcommand("graph", "Print or draw devices, modules and the connections between their ports");
+  command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
+  command->add_option("--svg", options->svg, "draw a picture into this file")->type_name("OUT");
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->add_flag("--live", options->live, "as the cell runs now: states, and how each connection is");
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return graph(*options); }; });
 }
 
 }  // namespace takt::tool

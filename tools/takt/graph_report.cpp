@@ -119,6 +119,56 @@ Json discovery_json(const Cell& cell) {
 
 }  // namespace
 
+namespace {
+
+// As exact as is of use to a reader.
+Nanoseconds rounded(double us) {
+  const auto whole = Nanoseconds{std::chrono::microseconds{static_cast<std::int64_t>(us)}};
+  return us < 10'000 ? whole : std::chrono::round<std::chrono::milliseconds>(whole);
+}
+
+}  // namespace
+
+CellHealth health_of(const Cell& cell, const Json& status) {
+  CellHealth health;
+  const std::string cells = ", " + status.at("cell").get<std::string>() + ", ";
+  if (cells.find(", " + cell.name + ", ") == std::string::npos) return health;
+  std::map<std::string, const Json*> ports;  // by "device.module.port"
+  for (const Json& device : status.at("devices")) {
+    const auto name = device.at("name").get<std::string>();
+    const bool of_cell = std::any_of(cell.devices.begin(), cell.devices.end(),
+                                     [&name](const Device& known) { return known.name == name; });
+    if (!of_cell) continue;
+    health.devices[name] = {.alive = device.at("alive").get<bool>()};
+    for (const Json& module : device.at("modules")) {
+      const std::string path = name + "." + module.at("name").get<std::string>();
+      health.modules[path] = module.at("state").get<std::string>();
+      if (!module.contains("ports")) continue;
+      for (const Json& port : module["ports"]) ports[path + "." + port.at("name").get<std::string>()] = &port;
+    }
+  }
+  const auto port_of = [&ports](const model::Endpoint& end) {
+    const auto* found = find(ports, end.device + "." + end.module + "." + end.port);
+    return found == nullptr ? nullptr : *found;
+  };
+  for (std::size_t i = 0; i < cell.connections.size(); ++i) {
+    const Connection& connection = cell.connections[i];
+    // Who reads knows more; of a topic for others there is only who writes.
+    const Json* port = port_of(connection.to.given() ? connection.to : connection.from);
+    if (port == nullptr) continue;
+    CellHealth::Connection one{.matched = port->at("matched").get<std::uint64_t>() > 0,
+                               .lost = port->at("lost").get<std::uint64_t>(),
+                               .dropped = port->at("dropped").get<std::uint64_t>(),
+                               .late = port->at("late").get<std::uint64_t>()};
+    if (const Json& age = port->at("age_us"); !age.is_null()) one.age = rounded(age.get<double>());
+    one.stale = connection.to.given() && connection.deadline && (!one.age || *one.age > *connection.deadline);
+    if (const Json& policy = port->at("incompatible"); !policy.is_null())
+      one.incompatible = policy.get<std::string>();
+    health.connections[i] = std::move(one);
+  }
+  return health;
+}
+
 std::string health_text(const CellHealth::Connection& health) {
   if (!health.incompatible.empty()) return "NOT MATCHED: " + health.incompatible;
   std::string text = !health.matched ? "NOT MATCHED"

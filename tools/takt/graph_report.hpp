@@ -37,6 +37,9 @@ struct CellHealth {
   std::map<std::size_t, Connection> connections;  ///< by their index in Cell::connections
 };
 
+/// Of what `takt status --json` says. Empty where no device of this cell is in it.
+CellHealth health_of(const model::Cell& cell, const nlohmann::ordered_json& status);
+
 /// "not matched (reliability)", "STALE, 400 ms old, late 2", "ok, 1.2 ms old, lost 3".
 std::string health_text(const CellHealth::Connection& health);
 

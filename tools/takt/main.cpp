@@ -42,12 +42,8 @@ int serve(int argc, char** argv) {
   check_command->add_flag("--remote", check_options.remote,
                           "a component that is not on this machine is a warning, no error");
 
-  GraphOptions graph_options;
-  auto* graph_command =
-      app.add_subcommand("graph", "Print or draw devices, modules and the connections between their ports");
-  graph_command->add_option("FILE", graph_options.file, "a cell, or a module.xml")->required();
-  graph_command->add_option("--svg", graph_options.svg, "draw a picture into this file")->type_name("OUT");
-  graph_command->add_flag("--json", graph_options.json, "print one JSON object");
+  Chosen chosen;
+  add_graph(app, chosen);
 
   RunOptions run_options;
   double seconds = 0;
@@ -63,7 +59,6 @@ int serve(int argc, char** argv) {
   run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
   add_network_options(*run_command, run_options.network);
 
-  Chosen chosen;
   add_deploy(app, chosen);
   add_undeploy(app, chosen);
   add_status(app, chosen);
@@ -94,7 +89,6 @@ int serve(int argc, char** argv) {
   if (for_option->count() != 0) run_options.seconds = seconds;
   if (chosen) return chosen();
   if (*check_command) return check(check_options);
-  if (*graph_command) return graph(graph_options);
   if (*run_command) return run(run_options);
   return describe(describe_options);
 }

@@ -1,6 +1,8 @@
 #include "run_report.hpp"
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -17,11 +19,49 @@ std::string us(const json& value) {
   return fmt::format("{:.{}f}", v, size < 10 ? 2 : size < 100 ? 1 : 0);
 }
 
+// The ports that a connection names.
+std::string ports_text(const json& device) {
+  struct Row {
+    std::string name;
+    const json* port;
+  };
+  std::vector<Row> rows;
+  std::size_t width = 4;
+  for (const json& m : device["modules"]) {
+    if (!m.contains("ports")) continue;
+    for (const json& port : m["ports"]) {
+      if (port["connections"].get<std::uint64_t>() == 0) continue;
+      rows.push_back({m["name"].get<std::string>() + "." + port["name"].get<std::string>(), &port});
+      width = std::max(width, rows.back().name.size());
+    }
+  }
+  if (rows.empty()) return "";
+  std::string text = fmt::format("  {:<{}} {:<5} {:>7} {:>10} {:>7} {:>7} {:>6} {:>10}\n", "port", width, "",
+                                 "matched", "samples", "lost", "dropped", "late", "age");
+  for (const auto& [name, pointer] : rows) {
+    const json& p = *pointer;
+    const auto count = [&p](const char* key) { return p[key].get<std::uint64_t>(); };
+    text += fmt::format(
+        "  {:<{}} {:<5} {:>7} {:>10} {:>7} {:>7} {:>6} {:>10}{}\n", name, width,
+        p["direction"].get<std::string>(), fmt::format("{}/{}", count("matched"), count("connections")),
+        count("samples"), count("lost"), count("dropped"), count("late"),
+        p["age_us"].is_null() ? "-" : us(p["age_us"]),
+        p["incompatible"].is_null() ? "" : "  does not match by " + p["incompatible"].get<std::string>());
+  }
+  return text;
+}
+
 std::string device_text(const json& device, std::size_t width) {
   std::string text = fmt::format(
       "device {}{}{}\n", device["name"].get<std::string>(), device["alive"].get<bool>() ? "" : "  LOST",
       device["real_time"].get<bool>() || !device["alive"].get<bool>() ? "" : "  NOT REAL-TIME");
-  if (!device["alive"].get<bool>()) return text;
+  if (!device["alive"].get<bool>()) {
+    for (const json& m : device["modules"]) {
+      text += fmt::format("  {:<{}} {:<10} when it was last heard\n", m["name"].get<std::string>(), width,
+                          m["state"].get<std::string>());
+    }
+    return text;
+  }
   text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", "executor", width, "cycles",
                       "missed", "jitter", "p50", "p99", "max");
   for (const json& e : device["executors"]) {
@@ -40,7 +80,7 @@ std::string device_text(const json& device, std::size_t width) {
                         us(m["run_us"]["p50"]), us(m["run_us"]["max"]), m["overruns"].get<std::uint64_t>(),
                         m["errors"].get<std::uint64_t>());
   }
-  return text;
+  return text + ports_text(device);
 }
 
 }  // namespace
@@ -59,7 +99,9 @@ std::string run_text(const json& status) {
          "rows\n"
          "  skipped because the row before, or the wake-up, was too late. overruns: not done by the next "
          "release\n"
-         "  or by the deadline.\n";
+         "  or by the deadline. matched: connections with somebody at the other end, of all. lost: on the "
+         "way;\n"
+         "  dropped: from a full queue. late: times that the newest value was older than its deadline.\n";
 }
 
 }  // namespace takt::tool

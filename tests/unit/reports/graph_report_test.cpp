@@ -62,6 +62,63 @@ std::string text(const model::Cell& cell, const CellHealth& health = {}, Style s
 
 // ---- for a person
 
+nlohmann::ordered_json port(const char* name, int connections, int matched) {
+  return {{"name", name},       {"direction", "in"}, {"type", "t::T"},    {"connections", connections},
+          {"matched", matched}, {"samples", 7},      {"lost", 0},         {"dropped", 0},
+          {"refused", 0},       {"late", 0},         {"age_us", nullptr}, {"incompatible", nullptr}};
+}
+
+/// As `takt status --json` says it of three(): the station is lost, the line does not hear the robot.
+nlohmann::ordered_json status_of_three() {
+  auto setpoint = port("setpoint", 1, 1);
+  setpoint["age_us"] = 30000.5;
+  setpoint["late"] = 2;
+  auto arm = port("arm", 1, 0);
+  arm["incompatible"] = "reliability";
+  const auto module = [](const char* name, const char* state, nlohmann::ordered_json ports) {
+    return nlohmann::ordered_json{{"name", name}, {"state", state}, {"ports", std::move(ports)}};
+  };
+  using List = nlohmann::ordered_json;
+  return {{"cell", "other, palletizing"},
+          {"devices",
+           List::array(
+               {{{"name", "robot"},
+                 {"alive", true},
+                 {"modules",
+                  List::array({module("trajectory", "EXECUTING", List::array({port("request", 1, 0)})),
+                               module("arm", "RECOVER", List::array({setpoint, port("measured", 2, 2)}))})}},
+                {{"name", "line"},
+                 {"alive", true},
+                 {"modules", List::array({module("belt", "EXECUTING", List::array({arm}))})}},
+                {{"name", "station"},
+                 {"alive", false},
+                 {"modules", List::array({{{"name", "dispatcher"}, {"state", "EXECUTING"}}})}},
+                {{"name", "stranger"}, {"alive", true}, {"modules", List::array()}}})}};
+}
+
+TEST(CellHealthOfStatus, IsThatOfThePortThatReads) {
+  const CellHealth health = health_of(three(), status_of_three());
+  EXPECT_EQ(health.devices.size(), 3U);
+  EXPECT_FALSE(health.devices.at("station").alive);
+  EXPECT_EQ(health.modules.at("robot.arm"), "RECOVER");
+  EXPECT_EQ(health.modules.at("station.dispatcher"), "EXECUTING");
+  const auto& setpoint = health.connections.at(0);
+  EXPECT_TRUE(setpoint.matched && setpoint.stale);
+  EXPECT_EQ(setpoint.age, 30ms);
+  EXPECT_EQ(setpoint.late, 2U);
+  EXPECT_FALSE(health.connections.contains(1)) << "the station says nothing";
+  EXPECT_FALSE(health.connections.at(2).matched);
+  EXPECT_EQ(health.connections.at(3).incompatible, "reliability");
+  EXPECT_TRUE(health.connections.at(4).matched) << "of a topic, the port that writes";
+  EXPECT_FALSE(health.connections.contains(5));
+}
+
+TEST(CellHealthOfStatus, IsEmptyWhereTheCellDoesNotRun) {
+  auto status = status_of_three();
+  status["cell"] = "palletizing2, other";
+  EXPECT_TRUE(health_of(three(), status).devices.empty());
+}
+
 TEST(GraphText, ListsModulesAndConnections) {
   EXPECT_EQ(text(three()), R"(cell palletizing: 3 devices, 5 modules, 6 connections
 domain 0, discovery by multicast

@@ -1,0 +1,77 @@
+#include "run_report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace takt::tool {
+namespace {
+
+using json = nlohmann::ordered_json;
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+json measured() {
+  return {{"mean", -1.5}, {"variance", 0.0}, {"min", 0.0},   {"p50", 0.25},
+          {"p99", 12.34}, {"p999", 20.0},    {"max", 1450.4}};
+}
+
+json module(const char* name, const char* state) {
+  return {{"name", name}, {"state", state},          {"cycles", 1000},      {"overruns", 2},
+          {"errors", 3},  {"jitter_us", measured()}, {"run_us", measured()}};
+}
+
+json port(const char* name, int connections, int matched) {
+  return {{"name", name},       {"direction", "in"}, {"type", "t::T"},   {"connections", connections},
+          {"matched", matched}, {"samples", 41},     {"lost", 5},        {"dropped", 6},
+          {"refused", 0},       {"late", 7},         {"age_us", 1234.6}, {"incompatible", nullptr}};
+}
+
+json cell() {
+  json arm = module("arm", "EXECUTING");
+  arm["ports"] = json::array({port("setpoint", 2, 1), port("unused", 0, 0)});
+  return {
+      {"cell", "c"},
+      {"devices",
+       json::array(
+           {{{"name", "robot"},
+             {"alive", true},
+             {"real_time", true},
+             {"executors",
+              json::array({{{"name", "main"}, {"cycles", 999}, {"missed", 1}, {"jitter_us", measured()}}})},
+             {"modules", json::array({arm})}}})}};
+}
+
+TEST(RunText, HasALineForEachModuleAndEachPortThatIsConnected) {
+  const std::string text = run_text(cell());
+  EXPECT_THAT(text, ContainsRegex("main +999 +1 +-1.50 +0.25 +12.3 +1450"));
+  EXPECT_THAT(text, ContainsRegex("arm +EXECUTING +1000 +-1.50 +0.25 +12.3 +0.25 +1450 +2 +3"));
+  EXPECT_THAT(text, ContainsRegex("arm.setpoint +in +1/2 +41 +5 +6 +7 +1235\n"));
+  EXPECT_THAT(text, Not(HasSubstr("unused")));
+}
+
+TEST(RunText, NamesWhatKeepsAPortFromMatching) {
+  json status = cell();
+  status["devices"][0]["modules"][0]["ports"][0]["incompatible"] = "reliability";
+  status["devices"][0]["modules"][0]["ports"][0]["age_us"] = nullptr;
+  EXPECT_THAT(run_text(status), ContainsRegex("7 +-  does not match by reliability\n"));
+}
+
+TEST(RunText, ShowsTheModulesOfALostDeviceAsTheyWereLastHeard) {
+  json status = cell();
+  status["devices"][0]["alive"] = false;
+  const std::string text = run_text(status);
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("device robot  LOST"), ContainsRegex("arm +EXECUTING +when it was last heard")));
+  EXPECT_THAT(text, Not(HasSubstr("arm.setpoint")));
+}
+
+TEST(RunText, SaysThatADeviceIsNotRealTime) {
+  json status = cell();
+  status["devices"][0]["real_time"] = false;
+  EXPECT_THAT(run_text(status), HasSubstr("device robot  NOT REAL-TIME"));
+}
+
+}  // namespace
+}  // namespace takt::tool
