@@ -209,6 +209,10 @@ class Run:
             except OSError:
                 pass
         self._process.wait(10)
+        for reader in self._readers:
+            reader.join(1)
+            if not reader.is_alive():
+                (self._process.stdout if reader is self._readers[0] else self._process.stderr).close()
 
     # What it said
 
