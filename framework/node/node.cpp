@@ -152,7 +152,10 @@ int run_node(const NodeOptions& options) {
 
   if (!lent)
     log(options.device, "", "waits for a deployment on domain " + std::to_string(options.domain));
-  if (options.resume) agent.resume();
+  if (options.resume)
+    agent.resume();
+  else
+    agent.leave_kept();
   while (!agent.ended()) {
     (*voice)->sign();
     std::vector<const os::Fd*> fds = agent.wait_on();
