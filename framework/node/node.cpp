@@ -150,8 +150,7 @@ int run_node(const NodeOptions& options) {
   if (!server) return refuse(server.problems());
   (*voice)->answer_by([&server](const dds::WholeReply& reply) { server->reply(reply); });
 
-  if (!lent)
-    log(options.device, "", "waits for a deployment on domain " + std::to_string(options.domain));
+  if (!lent) log(options.device, "", "waits for a deployment on domain " + std::to_string(options.domain));
   if (options.resume)
     agent.resume();
   else
