@@ -116,7 +116,7 @@ def wait_until(condition, limit=10.0, what="the condition"):
 class Run:
     """One run of a program. Reads both outputs as they come."""
 
-    def __init__(self, arguments, folder, environment=None, before=(), become=None):
+    def __init__(self, arguments, folder, environment=None, before=(), become=None, terminal=None):
         self.mark = uuid.uuid4().hex
         self.began = time.monotonic()
         self._seen = set()  # memories
@@ -124,7 +124,8 @@ class Run:
         everything[MARK] = self.mark
         everything.setdefault("NO_COLOR", "1")
         self._process = subprocess.Popen(list(before) + list(arguments), cwd=folder, env=everything,
-                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                         stdin=subprocess.DEVNULL if terminal is None else terminal,
+                                         stdout=subprocess.PIPE if terminal is None else terminal, stderr=subprocess.PIPE,
                                          start_new_session=True, preexec_fn=become)
         self.pid = self._process.pid
         self.raw = []  # lines of standard error
@@ -134,6 +135,8 @@ class Run:
             reader.start()
 
     def _read_out(self):
+        if self._process.stdout is None:
+            return  # it is on a terminal
         for line in self._process.stdout:
             self.out_lines.append((time.monotonic(), line.decode(errors="replace")))
 
@@ -198,7 +201,8 @@ class Run:
             raise AssertionError("it did not end within %g s; it said:\n%s" % (limit, said)) from None
         for reader in self._readers:
             reader.join(max(0.0, self.began + limit - time.monotonic()))
-        self._process.stdout.close()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
         self._process.stderr.close()
         return self
 
@@ -209,10 +213,10 @@ class Run:
             except OSError:
                 pass
         self._process.wait(10)
-        for reader in self._readers:
+        for reader, pipe in zip(self._readers, (self._process.stdout, self._process.stderr)):
             reader.join(1)
-            if not reader.is_alive():
-                (self._process.stdout if reader is self._readers[0] else self._process.stderr).close()
+            if pipe is not None and not reader.is_alive():
+                pipe.close()
 
     # What it said
 
