@@ -33,6 +33,7 @@ class Deploy(takt_system.Case):
             instants = [int(self.read(device).split()[0]) for device in DEVICES]
             self.assertLess(max(instants) - min(instants), 20000, instants)
             print("the devices' instants differ by %d ns" % (max(instants) - min(instants)))
+            self.assertGreaterEqual(run.out_lines[0][0] * 1e9, min(instants), "it was said to run before it did")
             for device, node in nodes.items():
                 self.assertEqual("0", self.read(device).split()[2], "releases beside the grid")
                 self.assertEqual([], node.processes("takt-host"))

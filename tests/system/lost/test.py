@@ -95,6 +95,7 @@ class Lost(takt_system.Case):
             self.assertEqual((False, True), (status["robot"]["alive"], status["line"]["alive"]))
             self.assertEqual(["grid", "sporadic", "program"], [m["name"] for m in status["robot"]["modules"]])
             self.refused({"stop robot": "^device robot: error: it is "})
+            self.assertRegex(self.done("status")[0], r"(?m)^device robot  LOST$")
             wait_until(lambda: not [p for p in self.robot.processes() if p.alive], 10, "the end of its host and its program")
             self.assertFalse(host.alive)
             self.assertEqual({"EXECUTING"}, {m["state"] for m in status["line"]["modules"]})
@@ -109,6 +110,17 @@ class Lost(takt_system.Case):
             self.assertLess(gone, LOST_MS)
             self.assert_line_goes_on()
         self.finish()
+
+    def test_what_is_lost_cannot_be_undeployed(self):
+        self.begin()
+        self.robot.one("takt-node").kill()
+        self.watch.wait_for_out(r"^\S+ robot: LOST")
+        run = self.takt("undeploy", "cell")
+        self.assertEqual((1, "cell cell is undeployed from line\n"), (run.status, run.out))
+        self.assertEqual("device robot: error: it is lost and could not be told; start its node without --resume, else it takes the cell "
+                         "up again", run.err.rstrip())
+        self.assertEqual("-", self.status_of()["cell"])
+        self.end({"line": self.line})
 
 
 if __name__ == "__main__":
