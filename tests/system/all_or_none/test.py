@@ -55,6 +55,9 @@ class AllOrNone(takt_system.Case):
         status = self.status_of()
         self.assertEqual("-", status["cell"])
         self.assertEqual({"robot": [], "line": []}, {d["name"]: d["modules"] for d in status["devices"]})
+        self.assert_nothing_left_of_it()
+
+    def assert_nothing_left_of_it(self):
         for device, node in self.running.items():
             self.assertEqual(["takt-node"], [process.program for process in node.processes()])
             self.assertNotIn("EXECUTING", self.said_since(device))
@@ -72,24 +75,29 @@ class AllOrNone(takt_system.Case):
         self.done("undeploy cell")
         self.mark()
 
-    def refuse(self, cell, *patterns, limit=20):
+    def refuse(self, cell, *patterns, then_a_good_one=True):
         with self.subTest(cell=os.path.basename(cell)):
             name = os.path.basename(cell)[:-4]
             begun = time.monotonic()
-            run = self.takt("deploy", cell, limit=limit)
+            run = self.takt("deploy", cell, limit=20)
             print("%s was refused after %.2f s" % (name, time.monotonic() - begun))
             self.assert_refused_everywhere(run, name, *patterns)
-            self.assert_nothing_runs()
-            self.assert_a_good_one_succeeds()
+            if then_a_good_one:
+                self.assert_nothing_left_of_it()
+                self.assert_a_good_one_succeeds()
+            else:
+                self.assert_nothing_runs()
 
     def test_what_one_device_cannot_take_up(self):
         self.begin()
         self.refuse(self.cell("absent", "bad", "fine.so"),
-                    r"(?m)absent\.xml:\d+: error: device line: module bad: there is no file fine\.so on this device's component path")
+                    r"(?m)absent\.xml:\d+: error: device line: module bad: there is no file fine\.so on this device's component path",
+                    then_a_good_one=False)
         # A path of another machine means nothing here, even where there is such a file.
         shutil.copy(os.path.join(self.folder, "components", "grid.so"), os.path.join(self.folder, "mine.so"))
         self.refuse(self.cell("path", "bad", os.path.join(self.folder, "mine.so")),
-                    r"(?m)path\.xml:\d+: error: device line: module bad: there is no file mine\.so on this device's component path")
+                    r"(?m)path\.xml:\d+: error: device line: module bad: there is no file mine\.so on this device's component path",
+                    then_a_good_one=False)
         self.refuse(self.cell("unknown", "bad", "grid.so", '<property><value name="fiel">x</value></property>'),
                     r"(?m)unknown\.xml:\d+: error: device line: .*bad.*'?fiel'?")
         self.refuse(self.cell("initialize", "bad", "bad_initialize.so"),
@@ -136,19 +144,57 @@ class AllOrNone(takt_system.Case):
         self.assert_a_good_one_succeeds()
         self.end(self.running)
 
+    def test_one_that_is_lost_while_it_is_prepared(self):
+        self.begin()
+        run = self.start("deploy", self.cell("hang", "bad", "hang.so", WHERE))
+        self.running["line"].wait_for_line("prepares cell hang")
+        self.running["robot"].wait_for_line("program: INITIALIZE -> START")
+        self.running["line"].signal(signal.SIGKILL)
+        begun = time.monotonic()
+        run.wait(20)
+        took = time.monotonic() - begun
+        print("refused %.2f s after a node was killed" % took)
+        self.assertLess(took, 4, "the hook that hangs is not waited for")
+        self.assert_refused_everywhere(run, "hang", r"(?m)^device line: error: it was lost before it answered to prepare$")
+        self.running["line"].wait(10)
+        self.running["line"] = self.node("line")
+        self.marks["line"] = 0
+        self.assert_nothing_runs()
+        self.assert_a_good_one_succeeds()
+        self.end(self.running)
+
+    def test_two_operators_at_once(self):
+        self.begin()
+        files = {name: self.cell(name) for name in ("one", "two")}
+        won = {}
+        for _ in range(2):
+            runs = {name: self.start("deploy", file) for name, file in files.items()}
+            for run in runs.values():
+                run.wait(30)
+            winners = [name for name, run in runs.items() if run.status == 0]
+            won[tuple(winners)] = won.get(tuple(winners), 0) + 1
+            self.assertLessEqual(len(winners), 1, "one device has one cell")
+            if not winners:
+                self.assert_nothing_runs()
+                continue
+            status = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+            self.assertEqual(2, len(status))
+            self.assertEqual(winners[0], self.status_of()["cell"])
+            self.done("undeploy " + winners[0])
+        print("of two cells at once ran: %s" % won)
+        self.end(self.running)
+
     def test_two_nodes_of_one_name(self):
         self.begin()
         second = self.program("takt-node", "--device", "line", "--state-dir", os.path.join(self.folder, "second"))
         clash = r"another node of the name line is on domain %d: process %%d on \S+; end one of them" % self.domain
         self.running["line"].wait_for_line(clash % second.pid)
         second.wait_for_line(clash % self.running["line"].pid)
-        run = self.takt("deploy", "cell.xml")
-        self.assert_refused_everywhere(run, "cell", r"(?m)^device line: error: 2 nodes of this name are on domain %d: process \d+ on "
-                                       r"\S+, process \d+ on \S+; end all but one of them" % self.domain)
-        for pid in (second.pid, self.running["line"].pid):
-            self.assertIn("process %d on" % pid, run.err)
-        self.refused({"stop line": "^device line: error: 2 nodes of this name are on domain",
-                      "status": "device line: error: 2 nodes of this name are on domain"})
+        # Who asks has found both, or the one that it has found says that there is another.
+        two = r"(?m)^device line: error: (2 nodes of this name are on domain %d: process \d+ on \S+, process \d+ on \S+; end all but " \
+              r"one of them|another node of the name line is on domain %d: process \d+ on)" % (self.domain, self.domain)
+        self.assert_refused_everywhere(self.takt("deploy", "cell.xml"), "cell", two)
+        self.refused({"status": two})
         second.signal(signal.SIGTERM)
         self.assertEqual(0, second.wait(10).status)
         self.running["line"].wait_for_line("the other node of this name is gone")
@@ -161,11 +207,12 @@ class AllOrNone(takt_system.Case):
         self.deploy("cell.xml")
         before = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         hosts = {device: node.one("takt-host").pid for device, node in self.running.items()}
-        run = self.takt("deploy", self.cell("other"))
-        self.assert_refused_everywhere(run, "other", *[r"(?m)^device %s: error: it already runs cell cell; undeploy it first: takt "
+        other, again, undeploy = self.at_once("deploy " + self.cell("other"), "deploy cell.xml", "undeploy other")
+        self.assert_refused_everywhere(again, "cell", "error: it already runs cell cell")
+        self.assertEqual(1, undeploy.status)
+        self.assertIn("error: no device on domain %d runs a cell other; there is cell" % self.domain, undeploy.err)
+        self.assert_refused_everywhere(other, "other", *[r"(?m)^device %s: error: it already runs cell cell; undeploy it first: takt "
                                                        r"undeploy cell$" % device for device in self.running])
-        self.assert_refused_everywhere(self.takt("deploy", "cell.xml"), "cell", "error: it already runs cell cell")
-        self.refused({"undeploy other": "error: no device on domain %d runs a cell other; there is cell" % self.domain})
         after = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         for device, node in self.running.items():
             self.assertEqual(hosts[device], node.one("takt-host").pid)

@@ -68,6 +68,15 @@ class Deploy(takt_system.Case):
                 self.assertEqual(DISTRIBUTION, set(module["run_us"]))
                 self.assertTrue(os.path.exists("/proc/%d" % module["pid"]), module)
 
+    def running(self):
+        """The nodes of the cell, with each of its modules EXECUTING."""
+        nodes = self.nodes(*DEVICES)
+        self.deploy("cell.xml")
+        for device, modules in DEVICES.items():
+            for module in modules:
+                nodes[device].wait_for_state(module, "EXECUTING")
+        return nodes
+
     def each(self, verb):
         """The verb to a module of each kind, side by side: what they say."""
         return self.done(*("%s robot.%s" % (verb, module) for module in KINDS))
@@ -83,9 +92,7 @@ class Deploy(takt_system.Case):
         return {m["name"]: m for m in self.status_of("robot")["modules"]}
 
     def test_every_verb_to_every_kind_of_module(self):
-        nodes = self.nodes(*DEVICES)
-        self.deploy("cell.xml")
-        self.wait_for_states({"robot": "EXECUTING"})
+        nodes = self.running()
         self.assert_each("stop", "START")
         stopped = self.robot()
         self.assert_each_refused("stop", "START", "EXECUTING")
@@ -116,9 +123,7 @@ class Deploy(takt_system.Case):
             self.assertEqual(LIFE[:4] + ["START", "EXECUTING", "START", "DESTRUCT"] + LIFE, nodes["robot"].states(module))
 
     def test_a_whole_device(self):
-        nodes = self.nodes(*DEVICES)
-        self.deploy("cell.xml")
-        self.wait_for_states({"line": "EXECUTING"})
+        nodes = self.running()
         said = lambda state: "\n".join(["line.%s: %s" % (module, state) for module in DEVICES["line"]])
         for verb, state in (("stop", "START"), ("start", "EXECUTING"), ("destruct", "DESTRUCT"), ("reset", "IDLE"),
                             ("initialize", "INITIALIZE"), ("start", "EXECUTING")):
@@ -133,9 +138,7 @@ class Deploy(takt_system.Case):
         self.end(nodes)
 
     def test_properties_ports_and_wrong_names(self):
-        nodes = self.nodes(*DEVICES)
-        self.deploy("cell.xml")
-        self.wait_for_states({"line": "EXECUTING"})
+        nodes = self.running()
         self.assertEqual(["3", "none", "1.5"], self.done("get line.properties count", "get line.properties label",
                                                          "get line.properties gain"))
         self.assertEqual(["7", "a b"], self.done("set line.properties count 7", "set line.properties label 'a b'"))

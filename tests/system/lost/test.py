@@ -85,30 +85,29 @@ class Lost(takt_system.Case):
 
     def test_a_node_is_killed(self):
         self.begin()
-        for _ in range(2):
-            host = self.robot.one("takt-host")
-            after = len(self.watch.out_lines)
-            killed = time.monotonic()
-            self.robot.one("takt-node").kill()
-            gone = 1000 * (self.watch.wait_for_out(r"^\S+ robot: LOST", after=after) - killed)
-            status = {d["name"]: d for d in self.status_of()["devices"]}
-            self.assertEqual((False, True), (status["robot"]["alive"], status["line"]["alive"]))
-            self.assertEqual(["grid", "sporadic", "program"], [m["name"] for m in status["robot"]["modules"]])
-            self.refused({"stop robot": "^device robot: error: it is "})
-            self.assertRegex(self.done("status")[0], r"(?m)^device robot  LOST$")
-            wait_until(lambda: not [p for p in self.robot.processes() if p.alive], 10, "the end of its host and its program")
-            self.assertFalse(host.alive)
-            self.assertEqual({"EXECUTING"}, {m["state"] for m in status["line"]["modules"]})
+        host = self.robot.one("takt-host")
+        after = len(self.watch.out_lines)
+        killed = time.monotonic()
+        self.robot.one("takt-node").kill()
+        gone = 1000 * (self.watch.wait_for_out(r"^\S+ robot: LOST", after=after) - killed)
+        status = {d["name"]: d for d in self.status_of()["devices"]}
+        self.assertEqual((False, True), (status["robot"]["alive"], status["line"]["alive"]))
+        self.assertEqual(["grid", "sporadic", "program"], [m["name"] for m in status["robot"]["modules"]])
+        self.refused({"stop robot": "^device robot: error: it is "})
+        self.assertRegex(self.done("status")[0], r"(?m)^device robot  LOST$")
+        wait_until(lambda: not [p for p in self.robot.processes() if p.alive], 10, "the end of its host and its program")
+        self.assertFalse(host.alive)
+        self.assertEqual({"EXECUTING"}, {m["state"] for m in status["line"]["modules"]})
 
-            after = len(self.watch.out_lines)
-            started = time.monotonic()
-            self.robot = self.node("robot", "--resume")
-            back = max(self.watch.wait_for_out(r" robot\.%s: START -> EXECUTING$" % m, after=after)
-                       for m in ("grid", "sporadic", "program"))
-            print("a node: lost after %.0f ms (its lease is %d ms), its modules ran again %.0f ms after it was started again" %
-                  (gone, LEASE_MS, 1000 * (back - started)))
-            self.assertLess(gone, LOST_MS)
-            self.assert_line_goes_on()
+        after = len(self.watch.out_lines)
+        started = time.monotonic()
+        self.robot = self.node("robot", "--resume")
+        back = max(self.watch.wait_for_out(r" robot\.%s: START -> EXECUTING$" % m, after=after)
+                   for m in ("grid", "sporadic", "program"))
+        print("a node: lost after %.0f ms (its lease is %d ms), its modules ran again %.0f ms after it was started again" %
+              (gone, LEASE_MS, 1000 * (back - started)))
+        self.assertLess(gone, LOST_MS)
+        self.assert_line_goes_on()
         self.finish()
 
     def test_what_is_lost_cannot_be_undeployed(self):
