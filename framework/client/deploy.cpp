@@ -269,7 +269,7 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
   return all;
 }
 
-Result<std::vector<std::string>> devices_of(Operator& asker, const std::string& cell) {
+Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
   const Observer& observer = asker.observer();
   const auto of_cell = [&cell](const std::vector<dds::SeenDevice>& devices) {
     std::set<std::string> names;
@@ -294,9 +294,9 @@ Result<std::vector<std::string>> devices_of(Operator& asker, const std::string& 
   }
   // Any of them knows which devices the cell has; those that are there and were not found yet are waited for.
   const auto answer = accepted(asker.ask({.kind = COMMAND_REPORT, .device = *names.begin()}));
+  std::set<std::string> lost;
   if (answer) {
     const json report = json::parse(answer->data, nullptr, false);
-    std::set<std::string> lost;
     std::set<std::string> whole;
     if (report.is_object()) {
       for (const json& device : report.value("lost", json::array())) lost.insert(device.value("name", ""));
@@ -312,7 +312,8 @@ Result<std::vector<std::string>> devices_of(Operator& asker, const std::string& 
         kFound);
     names = of_cell(observer.devices());
   }
-  return std::vector<std::string>{names.begin(), names.end()};
+  for (const std::string& name : names) lost.erase(name);
+  return CellDevices{.names = {names.begin(), names.end()}, .lost = {lost.begin(), lost.end()}};
 }
 
 }  // namespace takt::client

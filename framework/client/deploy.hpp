@@ -62,8 +62,12 @@ struct Devices {
 std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
                                  const std::function<void()>& meanwhile = {});
 
-/// The devices on which a cell runs, or is otherwise held. Fails where there is none, and says which cells
-/// there are.
-Result<std::vector<std::string>> devices_of(Operator& asker, const std::string& cell);
+/// Where a cell is.
+struct CellDevices {
+  std::vector<std::string> names{};  ///< on which it runs, or is otherwise held
+  std::vector<std::string> lost{};   ///< of which the others say that they do not hear them any more
+};
+/// Fails where no device has the cell, and says which cells there are.
+Result<CellDevices> devices_of(Operator& asker, const std::string& cell);
 
 }  // namespace takt::client

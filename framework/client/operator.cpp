@@ -22,6 +22,8 @@ using json = nlohmann::ordered_json;
 
 /// Within which a node must begin what has no limit of its own.
 constexpr std::chrono::seconds kBegun{10};
+/// Within which a node that is there has been found, however long its answer may take.
+constexpr Nanoseconds kFound = std::chrono::seconds{3};
 
 std::int64_t wall_ns() {
   return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -98,7 +100,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
   };
   const auto look = [&](const Question& q, State& state) {
     const Nanoseconds waited = Clock::now() - begun;
-    const Nanoseconds find_within = q.limit.value_or(std::chrono::seconds{3});
+    const Nanoseconds find_within = std::min(q.limit.value_or(kFound), kFound);
     std::vector<dds::SeenDevice> alive;
     bool lost = false;
     for (const dds::SeenDevice& seen : observer_.devices(q.device)) {

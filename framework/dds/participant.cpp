@@ -75,7 +75,8 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = {3, 0};
-  config.leaseDuration_announcementperiod = {1, 0};
+  // Who is found answers at once, but to one that may not be listening yet; it is heard with the next one.
+  config.leaseDuration_announcementperiod = {0, 250'000'000};
   // The first announcement of one that starts is lost on another that starts at the same time.
   config.initial_announcements.count = 25;
   config.initial_announcements.period = {0, 20'000'000};

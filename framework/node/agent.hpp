@@ -58,6 +58,8 @@ class Agent {
   dds::Picture& others() noexcept { return others_; }
   /// Takes up the deployment that is kept on disk.
   void resume();
+  /// Says that there is one, where it is not to be taken up.
+  void leave_kept() const;
   /// Ends the deployment in order, and then itself. With `at_once` nobody is waited for who might want its
   /// report.
   void end(bool at_once);

@@ -316,6 +316,7 @@ void Agent::resume() {
   const auto kept = options_.file->kept();
   if (!kept) {
     log("nothing is taken up again: " + in_words(kept.problems()));
+    last_refusal_ = to_text(kept.problems()[0]);
     return;
   }
   if (!*kept) return;
@@ -326,6 +327,15 @@ void Agent::resume() {
   deployment->require_real_time = (*kept)->require_real_time || options_.require_real_time;
   deployment->t0_wall_ns = (*kept)->t0_ns;
   begin(std::move(deployment));
+}
+
+void Agent::leave_kept() const {
+  if (!options_.file) return;
+  const auto kept = options_.file->kept();
+  if (!kept || !*kept) return;
+  const auto found = find((*kept)->text, (*kept)->file, options_.device);
+  log((found ? "cell " + found->cell.name : "a cell") +
+      " was running when this node ended and is not taken up again; --resume would");
 }
 
 }  // namespace takt::node

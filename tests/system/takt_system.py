@@ -11,6 +11,7 @@ import json
 import os
 import random
 import re
+import shlex
 import shutil
 import signal
 import socket
@@ -115,7 +116,7 @@ def wait_until(condition, limit=10.0, what="the condition"):
 class Run:
     """One run of a program. Reads both outputs as they come."""
 
-    def __init__(self, arguments, folder, environment=None, before=(), become=None):
+    def __init__(self, arguments, folder, environment=None, before=(), become=None, terminal=None):
         self.mark = uuid.uuid4().hex
         self.began = time.monotonic()
         self._seen = set()  # memories
@@ -123,7 +124,8 @@ class Run:
         everything[MARK] = self.mark
         everything.setdefault("NO_COLOR", "1")
         self._process = subprocess.Popen(list(before) + list(arguments), cwd=folder, env=everything,
-                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                         stdin=subprocess.DEVNULL if terminal is None else terminal,
+                                         stdout=subprocess.PIPE if terminal is None else terminal, stderr=subprocess.PIPE,
                                          start_new_session=True, preexec_fn=become)
         self.pid = self._process.pid
         self.raw = []  # lines of standard error
@@ -133,6 +135,8 @@ class Run:
             reader.start()
 
     def _read_out(self):
+        if self._process.stdout is None:
+            return  # it is on a terminal
         for line in self._process.stdout:
             self.out_lines.append((time.monotonic(), line.decode(errors="replace")))
 
@@ -182,7 +186,10 @@ class Run:
         return self.wait_for_line(r" %s\.%s: \w+ -> %s\b" % (device, re.escape(module), state), limit)
 
     def signal(self, number):
+        """When it was sent, by time.monotonic()."""
+        now = time.monotonic()
         os.kill(self.pid, number)
+        return now
 
     def wait(self, limit=60.0):
         """Until it has ended and both outputs are closed, by its children too."""
@@ -194,7 +201,8 @@ class Run:
             raise AssertionError("it did not end within %g s; it said:\n%s" % (limit, said)) from None
         for reader in self._readers:
             reader.join(max(0.0, self.began + limit - time.monotonic()))
-        self._process.stdout.close()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
         self._process.stderr.close()
         return self
 
@@ -205,6 +213,10 @@ class Run:
             except OSError:
                 pass
         self._process.wait(10)
+        for reader, pipe in zip(self._readers, (self._process.stdout, self._process.stderr)):
+            reader.join(1)
+            if pipe is not None and not reader.is_alive():
+                pipe.close()
 
     # What it said
 
@@ -326,6 +338,55 @@ class Case(unittest.TestCase):
 
     def takt(self, *arguments, limit=60.0, **options):
         return self.start(*arguments, **options).wait(limit)
+
+    def at_once(self, *commands, limit=60.0):
+        """Several commands side by side, each a line as one types it after `takt`. Most of what one of them takes is waiting."""
+        runs = [self.start(*shlex.split(command)) for command in commands]
+        return [run.wait(limit) for run in runs]
+
+    def done(self, *commands):
+        """What these print, done side by side; none may be refused."""
+        runs = self.at_once(*commands)
+        for command, run in zip(commands, runs):
+            self.assertEqual(0, run.status, "takt %s: %s" % (command, run.err))
+        return [run.out.rstrip("\n") for run in runs]
+
+    def refused(self, commands):
+        """Each of these ends with status 1, prints nothing, and says what its pattern finds."""
+        for (command, pattern), run in zip(commands.items(), self.at_once(*commands)):
+            self.assertEqual((1, ""), (run.status, run.out), "takt %s: %s" % (command, run.err))
+            self.assertRegex(run.err, pattern, "takt %s" % command)
+
+    def nodes(self, *devices, **options):
+        """A node for each device, all waiting."""
+        return {device: self.node(device, **options) for device in devices}
+
+    def end(self, nodes):
+        """SIGTERM ends each of them in order."""
+        for node in nodes.values():
+            node.signal(signal.SIGTERM)
+        for node in nodes.values():
+            self.assertEqual(0, node.wait(10).status, node.err)
+
+    def deploy(self, descriptor, *options):
+        """Deployed; runs from the instant on that all have agreed on."""
+        run = self.takt("deploy", descriptor, *options)
+        self.assertEqual(0, run.status, run.err)
+        return run
+
+    def wait_for_states(self, wanted, limit=15.0):
+        """Until takt status says so: {"device": "EXECUTING"} or {"device": {"module": "START"}}. Returns it, by device."""
+        def holds():
+            status = {d["name"]: d for d in self.status_of()["devices"]}
+            for device, states in wanted.items():
+                found = {m["name"]: m["state"] for m in status.get(device, {"modules": []})["modules"]}
+                if isinstance(states, str):
+                    if not found or set(found.values()) != {states}:
+                        return None
+                elif any(found.get(module) != state for module, state in states.items()):
+                    return None
+            return status
+        return wait_until(holds, limit, "%s" % wanted)
 
     def node(self, device, *arguments, **options):
         """A takt-node that waits for a deployment."""

@@ -1,5 +1,7 @@
 // takt deploy, takt undeploy: a cell onto the nodes of the network, and off them.
+#include <chrono>
 #include <cstdio>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -49,6 +51,9 @@ int deploy(const DeployOptions& options) {
     std::fprintf(stderr, "cell %s was not deployed; nothing of it runs\n", loaded->cell.name.c_str());
     return 1;
   }
+  // It runs from that instant on; who is told so may give it orders.
+  std::this_thread::sleep_until(std::chrono::system_clock::time_point{
+      std::chrono::duration_cast<std::chrono::system_clock::duration>(Nanoseconds{deployed->t0_ns})});
   std::string names;
   for (const model::Device& device : loaded->cell.devices) names += (names.empty() ? "" : ", ") + device.name;
   return print("cell " + loaded->cell.name + " runs on " + names + "\n") ? 0 : 1;
@@ -72,7 +77,11 @@ int undeploy(const UndeployOptions& options) {
   }
   Problems problems;
   std::string names;
-  for (const auto& one : client::undeploy(*client->asker, {.names = *devices})) {
+  for (const std::string& device : devices->lost) {
+    problems.push_back({"device " + device, "it is lost and could not be told",
+                        "start its node without --resume, else it takes the cell up again"});
+  }
+  for (const auto& one : client::undeploy(*client->asker, {.names = devices->names})) {
     problems.insert(problems.end(), one.problems.begin(), one.problems.end());
     if (one.problems.empty()) names += (names.empty() ? "" : ", ") + one.device;
     for (const std::string& failure : one.failures)

@@ -21,7 +21,7 @@ std::string cut(std::string text, std::size_t columns) {
 
 const char* colour_of(const WatchRow& row) {
   if (row.lost) return "\033[31m";
-  if (row.state == "EXECUTING" || row.state == "RUNNING") return "\033[32m";
+  if (row.state == "EXECUTING" || row.state == "running") return "\033[32m";
   if (row.state == "RECOVER" || row.state == "DESTRUCT") return "\033[31m";
   return "\033[33m";
 }
@@ -67,7 +67,8 @@ std::string watch_screen(const std::vector<WatchRow>& rows, const WatchScreen& s
   all.resize(std::max<std::size_t>(lines, 1));
 
   std::string text;
-  for (std::size_t i = 0; i < all.size(); ++i) text += (i == 0 ? "" : "\r\n") + all[i] + "\033[K";
+  // Cleared before it is written: after a character in the last column the cursor is still on it.
+  for (std::size_t i = 0; i < all.size(); ++i) text += (i == 0 ? "\033[K" : "\r\n\033[K") + all[i];
   return text;
 }
 

@@ -622,6 +622,23 @@ TEST_F(Resuming, WhatCannotBeTakenUpIsSaidAndKept) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
+TEST_F(Resuming, ADamagedFileIsSaidToAllUntilThereIsAnotherDeployment) {
+  {
+    FakeDevice device{file_};
+    device.become_running();
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    std::filesystem::resize_file(entry.path(), 100);
+  FakeDevice device{file_};
+  device.agent.resume();
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().health(), HEALTH_FAILED);
+  EXPECT_THAT(device.status().text().to_string(), HasSubstr("damaged"));
+  device.become_running();
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+}
+
 TEST_F(Resuming, WithoutAFileItWaits) {
   FakeDevice device{file_};
   device.agent.resume();

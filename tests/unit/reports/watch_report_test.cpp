@@ -9,22 +9,24 @@
 namespace takt::tool {
 namespace {
 
+// Each line is cleared before it is written.
 std::vector<std::string> lines_of(const std::string& screen) {
+  constexpr std::size_t kClear = 3;
   std::vector<std::string> lines;
   std::size_t at = 0;
-  while (true) {
-    const std::size_t end = screen.find("\033[K", at);
-    if (end == std::string::npos) return lines;
-    lines.push_back(screen.substr(at, end - at));
-    at = end + 3;
-    if (screen.compare(at, 2, "\r\n") == 0) at += 2;
+  while (screen.compare(at, kClear, "\033[K") == 0) {
+    const std::size_t end = std::min(screen.find("\r\n", at), screen.size());
+    lines.push_back(screen.substr(at + kClear, end - at - kClear));
+    if (end == screen.size()) break;
+    at = end + 2;
   }
+  return lines;
 }
 
 std::vector<WatchRow> cell(std::size_t modules) {
   std::vector<WatchRow> rows(1);
   rows[0].device = "robot";
-  rows[0].state = "RUNNING";
+  rows[0].state = "running";
   for (std::size_t i = 0; i < modules; ++i) {
     WatchRow row;
     row.device = "robot";
@@ -75,6 +77,7 @@ TEST(WatchScreen, ColoursDoNotCountInTheWidth) {
   const std::string shown = watch_screen(cell(3), {}, 80, 24, {.colour = true});
   EXPECT_THAT(shown, testing::HasSubstr("\033[32mEXECUTING\033[0m"));
   EXPECT_THAT(shown, testing::HasSubstr("\033[31mRECOVER\033[0m"));
+  EXPECT_THAT(shown, testing::HasSubstr("\033[32mrunning\033[0m"));
 }
 
 TEST(WatchScreen, SaysSoWhereThereIsNothing) {

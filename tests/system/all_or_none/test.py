@@ -1,0 +1,227 @@
+import os
+import shutil
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE
+
+MODULE = """
+    <module>
+      <name>%s</name>
+      <filename>%s</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+      <period>5000000</period> <priority>2</priority>%s
+    </module>
+  </device>
+</cell>
+"""
+WHERE = '<property><value name="where">initialize</value></property>'
+
+
+class AllOrNone(takt_system.Case):
+    def cell(self, name, module=None, filename="", rest=""):
+        """The good cell under another name, with one more module on the line."""
+        with open(self.beside("cell.xml")) as file:
+            text = file.read().replace('name="cell"', 'name="%s"' % name)
+        if module:
+            text = text[:text.rindex("\n  </device>")] + MODULE % (module, filename, rest)
+        return self.write(name + ".xml", text)
+
+    def path_without(self, *names):
+        """A component path on which these are missing."""
+        folder = os.path.join(self.folder, "components")
+        os.mkdir(folder)
+        for source in os.environ["TAKT_COMPONENT_PATH"].split(":"):
+            for name in os.listdir(source):
+                if name.endswith((".so", ".exe")) and name not in names:
+                    os.symlink(os.path.join(source, name), os.path.join(folder, name))
+        return {"TAKT_COMPONENT_PATH": folder}
+
+    def begin(self):
+        self.running = {"robot": self.node("robot"), "line": self.node("line", environment=self.path_without("fine.so"))}
+        self.marks = {}
+        self.mark()
+
+    def mark(self):
+        self.marks = {device: len(node.raw) for device, node in self.running.items()}
+
+    def said_since(self, device):
+        return "\n".join(self.running[device].raw[self.marks[device]:])
+
+    def assert_nothing_runs(self):
+        """All nodes wait, and nothing is there but them."""
+        status = self.status_of()
+        self.assertEqual("-", status["cell"])
+        self.assertEqual({"robot": [], "line": []}, {d["name"]: d["modules"] for d in status["devices"]})
+        self.assert_nothing_left_of_it()
+
+    def assert_nothing_left_of_it(self):
+        for device, node in self.running.items():
+            self.assertEqual(["takt-node"], [process.program for process in node.processes()])
+            self.assertNotIn("EXECUTING", self.said_since(device))
+
+    def assert_refused_everywhere(self, run, cell, *patterns):
+        self.assertEqual((1, ""), (run.status, run.out), run.err)
+        for pattern in patterns:
+            self.assertRegex(run.err, pattern)
+        self.assertRegex(run.err, "(?m)^cell %s was not deployed; nothing of it runs$" % cell)
+
+    def assert_a_good_one_succeeds(self):
+        self.deploy("cell.xml")
+        for device, node in self.running.items():
+            node.wait_for_line(r" %s\.grid: START -> EXECUTING" % device, after=self.marks[device])
+        self.done("undeploy cell")
+        self.mark()
+
+    def refuse(self, cell, *patterns, then_a_good_one=True):
+        with self.subTest(cell=os.path.basename(cell)):
+            name = os.path.basename(cell)[:-4]
+            begun = time.monotonic()
+            run = self.takt("deploy", cell, limit=20)
+            print("%s was refused after %.2f s" % (name, time.monotonic() - begun))
+            self.assert_refused_everywhere(run, name, *patterns)
+            if then_a_good_one:
+                self.assert_nothing_left_of_it()
+                self.assert_a_good_one_succeeds()
+            else:
+                self.assert_nothing_runs()
+
+    def test_what_one_device_cannot_take_up(self):
+        self.begin()
+        self.refuse(self.cell("absent", "bad", "fine.so"),
+                    r"(?m)absent\.xml:\d+: error: device line: module bad: there is no file fine\.so on this device's component path",
+                    then_a_good_one=False)
+        # A path of another machine means nothing here, even where there is such a file.
+        shutil.copy(os.path.join(self.folder, "components", "grid.so"), os.path.join(self.folder, "mine.so"))
+        self.refuse(self.cell("path", "bad", os.path.join(self.folder, "mine.so")),
+                    r"(?m)path\.xml:\d+: error: device line: module bad: there is no file mine\.so on this device's component path",
+                    then_a_good_one=False)
+        self.refuse(self.cell("unknown", "bad", "grid.so", '<property><value name="fiel">x</value></property>'),
+                    r"(?m)unknown\.xml:\d+: error: device line: .*bad.*'?fiel'?")
+        self.refuse(self.cell("initialize", "bad", "bad_initialize.so"),
+                    r"(?m)^module line\.bad: error: initialize\(\) failed: threw: initialize\(\) threw")
+        self.refuse(self.cell("start", "bad", "bad_start.so", '<recovery attempts="0"/>'),
+                    r"(?m)^module line\.bad: error: .*start\(\) failed: threw: start\(\) threw")
+        self.refuse(self.cell("crash", "bad", "segv.so", WHERE),
+                    r"(?m)^module line\.bad: error: the host was killed by SIGSEGV .* in initialize\(\)")
+        self.refuse(self.with_a_third_device(),
+                    r"(?m)^device third: error: it is not on domain %d; start it: takt-node --device third" % self.domain)
+        self.end(self.running)
+
+    def with_a_third_device(self):
+        with open(self.beside("cell.xml")) as file:
+            text = file.read().replace('name="cell"', 'name="third"').replace(
+                "</cell>", '<device name="third"><module><filename>grid.so</filename><moduletype>thread</moduletype>'
+                "<operationtype>periodic</operationtype><period>1000000</period><priority>1</priority></module></device></cell>")
+        return self.write("third.xml", text)
+
+    def test_a_mistake_in_the_descriptor_reaches_no_device(self):
+        self.begin()
+        before = {device: list(node.raw) for device, node in self.running.items()}
+        cell = self.cell("mistake", "grid", "grid.so", "<perod>5</perod>")
+        run = self.takt("deploy", cell)
+        self.assertEqual((1, ""), (run.status, run.out))
+        # All of them in one go.
+        self.assertRegex(run.err, r"(?m)^\S*mistake\.xml:\d+: error: .*perod")
+        self.assertRegex(run.err, r"(?m)^\S*mistake\.xml:\d+: error: .*grid")
+        self.assert_nothing_runs()
+        self.assertEqual(before, {device: node.raw for device, node in self.running.items()})
+        self.end(self.running)
+
+    def test_one_that_is_given_up_is_undone(self):
+        self.begin()
+        run = self.start("deploy", self.cell("hang", "bad", "hang.so", WHERE))
+        self.running["line"].wait_for_line("prepares cell hang")
+        self.running["robot"].wait_for_line("program: INITIALIZE|program: IDLE -> INITIALIZE")
+        run.signal(signal.SIGINT)
+        begun = time.monotonic()
+        run.wait(20)
+        print("given up %.2f s after Ctrl-C, while initialize() hung" % (time.monotonic() - begun))
+        self.assert_refused_everywhere(run, "hang", "error: it was given up before all devices were ready")
+        self.assert_nothing_runs()
+        self.assert_a_good_one_succeeds()
+        self.end(self.running)
+
+    def test_one_that_is_lost_while_it_is_prepared(self):
+        self.begin()
+        run = self.start("deploy", self.cell("hang", "bad", "hang.so", WHERE))
+        self.running["line"].wait_for_line("prepares cell hang")
+        self.running["robot"].wait_for_line("program: INITIALIZE -> START")
+        self.running["line"].signal(signal.SIGKILL)
+        begun = time.monotonic()
+        run.wait(20)
+        took = time.monotonic() - begun
+        print("refused %.2f s after a node was killed" % took)
+        self.assertLess(took, 4, "the hook that hangs is not waited for")
+        self.assert_refused_everywhere(run, "hang", r"(?m)^device line: error: it was lost before it answered to prepare$")
+        self.running["line"].wait(10)
+        self.running["line"] = self.node("line")
+        self.marks["line"] = 0
+        self.assert_nothing_runs()
+        self.assert_a_good_one_succeeds()
+        self.end(self.running)
+
+    def test_two_operators_at_once(self):
+        self.begin()
+        files = {name: self.cell(name) for name in ("one", "two")}
+        won = {}
+        for _ in range(2):
+            runs = {name: self.start("deploy", file) for name, file in files.items()}
+            for run in runs.values():
+                run.wait(30)
+            winners = [name for name, run in runs.items() if run.status == 0]
+            won[tuple(winners)] = won.get(tuple(winners), 0) + 1
+            self.assertLessEqual(len(winners), 1, "one device has one cell")
+            if not winners:
+                self.assert_nothing_runs()
+                continue
+            status = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+            self.assertEqual(2, len(status))
+            self.assertEqual(winners[0], self.status_of()["cell"])
+            self.done("undeploy " + winners[0])
+        print("of two cells at once ran: %s" % won)
+        self.end(self.running)
+
+    def test_two_nodes_of_one_name(self):
+        self.begin()
+        second = self.program("takt-node", "--device", "line", "--state-dir", os.path.join(self.folder, "second"))
+        clash = r"another node of the name line is on domain %d: process %%d on \S+; end one of them" % self.domain
+        self.running["line"].wait_for_line(clash % second.pid)
+        second.wait_for_line(clash % self.running["line"].pid)
+        # Who asks has found both, or the one that it has found says that there is another.
+        two = r"(?m)^device line: error: (2 nodes of this name are on domain %d: process \d+ on \S+, process \d+ on \S+; end all but " \
+              r"one of them|another node of the name line is on domain %d: process \d+ on)" % (self.domain, self.domain)
+        self.assert_refused_everywhere(self.takt("deploy", "cell.xml"), "cell", two)
+        self.refused({"status": two})
+        second.signal(signal.SIGTERM)
+        self.assertEqual(0, second.wait(10).status)
+        self.running["line"].wait_for_line("the other node of this name is gone")
+        self.assert_nothing_runs()
+        self.assert_a_good_one_succeeds()
+        self.end(self.running)
+
+    def test_where_a_cell_runs_it_goes_on(self):
+        self.begin()
+        self.deploy("cell.xml")
+        before = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+        hosts = {device: node.one("takt-host").pid for device, node in self.running.items()}
+        other, again, undeploy = self.at_once("deploy " + self.cell("other"), "deploy cell.xml", "undeploy other")
+        self.assert_refused_everywhere(again, "cell", "error: it already runs cell cell")
+        self.assertEqual(1, undeploy.status)
+        self.assertIn("error: no device on domain %d runs a cell other; there is cell" % self.domain, undeploy.err)
+        self.assert_refused_everywhere(other, "other", *[r"(?m)^device %s: error: it already runs cell cell; undeploy it first: takt "
+                                                       r"undeploy cell$" % device for device in self.running])
+        after = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+        for device, node in self.running.items():
+            self.assertEqual(hosts[device], node.one("takt-host").pid)
+            self.assertEqual(LIFE[:4], node.states("grid"))
+            rows = [status[device]["executors"][0] for status in (before, after)]
+            self.assertGreater(rows[1]["cycles"], rows[0]["cycles"])
+        self.done("undeploy cell")
+        self.end(self.running)
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,199 @@
+import json
+import os
+import re
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+DEVICES = {"robot": ["grid", "program", "plain"], "line": ["grid", "properties", "source"], "station": ["grid", "sink", "program"]}
+KINDS = ("grid", "program", "plain")  # of the robot: a thread module, a program that is released, a plain one
+DISTRIBUTION = {"mean", "variance", "min", "p50", "p99", "p999", "max"}
+
+
+class Deploy(takt_system.Case):
+    def test_a_cell_runs_on_its_devices_from_one_instant(self):
+        nodes = self.nodes(*DEVICES)
+        pids = {device: node.pid for device, node in nodes.items()}
+        for again in range(2):
+            begun = {device: len(node.lines) for device, node in nodes.items()}
+            run = self.deploy("cell.xml")
+            self.assertEqual("cell cell runs on robot, line, station\n", run.out)
+            self.assert_contract(self.wait_for_states({device: "EXECUTING" for device in DEVICES}))
+            # All are ready before the first runs.
+            lines = [line for device, node in nodes.items() for line in node.lines[begun[device]:]]
+            ready = [line.at for line in lines if line.text == "INITIALIZE -> START"]
+            first = [line.at for line in lines if line.text == "START -> EXECUTING"]
+            self.assertEqual((9, 9), (len(ready), len(first)))
+            self.assertLessEqual(max(ready), min(first))
+            self.assertEqual(["cell cell is undeployed from line, robot, station"], self.done("undeploy cell"))
+            # One machine has one clock, and each node reads its two clocks together as closely as it can.
+            instants = [int(self.read(device).split()[0]) for device in DEVICES]
+            self.assertLess(max(instants) - min(instants), 20000, instants)
+            print("the devices' instants differ by %d ns" % (max(instants) - min(instants)))
+            self.assertGreaterEqual(run.out_lines[0][0] * 1e9, min(instants), "it was said to run before it did")
+            for device, node in nodes.items():
+                self.assertEqual("0", self.read(device).split()[2], "releases beside the grid")
+                self.assertEqual([], node.processes("takt-host"))
+                self.assertEqual(pids[device], node.one("takt-node").pid)
+        seen = json.loads(self.read("sink"))
+        print("the sink saw %s" % seen)
+        self.assertGreater(seen["read"], 0)
+        self.assertEqual((0, 0), (seen["gaps"], seen["wrong"]))
+        status = self.status_of()
+        self.assertEqual(("-", [[], [], []]), (status["cell"], [d["modules"] for d in status["devices"]]))
+        self.refused({"stop robot.grid": "^device robot: error: device robot has no deployment$"})
+        self.end(nodes)
+        for device, node in nodes.items():
+            for module in DEVICES[device]:
+                states = [step.target for step in node.steps(module)]
+                self.assertEqual(2 * LIFE[1:], states, module)
+
+    def assert_contract(self, status):
+        self.assertEqual(set(DEVICES), set(status))
+        for name, device in status.items():
+            self.assertLessEqual({"name", "alive", "real_time", "executors", "modules"}, set(device))
+            self.assertIs(True, device["alive"])
+            for executor in device["executors"]:
+                self.assertLessEqual({"name", "cycles", "missed", "jitter_us"}, set(executor))
+                self.assertEqual(DISTRIBUTION, set(executor["jitter_us"]))
+                self.assertGreater(executor["cycles"], 0)
+            self.assertEqual(DEVICES[name], [m["name"] for m in device["modules"]])
+            for module in device["modules"]:
+                self.assertLessEqual({"name", "type", "operation", "state", "cycles", "overruns", "errors", "jitter_us", "run_us",
+                                      "pid"}, set(module))
+                self.assertEqual(DISTRIBUTION, set(module["jitter_us"]))
+                self.assertEqual(DISTRIBUTION, set(module["run_us"]))
+                self.assertTrue(os.path.exists("/proc/%d" % module["pid"]), module)
+
+    def running(self):
+        """The nodes of the cell, with each of its modules EXECUTING."""
+        nodes = self.nodes(*DEVICES)
+        self.deploy("cell.xml")
+        for device, modules in DEVICES.items():
+            for module in modules:
+                nodes[device].wait_for_state(module, "EXECUTING")
+        return nodes
+
+    def each(self, verb):
+        """The verb to a module of each kind, side by side: what they say."""
+        return self.done(*("%s robot.%s" % (verb, module) for module in KINDS))
+
+    def assert_each(self, verb, state):
+        self.assertEqual(["robot.%s: %s" % (module, state) for module in KINDS], self.each(verb))
+
+    def assert_each_refused(self, verb, state, allowed):
+        self.refused({"%s robot.%s" % (verb, module): "^device robot: error: %s is refused in state %s; it is allowed in %s$" %
+                      (verb, state, allowed) for module in KINDS})
+
+    def robot(self):
+        return {m["name"]: m for m in self.status_of("robot")["modules"]}
+
+    def test_every_verb_to_every_kind_of_module(self):
+        nodes = self.running()
+        self.assert_each("stop", "START")
+        stopped = self.robot()
+        self.assert_each_refused("stop", "START", "EXECUTING")
+        still = self.robot()
+        for module in KINDS:
+            self.assertEqual((stopped[module]["cycles"], "START"), (still[module]["cycles"], still[module]["state"]), module)
+        self.assertEqual([], nodes["robot"].processes("monitoring.exe"))
+        self.assert_each("start", "EXECUTING")
+        for module in ("grid", "program"):
+            wait_until(lambda: self.robot()[module]["cycles"] > still[module]["cycles"], 10, "%s to run again" % module)
+        nodes["robot"].one("monitoring.exe")
+        for verb, allowed in (("start", "INITIALIZE or START"), ("recover", "RECOVER"), ("reset", "DESTRUCT"), ("initialize", "IDLE")):
+            self.assert_each_refused(verb, "EXECUTING", allowed)
+        self.assert_each("destruct", "DESTRUCT")
+        self.assertEqual([], nodes["robot"].processes("monitoring.exe") + nodes["robot"].processes("grid.exe"))
+        self.assert_each_refused("start", "DESTRUCT", "INITIALIZE or START")
+        self.assert_each_refused("destruct", "DESTRUCT", "IDLE or INITIALIZE or START or EXECUTING or RECOVER")
+        self.assert_each("reset", "IDLE")
+        self.assert_each("initialize", "INITIALIZE")
+        self.assert_each("start", "EXECUTING")
+        # What a module is told moves no other.
+        for device in ("line", "station"):
+            for module in DEVICES[device]:
+                self.assertEqual(LIFE[:4], nodes[device].states(module))
+        self.done("undeploy cell")
+        self.end(nodes)
+        for module in KINDS:
+            self.assertEqual(LIFE[:4] + ["START", "EXECUTING", "START", "DESTRUCT"] + LIFE, nodes["robot"].states(module))
+
+    def test_a_whole_device(self):
+        nodes = self.running()
+        said = lambda state: "\n".join(["line.%s: %s" % (module, state) for module in DEVICES["line"]])
+        for verb, state in (("stop", "START"), ("start", "EXECUTING"), ("destruct", "DESTRUCT"), ("reset", "IDLE"),
+                            ("initialize", "INITIALIZE"), ("start", "EXECUTING")):
+            self.assertEqual([said(state)], self.done("%s line" % verb))
+        self.done("stop line.grid")
+        run = self.takt("stop", "line")
+        self.assertEqual(1, run.status)
+        self.assertEqual(["line.grid: START (stop is refused in state START; it is allowed in EXECUTING)", "line.properties: START",
+                          "line.source: START"], sorted(run.out.splitlines()))
+        self.assertRegex(run.err, "^device line: error: 1 of 3 modules did not$")
+        self.done("undeploy cell")
+        self.end(nodes)
+
+    def test_properties_ports_and_wrong_names(self):
+        nodes = self.running()
+        self.assertEqual(["3", "none", "1.5"], self.done("get line.properties count", "get line.properties label",
+                                                         "get line.properties gain"))
+        self.assertEqual(["7", "a b"], self.done("set line.properties count 7", "set line.properties label 'a b'"))
+        self.refused({
+            "set line.properties count 70": r"^device line: error: property 'count' cannot be '70'; .*1 to 10",
+            "set line.properties count seven": r"^device line: error: property 'count' cannot be 'seven'; .*whole number",
+            "set line.properties cuont 7": r"^device line: error: component CppProperties has no property 'cuont'; .*count",
+            "get line.proprties count": r"^device line: error: device line has no module 'proprties'; .*properties",
+            "set station.program x 1": r"^device station: error: program is a program",
+            "echo line.source.nothing": r"^device line: error: module line\.source has no port 'nothing'; .*out",
+            "echo station.sink.in": r"^device station: error: port station\.sink\.in is an input; .*line\.source\.out",
+        })
+        self.assertEqual(["7", "a b"], self.done("get line.properties count", "get line.properties label"))
+        self.assertIn("line.properties: count = 7", nodes["line"].err)
+        # A device that is not there is told within seconds, whatever it was asked.
+        asked = ("get nobody.grid x", "set nobody.grid x 1", "stop nobody.grid", "start nobody", "echo nobody.grid.out")
+        begun = time.monotonic()
+        self.refused({command: r"^device nobody: error: it is not there: no answer within 3 s; is takt-node --device nobody running "
+                               r"on domain %d\?$" % self.domain for command in asked})
+        took = time.monotonic() - begun
+        print("a device that is not there: all commands were refused within %.2f s" % took)
+        self.assertLess(took, 10)
+        # Ports are seen from anywhere, in order.
+        run = self.takt("echo", "line.source.out", "--count", "5")
+        self.assertEqual(0, run.status, run.err)
+        numbers = [json.loads(line)["number"] for line in run.out.splitlines()]
+        self.assertEqual(list(range(numbers[0], numbers[0] + 5)), numbers)
+        described = self.done("describe cpp_properties.so")[0]
+        for name in ("enabled", "count", "offset", "gain", "ratio", "label"):
+            self.assertRegex(described, r"(?m)^ +%s\b" % name)
+        self.done("undeploy cell")
+        self.end(nodes)
+
+    def test_recover(self):
+        node = self.node("robot")
+        self.deploy("recover.xml")
+        modules = ("thread", "program", "plain", "never")
+        in_recover = {module: "RECOVER" for module in modules}
+        self.wait_for_states({"robot": in_recover})
+        self.refused({"%s robot.%s" % (verb, module): "^device robot: error: %s is refused in state RECOVER; it is allowed in %s$" %
+                      (verb, allowed)
+                      for verb, allowed in (("start", "INITIALIZE or START"), ("stop", "EXECUTING")) for module in modules})
+        recovered = modules[:3]
+        self.assertEqual(["robot.%s: EXECUTING" % module for module in recovered],
+                         self.done(*("recover robot.%s" % module for module in recovered)))
+        self.refused({"recover robot.never": r"^device robot: error: it could not recover: recover\(\) failed: threw: recover\(\) threw"})
+        # They fail again, as they do.
+        self.wait_for_states({"robot": in_recover})
+        for module in recovered:
+            self.assertEqual(LIFE[:4] + ["RECOVER", "EXECUTING", "RECOVER"], node.states(module))
+        self.assertEqual(["robot.%s: DESTRUCT" % module for module in modules],
+                         self.done(*("destruct robot.%s" % module for module in modules)))
+        self.done("undeploy recover")
+        self.end({"robot": node})
+
+
+if __name__ == "__main__":
+    takt_system.main()

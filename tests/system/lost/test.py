@@ -1,0 +1,126 @@
+import os
+import re
+import signal
+import statistics
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+LEASE_MS = 300
+# What is promised is 50 ms, and the lease and 100 ms. A machine whose processors are taken away for a while is asked for less.
+LEAVES_MS = 500
+LOST_MS = 2000
+
+
+class Lost(takt_system.Case):
+    def begin(self):
+        self.looks = []
+        self.robot, self.line = self.node("robot"), self.node("line")
+        self.watch = self.start("watch")
+        self.deploy("cell.xml")
+        self.begun = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+        for module in ("robot.grid", "robot.sporadic", "robot.program", "line.grid", "line.program"):
+            self.watch.wait_for_out(r"^\d\d:\d\d:\d\d\.\d{3} %s: START -> EXECUTING$" % re.escape(module))
+
+    def kill(self, process, seen, back):
+        """Kills it. How many ms later the watcher saw the first of each of these lines, and then all those of what came back."""
+        after = len(self.watch.out_lines)
+        killed = time.monotonic()
+        process.kill()
+        took = [1000 * (self.watch.wait_for_out(pattern, after=after) - killed) for pattern in seen]
+        again = [1000 * (self.watch.wait_for_out(pattern, after=after) - killed) for pattern in back]
+        return max(took), max(again)
+
+    def assert_soon(self, what, trials, limit):
+        gone, back = zip(*trials)
+        print("%s: seen after %s ms (median %.0f), back after %s ms" % (
+            what, ", ".join("%.0f" % ms for ms in gone), statistics.median(gone), ", ".join("%.0f" % ms for ms in back)))
+        self.assertLess(statistics.median(gone), limit)
+
+    def assert_line_goes_on(self):
+        """Its modules never left EXECUTING and its processes are the same. What is said of all devices now."""
+        before = time.monotonic_ns()
+        now = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+        row = now["line"]["executors"][0]
+        self.looks.append((before, row["cycles"] + row["missed"], time.monotonic_ns()))
+        for module in ("grid", "program"):
+            self.assertEqual(LIFE[:4], self.line.states(module))
+        self.assertEqual([m["pid"] for m in self.begun["line"]["modules"]], [m["pid"] for m in now["line"]["modules"]])
+        return now
+
+    def finish(self):
+        self.done("undeploy cell")
+        t0, _, strayed = map(int, self.read("line").split())
+        self.assertEqual(0, strayed)
+        # Each row of the line since T0 was walked or is counted as missed; half a second is for an executor that was held up.
+        for before, rows, after in self.looks:
+            self.assertGreater(rows, (before - t0) / 5e6 - 100)
+            self.assertLess(rows, (after - t0) / 5e6 + 2)
+        self.end({"robot": self.robot, "line": self.line})
+        self.watch.signal(signal.SIGINT)
+        self.assertEqual(0, self.watch.wait(10).status, self.watch.err)
+
+    def test_a_host_and_a_program_are_killed(self):
+        self.begin()
+        trials = []
+        for _ in range(3):  # as often as a host is started again within a minute
+            trials.append(self.kill(self.robot.one("takt-host"),
+                                    [r" robot\.%s: (START|EXECUTING) -> DESTRUCT \(its host ended\)" % m for m in ("grid", "sporadic")],
+                                    [r" robot\.%s: START -> EXECUTING$" % m for m in ("grid", "sporadic")]))
+        self.assert_soon("a host", trials, LEAVES_MS)
+        trials = []
+        for _ in range(7):
+            trials.append(self.kill(self.robot.one("grid.exe"),
+                                    [r" robot\.program: EXECUTING -> RECOVER \(crash: .*SIGKILL"],
+                                    [r" robot\.program: RECOVER -> EXECUTING"]))
+        self.assert_soon("a program", trials, LEAVES_MS)
+        now = self.assert_line_goes_on()
+        robot = {m["name"]: m for m in now["robot"]["modules"]}
+        self.assertEqual(7, robot["program"]["errors"])
+        self.assertEqual(0, robot["grid"]["errors"], "it was no fault of its own")
+        self.finish()
+
+    def test_a_node_is_killed(self):
+        self.begin()
+        host = self.robot.one("takt-host")
+        after = len(self.watch.out_lines)
+        killed = time.monotonic()
+        self.robot.one("takt-node").kill()
+        gone = 1000 * (self.watch.wait_for_out(r"^\S+ robot: LOST", after=after) - killed)
+        status = {d["name"]: d for d in self.status_of()["devices"]}
+        self.assertEqual((False, True), (status["robot"]["alive"], status["line"]["alive"]))
+        self.assertEqual(["grid", "sporadic", "program"], [m["name"] for m in status["robot"]["modules"]])
+        self.refused({"stop robot": "^device robot: error: it is "})
+        self.assertRegex(self.done("status")[0], r"(?m)^device robot  LOST$")
+        wait_until(lambda: not [p for p in self.robot.processes() if p.alive], 10, "the end of its host and its program")
+        self.assertFalse(host.alive)
+        self.assertEqual({"EXECUTING"}, {m["state"] for m in status["line"]["modules"]})
+
+        after = len(self.watch.out_lines)
+        started = time.monotonic()
+        self.robot = self.node("robot", "--resume")
+        back = max(self.watch.wait_for_out(r" robot\.%s: START -> EXECUTING$" % m, after=after)
+                   for m in ("grid", "sporadic", "program"))
+        print("a node: lost after %.0f ms (its lease is %d ms), its modules ran again %.0f ms after it was started again" %
+              (gone, LEASE_MS, 1000 * (back - started)))
+        self.assertLess(gone, LOST_MS)
+        self.assert_line_goes_on()
+        self.finish()
+
+    def test_what_is_lost_cannot_be_undeployed(self):
+        self.begin()
+        self.robot.one("takt-node").kill()
+        self.watch.wait_for_out(r"^\S+ robot: LOST")
+        run = self.takt("undeploy", "cell")
+        self.assertEqual((1, "cell cell is undeployed from line\n"), (run.status, run.out))
+        self.assertEqual("device robot: error: it is lost and could not be told; start its node without --resume, else it takes the cell "
+                         "up again", run.err.rstrip())
+        self.assertEqual("-", self.status_of()["cell"])
+        self.end({"line": self.line})
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,114 @@
+import glob
+import os
+import signal
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+
+class Resume(takt_system.Case):
+    def executes(self, node):
+        for module in ("grid", "program"):
+            node.wait_for_line(r" robot\.%s: START -> EXECUTING" % module)
+
+    def gone(self, node):
+        wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "the end of all that it had started")
+
+    def kept(self):
+        found = glob.glob(os.path.join(self.folder, "state", "robot.*"))
+        self.assertLessEqual(len(found), 1)
+        return found[0] if found else None
+
+    def first_release(self):
+        return int(self.read("grid").split()[0])
+
+    def assert_waits(self, node):
+        status = self.status_of()
+        self.assertEqual(("-", [[]]), (status["cell"], [d["modules"] for d in status["devices"]]))
+        self.assertEqual(["takt-node"], [p.program for p in node.processes()])
+
+    def test_it_is_taken_up_again_on_the_same_grid(self):
+        node = self.node("robot")
+        self.deploy("cell.xml")
+        self.executes(node)
+        instants = []
+        for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGKILL):
+            node.signal(number)
+            self.assertEqual(-9 if number == signal.SIGKILL else 0, node.wait(10).status, node.err)
+            self.gone(node)
+            if number == signal.SIGTERM:
+                self.assertEqual(LIFE, node.states("grid"))
+                instants.append(self.first_release())
+            node = self.node("robot", "--resume")
+            self.executes(node)
+            # It does not make up for the time that it was away.
+            executor = self.status_of("robot")["executors"][0]
+            print("%s: rows walked %d, missed %d" % (number.name, executor["cycles"], executor["missed"]))
+            self.assertLess(executor["missed"], 3000)
+            self.assertEqual("cell", self.status_of()["cell"])
+        self.done("undeploy cell")
+        instants.append(self.first_release())
+        print("its grids differ by %d ns" % (instants[1] - instants[0]))
+        self.assertLess(abs(instants[0] - instants[1]), 20000)
+        self.assertIsNone(self.kept())
+        node.signal(signal.SIGKILL)
+        node.wait(10)
+        node = self.node("robot", "--resume")
+        self.assert_waits(node)
+        self.end({"robot": node})
+
+    def test_without_resume_it_waits_and_says_so(self):
+        node = self.node("robot")
+        self.deploy("cell.xml")
+        self.executes(node)
+        node.signal(signal.SIGKILL)
+        node.wait(10)
+        self.gone(node)
+        node = self.node("robot")
+        node.wait_for_line("cell cell was running when this node ended.*--resume")
+        self.assert_waits(node)
+        # And it is free.
+        self.deploy("cell.xml")
+        self.executes(node)
+        self.done("undeploy cell")
+        self.end({"robot": node})
+
+    def test_what_is_damaged_is_told(self):
+        node = self.node("robot")
+        self.deploy("cell.xml")
+        self.executes(node)
+        node.signal(signal.SIGTERM)
+        self.assertEqual(0, node.wait(10).status)
+        path = self.kept()
+        with open(path, "rb") as file:
+            whole = file.read()
+        half = len(whole) // 2
+        for what, content in (("cut short", whole[:half]), ("empty", b""), ("text", b"This is no deployment.\n"),
+                              ("bytes", bytes(range(256)) * 16), ("one bit", whole[:half] + bytes([whole[half] ^ 1]) + whole[half + 1:])):
+            with self.subTest(what):
+                with open(path, "wb") as file:
+                    file.write(content)
+                node = self.node("robot", "--resume")
+                said = node.wait_for_line("nothing is taken up again")
+                self.assertIn(path, said)
+                self.assertRegex(said, "damaged: .*; deploy the cell again$")
+                self.assertEqual(["takt-node"], [p.program for p in node.processes()])
+                if what == "cut short":
+                    self.assert_waits(node)
+                if what != "one bit":
+                    self.end({"robot": node})
+        self.deploy("cell.xml")
+        self.executes(node)
+        node.signal(signal.SIGKILL)
+        node.wait(10)
+        self.gone(node)
+        node = self.node("robot", "--resume")
+        self.executes(node)
+        self.done("undeploy cell")
+        self.end({"robot": node})
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,140 @@
+"""A terminal for programs that draw on one: what they draw is read from it as a person reads it, and keys are pressed."""
+import fcntl
+import os
+import pty
+import re
+import select
+import struct
+import termios
+import threading
+
+from takt_system import wait_until
+
+UP, DOWN = "\x1b[A", "\x1b[B"
+_CONTROL = re.compile(r"\x1b\[([?\d;]*)([A-Za-z])")
+
+
+class Terminal:
+    """`rows` by `columns`, as xterm does it: a character in the last column leaves the cursor on it."""
+
+    def __init__(self, rows=24, columns=100):
+        self._master, self.slave = pty.openpty()
+        self.settings = termios.tcgetattr(self.slave)
+        self.alternate = False  # the screen of its own
+        self.cursor = True
+        self.strange = []  # what no terminal needs to understand, and places beside the screen
+        self.seen = 0  # characters that were drawn
+        self._lock = threading.Lock()
+        self._over = threading.Event()
+        self.resize(rows, columns)
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def resize(self, rows, columns):
+        with self._lock:
+            self.rows, self.columns = rows, columns
+            self._cells = [[" "] * columns for _ in range(rows)]
+            self._row = self._column = 0
+            fcntl.ioctl(self.slave, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+
+    def become(self):
+        """In the child: this is its terminal."""
+        fcntl.ioctl(self.slave, termios.TIOCSCTTY, 0)
+
+    def press(self, keys):
+        os.write(self._master, keys.encode())
+
+    def restored(self):
+        """As it was found."""
+        return not self.alternate and self.cursor and termios.tcgetattr(self.slave) == self.settings
+
+    def close(self):
+        """Hangs up on whoever is still there."""
+        if self._over.is_set():
+            return
+        self._over.set()
+        self._reader.join()
+        os.close(self.slave)
+        os.close(self._master)
+
+    @property
+    def lines(self):
+        with self._lock:
+            return ["".join(row).rstrip() for row in self._cells]
+
+    @property
+    def text(self):
+        return "\n".join(self.lines)
+
+    def wait_for(self, pattern, limit=15.0):
+        """The first line on which it is found."""
+        expression = re.compile(pattern)
+
+        def find():
+            return next((line for line in self.lines if expression.search(line)), None)
+
+        try:
+            return wait_until(find, limit, "%r on the screen" % pattern)
+        except AssertionError as error:
+            raise AssertionError("%s; it shows:\n%s" % (error, self.text)) from None
+
+    def _read(self):
+        rest = ""
+        while not self._over.is_set():
+            if not select.select([self._master], [], [], 0.05)[0]:
+                continue
+            try:
+                data = os.read(self._master, 65536)
+            except OSError:
+                return
+            if not data:
+                return
+            with self._lock:
+                text = data.decode(errors="replace")
+                self.seen += len(text)
+                rest = self._draw(rest + text)
+
+    def _draw(self, text):
+        """Returns what is still to come of a sequence that is not whole."""
+        at = 0
+        while at < len(text):
+            if text[at] == "\x1b":
+                match = _CONTROL.match(text, at)
+                if match is None:
+                    if len(text) - at < 16:
+                        return text[at:]
+                    self.strange.append(text[at:at + 16])
+                    at += 1
+                    continue
+                self._control(match[1], match[2])
+                at = match.end()
+                continue
+            self._put(text[at])
+            at += 1
+        return ""
+
+    def _control(self, numbers, name):
+        if name == "H" and numbers == "":
+            self._row = self._column = 0
+        elif name == "K" and numbers in ("", "0", "2"):
+            if self._row < self.rows:
+                begin = 0 if numbers == "2" else min(self._column, self.columns - 1)
+                self._cells[self._row][begin:] = [" "] * (self.columns - begin)
+        elif name in "hl" and numbers in ("?25", "?1049"):
+            setattr(self, "cursor" if numbers == "?25" else "alternate", name == "h")
+        elif name != "m":
+            self.strange.append("CSI %s %s" % (numbers, name))
+
+    def _put(self, character):
+        if character == "\r":
+            self._column = 0
+        elif character == "\n":
+            self._row += 1
+            if self._row >= self.rows:
+                self.strange.append("a line below the last")
+                self._row = self.rows - 1
+        elif self._column >= self.columns:
+            self.strange.append("%r right of the last column" % character)
+        else:
+            self._cells[self._row][self._column] = character
+            self._column += 1
