@@ -151,14 +151,10 @@ int run_node(const NodeOptions& options) {
   (*voice)->answer_by([&server](const dds::WholeReply& reply) { server->reply(reply); });
 
   if (!lent) log(options.device, "", "waits for a deployment on domain " + std::to_string(options.domain));
-<<<<<<< HEAD
-  if (options.resume) agent.resume();
-=======
   if (options.resume)
     agent.resume();
   else
     agent.leave_kept();
->>>>>>> helper-S
   while (!agent.ended()) {
     (*voice)->sign();
     std::vector<const os::Fd*> fds = agent.wait_on();

@@ -32,7 +32,7 @@ bool Supervisor::apply(Member& member, Event event, const std::string& text, Err
     return false;
   }
   log(member, std::string{lifecycle::to_text(step->from)} + " -> " + lifecycle::to_text(step->to) +
-                  (text.empty() ? "" : " (" + text + ")"));
+                  (text.empty() ? "" : " (" + on_one_line(text) + ")"));
   if (options_.stepped)
     options_.stepped({.module = member.index, .transition = *step, .error = error, .text = text});
   return true;

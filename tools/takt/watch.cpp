@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <takt/core/words.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/keyboard.hpp>
@@ -60,10 +61,11 @@ std::string line_of(const LifecycleStatus& s) {
   const std::string text = s.text().to_string();
   return fmt::format("{} {}.{}: {} -> {}{}\n", clock_text(s.time_ns()), s.device().to_string(),
                      s.name().to_string(), to_text(s.previous_state()), to_text(s.state()),
-                     text.empty() ? "" : " (" + text + ")");
+                     text.empty() ? "" : " (" + on_one_line(text) + ")");
 }
 
 std::string line_of(const dds::SeenDevice& device) {
+<<<<<<< HEAD
   const DeviceStatus& s = device.status;
   const std::string text = s.text().to_string();
   std::string state = device.alive ? to_text(s.state()) : "LOST";
@@ -71,6 +73,12 @@ std::string line_of(const dds::SeenDevice& device) {
     state += fmt::format(", {} of {} modules EXECUTING", s.executing(), s.modules());
   return fmt::format("{} {}: {}{}\n", clock_text(s.time_ns()), device.name(), state,
                      text.empty() ? "" : " (" + text + ")");
+=======
+  const std::string text = device.status.text().to_string();
+  return fmt::format("{} {}: {}{}\n", clock_text(device.status.time_ns()), device.name(),
+                     device.alive ? to_text(device.status.state()) : "LOST",
+                     text.empty() ? "" : " (" + on_one_line(text) + ")");
+>>>>>>> helper-S
 }
 
 int print_lines(const WatchOptions& options, const os::SignalQueue& signals, const Client&, Lines& lines) {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <takt/core/words.hpp>
+
 namespace takt::tool {
 
 namespace {
@@ -14,8 +16,12 @@ constexpr const char* kHelp =
     "arrows choose   s start   t stop   r recover   x reset   i initialize   q quit";
 constexpr std::size_t kEvents = 4;
 
+// Each character takes a column; none is cut in two.
 std::string cut(std::string text, std::size_t columns) {
-  if (text.size() > columns) text.resize(columns);
+  std::size_t at = 0;
+  for (; at < text.size() && columns > 0; --columns)
+    at += std::max<std::size_t>(utf8_length(std::string_view{text}.substr(at)), 1);
+  text.resize(std::min(at, text.size()));
   return text;
 }
 
@@ -36,7 +42,7 @@ std::string line_of(const WatchRow& row, bool selected, std::size_t columns, boo
     line += fmt::format(" {:>11} {:>8.2f} {:>8.2f} {:>8} {:>6}", row.cycles, row.jitter_p50_us,
                         row.jitter_p99_us, row.overruns, row.errors);
   }
-  if (!row.text.empty()) line += "  " + row.text;
+  if (!row.text.empty()) line += "  " + on_one_line(row.text);
   line = cut(line, columns);
   if (colour && line.size() >= state_at + state.size())
     line =
@@ -61,8 +67,8 @@ std::string watch_screen(const std::vector<WatchRow>& rows, const WatchScreen& s
   if (rows.empty()) all.push_back(cut("  no device is to be seen on this domain", columns));
   while (all.size() < room + 1) all.emplace_back();
   for (std::size_t i = screen.events.size() - events; i < screen.events.size(); ++i)
-    all.push_back(cut("  " + screen.events[i], columns));
-  all.push_back(cut(screen.message, columns));
+    all.push_back(cut("  " + on_one_line(screen.events[i]), columns));
+  all.push_back(cut(on_one_line(screen.message), columns));
   all.push_back(cut(kHelp, columns));
   all.resize(std::max<std::size_t>(lines, 1));
 

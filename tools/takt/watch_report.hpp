@@ -15,7 +15,7 @@ namespace takt::tool {
 struct WatchRow {
   std::string device;
   std::string module;  ///< empty: the row of the device
-  std::string state;   ///< "EXECUTING"; of a device "RUNNING"
+  std::string state;   ///< "EXECUTING"; of a device "running"
   bool lost = false;   ///< the node is not there any more; the rest is what was heard last
   std::string text;    ///< why it is not as it should be
   bool measured = false;
@@ -34,8 +34,8 @@ struct WatchScreen {
   std::deque<std::string> events;
 };
 
-/// The whole screen: exactly `lines` lines of at most `columns` columns, each ended by an escape that clears
-/// the rest of it. The selected row is always among those that are shown. States are words; colour comes on
+/// The whole screen: exactly `lines` lines of at most `columns` columns, each begun by an escape that clears
+/// it. The selected row is always among those that are shown. States are words; colour comes on
 /// top where `style` has it.
 std::string watch_screen(const std::vector<WatchRow>& rows, const WatchScreen& screen, std::size_t columns,
                          std::size_t lines, Style style);

@@ -51,8 +51,10 @@ class Lost(takt_system.Case):
         self.assertEqual([m["pid"] for m in self.begun["line"]["modules"]], [m["pid"] for m in now["line"]["modules"]])
         return now
 
-    def finish(self):
-        self.done("undeploy cell")
+    def finish(self, failure="^$"):
+        run = self.takt("undeploy", "cell")
+        self.assertEqual(0, run.status, run.err)
+        self.assertRegex(run.err, failure)
         t0, _, strayed = map(int, self.read("line").split())
         self.assertEqual(0, strayed)
         # Each row of the line since T0 was walked or is counted as missed; half a second is for an executor that was held up.
@@ -81,10 +83,27 @@ class Lost(takt_system.Case):
         robot = {m["name"]: m for m in now["robot"]["modules"]}
         self.assertEqual(7, robot["program"]["errors"])
         self.assertEqual(0, robot["grid"]["errors"], "it was no fault of its own")
-        self.finish()
+        # Once more, and the device ends, and no other.
+        self.robot.one("takt-host").kill()
+        reason = r"device robot: error: the host was killed by SIGKILL \(Killed\); it has been restarted 3 times"
+        self.watch.wait_for_out(r"^\S+ robot: ended \(%s" % reason)
+        self.wait_for_states({"robot": "DESTRUCT", "line": "EXECUTING"})
+        self.assertEqual(["takt-node"], [process.program for process in self.robot.processes()])
+        self.finish("it had failed: " + reason)
 
     def test_a_node_is_killed(self):
         self.begin()
+        # A node that is stopped is as good as lost, but what it started goes on, and it comes back by itself.
+        node = self.robot.one("takt-node")
+        after = len(self.watch.out_lines)
+        node.kill(signal.SIGSTOP)
+        self.watch.wait_for_out(r"^\S+ robot: LOST", after=after)
+        self.assertEqual(["EXECUTING"], list({m["state"] for m in self.status_of("line")["modules"]}))
+        node.kill(signal.SIGCONT)
+        self.watch.wait_for_out(r"^\S+ robot: running", after=after)
+        self.assert_line_goes_on()
+        self.assertEqual(LIFE[:4], self.robot.states("grid"))
+
         host = self.robot.one("takt-host")
         after = len(self.watch.out_lines)
         killed = time.monotonic()

@@ -80,6 +80,26 @@ TEST(WatchScreen, ColoursDoNotCountInTheWidth) {
   EXPECT_THAT(shown, testing::HasSubstr("\033[32mrunning\033[0m"));
 }
 
+TEST(WatchScreen, ATextOfSeveralLinesStaysOnItsLine) {
+  auto rows = cell(2);
+  rows[2].text = "first\nsecond\x1b[2J";
+  const auto shown =
+      lines_of(watch_screen(rows, {.selected = 0, .message = "a\nb", .events = {"c\nd"}}, 120, 10, {}));
+  ASSERT_EQ(shown.size(), 10);
+  for (const std::string& line : shown) EXPECT_THAT(line, testing::Not(testing::ContainsRegex("[\n\x1b]")));
+  EXPECT_THAT(shown[3], testing::HasSubstr("first\\nsecond\\x1b[2J"));
+}
+
+TEST(WatchScreen, IsCutBetweenCharacters) {
+  auto rows = cell(0);
+  rows[0].text = "ä€ö";
+  const std::size_t begin = lines_of(watch_screen(rows, {}, 200, 5, {}))[1].find("ä");
+  for (const auto& [more, seen] : {std::pair{1, "ä"}, {2, "ä€"}, {3, "ä€ö"}, {4, "ä€ö"}}) {
+    const auto shown = lines_of(watch_screen(rows, {}, begin + static_cast<std::size_t>(more), 5, {}));
+    EXPECT_EQ(shown[1].substr(begin), seen);
+  }
+}
+
 TEST(WatchScreen, SaysSoWhereThereIsNothing) {
   EXPECT_THAT(watch_screen({}, {}, 80, 24, {}), testing::HasSubstr("no device is to be seen"));
 }
