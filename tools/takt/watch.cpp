@@ -65,20 +65,13 @@ std::string line_of(const LifecycleStatus& s) {
 }
 
 std::string line_of(const dds::SeenDevice& device) {
-<<<<<<< HEAD
   const DeviceStatus& s = device.status;
   const std::string text = s.text().to_string();
   std::string state = device.alive ? to_text(s.state()) : "LOST";
   if (device.alive && s.state() == DEVICE_RUNNING)
     state += fmt::format(", {} of {} modules EXECUTING", s.executing(), s.modules());
   return fmt::format("{} {}: {}{}\n", clock_text(s.time_ns()), device.name(), state,
-                     text.empty() ? "" : " (" + text + ")");
-=======
-  const std::string text = device.status.text().to_string();
-  return fmt::format("{} {}: {}{}\n", clock_text(device.status.time_ns()), device.name(),
-                     device.alive ? to_text(device.status.state()) : "LOST",
                      text.empty() ? "" : " (" + on_one_line(text) + ")");
->>>>>>> helper-S
 }
 
 int print_lines(const WatchOptions& options, const os::SignalQueue& signals, const Client&, Lines& lines) {
