@@ -38,17 +38,23 @@ foreach(library tinyxml2 fastdds linux)
   endforeach()
 endforeach()
 
-# takt_precompile(target large.hpp ...): what takes long to read is read once for the target. It hides nothing: each header of
-# a room is compiled without.
+# takt_precompile(target large.hpp ...): what takes long to read is read once for the target.
+# takt_precompile(target REUSE_FROM other): it was read for another target, which is compiled with the same options.
+# It hides nothing: each header of a room is compiled without.
 function(takt_precompile target)
-  if(ARGN AND NOT TAKT_FUZZ)
-    foreach(header IN LISTS ARGN)
-      target_precompile_headers(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:<${header}$<ANGLE-R>>")
-    endforeach()
-    # GCC 12 forgets that what it precompiled are the system's headers, and warns of std::string in them.
-    target_compile_options(${target} PRIVATE 
-      "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow>")
+  cmake_parse_arguments(PRECOMPILE "" "REUSE_FROM" "" ${ARGN})
+  if(TAKT_FUZZ OR NOT ARGN)
+    return()
   endif()
+  foreach(header IN LISTS PRECOMPILE_UNPARSED_ARGUMENTS)
+    target_precompile_headers(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:<${header}$<ANGLE-R>>")
+  endforeach()
+  if(PRECOMPILE_REUSE_FROM)
+    target_precompile_headers(${target} REUSE_FROM ${PRECOMPILE_REUSE_FROM})
+  endif()
+  # GCC 12 forgets that what it precompiled are the system's headers, and warns of std::string in them.
+  target_compile_options(${target} PRIVATE
+    "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow>")
 endfunction()
 
 function(takt_room name)
