@@ -82,11 +82,13 @@ class Deployment {
   Question question(CommandKind kind, const model::Device& device) const;
   // One answer of each device, and every reason why one is not a yes.
   Problems ask(const std::vector<Question>& questions, std::vector<dds::WholeReply>* replies = nullptr);
+  void keep();
 
   Operator& asker_;
   const model::Cell& cell_;
   const DeployOptions& options_;
   std::string id_;
+  std::chrono::steady_clock::time_point kept_{};
 };
 
 Question Deployment::question(CommandKind kind, const model::Device& device) const {
@@ -98,7 +100,11 @@ Question Deployment::question(CommandKind kind, const model::Device& device) con
 
 Problems Deployment::ask(const std::vector<Question>& questions, std::vector<dds::WholeReply>* replies) {
   Problems problems;
-  auto answers = asker_.ask(questions, [this] { return cancelled(); });
+  kept_ = std::chrono::steady_clock::now();
+  auto answers = asker_.ask(questions, [this] {
+    keep();
+    return cancelled();
+  });
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const auto answer = accepted(std::move(answers[i]));
     if (answer && replies != nullptr) replies->push_back(*answer);
@@ -108,6 +114,22 @@ Problems Deployment::ask(const std::vector<Question>& questions, std::vector<dds
   }
   if (cancelled()) return {fail("it was given up before all devices were ready")};
   return problems;
+}
+
+// A device that is ready undoes it when it hears nothing for a while, as when we have died. While others take
+// longer than that it is told that we live.
+void Deployment::keep() {
+  constexpr std::chrono::seconds kEvery{4};
+  constexpr std::chrono::milliseconds kAnswered{500};
+  const auto now = std::chrono::steady_clock::now();
+  if (now - kept_ < kEvery) return;
+  kept_ = now;
+  std::vector<Question> questions;
+  for (const model::Device& device : cell_.devices) {
+    questions.push_back(question(COMMAND_REPORT, device));
+    questions.back().limit = kAnswered;
+  }
+  static_cast<void>(asker_.ask(questions));
 }
 
 // Every device exactly once, and free.

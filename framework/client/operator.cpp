@@ -197,6 +197,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
   const std::lock_guard lock{inside_->mutex};
   for (State& state : states) {
     inside_->open.erase(state.id);
+    inside_->client->forget(state.id);
     outcomes.push_back(std::move(*state.outcome));
   }
   return outcomes;

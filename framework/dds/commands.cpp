@@ -455,6 +455,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     WholeCommand command;
     Clock::time_point again;
     milliseconds pause = kResend;
+    bool sent = false;
   };
 
   std::function<void(const WholeReply&)> heard;
@@ -516,9 +517,10 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     while (!ending) {
       const auto now = Clock::now();
       const std::int64_t wall = wall_ns();
-      std::erase_if(open, [wall](const auto& each) { return each.second.command.head.deadline_ns() < wall; });
+      // After its deadline it is sent only to be answered: who has it already answers again.
       const auto due = std::find_if(open.begin(), open.end(), [&](const auto& each) {
-        return matched > 0 && each.second.again <= now;
+        const Open& one = each.second;
+        return matched > 0 && one.again <= now && (one.sent || one.command.head.deadline_ns() >= wall);
       });
       if (due == open.end()) {
         if (open.empty())
@@ -530,6 +532,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
       const WholeCommand command = due->second.command;
       if (command.data.size() > kPart) due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
       due->second.again = now + due->second.pause;
+      due->second.sent = true;
       lock.unlock();
       ends.write(command);
       lock.lock();
@@ -560,9 +563,14 @@ CommandClient::~CommandClient() = default;
 bool CommandClient::send(const WholeCommand& command) {
   if (command.data.size() > kMaxData) return false;
   const std::lock_guard lock{inside_->mutex};
-  inside_->open[command.head.id().to_string()] = {command, Clock::now()};
+  inside_->open[command.head.id().to_string()] = {.command = command, .again = Clock::now()};
   inside_->changed.notify_all();
   return true;
+}
+
+void CommandClient::forget(const std::string& id) {
+  const std::lock_guard lock{inside_->mutex};
+  inside_->open.erase(id);
 }
 
 }  // namespace takt::dds

@@ -61,10 +61,13 @@ class CommandClient {
   ~CommandClient();
 
   /// Sends it (head.id is given by the caller, and no other on the domain has it) once the command reader of
-  /// a node has matched, and again each second and whenever another has matched, until an answer came or
-  /// head.deadline_ns has passed. One answer is heard for each id. False where the data is longer than
-  /// kMaxData.
+  /// a node has matched, and again each second and whenever another has matched, until an answer came or it
+  /// is forgotten: an answer may well come after head.deadline_ns, until which it is to be begun; for the
+  /// first time it is never sent after that. One answer is heard for each id. False where the data is longer
+  /// than kMaxData.
   bool send(const WholeCommand& command);
+  /// Nobody waits for an answer to it any more.
+  void forget(const std::string& id);
 
  private:
   struct Inside;

@@ -75,6 +75,9 @@ void Agent::hear(const dds::WholeCommand& command) {
 }
 
 void Agent::report(const Command& command) {
+  // Who prepares a cell asks for as long as its other devices take.
+  if (deployment_ && deployment_->ready_since && deployment_->id == command.deployment().to_string())
+    deployment_->ready_since = options_.now();
   json report{{"name", options_.device},
               {"alive", true},
               {"real_time", options_.real_time},

@@ -22,7 +22,8 @@ inline constexpr Nanoseconds kHostEndLimit = std::chrono::seconds{2};
 inline constexpr std::size_t kHostRestarts = 3;
 inline constexpr Nanoseconds kRestartWindow = std::chrono::seconds{60};
 
-/// A prepared deployment, to be told when it is to run; then it is undone.
+/// A prepared deployment, to be told when it is to run, or that others are still being prepared; then it is
+/// undone.
 inline constexpr Nanoseconds kRunAwaited = std::chrono::seconds{20};
 /// A deployment that is taken up again, to the first row that it walks.
 inline constexpr Nanoseconds kJoinGridAhead = std::chrono::milliseconds{100};

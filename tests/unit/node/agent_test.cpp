@@ -548,6 +548,27 @@ TEST(Agent, OneThatWasLentWaitsALittleForItsReportToBeFetched) {
   EXPECT_TRUE(orphan.agent.ended());
 }
 
+TEST(Agent, WhatIsReadyWaitsForAsLongAsSomebodyPreparesTheRest) {
+  FakeDevice device;
+  device.become_ready();
+  const auto ask = [&device](const std::string& id) {
+    dds::WholeCommand c = device.command(COMMAND_REPORT);
+    c.head.deployment(id);
+    device.hear(c);
+  };
+  for (int i = 0; i < 4; ++i) {
+    device.pass(seconds{15});
+    ask("d1");
+    EXPECT_EQ(device.status().state(), DEVICE_READY) << "after " << i;
+  }
+  ask("");
+  ask("another");
+  device.pass(seconds{15});
+  ask("");
+  device.pass(seconds{6});
+  EXPECT_EQ(device.work.phase, Phase::stopping) << "nobody but who prepares it keeps it";
+}
+
 TEST(Agent, EndingDuringThePreparationAnswersWhoAskedForIt) {
   FakeDevice device;
   device.prepare();
