@@ -24,6 +24,8 @@ using json = nlohmann::ordered_json;
 constexpr std::chrono::seconds kBegun{10};
 /// Within which a node that is there has been found, however long its answer may take.
 constexpr Nanoseconds kFound = std::chrono::seconds{3};
+/// Within which a node that is lost while it is asked may come back: its machine was busy, not dead.
+constexpr Nanoseconds kBack = milliseconds{700};
 
 std::int64_t wall_ns() {
   return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -83,6 +85,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     std::string id;
     std::string node;
     bool sent = false;
+    std::optional<Clock::time_point> gone_since;
     std::optional<Result<dds::WholeReply>> outcome;
   };
   std::vector<State> states(questions.size());
@@ -113,7 +116,12 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     if (state.sent) {
       const bool there = std::any_of(alive.begin(), alive.end(),
                                      [&](const dds::SeenDevice& seen) { return seen.node() == state.node; });
-      if (!there) {
+      if (there) {
+        state.gone_since.reset();
+      } else if (!state.gone_since) {
+        state.gone_since = Clock::now();
+      }
+      if (!there && Clock::now() - *state.gone_since > kBack) {
         state.outcome =
             Problem{device_of(q), std::string{"it was lost before it answered to "} + to_text(q.kind), ""};
       } else if (q.limit && waited > *q.limit) {

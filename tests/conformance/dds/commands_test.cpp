@@ -212,6 +212,20 @@ TEST(Commands, AreNotSentAfterTheirDeadline) {
   EXPECT_EQ(server.line(), "handled punctual 0");
 }
 
+TEST(Commands, AreAnsweredHoweverLongThatTakesWhenTheyWereBegunInTime) {
+  Peer server{{"server", "d", "3", "1500"}};
+  ASSERT_TRUE(server.says("ready"));
+  Asker asker{participate()};
+  asker.send("slow", {}, 500ms);
+  const auto reply = asker.next();
+  ASSERT_TRUE(reply.has_value()) << "the deadline is that of the beginning";
+  EXPECT_EQ(reply->head.value().to_string(), "for slow");
+  asker.send("end");
+  ASSERT_TRUE(asker.next().has_value());
+  EXPECT_EQ(server.line(), "handled slow 0");
+  EXPECT_EQ(server.line(), "handled end 0") << "it was done once";
+}
+
 TEST(Commands, AStuckAskerDoesNotKeepOthersWaiting) {
   Peer server{{"server", "d", "2000000"}};
   ASSERT_TRUE(server.says("ready"));

@@ -157,7 +157,7 @@ void transitions(const Participant& participant, const Arguments& arguments) {
   told();
 }
 
-// server DEVICE BYTES: answers each command with so many bytes of data
+// server DEVICE BYTES [MS]: answers each command with so many bytes of data, after so long
 void server(const Participant& participant, const Arguments& arguments) {
   const std::string data(std::stoul(arguments[1]), 'r');
   dds::CommandServer* self = nullptr;
@@ -171,6 +171,8 @@ void server(const Participant& participant, const Arguments& arguments) {
         reply.head.id(command.head.id());
         reply.head.code(REPLY_OK);
         reply.head.value("for " + command.head.id().to_string());
+        if (arguments.size() > 2)
+          std::this_thread::sleep_for(std::chrono::milliseconds{std::stoi(arguments[2])});
         self->reply(reply);
       }));
   self = &server;
