@@ -1,6 +1,8 @@
 // A samples::Count and what it must look like.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 
 #include <samples.hpp>
@@ -32,6 +34,8 @@ struct Seen {
   std::uint64_t gaps = 0;   ///< numbers between two that never came
   std::uint64_t wrong = 0;  ///< torn, or not after the one before
   std::int64_t oldest_ns = 0;
+  std::array<std::uint32_t, 10'000>
+      ages_us{};  ///< how many were so old when they were read; the last: or more
 
   void take(const samples::Count& count, std::int64_t age_ns) {
     if (!is_whole(count) || (read != 0 && count.number() <= last)) ++wrong;
@@ -39,6 +43,17 @@ struct Seen {
     if (read != 0 && count.number() > last) gaps += count.number() - last - 1;
     last = count.number();
     if (age_ns > oldest_ns) oldest_ns = age_ns;
+    ++ages_us[std::min<std::size_t>(static_cast<std::size_t>(age_ns / 1000), ages_us.size() - 1)];
     ++read;
+  }
+  /// The age that so great a part of them did not exceed.
+  [[nodiscard]] std::size_t age_us(double part) const {
+    std::uint64_t sum = 0;
+    std::size_t us = 0;
+    while (us < ages_us.size() - 1 &&
+           static_cast<double>(sum += ages_us[us]) < part * static_cast<double>(read)) {
+      ++us;
+    }
+    return us;
   }
 };
