@@ -153,9 +153,14 @@ Result<std::string> Host::get(const Request& request) const {
 
 Result<void> Host::set(const Request& request) {
   ThreadModule& instance = *modules_[request.module];
-  if (instance.component() != nullptr) return instance.set({{request.property, request.value}});
-  return fail(module(request.module).name + " is written in C: it reads its properties in initialize()",
-              "change the descriptor and reset it");
+  if (instance.component() == nullptr) {
+    return fail(module(request.module).name + " is written in C: it reads its properties in initialize()",
+                "undeploy the cell, change the descriptor and deploy it again");
+  }
+  // Also for the next time that it is loaded.
+  auto done = instance.set({{request.property, request.value}});
+  if (done) model::give_property(setup_.device.modules[request.module], request.property, request.value);
+  return done;
 }
 
 Result<void> Host::call(const Request& request) {

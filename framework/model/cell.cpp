@@ -73,4 +73,13 @@ Result<std::string> given_property(const Module& module, const std::string& name
               given.empty() ? "it gives none" : "it gives " + given);
 }
 
+void give_property(Module& module, const std::string& name, const std::string& value) {
+  for (PropertyValue& property : module.properties) {
+    if (property.name != name) continue;
+    property.value = value;
+    return;
+  }
+  module.properties.push_back({.name = name, .value = value});
+}
+
 }  // namespace takt::model

@@ -149,5 +149,7 @@ std::string to_text(const Endpoint& end);
 std::string topic_of(const Cell& cell, const Connection& connection);
 /// The text that the descriptor gives a property of a module. Fails when it gives none.
 Result<std::string> given_property(const Module& module, const std::string& name);
+/// The module is given the property with this value, whether it was given it before or not.
+void give_property(Module& module, const std::string& name, const std::string& value);
 
 }  // namespace takt::model

@@ -205,7 +205,8 @@ class Reader {
     field.scalar = static_cast<Scalar>(scalar - kWords.begin());
     field.dimensions = sizes_of(json, where, "array");
     field.elements = sizes_of(json, where, "elements");
-    if (json.contains("sequence")) field.sequence = size_of_member(json["sequence"], where, "a sequence without a bound");
+    if (json.contains("sequence"))
+      field.sequence = size_of_member(json["sequence"], where, "a sequence without a bound");
     if (!field.elements.empty() && field.sequence == 0)
       problem(where, "has elements and is no sequence", "an array has \"array\"");
 
@@ -241,8 +242,7 @@ class Reader {
     if (json.is_number_unsigned() && json.get<std::uint64_t>() >= 1 &&
         json.get<std::uint64_t>() <= kMaxSampleSize)
       return json.get<std::size_t>();
-    problem(where, std::string{"is "} + what,
-            "it is from 1 to " + std::to_string(kMaxSampleSize));
+    problem(where, std::string{"is "} + what, "it is from 1 to " + std::to_string(kMaxSampleSize));
     return 1;
   }
 

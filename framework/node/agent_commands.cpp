@@ -84,6 +84,10 @@ void Agent::report(const Command& command) {
               {"executors", json::array()},
               {"modules", json::array()}};
   if (deployment_ && deployment_->supervised) report = deployment_->supervised->report();
+  const DeviceStatus now = status();
+  report["cell"] = deployment_ ? json(deployment_->cell.name) : json(nullptr);
+  report["state"] = takt::to_text(now.state());
+  if (now.text().size() != 0) report["text"] = now.text().to_string();
   report["lost"] = lost_devices();
   report["devices"] = json::array();
   if (deployment_) {
@@ -167,6 +171,7 @@ struct Agent::WholeDevice {
   std::size_t open = 0;
   std::size_t done = 0;
   std::size_t refused = 0;
+  std::string why;  ///< the first that did not
 };
 
 bool Agent::runs(const Command& command) {
@@ -239,6 +244,7 @@ void Agent::order(const Command& command, Verb verb) {
     deployment_->supervised->order(i, verb, [this, all, module = modules[i].name](const Outcome& outcome) {
       all->done += outcome.code == REPLY_OK ? 1 : 0;
       all->refused += outcome.code == REPLY_REFUSED ? 1 : 0;
+      if (outcome.code != REPLY_OK && all->why.empty()) all->why = module + ": " + outcome.text;
       all->outcomes.push_back({{"module", module},
                                {"ok", outcome.code == REPLY_OK},
                                {"state", lifecycle::to_text(outcome.state)},
@@ -249,9 +255,9 @@ void Agent::order(const Command& command, Verb verb) {
                              : all->refused == count ? REPLY_REFUSED
                                                      : REPLY_FAILED;
       answer(all->command, code,
-             code == REPLY_OK
-                 ? ""
-                 : std::to_string(count - all->done) + " of " + std::to_string(count) + " modules did not",
+             code == REPLY_OK ? ""
+                              : std::to_string(count - all->done) + " of " + std::to_string(count) +
+                                    " modules did not do it: " + all->why,
              dump(all->outcomes));
     });
   }

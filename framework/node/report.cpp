@@ -52,6 +52,11 @@ std::uint64_t overruns_of(const Member& member) {
   return member.block.overruns.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->late.load(relaxed));
 }
 
+bool is_astray(const Member& member) {
+  return member.state() == lifecycle::State::recover ||
+         (member.state() == lifecycle::State::destruct && member.failed);
+}
+
 json in_json(const model::Port& port, const PortHealth& health) {
   return {{"name", port.name},
           {"direction", to_text(port.direction)},
@@ -77,9 +82,7 @@ Standing Supervisor::standing() const {
                     .astray = {}};
   for (const auto& member : members_) {
     standing.executing += member->state() == lifecycle::State::executing ? 1 : 0;
-    const bool astray = member->state() == lifecycle::State::recover ||
-                        (member->state() == lifecycle::State::destruct && member->failed);
-    if (!astray || !standing.astray.empty()) continue;
+    if (!is_astray(*member) || !standing.astray.empty()) continue;
     standing.astray = "module " + member->model.name + " is in " + lifecycle::to_text(member->state()) +
                       (member->why.empty() ? "" : ": " + member->why);
   }
@@ -170,7 +173,8 @@ json Supervisor::report() const {
                        {"jitter_us", in_microseconds(jitter_of(*member).read())},
                        {"run_us", in_microseconds(run_of(*member).read())},
                        {"pid", member->is_thread() ? host_.pid() : member->last_pid}});
-    // Beside what every report has: the health of its ports, where it has any.
+    // Beside what every report has: why it is in a state where it should not be, and the health of its ports.
+    if (is_astray(*member) && !member->why.empty()) modules.back()["text"] = member->why;
     const model::ModulePorts& ports = options_.ports.at(member->index);
     if (!ports || ports->empty()) continue;
     json& list = modules.back()["ports"] = json::array();

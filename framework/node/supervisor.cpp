@@ -383,7 +383,7 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type) {
   } else if (member.machine.accepts(Event::destruct)) {
     apply(member, Event::destruct, text, type);
   }
-  Problem problem{"module " + device().name + "." + member.model.name, text, "mend the module"};
+  Problem problem{"module " + device().name + "." + member.model.name, text, ""};
   const bool whole_device = starting || member.model.recovery.then == model::GiveUp::stop_device;
   if (whole_device && phase_ != Phase::stopping && phase_ != Phase::ended) {
     fail_device(std::move(problem));

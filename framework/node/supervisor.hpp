@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -154,6 +155,7 @@ class Supervisor final : public Supervised {
   };
   std::map<std::uint64_t, PropertyRequest> property_requests_;  // that the host has not answered
   std::uint64_t property_requests_made_ = 0;
+  std::map<std::pair<std::uint32_t, std::string>, std::uint32_t> matched_at_stop_;  // by module and port
   bool rows_begun_ = false;
   bool background_begun_ = false;
   bool halted_ = false;

@@ -37,8 +37,12 @@ bool Supervisor::has_stale_input(const Member& member, Instant now) {
 }
 
 PortHealth Supervisor::health_of(const Member& member, const model::Port& port, Instant now) const {
-  return wiring_.health(member.index, port, to_ns(now),
-                        [this](std::size_t wire) { return gate_ ? gate_->health(wire) : std::nullopt; });
+  PortHealth health = wiring_.health(member.index, port, to_ns(now), [this](std::size_t wire) {
+    return gate_ ? gate_->health(wire) : std::nullopt;
+  });
+  const auto at_stop = matched_at_stop_.find({member.index, port.name});
+  if (at_stop != matched_at_stop_.end()) health.matched = at_stop->second;
+  return health;
 }
 
 }  // namespace takt::node

@@ -32,9 +32,9 @@ void Supervisor::set(std::uint32_t module, const std::string& property, const st
   }
   done({.code = REPLY_REFUSED,
         .state = member.state(),
-        .text =
-            member.model.name +
-            " is a program: it is given its properties when it starts; change the descriptor and reset it"});
+        .text = member.model.name +
+                " is a program: it is given its properties when it starts; undeploy the cell, change the "
+                "descriptor and deploy it again"});
 }
 
 void Supervisor::ask_property(host::Request request, std::function<void(const Outcome&)> done) {
@@ -60,7 +60,12 @@ void Supervisor::property_answered(const host::Answer& answer) {
   if (request.empty()) return;
   const Member& member = *members_.at(request.mapped().module);
   const bool asked = answer.request.what == host::Request::Do::get;
-  if (!asked && answer.ok) log(member, answer.request.property + " = " + answer.request.value);
+  if (!asked && answer.ok) {
+    log(member, answer.request.property + " = " + answer.request.value);
+    // What was set stays when the host is started again, by the fault of another module perhaps.
+    model::give_property(options_.cell.devices[options_.device].modules[answer.request.module],
+                         answer.request.property, answer.request.value);
+  }
   request.mapped().done({.code = answer.ok ? REPLY_OK : REPLY_REFUSED,
                          .state = member.state(),
                          .text = answer.ok ? "" : answer.text,

@@ -13,6 +13,13 @@ using lifecycle::State;
 
 void Supervisor::stop() {
   if (phase_ == Phase::stopping || phase_ == Phase::ended) return;
+  // From now on others end too, which says nothing of how it was.
+  for (const auto& member : members_) {
+    if (const model::ModulePorts& ports = options_.ports.at(member->index)) {
+      for (const model::Port& port : *ports)
+        matched_at_stop_[{member->index, port.name}] = health_of(*member, port, os::now()).matched;
+    }
+  }
   phase_ = Phase::stopping;
   asked_at_ = os::now();
   for (auto& member : members_) {

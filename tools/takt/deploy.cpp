@@ -48,7 +48,7 @@ int deploy(const DeployOptions& options) {
            }});
   if (!deployed) {
     complain(deployed.problems());
-    std::fprintf(stderr, "cell %s was not deployed; nothing of it runs\n", loaded->cell.name.c_str());
+    std::fprintf(stderr, "cell %s was not deployed; nothing was changed\n", loaded->cell.name.c_str());
     return 1;
   }
   // It runs from that instant on; who is told so may give it orders.

@@ -40,11 +40,12 @@ Result<CellHealth> ask(const model::Cell& cell, const Network& network) {
 
 int graph(const GraphOptions& options) {
   // Not load(): what the cell looks like needs no component, and a table that does not fit is drawn as well.
-  const auto cell = descriptor::load(options.file);
+  auto cell = descriptor::load(options.file);
   if (!cell) {
     complain(cell.problems());
     return 1;
   }
+  if (const auto domain = domain_of(options.network, &*cell); domain) cell->domain = *domain;
   CellHealth health;
   if (options.live) {
     auto heard = ask(*cell, options.network);

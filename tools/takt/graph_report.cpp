@@ -156,7 +156,9 @@ CellHealth health_of(const Cell& cell, const Json& status) {
     // Who reads knows more; of a topic for others there is only who writes.
     const Json* port = port_of(connection.to.given() ? connection.to : connection.from);
     if (port == nullptr) continue;
-    CellHealth::Connection one{.matched = port->at("matched").get<std::uint64_t>() > 0,
+    const auto* writer = find(health.devices, connection.from.device);
+    const bool lost = writer != nullptr && !writer->alive;
+    CellHealth::Connection one{.matched = !lost && port->at("matched").get<std::uint64_t>() > 0,
                                .lost = port->at("lost").get<std::uint64_t>(),
                                .dropped = port->at("dropped").get<std::uint64_t>(),
                                .late = port->at("late").get<std::uint64_t>()};

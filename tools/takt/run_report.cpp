@@ -19,6 +19,9 @@ std::string us(const json& value) {
   return fmt::format("{:.{}f}", v, size < 10 ? 2 : size < 100 ? 1 : 0);
 }
 
+// What an error says in its first line.
+std::string one_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
 // The ports that a connection names.
 std::string ports_text(const json& device) {
   struct Row {
@@ -52,9 +55,15 @@ std::string ports_text(const json& device) {
 }
 
 std::string device_text(const json& device, std::size_t width) {
+  // A word on what it does, but for one that runs as it should.
+  std::string state = device.value("state", "");
+  if (state == "running") state.clear();
+  const std::string why = one_line(device.value("text", ""));
+  if (!why.empty()) state += (state.empty() ? "" : ": ") + why;
+  if (!state.empty()) state.insert(0, "  ");
   std::string text = fmt::format(
-      "device {}{}{}\n", device["name"].get<std::string>(), device["alive"].get<bool>() ? "" : "  LOST",
-      device["real_time"].get<bool>() || !device["alive"].get<bool>() ? "" : "  NOT REAL-TIME");
+      "device {}{}{}{}\n", device["name"].get<std::string>(), device["alive"].get<bool>() ? "" : "  LOST",
+      device["real_time"].get<bool>() || !device["alive"].get<bool>() ? "" : "  NOT REAL-TIME", state);
   if (!device["alive"].get<bool>()) {
     for (const json& m : device["modules"]) {
       text += fmt::format("  {:<{}} {:<10} when it was last heard\n", m["name"].get<std::string>(), width,
@@ -62,6 +71,7 @@ std::string device_text(const json& device, std::size_t width) {
     }
     return text;
   }
+  if (device["executors"].empty() && device["modules"].empty()) return text;
   text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", "executor", width, "cycles",
                       "missed", "jitter", "p50", "p99", "max");
   for (const json& e : device["executors"]) {
@@ -79,6 +89,8 @@ std::string device_text(const json& device, std::size_t width) {
                         m["cycles"].get<std::uint64_t>(), us(j["mean"]), us(j["p50"]), us(j["p99"]),
                         us(m["run_us"]["p50"]), us(m["run_us"]["max"]), m["overruns"].get<std::uint64_t>(),
                         m["errors"].get<std::uint64_t>());
+    if (const std::string text_of = one_line(m.value("text", "")); !text_of.empty())
+      text += "    " + text_of + "\n";
   }
   return text + ports_text(device);
 }

@@ -172,7 +172,8 @@ int show_screen(const WatchOptions& options, const os::SignalQueue& signals, con
       const auto answer = client::accepted(client.asker->ask(
           {.kind = *verb, .device = row.device, .module = row.module, .limit = std::chrono::seconds{10}}));
       screen.message =
-          answer ? row.target() + ": " + to_text(answer->head.state()) : in_words(answer.problems());
+          answer ? row.target() + ": " + (row.module.empty() ? "all do it" : to_text(answer->head.state()))
+                 : in_words(answer.problems());
     }
     if (!rows.empty()) screen.selected = std::min(screen.selected, rows.size() - 1);
     if (!changed && os::now() - drawn < std::chrono::milliseconds{200}) continue;

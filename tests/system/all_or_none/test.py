@@ -66,7 +66,7 @@ class AllOrNone(takt_system.Case):
         self.assertEqual((1, ""), (run.status, run.out), run.err)
         for pattern in patterns:
             self.assertRegex(run.err, pattern)
-        self.assertRegex(run.err, "(?m)^cell %s was not deployed; nothing of it runs$" % cell)
+        self.assertRegex(run.err, "(?m)^cell %s was not deployed; nothing was changed$" % cell)
 
     def assert_a_good_one_succeeds(self):
         self.deploy("cell.xml")

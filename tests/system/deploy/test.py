@@ -133,7 +133,7 @@ class Deploy(takt_system.Case):
         self.assertEqual(1, run.status)
         self.assertEqual(["line.grid: START (stop is refused in state START; it is allowed in EXECUTING)", "line.properties: START",
                           "line.source: START"], sorted(run.out.splitlines()))
-        self.assertRegex(run.err, "^device line: error: 1 of 3 modules did not$")
+        self.assertRegex(run.err, "^device line: error: 1 of 3 modules did not do it: grid: stop is refused in state START")
         self.done("undeploy cell")
         self.end(nodes)
 

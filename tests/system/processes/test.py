@@ -80,7 +80,7 @@ class Processes(takt_system.Case):
                 run.wait(20)
                 self.assert_refused(run)
                 self.assertEqual(1, len(run.other_lines), run.other_lines)
-                self.assertIn("module %s.culprit: error: %s; mend the module" % (name, reasons[name]), run.other_lines[0])
+                self.assertIn("module %s.culprit: error: %s" % (name, reasons[name]), run.other_lines[0])
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
                 self.assertEqual(0, run.executor()["cycles"])
 

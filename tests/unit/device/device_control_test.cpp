@@ -95,19 +95,34 @@ TEST_F(DeviceProperties, OfAModuleThatIsNotRealTimeAreSetToo) {
   EXPECT_EQ(seen("live")["steps"], json::array({1, 9}));
 }
 
+TEST_F(DeviceProperties, StayWhenTheHostIsStartedAgain) {
+  bring_up(live());
+  ASSERT_EQ(set(0, "step", "5").code, REPLY_OK);
+  const int before = device->standing().host_pid;
+  ::kill(before, SIGKILL);
+  ASSERT_TRUE(step_until([&] {
+    const int now = device->standing().host_pid;
+    return now != before && now != 0 && module_of("live")["state"] == "EXECUTING";
+  }));
+  EXPECT_EQ(get(0, "step").value, "5");
+  take_down();
+}
+
 TEST_F(DeviceProperties, OfCModulesAndProgramsAreThoseOfTheDescriptor) {
   bring_up(module("c", "slow.so", kEvery, value("ns", "1000")) +
            module("p", "fine.exe", kEvery, value("every", "3")));
   EXPECT_EQ(get(0, "ns").value, "1000");
   EXPECT_EQ(get(0, "every").text, "the descriptor gives c no property 'every'; it gives ns");
   EXPECT_EQ(set(0, "ns", "2000").text,
-            "c is written in C: it reads its properties in initialize(); change the descriptor and reset it");
+            "c is written in C: it reads its properties in initialize(); undeploy the cell, change the "
+            "descriptor and deploy it again");
   EXPECT_EQ(get(1, "every").value, "3");
   EXPECT_EQ(get(1, "ns").code, REPLY_REFUSED);
   const Outcome refused = set(1, "every", "4");
   EXPECT_EQ(refused.code, REPLY_REFUSED);
   EXPECT_EQ(refused.text,
-            "p is a program: it is given its properties when it starts; change the descriptor and reset it");
+            "p is a program: it is given its properties when it starts; undeploy the cell, change the "
+            "descriptor and deploy it again");
   take_down();
 }
 

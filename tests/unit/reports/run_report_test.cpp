@@ -67,6 +67,25 @@ TEST(RunText, ShowsTheModulesOfALostDeviceAsTheyWereLastHeard) {
   EXPECT_THAT(text, Not(HasSubstr("arm.setpoint")));
 }
 
+TEST(RunText, SaysWhyAModuleOrADeviceIsNotAsItShouldBe) {
+  json status = cell();
+  status["devices"][0]["state"] = "running";
+  status["devices"][0]["modules"][0]["state"] = "RECOVER";
+  status["devices"][0]["modules"][0]["text"] = "stale: nothing came\nand more";
+  EXPECT_THAT(run_text(status), ContainsRegex("arm +RECOVER.*\n    stale: nothing came\n"));
+  status["devices"][0]["state"] = "ended";
+  status["devices"][0]["text"] = "module arm was given up";
+  EXPECT_THAT(run_text(status), HasSubstr("device robot  ended: module arm was given up\n"));
+}
+
+TEST(RunText, HasNoTablesOfADeviceThatWaits) {
+  json status = cell();
+  status["devices"][0] = {{"name", "robot"},          {"alive", true},
+                          {"real_time", true},        {"executors", json::array()},
+                          {"modules", json::array()}, {"state", "waiting"}};
+  EXPECT_THAT(run_text(status), AllOf(HasSubstr("device robot  waiting\n"), Not(HasSubstr("  executor"))));
+}
+
 TEST(RunText, SaysThatADeviceIsNotRealTime) {
   json status = cell();
   status["devices"][0]["real_time"] = false;
