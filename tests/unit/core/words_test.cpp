@@ -105,8 +105,16 @@ TEST(Words, SuggestionNamesTheChoicesWhenNothingIsNear) {
   EXPECT_EQ(suggestion("quue", {"latest", "queue"}), "did you mean queue?");
   EXPECT_EQ(suggestion("x", {"latest", "queue"}), "it can be latest or queue");
   EXPECT_EQ(suggestion("x", {"main"}), "it must be main");
-  const std::vector<std::string_view> many(30, "abc");
+  std::vector<std::string> names;
+  for (int i = 0; i < 30; ++i) names.push_back("abc" + std::to_string(i));
+  const std::vector<std::string_view> many{names.begin(), names.end()};
   EXPECT_NE(suggestion("xyz", many).find("and 10 more"), std::string::npos);
+}
+
+TEST(Words, SuggestionNamesAChoiceOnceThatIsThereTwice) {
+  EXPECT_EQ(suggestion("x", {"sensor", "sensor"}), "it must be sensor");
+  EXPECT_EQ(suggestion("x", {"sensor", "robot", "sensor"}), "it can be sensor or robot");
+  EXPECT_EQ(one_of({"main", "main"}), "main");
 }
 
 TEST(Words, Utf8LengthTakesOnlyTheShortestForm) {
