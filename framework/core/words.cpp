@@ -125,7 +125,7 @@ std::string place(std::string_view file, int line) {
 
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& choices) {
   std::string_view best;
-  std::size_t limit = std::clamp<std::size_t>(word.size() / 3, 1, 3);
+  std::size_t limit = std::clamp<std::size_t>((word.size() + 1) / 3, 1, 3);
   if (word.size() < 2) limit = 0;
   const std::size_t tried = std::min(choices.size(), kMostChoicesTried);
   for (std::size_t i = 0; i < tried; ++i) {

@@ -80,7 +80,7 @@ TEST(Words, NearestIsAtMostThreeLettersAwayAndFewerOfAShortWord) {
         choice[at] = letter;
       }
     }
-    const std::size_t most = std::clamp<std::size_t>(word.size() / 3, 1, 3);
+    const std::size_t most = std::clamp<std::size_t>((word.size() + 1) / 3, 1, 3);
     const bool is_near = !choice.empty() && letters_apart(word, choice) <= most;
     near += is_near ? 1 : 0;
     ASSERT_EQ(!nearest(word, {choice}).empty(), is_near) << word << " and " << choice;
@@ -95,6 +95,7 @@ TEST(Words, NearestIsASlipAndNothingElse) {
   EXPECT_EQ(nearest("preiod", choices), "period");
   EXPECT_EQ(nearest("PERIOD", choices), "period");
   EXPECT_EQ(nearest("dead-line", choices), "deadline");
+  EXPECT_EQ(nearest("stail", {"kind", "stale", "topic"}), "stale");
   EXPECT_EQ(nearest("colour", choices), "");
   EXPECT_EQ(nearest("", choices), "");
   EXPECT_EQ(nearest("p", choices), "");
