@@ -29,13 +29,13 @@ class Usage(takt_system.Case):
         garbage = self.write("garbage.xml", "\0\1\2 no descriptor")
         empty = self.write("empty.xml", "")
         for command in (["check"], ["check", "--json"], ["graph"], ["graph", "--json"], ["run", "--json"]):
-            for file, line in ((os.path.join(self.folder, "absent.xml"), 1), (self.folder, 1), (garbage, 1), (empty, 1),
-                               (self.beside("not_well_formed.xml"), 4)):
+            for file, line in ((os.path.join(self.folder, "absent.xml"), ""), (self.folder, ""), (garbage, ":1"), (empty, ":1"),
+                               (self.beside("not_well_formed.xml"), ":4")):
                 with self.subTest(command=command, file=file):
                     run = self.takt(*command, file)
                     self.assertEqual((1, ""), (run.status, run.out))
                     self.assertEqual(1, len(run.err.splitlines()), run.err)
-                    self.assertTrue(run.err.startswith("%s:%d: error: " % (file, line)), run.err)
+                    self.assertTrue(run.err.startswith("%s%s: error: " % (file, line)), run.err)
 
     def test_graph_needs_no_component(self):
         cell = self.write("cell.xml", """<cell name="c">
