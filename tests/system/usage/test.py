@@ -93,6 +93,20 @@ class Usage(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(4, len(run.modules()))
 
+    def test_what_describe_gives_of_an_event_port_needs_its_connection_alone(self):
+        events = self.takt("describe", "port_events.so", "--xml").out
+        for line in ("<name>port_events</name>", "<operationtype>sporadic</operationtype>", "<deadline>1000000</deadline>",
+                     "<dispatch>immediate</dispatch>"):
+            self.assertIn(line, events)
+        modules = self.takt("describe", "port_source.so", "--xml").out + events
+        cell = "<cell name='c'><device name='d'>%s</device>%s</cell>"
+        alone = self.takt("check", self.write("alone.xml", cell % (modules, "")))
+        self.assertEqual(1, len(alone.err.splitlines()), alone.err)
+        self.assertIn("none of its event ports is connected", alone.err)
+        connection = "<connection from='d.port_source.out' to='d.port_events.event' kind='queue' depth='4'/>"
+        fed = self.takt("check", self.write("fed.xml", cell % (modules, connection)))
+        self.assertEqual((0, ""), (fed.status, fed.err))
+
     def test_describe_what_is_no_component(self):
         for file, words in (("not_a_library.so", "neither a shared object nor a program"), ("no_such_file.so", "there is no file"),
                             ("no_run.so", "has no function run()"), ("undefined_symbol.so", "takt_test_defined_nowhere"),
