@@ -110,6 +110,7 @@ class Usage(takt_system.Case):
     def test_describe_what_is_no_component(self):
         for file, words in (("not_a_library.so", "neither a shared object nor a program"), ("no_such_file.so", "there is no file"),
                             ("no_run.so", "has no function run()"), ("undefined_symbol.so", "takt_test_defined_nowhere"),
+                            ("wrong_default.so", "a property 'speed' whose default 20 is out of its range: 0 to 10"),
                             (self.folder, "is not a file")):
             with self.subTest(file=file):
                 run = self.takt("describe", file)
