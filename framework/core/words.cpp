@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <unordered_set>
 
 namespace takt {
 
@@ -124,7 +125,7 @@ std::string place(std::string_view file, int line) {
 
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& choices) {
   std::string_view best;
-  std::size_t limit = std::clamp<std::size_t>(word.size() / 3, 1, 3);
+  std::size_t limit = std::clamp<std::size_t>((word.size() + 1) / 3, 1, 3);
   if (word.size() < 2) limit = 0;
   const std::size_t tried = std::min(choices.size(), kMostChoicesTried);
   for (std::size_t i = 0; i < tried; ++i) {
@@ -137,7 +138,19 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
   return best;
 }
 
-std::string one_of(const std::vector<std::string_view>& choices) {
+namespace {
+/// Each once, in the order of its first.
+std::vector<std::string_view> without_repeats(const std::vector<std::string_view>& all) {
+  std::vector<std::string_view> once;
+  std::unordered_set<std::string_view> seen;
+  seen.reserve(all.size());
+  for (const std::string_view one : all) {
+    if (seen.insert(one).second) once.push_back(one);
+  }
+  return once;
+}
+
+std::string listed(const std::vector<std::string_view>& choices) {
   std::string text;
   const std::size_t named = std::min(choices.size(), kMostChoicesNamed);
   for (std::size_t i = 0; i < named; ++i) {
@@ -147,11 +160,15 @@ std::string one_of(const std::vector<std::string_view>& choices) {
   if (named < choices.size()) text += " and " + std::to_string(choices.size() - named) + " more";
   return text;
 }
+}  // namespace
+
+std::string one_of(const std::vector<std::string_view>& all) { return listed(without_repeats(all)); }
 
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& choices) {
   const std::string_view meant = nearest(word, choices);
   if (!meant.empty()) return "did you mean " + brief(meant) + "?";
-  return (choices.size() == 1 ? "it must be " : "it can be ") + one_of(choices);
+  const std::vector<std::string_view> once = without_repeats(choices);
+  return (once.size() == 1 ? "it must be " : "it can be ") + listed(once);
 }
 
 }  // namespace takt

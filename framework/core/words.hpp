@@ -25,8 +25,8 @@ std::string place(std::string_view file, int line);
 /// Looks at the first 1000 choices.
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& choices);
 
-/// "a, b or c". Of many choices only the first are named.
-std::string one_of(const std::vector<std::string_view>& choices);
+/// "a, b or c". Of many choices only the first are named; one that is given twice is named once.
+std::string one_of(const std::vector<std::string_view>& all);
 
 /// The fix for a word that is none of the choices: "did you mean b?", else "it can be a, b or c".
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& choices);

@@ -51,7 +51,7 @@ Result<model::Cell> load(const std::string& file, std::string* text) {
   // A directory opens and cannot be read.
   if (!stream.is_open() || stream.bad() || (stream.gcount() == 0 && error != 0)) {
     const std::string reason = error != 0 ? ": " + std::generic_category().message(error) : "";
-    return Problem{place(file, 1), "the file cannot be read" + reason, "give the path of a descriptor"};
+    return Problem{on_one_line(file), "the file cannot be read" + reason, "give the path of a descriptor"};
   }
   content.resize(static_cast<std::size_t>(stream.gcount()));
   if (text != nullptr) *text = content;

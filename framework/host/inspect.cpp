@@ -105,6 +105,7 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
     const bool again = loaded.count(use.device) != 0;  // as the host will
     Result<void> result = module.load(path, again ? os::Library::Globals::own : os::Library::Globals::shared,
                                       wanted.operation == model::Operation::sporadic);
+    const bool is_loaded = result.ok();  // nobody knows the ports of one that is not
     if (result && module.component() == nullptr) loaded.insert(use.device);
     if (result && module.component() != nullptr) {
       irp::Property::Values values;
@@ -112,8 +113,8 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
         values.emplace_back(property.name, property.value);
       result = module.set(values);
     }
-    answer.push_back(
-        {{"problems", problems_json(result ? Problems{} : result.problems())}, {"ports", ports_of(module)}});
+    answer.push_back({{"problems", problems_json(result ? Problems{} : result.problems())},
+                      {"ports", is_loaded ? json(ports_of(module)) : json{}}});
   }
   return answer;
 }
@@ -223,6 +224,7 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
       const model::Module& module = cell.devices[uses[i].device].modules[uses[i].module];
       if (answer.is_array()) {
         add_at(cell, module, problems_from(answer[i].at("problems")), problems);
+        if (answer[i].at("ports").is_null()) continue;
         auto ports = model::parse_ports(answer[i].at("ports"));
         if (ports)
           found.ports[uses[i].device][uses[i].module] = std::move(*ports);

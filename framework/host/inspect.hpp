@@ -40,8 +40,8 @@ using ComponentPaths = std::vector<std::string>;
 /// What was found of a cell's components, by device and module.
 struct Components {
   std::vector<ComponentPaths> paths;
-  model::CellPorts
-      ports;  ///< known for every component that is here; of a program where a connection names it
+  /// Known for every component that is here and could be loaded; of a program where a connection names it.
+  model::CellPorts ports;
 };
 
 /// Looks up and loads the component of every module: whether it is there, is what the descriptor says it is,

@@ -50,6 +50,21 @@ Result<void> call(Function function, Arguments&&... arguments) {
   });
 }
 
+/// A value that nobody could give the property is none that it may begin with.
+Result<void> check_defaults(const std::string& path, const Component& component) {
+  Problems problems;
+  for (const PropertyBase* property : component.properties()) {
+    const std::string value = property->value_text();
+    const std::string range = property->range_text();
+    if (range.empty() || property->check(value)) continue;
+    problems.push_back(fail(path + " has a property '" + property->name() + "' whose default " +
+                                brief(value) + " is out of its range: " + range,
+                            "give it a default that is within its range, or mend the range"));
+  }
+  if (!problems.empty()) return problems;
+  return {};
+}
+
 }  // namespace
 
 ThreadModule::~ThreadModule() { unload(); }
@@ -75,6 +90,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
     });
     if (created) live_.serve(component_, factory_->name);
     if (created) created = take_ports(path);
+    if (created) created = check_defaults(path, *component_);
     if (!created) unload();
     if (created && sporadic && !may_be_ready()) {
       unload();

@@ -37,9 +37,11 @@ class Network {
   void check_connections();
 
  private:
+  /// Of every device of one name: a duplicate is told as such, and what stands in it is known all the same.
   struct Known {
-    std::size_t index;
-    std::set<std::string_view> modules;
+    bool gaps = false;
+    std::vector<std::string_view> modules{};  // in the order of the file
+    std::set<std::string_view> sorted{};
   };
 
   void add(int line, std::string what, std::string fix) {
@@ -139,12 +141,12 @@ bool Network::check_endpoint(const Endpoint& endpoint, const char* side, int lin
         choose("device", endpoint.device, names_of(cell_.devices)));
     return false;
   }
-  const auto& [index, modules] = found->second;
-  if (modules.count(endpoint.module) > 0 || gaps_.of_device[index].modules) return true;
+  const Known& known = found->second;
+  if (known.sorted.count(endpoint.module) > 0 || known.gaps) return true;
   add(line,
       std::string{side} + " names the unknown module " + in_quotes(endpoint.module) + " of device " +
           in_quotes(endpoint.device),
-      choose("module", endpoint.module, names_of(cell_.devices[index].modules)));
+      choose("module", endpoint.module, known.modules));
   return false;
 }
 
@@ -303,8 +305,11 @@ void Network::check_connections() {
     return;
   }
   for (std::size_t i = 0; i < cell_.devices.size(); ++i) {
-    const auto [device, is_first] = devices_.emplace(cell_.devices[i].name, Known{i, {}});
-    for (const Module& module : cell_.devices[i].modules) device->second.modules.insert(module.name);
+    Known& known = devices_[cell_.devices[i].name];
+    known.gaps = known.gaps || gaps_.of_device[i].modules;
+    for (const Module& module : cell_.devices[i].modules) {
+      if (known.sorted.insert(module.name).second) known.modules.emplace_back(module.name);
+    }
   }
   Connections comparable;
   for (std::size_t index = 0; index < cell_.connections.size() && !full(); ++index) {

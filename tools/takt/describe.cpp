@@ -7,6 +7,7 @@
 
 #include <takt/host/component_path.hpp>
 #include <takt/host/inspect.hpp>
+#include <takt/model/validate.hpp>
 
 #include "commands.hpp"
 #include "load.hpp"
@@ -72,21 +73,44 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-// A module in the C form that has a condition is offered as sporadic, everything else as periodic.
+/// The file's stem, as far as a module may be named so.
+std::string proposed_name(const std::string& path) {
+  std::string name = model::file_stem(path).substr(0, model::kMaxNameLength);
+  for (char& c : name) {
+    if (!model::is_valid_name(std::string{"_"} + c)) c = '_';
+  }
+  if (!model::is_valid_name(name)) name = "_" + name.substr(0, model::kMaxNameLength - 1);
+  return name;
+}
+
+/// A descriptor could not say it, so the component keeps its default.
+bool is_unsayable(const host::PropertyDescription& property) {
+  const std::string& value = property.default_value;
+  return property.type == "double" && (value.ends_with("inf") || value.ends_with("nan"));
+}
+
+// What has an event port is offered as sporadic and released by it, a module in the C form that has a
+// condition as sporadic, everything else as periodic.
 std::string as_xml(const std::string& path, const host::Description& component) {
   const bool thread = component.interface != "process";
-  const bool sporadic =
-      std::find(component.hooks.begin(), component.hooks.end(), "condition") != component.hooks.end();
+  const bool has_event =
+      std::any_of(component.ports.begin(), component.ports.end(),
+                  [](const model::Port& port) { return port.direction == model::Direction::event; });
+  const bool sporadic = has_event || std::find(component.hooks.begin(), component.hooks.end(), "condition") !=
+                                         component.hooks.end();
   std::string text = "<module>\n";
+  text += fmt::format("  <name>{}</name>\n", proposed_name(path));
   text +=
       fmt::format("  <filename>{}</filename>\n", escaped(std::filesystem::path{path}.filename().string()));
   text += fmt::format("  <moduletype>{}</moduletype>\n", thread ? "thread" : "process");
   text += fmt::format("  <operationtype>{}</operationtype>\n", sporadic ? "sporadic" : "periodic");
   text += fmt::format("  <{0}>1000000</{0}> <!-- ns -->\n", sporadic ? "deadline" : "period");
+  if (has_event) text += "  <dispatch>immediate</dispatch> <!-- connect an event port -->\n";
   text += "  <priority>1</priority> <!-- the lowest value goes first -->\n";
-  if (!component.properties.empty()) {
+  if (!std::all_of(component.properties.begin(), component.properties.end(), is_unsayable)) {
     text += "  <property>\n";
     for (const auto& p : component.properties) {
+      if (is_unsayable(p)) continue;
       text += fmt::format("    <value name=\"{}\">{}</value>\n", escaped(p.name), escaped(p.default_value));
     }
     text += "  </property>\n";

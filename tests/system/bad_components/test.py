@@ -23,6 +23,8 @@ WRONG = [
     (r'name="gain"', r"module wrong_properties: property 'gain' cannot be 'nan'; it takes a number, 0 to 100"),
     (r'name="ratio"', r"module wrong_properties: property 'ratio' cannot be '-1'; it takes a number, at least 0"),
     (r"<module>", r"module background_lacks_run: \S+/no_run\.so has no function run\(\); "),
+    (r"<module>", r"module default_out_of_range: \S+/wrong_default\.so has a property 'speed' whose default 20 is out of its range: 0 to 10; "),
+    (r"<module>", r"module default_out_of_range: \S+/wrong_default\.so has a property 'parts' whose default 0 is out of its range: at least 1; "),
 ]
 
 

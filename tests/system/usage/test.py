@@ -29,13 +29,13 @@ class Usage(takt_system.Case):
         garbage = self.write("garbage.xml", "\0\1\2 no descriptor")
         empty = self.write("empty.xml", "")
         for command in (["check"], ["check", "--json"], ["graph"], ["graph", "--json"], ["run", "--json"]):
-            for file, line in ((os.path.join(self.folder, "absent.xml"), 1), (self.folder, 1), (garbage, 1), (empty, 1),
-                               (self.beside("not_well_formed.xml"), 4)):
+            for file, line in ((os.path.join(self.folder, "absent.xml"), ""), (self.folder, ""), (garbage, ":1"), (empty, ":1"),
+                               (self.beside("not_well_formed.xml"), ":4")):
                 with self.subTest(command=command, file=file):
                     run = self.takt(*command, file)
                     self.assertEqual((1, ""), (run.status, run.out))
                     self.assertEqual(1, len(run.err.splitlines()), run.err)
-                    self.assertTrue(run.err.startswith("%s:%d: error: " % (file, line)), run.err)
+                    self.assertTrue(run.err.startswith("%s%s: error: " % (file, line)), run.err)
 
     def test_graph_needs_no_component(self):
         cell = self.write("cell.xml", """<cell name="c">
@@ -93,9 +93,24 @@ class Usage(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         self.assertEqual(4, len(run.modules()))
 
+    def test_what_describe_gives_of_an_event_port_needs_its_connection_alone(self):
+        events = self.takt("describe", "port_events.so", "--xml").out
+        for line in ("<name>port_events</name>", "<operationtype>sporadic</operationtype>", "<deadline>1000000</deadline>",
+                     "<dispatch>immediate</dispatch>"):
+            self.assertIn(line, events)
+        modules = self.takt("describe", "port_source.so", "--xml").out + events
+        cell = "<cell name='c'><device name='d'>%s</device>%s</cell>"
+        alone = self.takt("check", self.write("alone.xml", cell % (modules, "")))
+        self.assertEqual(1, len(alone.err.splitlines()), alone.err)
+        self.assertIn("none of its event ports is connected", alone.err)
+        connection = "<connection from='d.port_source.out' to='d.port_events.event' kind='queue' depth='4'/>"
+        fed = self.takt("check", self.write("fed.xml", cell % (modules, connection)))
+        self.assertEqual((0, ""), (fed.status, fed.err))
+
     def test_describe_what_is_no_component(self):
         for file, words in (("not_a_library.so", "neither a shared object nor a program"), ("no_such_file.so", "there is no file"),
                             ("no_run.so", "has no function run()"), ("undefined_symbol.so", "takt_test_defined_nowhere"),
+                            ("wrong_default.so", "a property 'speed' whose default 20 is out of its range: 0 to 10"),
                             (self.folder, "is not a file")):
             with self.subTest(file=file):
                 run = self.takt("describe", file)

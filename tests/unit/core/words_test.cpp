@@ -80,7 +80,7 @@ TEST(Words, NearestIsAtMostThreeLettersAwayAndFewerOfAShortWord) {
         choice[at] = letter;
       }
     }
-    const std::size_t most = std::clamp<std::size_t>(word.size() / 3, 1, 3);
+    const std::size_t most = std::clamp<std::size_t>((word.size() + 1) / 3, 1, 3);
     const bool is_near = !choice.empty() && letters_apart(word, choice) <= most;
     near += is_near ? 1 : 0;
     ASSERT_EQ(!nearest(word, {choice}).empty(), is_near) << word << " and " << choice;
@@ -95,6 +95,7 @@ TEST(Words, NearestIsASlipAndNothingElse) {
   EXPECT_EQ(nearest("preiod", choices), "period");
   EXPECT_EQ(nearest("PERIOD", choices), "period");
   EXPECT_EQ(nearest("dead-line", choices), "deadline");
+  EXPECT_EQ(nearest("stail", {"kind", "stale", "topic"}), "stale");
   EXPECT_EQ(nearest("colour", choices), "");
   EXPECT_EQ(nearest("", choices), "");
   EXPECT_EQ(nearest("p", choices), "");
@@ -105,8 +106,16 @@ TEST(Words, SuggestionNamesTheChoicesWhenNothingIsNear) {
   EXPECT_EQ(suggestion("quue", {"latest", "queue"}), "did you mean queue?");
   EXPECT_EQ(suggestion("x", {"latest", "queue"}), "it can be latest or queue");
   EXPECT_EQ(suggestion("x", {"main"}), "it must be main");
-  const std::vector<std::string_view> many(30, "abc");
+  std::vector<std::string> names;
+  for (int i = 0; i < 30; ++i) names.push_back("abc" + std::to_string(i));
+  const std::vector<std::string_view> many{names.begin(), names.end()};
   EXPECT_NE(suggestion("xyz", many).find("and 10 more"), std::string::npos);
+}
+
+TEST(Words, SuggestionNamesAChoiceOnceThatIsThereTwice) {
+  EXPECT_EQ(suggestion("x", {"sensor", "sensor"}), "it must be sensor");
+  EXPECT_EQ(suggestion("x", {"sensor", "robot", "sensor"}), "it can be sensor or robot");
+  EXPECT_EQ(one_of({"main", "main"}), "main");
 }
 
 TEST(Words, Utf8LengthTakesOnlyTheShortestForm) {

@@ -289,6 +289,7 @@ TEST(DescriptorFile, IsRefusedWhenItCannotBeRead) {
   for (const std::string file : {"/nowhere/module.xml", "/tmp", ""}) {
     const auto cell = load(file);
     ASSERT_FALSE(cell) << file;
+    EXPECT_EQ(cell.problems()[0].where, file) << "there is no line in it";
     EXPECT_THAT(cell.problems()[0].what, HasSubstr("cannot be read"));
     EXPECT_FALSE(cell.problems()[0].fix.empty());
   }

@@ -402,6 +402,24 @@ TEST(Validate, NamesTheFirstOfADuplicate) {
   EXPECT_THAT(problems[0].fix, HasSubstr("line 3"));
 }
 
+TEST(Validate, KnowsTheModulesOfEveryDeviceOfOneName) {
+  const auto problems = [](const std::string& module) {
+    return problems_after([&](Cell& c) {
+      Device second = c.devices[0];
+      second.line = 6;
+      second.modules = {servo("a", 7), servo("gauge", 8)};
+      c.devices.push_back(second);
+      c.connections = {connection("out", "in", 9)};
+      c.connections[0].to.module = module;
+    });
+  };
+  EXPECT_THAT(problems("gauge"), ElementsAre(said("c.xml:6", "duplicate device 'robot'")));
+  const Problems unknown = problems("xyz");
+  ASSERT_THAT(unknown, ElementsAre(said("c.xml:6", "duplicate device 'robot'"),
+                                   said("c.xml:9", "unknown module 'xyz' of device 'robot'")));
+  EXPECT_EQ(unknown[1].fix, "it can be a, b or gauge");
+}
+
 TEST(Validate, SaysNothingThatFollowsFromAGap) {
   Cell broken = cell();
   broken.connections = {connection("out", "in", 8)};
