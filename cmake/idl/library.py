@@ -38,7 +38,7 @@ class Library:
                 text = stream.read()
         except (OSError, UnicodeDecodeError) as error:
             reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-            self.problems.add((path, 1), f"the file cannot be read: {reason}")
+            self.problems.add((path, 0), f"the file cannot be read: {reason}")
             file.complete = True
             return file
         Parser(self, file, text).parse()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 
 class Problems:
-    """What is wrong, by file and line; each said once."""
+    """What is wrong, by file and line, 0 where there is none; each said once."""
 
     def __init__(self):
         self.seen = {}
@@ -16,7 +16,7 @@ class Problems:
     def print(self, order):
         rank = {name: i for i, name in enumerate(order)}
         for (file, line), text in sorted(self.seen, key=lambda p: (rank.get(p[0][0], len(rank)), p[0][1])):
-            print(f"{file}:{line}: error: {text}", file=sys.stderr)
+            print(f"{file}:{line}: error: {text}" if line else f"{file}: error: {text}", file=sys.stderr)
 
 
 class Wrong(Exception):

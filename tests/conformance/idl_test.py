@@ -117,7 +117,7 @@ def test_bad(scratch):
         result = takt_idl(folder, "--out", out, name)
         expect((result.returncode == 1) == (name != "part_base.idl"), f"{name}: a file that is included is to be in the library", result)
     result = takt_idl(folder, "--check", "missing.idl")
-    expect(result.stderr == "missing.idl:1: error: the file cannot be read: No such file or directory\n", "missing.idl", result)
+    expect(result.stderr == "missing.idl: error: the file cannot be read: No such file or directory\n", "missing.idl", result)
 
 
 for test in (test_ours, test_good, test_bad):
