@@ -95,19 +95,6 @@ TEST_F(DeviceProperties, OfAModuleThatIsNotRealTimeAreSetToo) {
   EXPECT_EQ(seen("live")["steps"], json::array({1, 9}));
 }
 
-TEST_F(DeviceProperties, StayWhenTheHostIsStartedAgain) {
-  bring_up(live());
-  ASSERT_EQ(set(0, "step", "5").code, REPLY_OK);
-  const int before = device->standing().host_pid;
-  ::kill(before, SIGKILL);
-  ASSERT_TRUE(step_until([&] {
-    const int now = device->standing().host_pid;
-    return now != before && now != 0 && module_of("live")["state"] == "EXECUTING";
-  }));
-  EXPECT_EQ(get(0, "step").value, "5");
-  take_down();
-}
-
 TEST_F(DeviceProperties, OfCModulesAndProgramsAreThoseOfTheDescriptor) {
   bring_up(module("c", "slow.so", kEvery, value("ns", "1000")) +
            module("p", "fine.exe", kEvery, value("every", "3")));
@@ -126,7 +113,7 @@ TEST_F(DeviceProperties, OfCModulesAndProgramsAreThoseOfTheDescriptor) {
   take_down();
 }
 
-TEST_F(DeviceProperties, OfAHostThatEndsAreAnsweredForAndThoseOfTheDescriptorAfterwards) {
+TEST_F(DeviceProperties, OfAHostThatEndsAreAnsweredForAndStayWhenItIsStartedAgain) {
   bring_up(live());
   EXPECT_EQ(set(0, "step", "6").code, REPLY_OK);
   run_for(milliseconds{30});
@@ -142,7 +129,7 @@ TEST_F(DeviceProperties, OfAHostThatEndsAreAnsweredForAndThoseOfTheDescriptorAft
   EXPECT_EQ(told->text, "the host of device d has ended");
   EXPECT_EQ(get(0, "step").code, REPLY_REFUSED) << "it is loaded afresh";
   ASSERT_TRUE(step_until([&] { return module_of("live")["state"] == "EXECUTING"; }));
-  EXPECT_EQ(get(0, "step").value, "1");
+  EXPECT_EQ(get(0, "step").value, "6");
   take_down();
 }
 
