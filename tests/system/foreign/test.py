@@ -1,0 +1,71 @@
+"""A running cell and a program of another DDS: Cyclone DDS, built from idl/, watches it, commands it, and is at the other end of its
+ports. TAKT_CYCLONE_PEER is the program of tests/system/cyclone."""
+import json
+import os
+import signal
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import Run, wait_until
+
+CYCLONE = os.environ["TAKT_CYCLONE_PEER"]
+LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
+<AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
+STOP, START = 7, 6  # takt::CommandKind
+STARTED, EXECUTING = 2, 3  # takt::LifecycleState
+
+
+class Foreign(takt_system.Case):
+    def cyclone(self, *arguments):
+        run = Run([CYCLONE, str(self.domain)] + [str(a) for a in arguments], self.folder, environment={"CYCLONEDDS_URI": LOOPBACK})
+        self.runs.append(run)
+        return run
+
+    def said(self, run, topic):
+        return [s for s in (json.loads(line) for _, line in list(run.out_lines)) if s["topic"] == topic and "path" in s]
+
+    def command(self, kind):
+        run = self.cyclone("command", "line", "conveyor", kind).wait(20)
+        self.assertEqual(0, run.status, run.err)
+        return json.loads(run.out)
+
+    def test_sees_it_commands_it_and_exchanges_samples_with_it(self):
+        cell = self.start("run", "cell.xml", "--json")
+        cell.wait_for_state("counter", "EXECUTING")
+        watch = self.cyclone("watch", 60)
+        state = lambda module: [s["state"] for s in self.said(watch, "lifecycle") if s["path"] == "foreign/line/" + module]
+        for module in ("conveyor", "counter"):
+            wait_until(lambda: state(module), 20, "the state of " + module)
+            self.assertEqual(EXECUTING, state(module)[-1], "who comes late is told the present state")
+        wait_until(lambda: len(self.said(watch, "statistics")) > 3 and self.said(watch, "device"), 20, "statistics and the device")
+        self.assertEqual({"line"}, {s["device"] for s in self.said(watch, "device")})
+
+        # Samples both ways: the belt runs as Cyclone says, and tells it so.
+        write = self.cyclone("write", "BeltCommand", "belt_command", 40, 20, "best-effort")
+        parts = self.cyclone("read", "PartSeen", "parts", 1, 30, "reliable")
+        self.assertEqual(0, write.wait(30).status, write.err)
+        seen = self.cyclone("read", "BeltState", "belt_state", 300, 20, "best-effort").wait(30)
+        self.assertEqual(0, seen.status, seen.err)
+        states = [json.loads(line) for _, line in seen.out_lines]
+        self.assertEqual(sorted(s["position"] for s in states), [s["position"] for s in states], "in order")
+        self.assertEqual(1, json.loads(parts.wait(40).out)["number"])
+        self.assertGreater(states[-1]["parts"], 0)
+
+        for kind, expected in ((STOP, STARTED), (START, EXECUTING)):
+            before = len(state("conveyor"))
+            answer = self.command(kind)
+            self.assertEqual((0, "line"), (answer["code"], answer["device"]))
+            wait_until(lambda: len(state("conveyor")) > before, 10, "its transition")
+            self.assertEqual(expected, state("conveyor")[-1])
+        numbers = [s["sequence_number"] for s in self.said(watch, "lifecycle") if s["path"] == "foreign/line/conveyor"]
+        self.assertEqual(list(range(numbers[0], numbers[0] + len(numbers))), numbers, "no transition lost or doubled")
+
+        cell.signal(signal.SIGINT)
+        self.assertEqual(0, cell.wait(10).status, cell.err)
+        watch.signal(signal.SIGKILL)
+        watch.wait(10)
+
+
+if __name__ == "__main__":
+    takt_system.main()
