@@ -59,6 +59,7 @@ class Network {
   bool check_ends(const Connection& connection);
   bool check_endpoint(const Endpoint& endpoint, const char* side, int line);
   void check_writers(const Connections& connections);
+  void check_waiting(const Connections& connections);
   void check_shared_topics(const Connections& connections);
 
   const Cell& cell_;
@@ -299,6 +300,59 @@ void Network::check_shared_topics(const Connections& connections) {
   }
 }
 
+/// A module that is in error writes nothing. Where modules are in error without each other's values, none of
+/// them would ever come back.
+void Network::check_waiting(const Connections& connections) {
+  using Name = std::pair<std::string_view, std::string_view>;
+  struct Reader {
+    std::vector<const Connection*> waits_for;
+    std::size_t looked_at = 0;
+    bool entered = false;
+    bool left = false;
+  };
+  const auto name_of = [](const Endpoint& end) { return Name{end.device, end.module}; };
+  std::map<Name, Reader> readers;
+  for (const Connection* connection : connections) {
+    if (connection->stale != Stale::error || is_missing(connection->from) || is_missing(connection->to))
+      continue;
+    readers[name_of(connection->to)].waits_for.push_back(connection);
+  }
+  for (auto& [first, start] : readers) {
+    if (start.entered) continue;
+    std::vector<std::pair<Name, Reader*>> path{{first, &start}};
+    start.entered = true;
+    while (!path.empty() && !full()) {
+      Reader& reader = *path.back().second;
+      if (reader.looked_at == reader.waits_for.size()) {
+        reader.left = true;
+        path.pop_back();
+        continue;
+      }
+      const Connection& connection = *reader.waits_for[reader.looked_at++];
+      const auto writer = readers.find(name_of(connection.from));
+      if (writer == readers.end() || writer->second.left) continue;
+      if (!writer->second.entered) {
+        writer->second.entered = true;
+        path.emplace_back(writer->first, &writer->second);
+        continue;
+      }
+      const auto begin = std::find_if(path.begin(), path.end(),
+                                      [&](const auto& each) { return each.first == writer->first; });
+      std::string circle;
+      for (auto each = begin; each != path.end(); ++each)
+        circle += (circle.empty() ? "" : ", ") + std::string{each->first.first} + "." +
+                  std::string{each->first.second};
+      add(connection.line,
+          path.end() - begin == 1
+              ? "module " + circle +
+                    " would be in error without a value that it writes itself, and never come back"
+              : "modules " + circle +
+                    " would each be in error without a value of the next: once they are, none comes back",
+          "let one of these connections hold: remove its stale=\"error\"");
+    }
+  }
+}
+
 void Network::check_connections() {
   if (cell_.connections.size() > kMaxConnections) {
     add(cell_.line, "the cell has more than 100000 connections", "make several cells of it");
@@ -320,6 +374,7 @@ void Network::check_connections() {
   }
   check_writers(comparable);
   check_shared_topics(comparable);
+  check_waiting(comparable);
 }
 
 }  // namespace

@@ -174,6 +174,36 @@ TEST(Validate, RefusesConnectionsThatCannotBe) {
   EXPECT_THAT(with(itself), ElementsAre(said("c.xml:8", "connected to itself")));
 }
 
+TEST(Validate, RefusesModulesThatWouldWaitForEachOtherForEver) {
+  const auto stale = [](const std::string& from, const std::string& to, int line) {
+    Connection made = connection("out" + std::to_string(line), "in" + std::to_string(line), line);
+    made.from.module = from;
+    made.to.module = to;
+    made.deadline = 1ms;
+    made.stale = Stale::error;
+    return made;
+  };
+  const auto with = [](std::vector<Connection> connections) {
+    return problems_after([&](Cell& c) {
+      while (c.devices[0].modules.size() < 4) {
+        c.devices[0].modules.push_back(c.devices[0].modules[0]);
+        c.devices[0].modules.back().name =
+            std::string(1, static_cast<char>('a' + c.devices[0].modules.size() - 1));
+      }
+      c.connections = std::move(connections);
+    });
+  };
+  EXPECT_THAT(with({stale("a", "b", 8), stale("b", "c", 9), stale("a", "c", 10)}), IsEmpty());
+  EXPECT_THAT(with({stale("a", "b", 8), stale("b", "a", 9)}),
+              ElementsAre(said("c.xml:8", "modules robot.a, robot.b would each be in error without")));
+  EXPECT_THAT(with({stale("a", "b", 8), stale("b", "c", 9), stale("c", "a", 10), stale("c", "d", 11)}),
+              ElementsAre(said("c.xml:8", "would each be in error without")));
+  EXPECT_THAT(with({stale("a", "a", 8)}), ElementsAre(said("c.xml:8", "that it writes itself")));
+  auto holds = stale("b", "a", 9);
+  holds.stale = Stale::hold;
+  EXPECT_THAT(with({stale("a", "b", 8), holds}), IsEmpty());
+}
+
 /// As connection(), with one end and a topic.
 Connection from_topic(const std::string& topic, const std::string& to, int line) {
   Connection outside = connection("", to, line);
