@@ -94,7 +94,7 @@ class Crashes(takt_system.Case):
         for hook in ("initialize", "start"):
             with self.subTest(hook=hook):
                 run = self.takt("run", "segv_in_%s.xml" % hook, "--for", "5", "--json", limit=15)
-                self.assert_refused(run, "(?m)^module segv_in_%s.culprit: error: %s; " % (hook, SEGV % hook))
+                self.assert_refused(run, "(?m)^module segv_in_%s.culprit: error: %s$" % (hook, SEGV % hook))
                 self.assertEqual(0, run.executor()["cycles"])
                 self.assertNotIn("started again", run.err)
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
@@ -102,7 +102,7 @@ class Crashes(takt_system.Case):
     def test_in_destruct_is_reported(self):
         run = self.takt("run", "segv_in_destruct.xml", "--for", "0.3", "--json", limit=15)
         self.assertEqual(1, run.status)
-        self.assertRegex(run.err, "(?m)^module segv_in_destruct.culprit: error: %s; " % (SEGV % "destruct"))
+        self.assertRegex(run.err, "(?m)^module segv_in_destruct.culprit: error: %s$" % (SEGV % "destruct"))
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
         self.assertEqual(LIFE, run.states("program"))
         self.assertEqual(LIFE, run.states("grid"))
@@ -111,7 +111,7 @@ class Crashes(takt_system.Case):
         run = self.takt("run", "stop_device.xml", "--for", "30", "--json", limit=15)
         self.assertEqual(1, run.status)
         self.assertEqual(1, len(run.other_lines), run.other_lines)
-        self.assertRegex(run.err, "(?m)^module stop_device.culprit: error: %s; " % (SEGV % "run"))
+        self.assertRegex(run.err, "(?m)^module stop_device.culprit: error: %s$" % (SEGV % "run"))
         self.assertEqual(LIFE, run.states("program"))
         self.assertEqual(LIFE, run.states("grid"))
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
