@@ -37,6 +37,23 @@ const char* to_text(Reliability reliability) {
   return reliability == Reliability::best_effort ? "best-effort" : "reliable";
 }
 const char* to_text(Dispatch dispatch) { return dispatch == Dispatch::row ? "row" : "immediate"; }
+const char* to_text(Overrun overrun) {
+  switch (overrun) {
+    case Overrun::skip:
+      return "skip";
+    case Overrun::catch_up:
+      return "catch-up";
+    case Overrun::error:
+      return "error";
+    case Overrun::stop_device:
+      return "stop-device";
+  }
+  return "?";
+}
+
+const char* to_text(Offsets offsets) { return offsets == Offsets::given ? "given" : "auto"; }
+const char* to_text(Timing timing) { return timing == Timing::direct ? "direct" : "let"; }
+
 const char* to_text(Miss miss) { return miss == Miss::count ? "count" : "error"; }
 
 const char* to_text(Discovery::Kind kind) {

@@ -21,6 +21,9 @@ enum class Stale { hold, error };
 enum class Reliability { best_effort, reliable };
 enum class Dispatch { row, immediate };
 enum class Miss { count, error };
+enum class Overrun { skip, catch_up, error, stop_device };
+enum class Offsets { given, automatic };
+enum class Timing { direct, let };
 
 /// The words of the descriptor and of every report: "thread", "non-real", "stop-device".
 const char* to_text(ModuleType type);
@@ -32,6 +35,9 @@ const char* to_text(Stale stale);
 const char* to_text(Reliability reliability);
 const char* to_text(Dispatch dispatch);
 const char* to_text(Miss miss);
+const char* to_text(Overrun overrun);
+const char* to_text(Offsets offsets);
+const char* to_text(Timing timing);
 
 struct PropertyValue {
   std::string name;
@@ -46,6 +52,19 @@ struct Recovery {
   GiveUp then = GiveUp::destruct;
 };
 
+/// What becomes of releases that could not be served in time: of a module whose row was missed, or that was
+/// not done by its next release.
+struct OverrunContract {
+  Overrun what = Overrun::skip;
+  int limit = 1;  ///< catch_up: the newest releases that are made up, at most; 1 to 1000
+};
+
+/// How much more than its budget a run() may take before that is an error. Without either, any excess is one.
+struct BudgetTolerance {
+  std::optional<int> times;     ///< one excess is an error when it is beyond this many budgets; 1 to 1000
+  std::optional<int> in_a_row;  ///< this many excesses in a row are one; 1 to 1000
+};
+
 /// Where in Cell::file the elements of a module stand; 0 for one that is not there.
 struct ModuleLines {
   int name = 0;
@@ -54,6 +73,8 @@ struct ModuleLines {
   int deadline = 0;
   int executor = 0;
   int budget = 0;
+  int offset = 0;
+  int overrun = 0;
   int dispatch = 0;
   int interarrival = 0;
 };
@@ -66,6 +87,7 @@ struct Module {
   ModuleType type = ModuleType::thread;
   Operation operation = Operation::periodic;
   std::optional<Nanoseconds> period;    ///< periodic: > 0. non-real thread: optional. Otherwise none.
+  std::optional<Nanoseconds> offset;    ///< periodic: of its first release from T0, 0 to below its period
   std::optional<Nanoseconds> deadline;  ///< sporadic: > 0, from the release. Otherwise none.
   Miss miss = Miss::count;              ///< what a missed deadline is: counted only, or an error too
   Dispatch dispatch = Dispatch::row;    ///< sporadic: when a sample has come, after the next row or at once
@@ -73,6 +95,8 @@ struct Module {
   int priority = 0;                         ///< the lowest value is the highest priority
   std::string executor;  ///< periodic and sporadic: a name in Device::executors. non-real: empty.
   std::optional<Nanoseconds> budget;  ///< of one run(), > 0
+  BudgetTolerance tolerance;
+  std::optional<OverrunContract> overrun;  ///< periodic; none: its executor's
   Recovery recovery;
   std::vector<PropertyValue> properties;
   int line = 0;
@@ -81,9 +105,14 @@ struct Module {
 
 struct Executor {
   std::string name = "main";
-  std::optional<int> cpu;  ///< none: chosen by the node
-  int priority = 80;       ///< SCHED_FIFO, 2 to 98; its sporadic modules run one below
+  std::optional<int> cpu;       ///< none: chosen by the node
+  int priority = 80;            ///< SCHED_FIFO, 2 to 98; its sporadic modules run one below
+  bool rate_monotonic = false;  ///< its priority follows from its basic period: the shorter, the higher
   Wakeup wakeup = Wakeup::hybrid;
+  double spin_share = 0.4;  ///< of the basic period that the wake-up may spin, at most 100 us; 0 to 0.9
+  OverrunContract overrun;  ///< of its modules that do not say
+  Offsets offsets = Offsets::given;  ///< automatic: those that are not given flatten the table
+  Timing timing = Timing::direct;    ///< let: inputs as of the release, outputs at the end of the period
   int line = 0;
 };
 
