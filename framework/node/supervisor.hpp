@@ -29,6 +29,7 @@
 #include <takt/node/placement.hpp>
 #include <takt/node/supervised.hpp>
 #include <takt/node/wiring.hpp>
+#include <takt/schedule/plan.hpp>
 
 namespace takt::node {
 
@@ -140,6 +141,7 @@ class Supervisor final : public Supervised {
   Options options_;
   Phase phase_ = Phase::preparing;
   Problems failures_;
+  schedule::DevicePlan plan_;
   Placement placement_;
   bool real_time_ = true;
   channel::Channel channel_;
