@@ -52,6 +52,12 @@ void check_cell(const takt::model::Cell& cell) {
       TAKT_CHECK(sporadic || (module.dispatch == Dispatch::row && module.miss == Miss::count));
       TAKT_CHECK(sporadic || !module.interarrival);
       TAKT_CHECK(!module.interarrival || module.interarrival->count() > 0);
+      const bool periodic = module.operation == Operation::periodic;
+      TAKT_CHECK(periodic || (!module.offset && !module.overrun));
+      TAKT_CHECK(!module.offset || (module.offset->count() >= 0 && *module.offset < *module.period));
+      const OverrunContract contract = contract_of(device, module);
+      TAKT_CHECK(contract.limit >= 1 && contract.limit <= kMaxCatchUp);
+      TAKT_CHECK(periodic || contract.what == Overrun::skip);
     }
   }
   const bool server = cell.discovery.kind == Discovery::Kind::server;

@@ -131,9 +131,9 @@ class Mutations {
   std::set<std::string> seen_;
 };
 
-const std::set<std::string> kTextElements{"name",     "filename", "moduletype", "operationtype",
-                                          "period",   "deadline", "dispatch",   "interarrival",
-                                          "priority", "executor", "budget",     "value"};
+const std::set<std::string> kTextElements{"name",     "filename", "moduletype",   "operationtype", "period",
+                                          "deadline", "dispatch", "interarrival", "priority",      "executor",
+                                          "budget",   "value",    "offset",       "overrun"};
 
 /// Breaks what XML asks of a tag: each of these is not well-formed.
 void Mutations::break_markup(const Element& e) {
@@ -196,8 +196,9 @@ void Mutations::break_structure(const Element& e) {
                    replaced(inserted(xml_, e.parent_end, whole), {e.start.begin, e.past()}, ""));
   }
   // Not these: a name may be taken from the file, and of what is named nowhere there may be none.
-  static const std::set<std::string> kOptional{"name",  "budget",     "recovery", "property",
-                                               "value", "connection", "dispatch", "interarrival"};
+  static const std::set<std::string> kOptional{"name",   "budget",     "recovery", "property",
+                                               "value",  "connection", "dispatch", "interarrival",
+                                               "offset", "overrun"};
   const bool one_of_many = e.name == "module" && e.parent == "root";
   const bool only_executor = e.name == "executor" && e.parent == "module";
   if (kOptional.count(e.name) == 0 && !one_of_many && !only_executor) {
@@ -237,12 +238,14 @@ void Mutations::break_text(const Element& e) {
   // A priority may be negative.
   const bool priority = e.name == "priority";
   const bool number = priority || e.name == "period" || e.name == "deadline" || e.name == "budget" ||
-                      e.name == "interarrival";
+                      e.name == "interarrival" || e.name == "offset";
   std::vector<std::string> wrong;
   if (number) wrong = kNoNumber;
-  if (number && !priority) wrong.emplace_back("0");
+  if (number && !priority && e.name != "offset") wrong.emplace_back("0");
+  if (e.name == "offset") wrong.emplace_back("1000000");  // its period
   if (priority) wrong.insert(wrong.end(), {"2147483648", "-2147483649"});
-  if (e.name == "moduletype" || e.name == "operationtype" || e.name == "dispatch") wrong = kNoWord;
+  if (e.name == "moduletype" || e.name == "operationtype" || e.name == "dispatch" || e.name == "overrun")
+    wrong = kNoWord;
   // A name that is none, and for an executor no other name either: the device has only one.
   if (e.name == "name" || (e.name == "executor" && e.parent == "module")) wrong = kNoName;
   if (e.name == "executor" && e.parent == "module") wrong.emplace_back("nobody");
@@ -296,6 +299,13 @@ void Mutations::break_attributes(const Element& e) {
       {"lifespan", {"0", "-1", "50ms", "5e7", "9223372036854775808"}},
       {"topic", {"a b", "takt/a", "takt/", "\u00e4", "a&#10;b", "a&#127;", std::string(256, 'x')}},
       {"miss", {"Error", "fail", "ignore"}},
+      {"spin", {"-1", "91", "0.4", "40%"}},
+      {"overrun", {"Skip", "catchup", "catch up", "stop"}},
+      {"limit", {"0", "-1", "1001", "three"}},
+      {"offsets", {"Auto", "best", "automatic"}},
+      {"timing", {"LET", "logical", "Direct"}},
+      {"times", {"0", "-1", "1001", "2.5"}},
+      {"in-a-row", {"0", "-1", "1001", "five"}},
       {"discovery", {"multicast", "Server", "unicast", "none"}},
       {"peers",
        {"10.0.0.1,line.local", "10.0.0.1:7400", "10.0.0.256", "10.0.0", "10.0.0.01", "-line", "line-", "a..b",
@@ -381,8 +391,8 @@ const std::vector<Base>& bases() {
   std::set<std::string> cell = kDefaults;
   cell.insert({"kind", "stale"});
   std::set<std::string> everything = kDefaults;
-  everything.insert(
-      {"depth", "reliability", "lifespan", "stale", "miss", "server-device", "connection/from"});
+  everything.insert({"depth", "reliability", "lifespan", "stale", "miss", "server-device", "connection/from",
+                     "spin", "limit", "offsets", "timing", "times", "in-a-row"});
   static const std::vector<Base> kBases{{"/deploy/module.xml", kDefaults},
                                         {kGood + "cell.xml", cell},
                                         {kGood + "everything.xml", everything},
