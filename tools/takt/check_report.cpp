@@ -349,17 +349,17 @@ nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<Dev
     for (const ExecutorPlan& plan : plans[i].executors) {
       Json rows = Json::array();
       for (std::size_t row = 0; row < plan.rows(); ++row) rows.push_back(names(device, plan.row(row)));
-      Json offsets = Json::object();
-      for (std::size_t p = 0; p < plan.periodic.size(); ++p) {
-        offsets[device.modules[plan.periodic[p]].name] = plan.offsets[p].count();
-      }
       executors.push_back(Json{{"name", device.executors[plan.executor].name},
                                {"basic_period_ns", plan.basic_period.count()},
                                {"macro_period_ns", plan.macro_period.count()},
                                {"rows", std::move(rows)},
-                               {"sporadic", names(device, plan.sporadic)},
-                               {"priority", plan.priority},
-                               {"offsets_ns", std::move(offsets)}});
+                               {"sporadic", names(device, plan.sporadic)}});
+      // Beside what every table has: what was decided here.
+      if (device.executors[plan.executor].rate_monotonic) executors.back()["priority"] = plan.priority;
+      for (std::size_t p = 0; p < plan.periodic.size(); ++p) {
+        if (plan.offsets[p] == Nanoseconds{}) continue;
+        executors.back()["offsets_ns"][device.modules[plan.periodic[p]].name] = plan.offsets[p].count();
+      }
     }
     devices.push_back(Json{{"name", device.name},
                            {"executors", std::move(executors)},

@@ -125,14 +125,29 @@ TEST(CellDescriptor, GivesWhatACellCanSayBesides) {
   EXPECT_FALSE(cell->discovery.serve);
   EXPECT_EQ(cell->server_device, "robot");
 
+  const model::Executor& motion = cell->devices.at(0).executors.at(0);
+  EXPECT_EQ(motion.priority, 80);
+  EXPECT_FALSE(motion.rate_monotonic);
+  EXPECT_DOUBLE_EQ(motion.spin_share, 0.3);
+  EXPECT_EQ(motion.overrun.what, model::Overrun::catch_up);
+  EXPECT_EQ(motion.overrun.limit, 3);
+  EXPECT_EQ(motion.offsets, model::Offsets::automatic);
+  EXPECT_EQ(motion.timing, model::Timing::let);
+  const model::Module& trajectory = cell->devices[0].modules.at(0);
+  EXPECT_EQ(trajectory.offset, 100us);
+  EXPECT_EQ(trajectory.tolerance.times, 2);
+  EXPECT_EQ(trajectory.tolerance.in_a_row, 5);
+  EXPECT_EQ(model::contract_of(cell->devices[0], trajectory).limit, 2) << "its own";
+  EXPECT_EQ(model::timing_of(cell->devices[0], trajectory), model::Timing::let);
+
   const model::Module& conveyor = cell->devices.at(1).modules.at(0);
   EXPECT_EQ(conveyor.deadline, 5ms);
   EXPECT_EQ(conveyor.miss, model::Miss::error);
   EXPECT_EQ(conveyor.dispatch, model::Dispatch::immediate);
   EXPECT_EQ(conveyor.interarrival, 1ms);
-  EXPECT_EQ(conveyor.lines.deadline, 27);
-  EXPECT_EQ(conveyor.lines.dispatch, 28);
-  EXPECT_EQ(conveyor.lines.interarrival, 29);
+  EXPECT_EQ(conveyor.lines.deadline, 29);
+  EXPECT_EQ(conveyor.lines.dispatch, 30);
+  EXPECT_EQ(conveyor.lines.interarrival, 31);
 
   ASSERT_EQ(cell->connections.size(), 3U);
   const model::Connection& connection = cell->connections[0];
