@@ -84,6 +84,8 @@ void Executor::skip(std::uint64_t rows) noexcept {
 
 std::uint32_t Executor::run_cycle(Instant now) noexcept {
   block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
+  if ((now - release_).count() > block_.latest_ns.load(relaxed))
+    block_.latest_ns.store((now - release_).count(), relaxed);
   if (now - release_ >= basic_) skip(static_cast<std::uint64_t>((now - release_) / basic_));
 
   const Instant release = release_;
