@@ -82,12 +82,13 @@ std::optional<std::string> throttled(const model::Executor& executor, Nanosecond
   // It may be found out a little before, and others may go first after it.
   const bool about_as_long = gap >= throttling.kept * 9 / 10 && gap <= throttling.kept * 3 / 2;
   if (!throttling.on() || !about_as_long) return std::nullopt;
-  const std::string cure = executor.wakeup == model::Wakeup::spin
-                               ? "use wakeup=\"hybrid\", or: "
-                               : "give its modules less to do in a period, or: ";
-  return "executor " + executor.name + " lost its processor for " + about(gap) + ": the kernel keeps " +
-         kept_of(throttling) + " from real-time threads that leave it no time" +
-         (throttling.fair_server ? " (its fair server)" : " (real-time throttling)") + "; " + cure +
+  const bool spins = executor.wakeup == model::Wakeup::spin;
+  // One that sleeps may have lost it to something else: to the host of a virtual machine, to firmware.
+  return "executor " + executor.name + " lost its processor for " + about(gap) + ": " +
+         (spins ? "the kernel keeps " : "about as long as the kernel keeps it (") + kept_of(throttling) +
+         (spins ? " from" : ") from") + " real-time threads that leave others no time" +
+         (throttling.fair_server ? ", by its fair server" : ", by real-time throttling") + "; " +
+         (spins ? "use wakeup=\"hybrid\", or: " : "give its modules less to do, or see takt doctor; or: ") +
          throttling_cure(throttling);
 }
 

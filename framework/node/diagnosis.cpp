@@ -23,6 +23,7 @@ constexpr std::uint64_t kMiB = 1024 * 1024;
 // What a reader of DDS asks for a burst of large samples.
 constexpr std::uint64_t kSocketBuffer = kMiB;
 constexpr std::uint64_t kFiles = 1024;
+constexpr const char* kHost = "the host of this virtual machine";
 
 std::string percent(double share) {
   char text[32];
@@ -98,10 +99,10 @@ Finding priority(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "priority",
                   .found = "SCHED_FIFO is granted",
                   .why = "without it any busy program delays control loops, for milliseconds and more"};
-  if (machine.priority) finding.found += " (rtprio limit " + limit_text(machine.priority->soft) + ")";
   if (trial.priority) return finding;
   finding.severity = Severity::spoils;
   finding.found = in_words(trial.priority.problems());
+  if (machine.priority) finding.found += " (rtprio limit " + limit_text(machine.priority->hard) + ")";
   finding.cure =
       "run as root, or: setcap cap_sys_nice,cap_ipc_lock+ep takt-node takt-host, or: echo '* - rtprio 98' >> "
       "/etc/security/limits.conf";
@@ -295,8 +296,7 @@ Finding timers(const Machine& machine, const Trial& trial) {
     return finding;
   }
   if (machine.timer_slack) {
-    finding.found += "; a slack of " + to_text(*machine.timer_slack) +
-                     " for ordinary threads, which real-time ones do not have";
+    finding.found += ", a slack of " + to_text(*machine.timer_slack) + " that real-time threads do not have";
   }
   return finding;
 }
@@ -326,7 +326,7 @@ Finding virtual_machine(const Machine& machine, const Trial&) {
   finding.severity = Severity::note;
   finding.found = "this machine runs on " + machine.hypervisor;
   finding.cure = "pin its virtual processors to processors of their own, with real-time priority";
-  finding.from_outside = true;
+  finding.mend_on = kHost;
   return finding;
 }
 
@@ -347,7 +347,7 @@ Finding stolen(const Machine& machine, const Trial& trial) {
     finding.severity = Severity::note;
   if (finding.severity == Severity::good) return finding;
   finding.cure = "give this machine processors of its own: pin them, and put nobody else there";
-  finding.from_outside = true;
+  finding.mend_on = kHost;
   return finding;
 }
 
@@ -456,7 +456,11 @@ std::vector<Finding> diagnose(const Machine& machine, const Trial& trial) {
        {preemption, priority, memory, swap, throttling, isolation, interrupts, frequency, idle, clock, timers,
         hyper_threads, virtual_machine, stolen, huge_pages, sockets, files, shared_memory, wake_up}) {
     Finding finding = check(machine, trial);
-    finding.from_outside |= !machine.container.empty() && !finding.cure.empty() && is_of_the_kernel(finding);
+    // In a container that may not tell the kernel anything.
+    if (!machine.container.empty() && machine.sealed && !finding.cure.empty() && finding.mend_on.empty() &&
+        is_of_the_kernel(finding)) {
+      finding.mend_on = "the machine that this container runs on";
+    }
     findings.push_back(std::move(finding));
   }
   return findings;

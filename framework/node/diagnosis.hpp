@@ -21,9 +21,9 @@ struct Finding {
   std::string name;  ///< of the check: "preemption"
   Severity severity = Severity::good;
   std::string found;
-  std::string why;            ///< it matters
-  std::string cure{};         ///< a command, or what else to do; empty where there is nothing to mend
-  bool from_outside = false;  ///< the cure works on the machine that carries this one, not in here
+  std::string why;        ///< it matters
+  std::string cure{};     ///< a command, or what else to do; empty where there is nothing to mend
+  std::string mend_on{};  ///< where else than in here the cure works; empty: here
 };
 
 /// One finding for each check, in a fixed order, the good ones too.

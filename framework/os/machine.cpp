@@ -329,6 +329,9 @@ Machine read_machine(const std::string& root_name) {
     machine.numa_balancing = *balancing != 0;
   machine.hypervisor = hypervisor_of(root);
   machine.container = container_of(root);
+  struct statvfs settings {};
+  machine.sealed =
+      ::statvfs((root / "proc/sys").c_str(), &settings) == 0 && (settings.f_flag & ST_RDONLY) != 0;
   machine.time = read_processor_time(root_name);
   return machine;
 }

@@ -89,7 +89,8 @@ struct Machine {
   std::string huge_pages{};                             ///< "always", "madvise", "never"
   std::optional<bool> numa_balancing{};
   std::string hypervisor{};  ///< "a hypervisor" or its product; empty: none is seen
-  std::string container{};   ///< the file or variable that gives it away; empty: none
+  std::string container{};   ///< the file that gives it away; empty: none
+  bool sealed = false;       ///< what the kernel can be told (/proc/sys) is read-only here
   std::optional<ProcessorTime> time{};
 };
 

@@ -35,7 +35,7 @@ json report_of(const os::Machine& machine, const os::Trial& trial) {
                         {"found", finding.found},
                         {"why", finding.why},
                         {"cure", finding.cure},
-                        {"from_outside", finding.from_outside}});
+                        {"mend_on", finding.mend_on}});
   }
   return {{"machine", os::host_name()},
           {"kernel", machine.kernel},

@@ -19,11 +19,8 @@ void add_bad(Page& page, const json& finding, const std::string& mark) {
   page.sentence(kIndent, "why:  " + text_of(finding, "why"));
   const std::string cure = text_of(finding, "cure");
   if (cure.empty()) return;
-  page.line(kIndent, "cure: " +
-                         std::string{finding["from_outside"].get<bool>()
-                                         ? "not from in here; on the machine that carries this one: "
-                                         : ""} +
-                         cure);
+  const std::string elsewhere = text_of(finding, "mend_on");
+  page.line(kIndent, "cure: " + (elsewhere.empty() ? "" : "not from in here; on " + elsewhere + ": ") + cure);
 }
 
 }  // namespace
