@@ -59,9 +59,12 @@ struct alignas(64) ExecutorBlock {
   /// Odd while a row is walked. SYNC: row
   std::atomic<std::uint64_t> row_sequence;
   std::atomic<std::int64_t> margin_ns;  ///< of the wake-up, as learned
-  Activity row;                         ///< of the executor's thread
-  Activity sporadic;                    ///< of the thread of its sporadic modules
-  Statistics jitter;                    ///< of the row's start
+  /// The longest time from a row's instant to its beginning, also where that cost whole rows, which `jitter`
+  /// does not show: it is of the row that was walked.
+  std::atomic<std::int64_t> latest_ns;
+  Activity row;       ///< of the executor's thread
+  Activity sporadic;  ///< of the thread of its sporadic modules
+  Statistics jitter;  ///< of the row's start
 };
 
 /// The last words of a host that crashed, or was ended by a module that called exit().

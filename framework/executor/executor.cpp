@@ -178,6 +178,8 @@ Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, In
 
 std::uint32_t Executor::run_cycle(Instant now) noexcept {
   block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
+  if ((now - release_).count() > block_.latest_ns.load(relaxed))
+    block_.latest_ns.store((now - release_).count(), relaxed);
   std::uint32_t wake = 0;
   Instant time = now;
   if (now - release_ >= basic_) {

@@ -21,6 +21,7 @@
 #include <takt/os/notice.hpp>
 #include <takt/os/real_time.hpp>
 #include <takt/os/signals.hpp>
+#include <takt/os/trial.hpp>
 
 namespace takt::node {
 
@@ -28,6 +29,9 @@ namespace {
 
 /// How often a node looks at what its executors published.
 constexpr int kLookEveryMs = 5;
+/// Enough to see how late this machine wakes a thread as a rule.
+constexpr std::size_t kWakeUpsTried = 20;
+constexpr std::chrono::microseconds kWakeUpPause{500};
 
 /// What other threads have for the main loop.
 class Inbox {
@@ -85,6 +89,7 @@ int run_node(const NodeOptions& options) {
                     "a letter or '_', then letters, digits, '_' and '-', at most 63"}});
   }
   const bool real_time = os::may_be_real_time().ok();
+  const os::WakeUps wake_ups = os::try_wake_ups(kWakeUpsTried, kWakeUpPause);
 
   auto notice = os::Notice::create();
   if (!notice) return refuse(notice.problems());
@@ -113,8 +118,9 @@ int run_node(const NodeOptions& options) {
   Agent agent{agent_options,
               {.inspect = inspect,
                .supervise =
-                   [&participant](Supervisor::Options o) {
+                   [&participant, &wake_ups](Supervisor::Options o) {
                      o.participant = *participant;
+                     o.wake_ups = wake_ups;
                      return std::make_unique<Supervisor>(std::move(o));
                    }},
               **voice};

@@ -56,15 +56,9 @@ Result<void> Supervisor::prepare() {
   auto plan = schedule::plan(options_.cell, device());
   if (!plan) return plan.problems();
   plan_ = std::move(*plan);
+  watch_conditions();
   placement_ = place(device().executors, os::allowed_cpus());
   for (const std::string& warning : placement_.warnings) log("warning: " + warning);
-  for (const auto& executor : device().executors) {
-    if (executor.wakeup != model::Wakeup::spin || !real_time_ || os::throttled_share() == 0) continue;
-    log("warning: executor " + executor.name + " never sleeps, so the kernel interrupts it for " +
-        std::to_string(static_cast<int>(os::throttled_share() * 1000)) +
-        " ms of each second (real-time throttling); use wakeup=\"hybrid\", or write -1 to "
-        "/proc/sys/kernel/sched_rt_runtime_us");
-  }
 
   std::vector<std::string> executors;
   std::vector<std::string> modules;
@@ -125,6 +119,7 @@ void Supervisor::step() {
   if (phase_ == Phase::ended) return;
   if (gate_) gate_->step(now);
   watch_host(now);
+  watch_gaps();
   if (phase_ == Phase::preparing) prepare_step();
   if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
   if (phase_ == Phase::stopping) stopping_step(now);

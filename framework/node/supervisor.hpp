@@ -29,6 +29,9 @@
 #include <takt/node/placement.hpp>
 #include <takt/node/supervised.hpp>
 #include <takt/node/wiring.hpp>
+#include <takt/os/kernel_news.hpp>
+#include <takt/os/machine.hpp>
+#include <takt/os/trial.hpp>
 #include <takt/schedule/plan.hpp>
 
 namespace takt::node {
@@ -41,6 +44,7 @@ class Supervisor final : public Supervised {
     host::ComponentPaths paths;               ///< of the device's modules
     std::vector<model::ModulePorts> ports{};  ///< the same; empty: nothing is known
     bool require_real_time = false;
+    os::WakeUps wake_ups{};                           ///< of this machine; none: they were not tried
     std::function<void(const Step&)> stepped{};       ///< told of every step of a module
     std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null: there are none
   };
@@ -83,6 +87,10 @@ class Supervisor final : public Supervised {
   void watch_host(Instant now);
   std::optional<Hang> never_halts() const;
   void bring_back(Member& member);
+
+  // The machine (supervisor_machine.cpp)
+  void watch_conditions();
+  void watch_gaps();
 
   // Programs (supervisor_process.cpp)
   Result<void> create_seat(Member& member);
@@ -144,6 +152,10 @@ class Supervisor final : public Supervised {
   schedule::DevicePlan plan_;
   Placement placement_;
   bool real_time_ = true;
+  std::optional<os::Throttling> throttling_;
+  os::KernelNews kernel_news_;
+  std::vector<std::int64_t> seen_latest_ns_;  // of each executor
+  std::vector<bool> throttled_;               // of each executor: it was said
   channel::Channel channel_;
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;

@@ -17,7 +17,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <utility>
 
@@ -66,19 +65,6 @@ void* run_thread(void* argument) {
   return nullptr;
 }
 
-// A limit that the memory of now stays below is no help: what comes later is to be locked too, and the first
-// thread or allocation beyond the limit would fail.
-Result<void> may_lock_all_memory() {
-  rlimit limit{};
-  ::getrlimit(RLIMIT_MEMLOCK, &limit);
-  if (limit.rlim_cur == RLIM_INFINITY) return {};
-  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
-  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data{};
-  ::syscall(SYS_capget, &header, data.data());
-  if ((data[0].effective & (1U << CAP_IPC_LOCK)) != 0) return {};
-  return fail("mlockall is refused beyond " + std::to_string(limit.rlim_cur / 1024) + " KiB", kLockCure);
-}
-
 }  // namespace
 
 std::vector<int> allowed_cpus() {
@@ -114,14 +100,6 @@ Result<void> make_background(int tid) {
   return {};
 }
 
-double throttled_share() {
-  double runtime = -1;
-  double period = 1;
-  std::ifstream{"/proc/sys/kernel/sched_rt_runtime_us"} >> runtime;
-  std::ifstream{"/proc/sys/kernel/sched_rt_period_us"} >> period;
-  return runtime < 0 || period <= 0 ? 0 : 1 - runtime / period;
-}
-
 Result<void> pin(int tid, const std::vector<int>& cpus) {
   if (cpus.empty()) return {};
   cpu_set_t set;
@@ -138,7 +116,7 @@ Result<void> pin(int tid, const std::vector<int>& cpus) {
 }
 
 Result<void> lock_memory() {
-  if (auto all = may_lock_all_memory(); !all) return all;
+  if (auto all = may_lock_memory(); !all) return all;
   // Freed memory stays ours, and large blocks come from the heap that is locked already.
   ::mallopt(M_TRIM_THRESHOLD, -1);
   ::mallopt(M_MMAP_MAX, 0);
@@ -151,14 +129,34 @@ NoDeepIdle::NoDeepIdle() : fd_(::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEX
   if (fd_ && ::write(fd_.get(), &microseconds, sizeof microseconds) != sizeof microseconds) fd_.close();
 }
 
-Result<void> may_be_real_time() {
+Result<void> may_have_priority() {
   Problems problems;
   auto attempt = Thread::start(
       {.name = "takt-probe", .priority = 1}, [] {}, &problems);
   if (!attempt) return attempt.problems();
   attempt->join();
+  if (!problems.empty()) return problems;
+  return {};
+}
 
-  if (const auto all = may_lock_all_memory(); !all) problems.push_back(all.problems()[0]);
+// A limit that the memory of now stays below is no help: what comes later is to be locked too, and the first
+// thread or allocation beyond the limit would fail.
+Result<void> may_lock_memory() {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_MEMLOCK, &limit);
+  if (limit.rlim_cur == RLIM_INFINITY) return {};
+  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data{};
+  ::syscall(SYS_capget, &header, data.data());
+  if ((data[0].effective & (1U << CAP_IPC_LOCK)) != 0) return {};
+  return fail("mlockall is refused beyond " + std::to_string(limit.rlim_cur / 1024) + " KiB", kLockCure);
+}
+
+Result<void> may_be_real_time() {
+  Problems problems;
+  for (const Result<void>& allowed : {may_have_priority(), may_lock_memory()}) {
+    if (!allowed) problems.insert(problems.end(), allowed.problems().begin(), allowed.problems().end());
+  }
   if (!problems.empty()) return problems;
   return {};
 }

@@ -25,10 +25,6 @@ Result<void> make_background(int tid = 0);
 /// Restricts a thread (0: the caller) to these processors; an empty list changes nothing.
 Result<void> pin(int tid, const std::vector<int>& cpus);
 
-/// The share of each second that the kernel keeps from real-time threads that never sleep (real-time
-/// throttling), 0 to 1; 0 when it is off. Such threads are interrupted for that long.
-double throttled_share();
-
 /// Keeps all memory of this process, present and future, in RAM, and keeps the heap from giving pages back.
 Result<void> lock_memory();
 
@@ -43,8 +39,12 @@ class NoDeepIdle {
   Fd fd_;
 };
 
-/// Whether a thread of this process may be SCHED_FIFO and lock memory, with the reasons and cures when not.
-/// Tries it on a thread of its own.
+/// Whether a thread of this process may be SCHED_FIFO. Tries it on a thread of its own.
+Result<void> may_have_priority();
+/// Whether this process may lock all memory that it will ever have: a limit that what it has now stays below
+/// is no help.
+Result<void> may_lock_memory();
+/// Both, with the reasons and cures when not.
 Result<void> may_be_real_time();
 
 /// The calling thread's id.

@@ -1,0 +1,83 @@
+#include <takt/os/trial.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <string>
+#include <utility>
+
+#include <takt/os/clock.hpp>
+#include <takt/os/machine.hpp>
+#include <takt/os/process.hpp>
+#include <takt/os/real_time.hpp>
+
+namespace takt::os {
+
+namespace {
+
+constexpr Nanoseconds kPause = std::chrono::milliseconds{1};
+// As an executor has it unless its descriptor says otherwise.
+constexpr int kPriority = 80;
+
+// For real, in a process that is over at once: what is locked stays so.
+Result<void> try_locking() {
+  if (auto allowed = may_lock_memory(); !allowed) return allowed;
+  const auto tried = in_child(
+      "locking memory", [] { return lock_memory() ? std::string{} : std::string{"refused"}; },
+      std::chrono::seconds{5});
+  if (!tried) return tried.problems();
+  if (!tried->empty()) return fail("mlockall is refused", "free memory, or raise the memlock limit");
+  return {};
+}
+
+}  // namespace
+
+WakeUps wake_ups_of(std::vector<Nanoseconds> delays) {
+  if (delays.empty()) return {};
+  std::sort(delays.begin(), delays.end());
+  const std::size_t last = delays.size() - 1;
+  return {
+      .count = delays.size(), .p50 = delays[last / 2], .p99 = delays[last * 99 / 100], .max = delays[last]};
+}
+
+WakeUps try_wake_ups(std::size_t count, Nanoseconds pause) {
+  std::vector<Nanoseconds> delays(count);
+  const NoDeepIdle no_deep_idle;
+  Problems refused;  // then it is measured as it will run: without
+  auto thread = Thread::start(
+      {.name = "takt-probe", .priority = kPriority, .cpus = {allowed_cpus().back()}},
+      [&delays, pause] {
+        Instant until = now();
+        for (Nanoseconds& delay : delays) {
+          until = std::max(until + pause, now());
+          sleep_until(until);
+          delay = now() - until;
+        }
+      },
+      &refused);
+  if (!thread) return {};
+  thread->join();
+  return wake_ups_of(std::move(delays));
+}
+
+Nanoseconds timer_resolution() noexcept {
+  timespec resolution{};
+  ::clock_getres(CLOCK_MONOTONIC, &resolution);
+  return std::chrono::seconds{resolution.tv_sec} + Nanoseconds{resolution.tv_nsec};
+}
+
+Trial try_machine(Nanoseconds moment) {
+  Trial trial;
+  trial.priority = may_have_priority();
+  trial.locking = try_locking();
+  if (!NoDeepIdle{}.held())
+    trial.idle_held = fail("/dev/cpu_dma_latency cannot be opened", "let this user write to it");
+  trial.timer_resolution = timer_resolution();
+  const auto before = read_processor_time();
+  trial.wake_ups = try_wake_ups(static_cast<std::size_t>(moment / kPause), kPause);
+  const auto after = read_processor_time();
+  if (before && after) trial.stolen_share = after->stolen_share(*before);
+  return trial;
+}
+
+}  // namespace takt::os

@@ -1,0 +1,43 @@
+// What only trying shows: whether the system grants what real time needs, and how late it wakes a thread.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <takt/core/result.hpp>
+#include <takt/core/time.hpp>
+
+namespace takt::os {
+
+/// How late a thread came that slept until an instant.
+struct WakeUps {
+  std::size_t count = 0;
+  Nanoseconds p50{};
+  Nanoseconds p99{};
+  Nanoseconds max{};
+};
+/// Of these delays. Pure.
+WakeUps wake_ups_of(std::vector<Nanoseconds> delays);
+
+/// Lets a thread of its own sleep `count` times for `pause` each, with SCHED_FIFO where that is granted, on
+/// the highest processor that this process may use, with deep idle states held off where that is. Takes a
+/// little longer than count x pause.
+WakeUps try_wake_ups(std::size_t count, Nanoseconds pause);
+
+struct Trial {
+  Result<void> priority;   ///< SCHED_FIFO
+  Result<void> locking;    ///< mlockall, now and for what comes later
+  Result<void> idle_held;  ///< /dev/cpu_dma_latency
+  Nanoseconds timer_resolution{};
+  WakeUps wake_ups;
+  std::optional<double> stolen_share{};  ///< by the host of this virtual machine meanwhile, 0 to 1
+};
+/// Tries everything, each thing on a thread or in a process of its own, which is gone afterwards. Takes
+/// `moment`, most of it for the wake-ups. The caller has a single thread.
+Trial try_machine(Nanoseconds moment);
+
+/// 1 ns where timers have a high resolution, else a tick of the kernel, milliseconds. Any thread.
+Nanoseconds timer_resolution() noexcept;
+
+}  // namespace takt::os

@@ -1,0 +1,106 @@
+import os
+import re
+import resource
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+
+NOBODY = 65534
+
+
+def become_nobody():
+    resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
+    resource.setrlimit(resource.RLIMIT_MEMLOCK, (65536, 65536))
+    if os.getuid() == 0:
+        os.setgroups([])
+        os.setgid(NOBODY)
+        os.setuid(NOBODY)
+
+
+def kept_by_the_kernel():
+    """Whether a real-time thread that never sleeps is interrupted for about 50 ms of each second, with the kernel's own values."""
+    release = tuple(int(n) for n in re.match(r"(\d+)\.(\d+)", os.uname().release).groups())
+    if release >= (6, 12):
+        return not os.path.isdir("/sys/kernel/debug/sched/fair_server")  # else somebody may have set it
+    with open("/proc/sys/kernel/sched_rt_runtime_us") as runtime:
+        return int(runtime.read()) == 950000
+
+
+class Doctor(takt_system.Case):
+    def test_one_object_and_a_status_that_follows_from_it(self):
+        run = self.takt("doctor", "--json")
+        report = run.report
+        self.assertEqual("", run.err)
+        self.assertEqual(os.uname().release, report["kernel"])
+        by_severity = [[f for f in report["findings"] if f["severity"] == s] for s in ("spoils", "note", "good")]
+        self.assertEqual([report["spoils"], report["notes"]], [len(found) for found in by_severity[:2]])
+        self.assertEqual(len(report["findings"]), sum(len(found) for found in by_severity))
+        self.assertEqual(1 if report["spoils"] else 0, run.status)
+        for finding in report["findings"]:
+            self.assertTrue(finding["found"] and finding["why"], finding)
+            self.assertEqual(finding["severity"] == "good", finding["cure"] == "", finding)
+        wake_up = report["wake_up_us"]
+        self.assertEqual(500, wake_up["count"])
+        self.assertTrue(0 <= wake_up["p50"] <= wake_up["p99"] <= wake_up["max"], wake_up)
+
+    def test_the_text_has_every_check_and_no_escapes_in_a_pipe(self):
+        run = self.takt("doctor")
+        self.assertIn(run.status, (0, 1))
+        self.assertNotIn("\x1b", run.out)
+        for check in ("preemption", "throttling", "interrupts", "stolen time", "wake-up"):
+            self.assertIn(check, run.out)
+
+    def test_without_rights_it_names_what_is_refused(self):
+        os.chmod(self.folder, 0o755)
+        programs = os.path.join(self.folder, "bin")
+        os.mkdir(programs)
+        # Where everybody may read it.
+        subprocess.run(["cp", os.path.join(takt_system.BIN, "takt"), programs], check=True)
+        libraries = os.path.join(self.folder, "lib")
+        subprocess.run(["cp", "-r", os.path.join(os.path.dirname(takt_system.BIN), "lib"), libraries], check=True)
+        run = self.takt("doctor", "--json", programs=programs, become=become_nobody,
+                        environment={"LD_LIBRARY_PATH": libraries})
+        self.assertEqual(1, run.status, run.err)
+        findings = {f["check"]: f for f in run.report["findings"]}
+        self.assertFalse(run.report["root"])
+        self.assertEqual("spoils", findings["priority"]["severity"])
+        self.assertIn("is refused", findings["priority"]["found"])
+        self.assertEqual("spoils", findings["memory"]["severity"])
+        self.assertIn("limits.conf", findings["memory"]["cure"])
+
+    def test_help_says_the_status(self):
+        run = self.takt("doctor", "--help")
+        self.assertEqual(0, run.status)
+        self.assertIn("Exit status: 0 nothing spoils", run.out)
+        self.assertEqual(2, self.takt("doctor", "--nonsense").status)
+
+    @unittest.skipUnless(os.getuid() == 0 and kept_by_the_kernel() and len(os.sched_getaffinity(0)) > 1,
+                         "the kernel keeps nothing from real-time threads here, or there are none")
+    def test_an_executor_that_is_throttled_is_named_with_the_cure(self):
+        cpu = max(os.sched_getaffinity(0))  # the node gives the executor the highest
+        run = self.start("run", "spin.xml", "--json")
+        run.wait_for_state("fine", "EXECUTING")
+        self.assertRegex(run.err, r"robot: warning: executor busy never sleeps, .*; use wakeup=\"hybrid\", or: ")
+        other = subprocess.Popen([sys.executable, "-c", "while True: pass"],
+                                 preexec_fn=lambda: os.sched_setaffinity(0, {cpu}))
+        try:
+            run.wait_for_line(r"robot: warning: executor busy lost its processor for \d+(\.\d+)? ms: the kernel keeps 50 ms of "
+                              r"each second .*; use wakeup=\"hybrid\", or: ", 20)
+        finally:
+            other.kill()
+            other.wait()
+        time.sleep(0.1)
+        run.signal(2)
+        run.wait(20)
+        self.assertEqual(0, run.status, run.err)
+        said = [line for line in run.lines if "lost its processor" in line.text]
+        self.assertEqual(1, len(said), "it is said once")
+        self.assertGreater(run.executor("busy")["missed"], 20)
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,105 @@
+#include <takt/node/conditions.hpp>
+
+#include <gmock/gmock.h>
+
+namespace takt::node {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+const os::Throttling kOld{.kept = milliseconds{50}};
+const os::Throttling kServer{.kept = milliseconds{50}, .fair_server = true};
+
+model::Device device(model::Wakeup wakeup, Nanoseconds period) {
+  model::Device device;
+  device.executors.emplace_back();
+  device.executors[0].wakeup = wakeup;
+  model::Module& module = device.modules.emplace_back();
+  module.name = "m";
+  module.type = model::ModuleType::thread;
+  module.operation = model::Operation::periodic;
+  module.period = period;
+  module.executor = "main";
+  return device;
+}
+
+std::vector<std::string> warnings(const model::Device& of, const Conditions& conditions) {
+  return warnings_for(of, *schedule::plan(model::Cell{}, of), conditions);
+}
+
+TEST(Conditions, ThatAreGoodAreNotSpokenOf) {
+  EXPECT_THAT(warnings(device(model::Wakeup::hybrid, milliseconds{1}), {}), IsEmpty());
+  EXPECT_THAT(warnings(device(model::Wakeup::spin, milliseconds{1}), {}), IsEmpty());
+}
+
+TEST(Conditions, AnExecutorThatSpinsIsThrottled) {
+  const auto spins = device(model::Wakeup::spin, milliseconds{1});
+  EXPECT_THAT(warnings(spins, {.throttling = kOld}),
+              ElementsAre(AllOf(HasSubstr("executor main never sleeps"), HasSubstr("50 ms of each second"),
+                                HasSubstr("sched_rt_runtime_us=-1"))));
+  EXPECT_THAT(warnings(spins, {.throttling = kServer}), ElementsAre(HasSubstr("fair_server")));
+  EXPECT_THAT(warnings(spins, {.throttling = os::Throttling{}}), IsEmpty());
+  EXPECT_THAT(warnings(spins, {.throttling = kOld, .prioritised = false}), IsEmpty())
+      << "it is no real-time thread";
+  EXPECT_THAT(warnings(device(model::Wakeup::hybrid, milliseconds{1}), {.throttling = kOld}), IsEmpty());
+}
+
+TEST(Conditions, TimersMustBeFinerThanThePeriod) {
+  const Conditions ticks{.timer_resolution = milliseconds{4}};
+  EXPECT_THAT(warnings(device(model::Wakeup::hybrid, milliseconds{4}), ticks),
+              ElementsAre(HasSubstr("no high resolution")));
+  EXPECT_THAT(warnings(device(model::Wakeup::hybrid, milliseconds{5}), ticks), IsEmpty());
+  EXPECT_THAT(warnings(device(model::Wakeup::spin, milliseconds{1}), ticks), IsEmpty());
+}
+
+TEST(Conditions, TheWakeUpMustFitItsMargin) {
+  const Conditions slow{.wake_ups = {20, microseconds{41}, microseconds{90}, microseconds{90}}};
+  EXPECT_THAT(warnings(device(model::Wakeup::hybrid, microseconds{100}), slow),
+              ElementsAre(AllOf(HasSubstr("41 us late"), HasSubstr("period of 100 us"),
+                                HasSubstr("wakeup=\"spin\""))));
+  EXPECT_THAT(warnings(device(model::Wakeup::hybrid, microseconds{110}), slow), IsEmpty());
+  EXPECT_THAT(warnings(device(model::Wakeup::sleep, microseconds{80}), slow),
+              ElementsAre(HasSubstr("41 us late")));
+  EXPECT_THAT(warnings(device(model::Wakeup::spin, microseconds{50}), slow), IsEmpty());
+}
+
+TEST(Conditions, SwapSpoilsARunWhoseMemoryIsNotLocked) {
+  const auto any = device(model::Wakeup::hybrid, milliseconds{1});
+  EXPECT_THAT(warnings(any, {.memory_locked = false, .swap_bytes = 1}), ElementsAre(HasSubstr("swapoff")));
+  EXPECT_THAT(warnings(any, {.memory_locked = true, .swap_bytes = 1}), IsEmpty());
+  EXPECT_THAT(warnings(any, {.memory_locked = false, .swap_bytes = 0}), IsEmpty());
+}
+
+TEST(Throttled, IsAGapOfAboutWhatTheKernelKeeps) {
+  model::Executor spins;
+  spins.wakeup = model::Wakeup::spin;
+  EXPECT_FALSE(throttled(spins, milliseconds{1}, kOld).has_value());
+  EXPECT_FALSE(throttled(spins, milliseconds{44}, kOld).has_value());
+  EXPECT_TRUE(throttled(spins, milliseconds{45}, kOld).has_value());
+  EXPECT_TRUE(throttled(spins, milliseconds{54}, kOld).has_value());
+  EXPECT_TRUE(throttled(spins, milliseconds{75}, kOld).has_value());
+  EXPECT_FALSE(throttled(spins, milliseconds{76}, kOld).has_value());
+  EXPECT_FALSE(throttled(spins, milliseconds{50}, os::Throttling{}).has_value());
+  EXPECT_FALSE(throttled(spins, Nanoseconds{0}, os::Throttling{}).has_value());
+}
+
+TEST(Throttled, NamesTheExecutorAndTheCure) {
+  model::Executor executor;
+  executor.name = "motion";
+  executor.wakeup = model::Wakeup::spin;
+  EXPECT_THAT(*throttled(executor, microseconds{53'987}, kServer),
+              AllOf(HasSubstr("executor motion"), HasSubstr("53.9 ms"), HasSubstr("hybrid"),
+                    HasSubstr("fair_server")));
+  executor.wakeup = model::Wakeup::hybrid;
+  EXPECT_THAT(*throttled(executor, milliseconds{50}, kOld),
+              AllOf(HasSubstr("about as long as"), Not(HasSubstr("hybrid")), HasSubstr("takt doctor")));
+}
+
+}  // namespace
+}  // namespace takt::node
