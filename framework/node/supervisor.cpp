@@ -53,7 +53,7 @@ Result<void> Supervisor::prepare() {
     if (options_.require_real_time) return problems;
     log("WARNING: not real-time: " + in_words(allowed.problems()));
   }
-  placement_ = place(device().executors, os::allowed_cpus());
+  placement_ = schedule::place(device().executors, os::allowed_cpus());
   for (const std::string& warning : placement_.warnings) log("warning: " + warning);
   for (const auto& executor : device().executors) {
     if (executor.wakeup != model::Wakeup::spin || !real_time_ || os::throttled_share() == 0) continue;

@@ -26,9 +26,9 @@
 #include <takt/node/gate.hpp>
 #include <takt/node/host_link.hpp>
 #include <takt/node/member.hpp>
-#include <takt/node/placement.hpp>
 #include <takt/node/supervised.hpp>
 #include <takt/node/wiring.hpp>
+#include <takt/schedule/placement.hpp>
 
 namespace takt::node {
 
@@ -133,14 +133,13 @@ class Supervisor final : public Supervised {
   void running_step(Instant now);
   void stopping_step(Instant now);
   void destruct(Member& member, Instant now);
-  int margin_share() const;
   const model::Device& device() const { return options_.cell.devices[options_.device]; }
   std::size_t executor_of(const Member& member) const;
 
   Options options_;
   Phase phase_ = Phase::preparing;
   Problems failures_;
-  Placement placement_;
+  schedule::Placement placement_;
   bool real_time_ = true;
   channel::Channel channel_;
   os::SharedMemory bell_memory_;

@@ -28,17 +28,6 @@ const char* init_function(const Member& member) {
 
 }  // namespace
 
-// Programs that spin for their release on the same processor share what one may take of it.
-int Supervisor::margin_share() const {
-  int programs = 0;
-  for (const auto& module : device().modules) {
-    programs +=
-        module.type == model::ModuleType::process && module.operation != model::Operation::non_real ? 1 : 0;
-  }
-  const auto processors = static_cast<int>(placement_.background.size());
-  return std::max(1, (programs + processors - 1) / processors);
-}
-
 Result<void> Supervisor::create_seat(Member& member) {
   auto memory = os::SharedMemory::create("takt-seat", sizeof(channel::Seat));
   if (!memory) return memory.problems();
@@ -58,7 +47,8 @@ Result<void> Supervisor::create_seat(Member& member) {
                                                                    : channel::SeatKind::sporadic;
   seat.bell_bit = channel::bell_bit(member.index);
   seat.period_ns = period.count();
-  seat.margin_cap_ns = os::margin_cap(period).count() / margin_share();
+  // Programs that spin for their release on the same processor share what one may take of it.
+  seat.margin_cap_ns = os::margin_cap(period).count() / schedule::programs_on_one(device(), placement_);
   seat.lock_memory = real_time_ ? 1 : 0;
   seat.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
   seat.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
@@ -99,9 +89,9 @@ Result<void> Supervisor::spawn(Member& member) {
 // The thread that waits for releases becomes real-time only now, so that a long preparation starves nobody.
 void Supervisor::process_ready(Member& member) {
   const auto& executor = device().executors[executor_of(member)];
-  const int below = member.model.operation == model::Operation::periodic ? 2 : 3;
   if (!real_time_) return;
-  const auto made = os::make_real_time(member.seat->thread.load(), std::max(1, executor.priority - below));
+  const int priority = schedule::program_priority(executor.priority, member.model.operation);
+  const auto made = os::make_real_time(member.seat->thread.load(), priority);
   if (made) return;
   real_time_ = false;
   log(member, "WARNING: not real-time: " + in_words(made.problems()));
