@@ -30,7 +30,7 @@ const char* to_text(Doing doing) noexcept {
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0003;  // "takt", layout 3
+constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0004;  // "takt", layout 4
 
 struct alignas(64) Header {
   std::uint64_t magic;

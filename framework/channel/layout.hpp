@@ -31,6 +31,9 @@ struct alignas(64) ModuleBlock {
   std::atomic<std::uint64_t> errors;    ///< raised by the executor
   std::atomic<std::uint64_t> entered;   ///< times that the node put it into the tables
 
+  std::atomic<std::uint64_t> over_budget;  ///< runs of a thread module that took longer
+  std::atomic<std::uint32_t> in_a_row;     ///< of these, the last without a shorter one between
+
   alignas(64) Statistics jitter;  ///< Eq. (1), P_n - T_n; of thread modules
   alignas(64) Statistics run;     ///< of thread modules
 

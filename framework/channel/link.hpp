@@ -17,6 +17,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include <takt/core/check.hpp>
 
@@ -27,6 +28,7 @@ struct SampleInfo {
   std::uint64_t sequence = 0;  ///< of the link, from 1 without gaps at the writer
   std::int64_t stamp_ns = 0;   ///< monotonic time of the value: when the run() that wrote it began
   std::uint32_t size = 0;      ///< bytes of the payload
+  std::int64_t valid_ns = 0;   ///< monotonic time from which on it may be read; 0: at once
 };
 
 /// A slot's word: whether a sample is in it, which, and the number of its buffer. An emptied slot keeps the
@@ -48,12 +50,14 @@ struct SlotWord {
 };
 
 inline constexpr std::uint32_t kMaxLinkDepth = 65536;
+/// A time that does not come.
+inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 /// Begins the memory of a link; slots, sample infos and payloads follow. Nothing in it is a pointer. `Atomic`
 /// is std::atomic but in a test, which wants to be there between any two steps.
 template <template <class> class Atomic>
 struct alignas(64) BasicLinkBlock {
-  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0002;  // "link", layout 2
+  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0003;  // "link", layout 3
 
   // Written before anybody uses it.
   std::uint64_t magic;
@@ -81,11 +85,13 @@ struct alignas(64) BasicLinkBlock {
   Atomic<std::uint64_t> reader_takes;  ///< a SlotWord: which sample it takes in which buffer
 };
 
-/// A sample's info in the memory of a link. The number is read by who takes the place of a reader, while the
-/// writer may be at it.
+/// A sample's info in the memory of a link. The number is read by who takes the place of a reader, and the
+/// time from which on the sample is valid by a reader that looks whether it may take it, while the writer may
+/// be at them.
 template <template <class> class Atomic>
 struct BasicSampleHead {
   Atomic<std::uint64_t> sequence;
+  Atomic<std::int64_t> valid_ns;
   std::int64_t stamp_ns;
   std::uint32_t size;
 };
@@ -171,7 +177,10 @@ class BasicLink {
     auto* slots = reinterpret_cast<Atomic<std::uint64_t>*>(memory + place.slots());
     auto* heads = reinterpret_cast<Head*>(memory + place.heads());
     for (std::uint32_t i = 0; i < options.depth; ++i) slots[i].store(SlotWord::make(false, 0, i), relaxed);
-    for (std::uint32_t i = 0; i < place.buffers(); ++i) heads[i].sequence.store(0, relaxed);
+    for (std::uint32_t i = 0; i < place.buffers(); ++i) {
+      heads[i].sequence.store(0, relaxed);
+      heads[i].valid_ns.store(0, relaxed);
+    }
     block->writer_has.store(options.depth, relaxed);
     block->writer_takes.store(SlotWord::make(false, 0, options.depth), relaxed);
     block->reader_has.store(SlotWord::make(false, 0, options.depth + 1), relaxed);
@@ -294,15 +303,16 @@ class BasicLinkWriter {
   /// The number that the next sample gets.
   [[nodiscard]] std::uint64_t next() const noexcept { return sequence_; }
 
-  /// The buffer's sample is there for the reader. Wait-free. The oldest one is overwritten where nobody took
-  /// it.
-  void publish(std::uint32_t size, std::int64_t stamp_ns) noexcept {
+  /// The buffer's sample is there for the reader, from `valid_ns` on. Wait-free. The oldest one is
+  /// overwritten where nobody took it.
+  void publish(std::uint32_t size, std::int64_t stamp_ns, std::int64_t valid_ns = 0) noexcept {
     auto& block = link_.block();
     constexpr auto relaxed = std::memory_order_relaxed;
     auto& head = link_.head(private_);
     head.stamp_ns = stamp_ns;
     head.size = size;
     head.sequence.store(sequence_, relaxed);
+    head.valid_ns.store(valid_ns, relaxed);
     auto& slot = link_.slot(place_);
     const std::uint64_t mine = SlotWord::make(true, sequence_, private_);
     std::uint64_t old = slot.load(std::memory_order_acquire);
@@ -350,19 +360,23 @@ class BasicLinkReader {
   [[nodiscard]] std::uint32_t buffer() const noexcept { return private_; }
   [[nodiscard]] SampleInfo info() const noexcept {
     const auto& head = link_.head(private_);
-    return {head.sequence.load(std::memory_order_relaxed), head.stamp_ns,
-            std::min(head.size, link_.stride())};
+    return {head.sequence.load(std::memory_order_relaxed), head.stamp_ns, std::min(head.size, link_.stride()),
+            head.valid_ns.load(std::memory_order_relaxed)};
   }
 
-  /// Whether take() would find a sample. Also for another thread, which may then be answered by what was the
-  /// case a moment ago.
-  [[nodiscard]] bool has_news() const noexcept {
-    return SlotWord::full(link_.slot(place()).load(std::memory_order_seq_cst));
+  /// From when on take() would find a sample: 0 for at once, kNever when there is none. Also for another
+  /// thread, which may then be answered by what was the case a moment ago.
+  [[nodiscard]] std::int64_t news_at() const noexcept {
+    const std::uint64_t word = link_.slot(place()).load(std::memory_order_seq_cst);
+    if (!SlotWord::full(word) || !link_.has_buffer(SlotWord::index(word))) return kNever;
+    return link_.head(SlotWord::index(word)).valid_ns.load(std::memory_order_relaxed);
   }
+  [[nodiscard]] bool has_news() const noexcept { return news_at() != kNever; }
 
-  /// The next sample becomes ours: the oldest that was not overwritten. False when there is none. Lock-free:
-  /// it starts again only where the writer has meanwhile written over what it was about to take.
-  bool take() noexcept {
+  /// The next sample becomes ours: the oldest that was not overwritten and is valid at `now_ns`. False when
+  /// there is none. Lock-free: it starts again only where the writer has meanwhile written over what it was
+  /// about to take.
+  bool take(std::int64_t now_ns = kNever) noexcept {
     auto& block = link_.block();
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       auto& slot = link_.slot(place());
@@ -373,6 +387,11 @@ class BasicLinkReader {
         if (link_.depth() > 1) continue;
       }
       if (!link_.has_buffer(SlotWord::index(word))) return false;
+      // The sample's own, if the word is still there when it is exchanged. If not, another lies there.
+      if (link_.head(SlotWord::index(word)).valid_ns.load(std::memory_order_acquire) > now_ns) {
+        if (slot.load(std::memory_order_acquire) == word) return false;
+        continue;
+      }
       const std::uint64_t takes = word & ~SlotWord::kFull;
       block.reader_takes.store(takes, std::memory_order_release);
       if (!slot.compare_exchange_strong(word, SlotWord::make(false, next_, private_),

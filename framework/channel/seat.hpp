@@ -11,6 +11,7 @@
 // its body" whoever released it, and no row ever meets it half way.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 
@@ -48,6 +49,9 @@ inline void Bell::note(std::uint32_t wake_bits) noexcept {
   if (wake_bits != 0) pending.fetch_or(wake_bits, std::memory_order_seq_cst);
 }
 
+/// More than any program is ever owed.
+inline constexpr std::uint32_t kMaxOwed = 1U << 16;
+
 enum class SeatKind : std::uint32_t { periodic, sporadic, unscheduled };
 enum class SeatPhase : std::uint32_t {
   empty,     ///< no program, or it has not called initPeriodExe() or initSporadicExe() yet
@@ -56,7 +60,7 @@ enum class SeatPhase : std::uint32_t {
 };
 
 struct alignas(64) Seat {
-  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0003;  // "seat", layout 3
+  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0004;  // "seat", layout 4
 
   // Written by the node before the program starts.
   std::uint64_t magic;
@@ -64,21 +68,26 @@ struct alignas(64) Seat {
   SeatKind kind;
   std::uint32_t bell_bit;
   std::int64_t period_ns;      ///< between releases
+  std::int64_t offset_ns;      ///< of the first one from T0
   std::int64_t margin_cap_ns;  ///< the longest time before a release that the program may spin
   std::uint32_t lock_memory;
   std::int64_t deadline_ns;      ///< of a sporadic program, from its release to its next wait; 0: none
   std::uint32_t immediate;       ///< it releases itself: begin(); the scheduler never does
   std::int64_t interarrival_ns;  ///< of one that does: the least time between two releases
+  std::uint32_t logical;         ///< inputs as of the release, outputs at the end of the period
+  std::uint32_t catch_up;        ///< releases that it may be given in its body, served after it; 0: none
 
   // Written by the scheduler; of a program that releases itself, by the program.
   alignas(
       64) std::atomic<std::uint32_t> released;  ///< releases so far. SYNC: released, publishes the two below
-  std::atomic<std::uint64_t> cycle;
-  std::atomic<std::int64_t> release_ns;
-  std::atomic<std::uint32_t> end;   ///< by the node: the program is to end
-  std::atomic<std::uint32_t> open;  ///< by the node: the module is in the tables, it may release itself.
-                                    ///< SYNC: open
-  std::atomic<std::int64_t> t0_ns;  ///< by the node: T0 of the rows
+  /// The number of the last release lies at its count modulo 2, so that the next one does not disturb who
+  /// reads it.
+  std::array<std::atomic<std::uint64_t>, 2> cycles;
+  std::atomic<std::int64_t> release_ns;  ///< of the last one
+  std::atomic<std::uint32_t> end;        ///< by the node: the program is to end
+  std::atomic<std::uint32_t> open;       ///< by the node: the module is in the tables, it may release itself.
+                                         ///< SYNC: open
+  std::atomic<std::int64_t> t0_ns;       ///< by the node: T0 of the rows
 
   // Written by the program.
   alignas(64) std::atomic<std::uint32_t> done;  ///< the last release that it has finished. SYNC: done
@@ -97,6 +106,10 @@ struct alignas(64) Seat {
   [[nodiscard]] bool in_body() const noexcept {
     return done.load(std::memory_order_acquire) != released.load(std::memory_order_seq_cst);
   }
+  /// The number of the release with this count, the last one.
+  [[nodiscard]] std::uint64_t cycle(std::uint32_t count) const noexcept {
+    return cycles[count % 2].load(std::memory_order_acquire);
+  }
   [[nodiscard]] bool waiting() const noexcept {
     return phase.load(std::memory_order_acquire) == SeatPhase::ready && !in_body();
   }
@@ -105,19 +118,59 @@ struct alignas(64) Seat {
 enum class Release {
   given,  ///< the program is awake and sees it
   wake,   ///< the program sleeps: ring the bell for its bit
-  busy,   ///< it is still in its body; nothing was released
+  owed,   ///< it is still in its body, and served this release after it
+  busy,  ///< it is still in its body; a release is left out: this one, or, of one that catches up, the oldest
+         ///< that it is owed
 };
 
 /// By the scheduler. Real-time: no lock, no system call.
 inline Release release(Seat& seat, std::uint64_t cycle, std::int64_t release_ns) noexcept {
-  if (!seat.waiting()) return Release::busy;
-  seat.cycle.store(cycle, std::memory_order_relaxed);
+  const std::uint32_t count = seat.released.load(std::memory_order_relaxed) + 1;
+  if (!seat.waiting()) {
+    if (seat.catch_up == 0 || seat.phase.load(std::memory_order_acquire) != SeatPhase::ready)
+      return Release::busy;
+    const std::uint32_t owed = count - 2 - seat.done.load(std::memory_order_acquire);
+    // Done meanwhile: then it is one of the last, and what was said of it holds.
+    if (owed >= seat.catch_up && owed < kMaxOwed) {
+      seat.cycles[(count - 1) % 2].store(cycle, std::memory_order_relaxed);
+      return Release::busy;
+    }
+    seat.cycles[count % 2].store(cycle, std::memory_order_relaxed);
+    seat.release_ns.store(release_ns, std::memory_order_relaxed);
+    seat.released.store(count, std::memory_order_seq_cst);
+    return seat.sleeping.load(std::memory_order_seq_cst) != 0 ? Release::wake : Release::owed;
+  }
+  seat.cycles[count % 2].store(cycle, std::memory_order_relaxed);
   seat.release_ns.store(release_ns, std::memory_order_relaxed);
   // SYNC: released and sleeping. Each side stores its own word and then loads the other's, in one total
   // order: either the scheduler sees that the program sleeps, or the program sees the release before it
   // sleeps.
-  seat.released.store(seat.released.load(std::memory_order_relaxed) + 1, std::memory_order_seq_cst);
+  seat.released.store(count, std::memory_order_seq_cst);
   return seat.sleeping.load(std::memory_order_seq_cst) != 0 ? Release::wake : Release::given;
+}
+
+/// A release as its program takes it.
+struct Taken {
+  std::uint32_t count = 0;
+  std::uint64_t cycle = 0;
+  std::int64_t release_ns = 0;
+};
+
+/// By the program, when there is one after `done`: the next. Releases that it was given while it was in its
+/// body come one by one, the oldest first; their numbers are the last ones. Real-time.
+inline Taken take(const Seat& seat, std::uint32_t done) noexcept {
+  while (true) {
+    const std::uint32_t count = seat.released.load(std::memory_order_acquire);  // SYNC: released
+    const std::uint64_t newest = seat.cycle(count);
+    const std::int64_t release_ns = seat.release_ns.load(std::memory_order_acquire);
+    const std::uint64_t later = count - done - 1;                          // than the one that is taken
+    if (seat.released.load(std::memory_order_relaxed) != count) continue;  // another has come: look again
+    if (seat.catch_up == 0) return {count, newest, release_ns};
+    const std::uint64_t cycle = newest - later;
+    return {done + 1, cycle,
+            seat.t0_ns.load(std::memory_order_relaxed) + seat.offset_ns +
+                static_cast<std::int64_t>(cycle) * seat.period_ns};
+  }
 }
 
 /// By a program that is dispatched at once, when it has news and its interarrival time has passed: the
@@ -130,9 +183,9 @@ inline bool begin(Seat& seat, std::int64_t now_ns) noexcept {
   const std::int64_t since_t0 = now_ns - seat.t0_ns.load(relaxed);
   const bool rows = seat.period_ns > 0 && since_t0 > 0;
   const std::int64_t row = rows ? (since_t0 + seat.period_ns - 1) / seat.period_ns : 0;
-  seat.cycle.store(static_cast<std::uint64_t>(row), relaxed);
-  seat.release_ns.store(now_ns, relaxed);
   const std::uint32_t mine = seat.released.load(relaxed) + 1;
+  seat.cycles[mine % 2].store(static_cast<std::uint64_t>(row), relaxed);
+  seat.release_ns.store(now_ns, relaxed);
   // SYNC: open. The program says that it is in its body and then looks whether it may be; who takes the
   // module out says so and then looks whether the program waits. In one total order: at least one sees the
   // other.

@@ -28,6 +28,8 @@ const char* to_text(ErrorType type) noexcept {
       return "deadline";
     case ErrorType::stale:
       return "stale";
+    case ErrorType::overrun:
+      return "overrun";
   }
   return "?";
 }

@@ -39,13 +39,14 @@ struct Cycle {
 /// Why a module was taken out of its table. The numbers are those of <takt/module.h>.
 enum class ErrorType : int {
   none = 0,
-  failure = 1,  ///< run() or condition() threw or called fail()
-  budget = 2,   ///< one run() took longer than <budget>
-  start = 3,    ///< start() failed
-  crash = 4,    ///< the host or the process module crashed or ended by itself
+  failure = 1,   ///< run() or condition() threw or called fail()
+  budget = 2,    ///< one run() took longer than <budget>
+  start = 3,     ///< start() failed
+  crash = 4,     ///< the host or the process module crashed or ended by itself
   hang = 5,      ///< run() or a hook did not come back
   deadline = 6,  ///< a sporadic module was not done by its deadline, and its descriptor calls that an error
   stale = 7,     ///< an input is older than its connection's deadline, with stale="error"
+  overrun = 8,   ///< a release was not served in time, and the descriptor calls that an error
 };
 /// "failure", "budget", ...
 const char* to_text(ErrorType type) noexcept;

@@ -1,13 +1,13 @@
-// What a module asks for while one of its hooks is called: functions in the C form have no arguments, and ports stamp what
-// they write with the time at which the call began.
+// What a module asks for while one of its hooks is called: functions in the C form have no arguments, and
+// ports stamp what they write with the time at which the call began.
 #pragma once
 
 #include <takt/component/component.hpp>
 
 namespace takt {
 
-/// The release that this thread serves from now on; null: none. Of a hook that is none, only `start` is set. The cycle
-/// outlives the serving. Real-time.
+/// The release that this thread serves from now on; null: none. Of a hook that is none, only `start` is set.
+/// The cycle outlives the serving. Real-time.
 void serve_cycle(const Cycle* cycle) noexcept;
 /// What this thread serves; null: nothing. Real-time.
 const Cycle* served_cycle() noexcept;

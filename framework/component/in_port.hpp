@@ -26,8 +26,10 @@ namespace takt {
 class InPortBase : public PortBase {
  public:
   [[nodiscard]] bool connected() const noexcept override { return !sources_.empty(); }
-  [[nodiscard]] bool has_news() const noexcept override {
-    return std::any_of(sources_.begin(), sources_.end(), [](const Source& s) { return s.reader.has_news(); });
+  [[nodiscard]] std::int64_t news_at() const noexcept override {
+    std::int64_t first = channel::kNever;
+    for (const Source& source : sources_) first = std::min(first, source.reader.news_at());
+    return first;
   }
 
   /// A sample was read at some time; value() is the last one.
@@ -50,12 +52,14 @@ class InPortBase : public PortBase {
   struct Source {
     channel::LinkReader reader;
     const void* values = nullptr;  ///< null: bytes
+    bool latest = false;           ///< of a link with several places: only the newest valid sample counts
   };
   /// What is no sample is passed over, but not for ever.
   static constexpr int kMostRefused = 16;
 
   void add(channel::Link link, const void* values) {
-    sources_.push_back({channel::LinkReader{link}, values});
+    const bool latest = link.block().is_queue == 0 && link.depth() > 1;
+    sources_.push_back({channel::LinkReader{link}, values, latest});
   }
 
   /// The connection that the next sample came from, each in turn; null: there is none. The sample is taken.
@@ -63,7 +67,10 @@ class InPortBase : public PortBase {
     for (std::size_t n = sources_.size(); n > 0; --n) {
       Source& source = sources_[turn_];
       if (++turn_ == sources_.size()) turn_ = 0;
-      if (source.reader.take()) return &source;
+      if (!source.reader.take(context().start_ns)) continue;
+      // The link of a latest value has several places where its writer's samples become valid later.
+      while (source.latest && source.reader.take(context().start_ns)) continue;
+      return &source;
     }
     return nullptr;
   }

@@ -33,7 +33,8 @@ enum {
   TAKT_ERROR_CRASH = 4,    /* the process module crashed or ended by itself */
   TAKT_ERROR_HANG = 5,     /* the process module did not come back from its body */
   TAKT_ERROR_DEADLINE = 6, /* a sporadic module was not done by its deadline, with miss="error" */
-  TAKT_ERROR_STALE = 7     /* an input is older than its connection's deadline, with stale="error" */
+  TAKT_ERROR_STALE = 7,    /* an input is older than its connection's deadline, with stale="error" */
+  TAKT_ERROR_OVERRUN = 8   /* a release was not served in time, and the descriptor calls that an error */
 };
 
 #ifdef __cplusplus

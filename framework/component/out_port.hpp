@@ -47,7 +47,7 @@ class OutPortBase : public PortBase {
 
   void add(channel::Link link, void* values) { sinks_.push_back({channel::LinkWriter{link}, values}); }
   void publish(Sink& sink, std::uint32_t size) const noexcept {
-    sink.writer.publish(size, context().start_ns);
+    sink.writer.publish(size, context().start_ns, context().valid_ns);
     const std::uint32_t wake_bits = sink.writer.link().block().wake_bits;
     if (wake_bits != 0 && context().bell != nullptr) context().bell->note(wake_bits);
   }

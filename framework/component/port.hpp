@@ -30,6 +30,8 @@ struct PortContext {
   std::int64_t start_ns =
       0;  ///< when the present run() began: the stamp of what is written, and `now` of ages
   channel::Bell* bell = nullptr;  ///< for links that wake somebody
+  /// From when on what is written may be read: with timing="let" the end of the period; 0: at once.
+  std::int64_t valid_ns = 0;
 };
 
 class PortBase {
@@ -46,7 +48,10 @@ class PortBase {
   /// Somebody is at the other end of a connection. Real-time.
   [[nodiscard]] virtual bool connected() const noexcept = 0;
   /// read() would find a sample. Real-time.
-  [[nodiscard]] virtual bool has_news() const noexcept { return false; }
+  [[nodiscard]] bool has_news() const noexcept { return news_at() <= context().start_ns; }
+  /// From when on, monotonic: 0 for at once, channel::kNever when there is none. Real-time; also for another
+  /// thread than the one that reads.
+  [[nodiscard]] virtual std::int64_t news_at() const noexcept { return channel::kNever; }
 
   // For whoever runs the module, while it is not running.
 

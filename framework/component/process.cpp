@@ -36,15 +36,16 @@ class Guest {
   void wait(const char* function);
 
   [[nodiscard]] const channel::Seat* seat() const { return seat_; }
+  [[nodiscard]] const channel::Taken& taken() const { return taken_; }
 
  private:
   [[noreturn]] static void refuse(const char* function, const std::string& what);
   static void check_ports(const char* function);
   static void describe_ports();
   void connect_ports(const char* function);
-  [[nodiscard]] static bool has_event();
+  [[nodiscard]] static std::int64_t event_at();
   bool released() const {
-    return seat_->released.load(std::memory_order_acquire) != taken_;
+    return seat_->released.load(std::memory_order_acquire) != taken_.count;
   }  // SYNC: released
   void body_done();
   void spin_until_release();
@@ -59,7 +60,7 @@ class Guest {
   os::WakeMargin margin_{Nanoseconds{0}};
   std::vector<os::SharedMemory> link_memories_;
   PortContext context_;
-  std::uint32_t taken_ = 0;
+  channel::Taken taken_;  // the release that is served, or was last
   Instant started_{};
 };
 
@@ -133,10 +134,13 @@ void Guest::connect_ports(const char* function) {
   }
 }
 
-bool Guest::has_event() {
-  return std::any_of(ports().begin(), ports().end(), [](const PortBase* port) {
-    return port->direction() == PortDirection::event && port->has_news();
-  });
+// When the first event that is there becomes valid.
+std::int64_t Guest::event_at() {
+  std::int64_t first = channel::kNever;
+  for (const PortBase* port : ports()) {
+    if (port->direction() == PortDirection::event) first = std::min(first, port->news_at());
+  }
+  return first;
 }
 
 void Guest::attach(channel::SeatKind kind, const char* function) {
@@ -183,7 +187,7 @@ void Guest::end_if_told() const {
 // modules before it in the row, so the spin goes on for as long behind the instant as the margin may be
 // before it.
 void Guest::spin_until_release() {
-  const Instant expected = from_ns(seat_->release_ns.load(std::memory_order_relaxed) + seat_->period_ns);
+  const Instant expected = from_ns(taken_.release_ns + seat_->period_ns);
   const Instant wake = expected - margin_.value();
   const Instant patience = expected + Nanoseconds{seat_->margin_cap_ns};
   Instant now = os::now();
@@ -202,21 +206,23 @@ void Guest::spin_until_release() {
 // The scheduler leaves a program that is dispatched at once to its events.
 bool Guest::release_by_event() {
   const Instant now = os::now();
-  if (!has_event() || to_ns(now) < channel::not_before_ns(*seat_)) return false;
+  if (to_ns(now) < std::max(event_at(), channel::not_before_ns(*seat_))) return false;
   if (channel::begin(*seat_, to_ns(now))) return true;
-  taken_ = seat_->released.load(std::memory_order_relaxed);  // it was shut out in between: nothing to serve
+  taken_.count =
+      seat_->released.load(std::memory_order_relaxed);  // it was shut out in between: nothing to serve
   return false;
 }
 
 void Guest::sleep_on_bell() {
   const std::uint32_t rings = bell_->rings.load(std::memory_order_seq_cst);
   seat_->sleeping.store(1, std::memory_order_seq_cst);  // SYNC: sleeping
-  bool due = seat_->released.load(std::memory_order_seq_cst) != taken_ ||
+  bool due = seat_->released.load(std::memory_order_seq_cst) != taken_.count ||
              seat_->end.load(std::memory_order_seq_cst) != 0;
   std::optional<Instant> until;
   // Whoever writes an event or opens the seat rings after it, so what is not seen here ends the sleep.
-  if (seat_->immediate != 0 && has_event() && seat_->open.load(std::memory_order_seq_cst) != 0) {
-    until = from_ns(channel::not_before_ns(*seat_));
+  const std::int64_t event = seat_->immediate != 0 ? event_at() : channel::kNever;
+  if (event != channel::kNever && seat_->open.load(std::memory_order_seq_cst) != 0) {
+    until = from_ns(std::max(event, channel::not_before_ns(*seat_)));
     due |= *until <= os::now();
   }
   if (!due) os::futex_wait(bell_->rings, rings, seat_->bell_bit, until);
@@ -227,8 +233,7 @@ void Guest::body_done() {
   const Instant now = os::now();
   seat_->run.record((now - started_).count());
   if (seat_->deadline_ns == 0) return;
-  const std::int64_t late =
-      to_ns(now) - seat_->release_ns.load(std::memory_order_relaxed) - seat_->deadline_ns;
+  const std::int64_t late = to_ns(now) - taken_.release_ns - seat_->deadline_ns;
   if (late <= 0) return;
   seat_->late_by_ns.store(late, std::memory_order_relaxed);
   seat_->late.fetch_add(1, std::memory_order_release);  // SYNC: late
@@ -236,26 +241,29 @@ void Guest::body_done() {
 
 void Guest::wait(const char* function) {
   if (seat_ == nullptr) refuse(function, "call initPeriodExe() or initSporadicExe() first");
-  if (taken_ != 0) body_done();
+  const bool first = taken_.count == 0;
+  if (!first) body_done();
   // What was written for somebody who waits is rung for once a body.
   if (const std::uint32_t bits = bell_->take_pending(); bits != 0) {
     bell_->rings.fetch_add(1, std::memory_order_seq_cst);
     os::futex_wake(bell_->rings, bits);
   }
-  seat_->done.store(taken_, std::memory_order_release);  // SYNC: done
-  if (taken_ == 0) seat_->phase.store(channel::SeatPhase::ready, std::memory_order_release);
+  seat_->done.store(taken_.count, std::memory_order_release);  // SYNC: done
+  if (first) seat_->phase.store(channel::SeatPhase::ready, std::memory_order_release);
 
   end_if_told();
   const bool immediate = seat_->immediate != 0;
-  if (!immediate && taken_ != 0 && !released()) spin_until_release();
+  if (!immediate && !first && !released()) spin_until_release();
   while (!released()) {
     end_if_told();
     if (!immediate || !release_by_event()) sleep_on_bell();
   }
-  taken_ = seat_->released.load(std::memory_order_acquire);
+  taken_ = channel::take(*seat_, taken_.count);
   started_ = os::now();
-  context_.start_ns = to_ns(started_);
-  seat_->jitter.record(seat_->release_ns.load(std::memory_order_relaxed) - to_ns(started_));
+  const bool logical = seat_->logical != 0;
+  context_.start_ns = logical ? taken_.release_ns : to_ns(started_);
+  context_.valid_ns = logical ? taken_.release_ns + seat_->period_ns : 0;
+  seat_->jitter.record(taken_.release_ns - to_ns(started_));
 }
 
 Guest guest;
@@ -280,11 +288,7 @@ void initSporadicExe(void) { guest.attach(channel::SeatKind::sporadic, "initSpor
 void waitPeriod(void) { guest.wait("waitPeriod"); }
 void waitSporadic(void) { guest.wait("waitSporadic"); }
 
-uint64_t takt_cycle(void) {
-  return guest.seat() == nullptr ? 0 : guest.seat()->cycle.load(std::memory_order_relaxed);
-}
-int64_t takt_release_ns(void) {
-  return guest.seat() == nullptr ? 0 : guest.seat()->release_ns.load(std::memory_order_relaxed);
-}
+uint64_t takt_cycle(void) { return guest.taken().cycle; }
+int64_t takt_release_ns(void) { return guest.taken().release_ns; }
 int64_t takt_period_ns(void) { return guest.seat() == nullptr ? 0 : guest.seat()->period_ns; }
 }

@@ -53,18 +53,18 @@ class Outgoing {
  public:
   Outgoing(std::unique_ptr<RawWriter> writer, channel::Link from) : writer_(std::move(writer)), from_(from) {}
 
-  [[nodiscard]] bool has_news() const noexcept { return from_.has_news(); }
+  [[nodiscard]] std::int64_t news_at() const noexcept { return from_.news_at(); }
   [[nodiscard]] FlowHealth health() const { return writer_->health(); }
 
   /// A few samples. False where there was none.
   bool move() {
-    if (!from_.take()) return false;
     const Now now;
+    if (!from_.take(now.monotonic_ns)) return false;
     int moved = 0;
     do {
       const channel::SampleInfo info = from_.info();
       writer_->write({from_.link().payload(from_.buffer()), info.size}, now.wall_of(info.stamp_ns));
-    } while (++moved < kAtOnce && from_.take());
+    } while (++moved < kAtOnce && from_.take(now.monotonic_ns));
     return true;
   }
 
@@ -191,9 +191,12 @@ class OwnGateway final : public Gateway {
       // SYNC: gateway sleeps. Who writes publishes and then looks here; either he sees that we sleep and
       // rings, or we see his sample.
       bell_.gateway_sleeps.fetch_or(sleeps_, std::memory_order_seq_cst);
-      if (!has_news() && !ending_.load()) {
+      const Instant now = os::now();
+      const std::int64_t news = news_at();
+      if (news > to_ns(now) && !ending_.load()) {
         // A host that died before it rang must not hold up what it wrote.
-        os::futex_wait(bell_.rings, rings, channel::kGatewayBit, os::now() + kLongestSleep);
+        const Instant until = std::min(now + kLongestSleep, from_ns(news));
+        os::futex_wait(bell_.rings, rings, channel::kGatewayBit, until);
       }
       bell_.gateway_sleeps.fetch_and(~sleeps_, std::memory_order_seq_cst);
     }
@@ -204,12 +207,12 @@ class OwnGateway final : public Gateway {
     for (auto& [id, flow] : outgoing_) moved = flow->move() || moved;
     return moved;
   }
-  bool has_news() {
+  /// When the first sample that is there may be read.
+  std::int64_t news_at() {
     const std::lock_guard lock{mutex_};
-    for (const auto& [id, flow] : outgoing_) {
-      if (flow->has_news()) return true;
-    }
-    return false;
+    std::int64_t first = channel::kNever;
+    for (const auto& [id, flow] : outgoing_) first = std::min(first, flow->news_at());
+    return first;
   }
 
   std::shared_ptr<Participant> participant_;

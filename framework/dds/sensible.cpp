@@ -75,7 +75,7 @@ bool make_sensible(LifecycleStatus& status) noexcept {
   clean(status.text());
   return is_named(status) && exists(status.state(), STATE_DESTRUCT) &&
          exists(status.previous_state(), STATE_DESTRUCT) && exists(status.event(), EVENT_RESET) &&
-         exists(status.error(), ERROR_STALE);
+         exists(status.error(), ERROR_OVERRUN);
 }
 
 bool make_sensible(DeviceStatus& status) noexcept {

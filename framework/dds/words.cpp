@@ -66,6 +66,8 @@ const char* to_text(LifecycleError error) noexcept {
       return "deadline";
     case ERROR_STALE:
       return "stale";
+    case ERROR_OVERRUN:
+      return "overrun";
   }
   return "?";
 }

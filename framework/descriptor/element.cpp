@@ -6,6 +6,7 @@
 #include <tinyxml2.h>
 
 #include <takt/core/words.hpp>
+#include <takt/model/validate.hpp>
 
 namespace takt::descriptor {
 
@@ -175,6 +176,23 @@ std::optional<std::size_t> read_choice(const Given& given, const std::vector<std
       word.empty() ? given.what + " is empty" : "unknown value " + in_quotes(word) + " of " + given.what,
       suggestion(word, choices));
   return std::nullopt;
+}
+
+model::OverrunContract read_contract(const Given& word, const std::optional<Given>& limit, Report& report) {
+  using model::Overrun;
+  constexpr Overrun kContracts[] = {Overrun::skip, Overrun::catch_up, Overrun::error, Overrun::stop_device};
+  model::OverrunContract contract;
+  const auto choice = read_choice(word, {"skip", "catch-up", "error", "stop-device"}, report);
+  if (choice) contract.what = kContracts[*choice];
+  if (!limit) return contract;
+  const auto number = read_number(*limit, {1, model::kMaxCatchUp}, "", report);
+  if (choice && contract.what != Overrun::catch_up) {
+    report.add(limit->line, "an overrun of " + in_quotes(to_text(contract.what)) + " has a limit",
+               "remove the limit, or say catch-up");
+  } else if (number) {
+    contract.limit = static_cast<int>(*number);
+  }
+  return contract;
 }
 
 }  // namespace takt::descriptor

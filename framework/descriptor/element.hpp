@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <takt/descriptor/report.hpp>
+#include <takt/model/cell.hpp>
 
 namespace tinyxml2 {
 class XMLElement;
@@ -90,5 +91,8 @@ std::optional<std::int64_t> read_number(const Given& given, Range range, const c
 /// The index of the word among the choices. Reports a word that is none of them.
 std::optional<std::size_t> read_choice(const Given& given, const std::vector<std::string_view>& choices,
                                        Report& report);
+
+/// An overrun contract: its word, and the limit that only catch-up has.
+model::OverrunContract read_contract(const Given& word, const std::optional<Given>& limit, Report& report);
 
 }  // namespace takt::descriptor

@@ -19,7 +19,8 @@ const Shape kRoot{.many = {"executor", "module"}};
 const Shape kCell{.attributes = {"name", "domain", "discovery", "peers", "server", "server-device"},
                   .many = {"device", "connection"}};
 const Shape kDevice{.attributes = {"name"}, .many = {"executor", "module"}};
-const Shape kExecutor{.attributes = {"name", "cpu", "priority", "wakeup"}};
+const Shape kExecutor{
+    .attributes = {"name", "cpu", "priority", "wakeup", "spin", "overrun", "limit", "offsets", "timing"}};
 const Shape kConnection{.attributes = {"from", "to", "kind", "depth", "reliability", "deadline", "lifespan",
                                        "stale", "topic", "domain"}};
 
@@ -158,8 +159,12 @@ class CellReader {
       if (number) executor.cpu = static_cast<int>(*number);
     }
     if (const auto given = element.attribute("priority")) {
+      executor.rate_monotonic = given->trimmed() == "auto";
       const auto number =
-          read_number(*given, {model::kMinExecutorPriority, model::kMaxExecutorPriority}, "", report_);
+          executor.rate_monotonic
+              ? std::nullopt
+              : read_number(*given, {model::kMinExecutorPriority, model::kMaxExecutorPriority},
+                            " or \"auto\"", report_);
       if (number) executor.priority = static_cast<int>(*number);
     }
     if (const auto given = element.attribute("wakeup")) {
@@ -167,7 +172,34 @@ class CellReader {
       const auto choice = read_choice(*given, {"sleep", "hybrid", "spin"}, report_);
       if (choice) executor.wakeup = kWakeups[*choice];
     }
+    if (const auto given = element.attribute("spin")) {
+      const auto percent = read_number(*given, {0, model::kMaxSpinPercent}, " of percent", report_);
+      if (percent) executor.spin_share = static_cast<double>(*percent) / 100;
+      if (executor.wakeup != model::Wakeup::hybrid) {
+        report_.add(given->line,
+                    "executor " + in_quotes(executor.name) + " has wakeup=\"" + to_text(executor.wakeup) +
+                        "\" and a share that it may spin",
+                    "remove spin, or say wakeup=\"hybrid\"");
+      }
+    }
+    read_contracts(element, executor);
     return executor;
+  }
+
+  void read_contracts(const Element& element, model::Executor& executor) {
+    const auto limit = element.attribute("limit");
+    if (const auto given = element.attribute("overrun")) {
+      executor.overrun = read_contract(*given, limit, report_);
+    } else if (limit && !element.was_meant("overrun")) {
+      report_.add(limit->line, "executor " + in_quotes(executor.name) + " has a limit and no overrun",
+                  "say overrun=\"catch-up\", or remove the limit");
+    }
+    if (const auto given = element.attribute("offsets")) {
+      if (read_choice(*given, {"given", "auto"}, report_) == 1U) executor.offsets = model::Offsets::automatic;
+    }
+    if (const auto given = element.attribute("timing")) {
+      if (read_choice(*given, {"direct", "let"}, report_) == 1U) executor.timing = model::Timing::let;
+    }
   }
 
   void read_connection(const XMLElement& xml) {

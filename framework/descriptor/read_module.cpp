@@ -16,9 +16,11 @@ using std::chrono::milliseconds;
 constexpr const char* kNs = " of nanoseconds";
 constexpr Nanoseconds kStandIn = milliseconds{1};  // for a time that could not be read
 
-const Shape kModule{.once = {"name", "filename", "moduletype", "operationtype", "period", "deadline",
-                             "dispatch", "interarrival", "priority", "executor", "budget", "recovery",
-                             "property"}};
+const Shape kModule{.once = {"name", "filename", "moduletype", "operationtype", "period", "offset",
+                             "deadline", "dispatch", "interarrival", "priority", "executor", "budget",
+                             "overrun", "recovery", "property"}};
+const Shape kBudget{.attributes = {"times", "in-a-row"}, .text = true};
+const Shape kOverrun{.attributes = {"limit"}, .text = true};
 const Shape kDeadline{.attributes = {"miss"}, .text = true};
 const Shape kRecovery{.attributes = {"attempts", "backoff", "then"}};
 const Shape kProperty{.many = {"value"}};
@@ -96,6 +98,34 @@ class ModuleReader {
     return ns ? Nanoseconds{*ns} : kStandIn;
   }
 
+  void read_offset() {
+    const auto given = element_.child_text("offset");
+    if (!given) return;
+    module_.lines.offset = given->line;
+    module_.offset = Nanoseconds{read_number(*given, {.from = 0}, kNs, report_).value_or(0)};
+  }
+
+  void read_budget() {
+    const auto* xml = element_.child("budget");
+    if (xml == nullptr) return;
+    const Element budget{*xml, kBudget, report_};
+    module_.budget = time_of(budget.given_text(), module_.lines.budget);
+    const auto read = [&](const char* name) -> std::optional<int> {
+      const auto given = budget.attribute(name);
+      if (!given) return std::nullopt;
+      return static_cast<int>(read_number(*given, {1, model::kMaxTolerance}, "", report_).value_or(1));
+    };
+    module_.tolerance = {.times = read("times"), .in_a_row = read("in-a-row")};
+  }
+
+  void read_overrun() {
+    const auto* xml = element_.child("overrun");
+    if (xml == nullptr) return;
+    const Element overrun{*xml, kOverrun, report_};
+    module_.lines.overrun = overrun.line();
+    module_.overrun = read_contract(overrun.given_text(), overrun.attribute("limit"), report_);
+  }
+
   void read_deadline() {
     const auto* xml = element_.child("deadline");
     if (xml == nullptr) return;
@@ -119,7 +149,9 @@ class ModuleReader {
     read_deadline();
     read_dispatch();
     module_.interarrival = read_time("interarrival", module_.lines.interarrival);
-    module_.budget = read_time("budget", module_.lines.budget);
+    read_offset();
+    read_budget();
+    read_overrun();
     if (!operation_known_) {
       // Nobody can tell which of the times are right: stand in for a module that may have none.
       module_.operation = Operation::non_real;
@@ -130,6 +162,9 @@ class ModuleReader {
       module_.lines.dispatch = 0;
       module_.interarrival.reset();
       module_.budget.reset();
+      module_.tolerance = {};
+      module_.offset.reset();
+      module_.overrun.reset();
     } else if (module_.operation == Operation::periodic && !module_.period && element_.was_meant("period")) {
       module_.period = kStandIn;
     } else if (module_.operation == Operation::sporadic && !module_.deadline &&

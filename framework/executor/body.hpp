@@ -27,8 +27,9 @@ class Body {
   /// Whether a sporadic module is to run: false in `*ready` when not. Only `number`, `time` and `start` of
   /// the cycle say something.
   virtual Outcome condition(const Cycle& cycle, bool* ready) noexcept = 0;
-  /// Whether an event port has a sample that was not read yet. Asked of modules that are dispatched at once.
-  [[nodiscard]] virtual bool has_news() const noexcept { return false; }
+  /// Whether an event port has a sample that was not read yet and is valid by now. Asked of modules that are
+  /// dispatched at once.
+  [[nodiscard]] virtual bool has_news(Instant /*now*/) const noexcept { return false; }
 };
 
 }  // namespace takt::executor

@@ -1,5 +1,6 @@
 #include <takt/executor/executor.hpp>
 
+#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -20,6 +21,10 @@ bool in_tables(const Unit& unit) noexcept {
   return unit.block->in_tables.load(std::memory_order_seq_cst) != 0;  // SYNC: in tables
 }
 
+bool fatal(const Unit& unit) noexcept {
+  return unit.overrun.what == model::Overrun::error || unit.overrun.what == model::Overrun::stop_device;
+}
+
 // While one module runs, what the next one needs comes.
 void prefetch(const Unit& unit) noexcept {
   unit.block->prefetch();
@@ -30,9 +35,9 @@ void prefetch(const Unit& unit) noexcept {
   }
 }
 
-// Multiples of `stride` in [from, to).
-std::uint64_t multiples(std::uint64_t from, std::uint64_t to, std::uint64_t stride) noexcept {
-  return (to + stride - 1) / stride - (from + stride - 1) / stride;
+// Rows below `to` in which a module is due that has its first row and one in each `stride` after it.
+std::uint64_t releases_before(std::uint64_t to, std::uint64_t first, std::uint64_t stride) noexcept {
+  return to <= first ? 0 : (to - first + stride - 1) / stride;
 }
 
 }  // namespace
@@ -48,10 +53,18 @@ Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodi
       basic_(plan.basic_period),
       rows_in_table_(table_.rows()) {
   TAKT_CHECK(periodic_.size() == plan.periodic.size() && sporadic.size() == plan.sporadic.size());
-  for (const Unit& unit : periodic_) {
+  for (std::size_t i = 0; i < periodic_.size(); ++i) {
+    const Unit& unit = periodic_[i];
     TAKT_CHECK(unit.block != nullptr && (unit.body == nullptr) != (unit.seat == nullptr));
     strides_.push_back(static_cast<std::uint64_t>(unit.period / basic_));
+    first_rows_.push_back(static_cast<std::uint64_t>(plan.offsets[i] / basic_));
+    only_skip_ &= unit.overrun.what == model::Overrun::skip;
+    if (unit.overrun.what == model::Overrun::catch_up) {
+      const std::uint64_t rows = strides_.back() * static_cast<std::uint64_t>(unit.overrun.limit);
+      longest_catch_up_ = std::max(longest_catch_up_, rows);
+    }
   }
+  made_up_.resize(periodic_.size());
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     TAKT_CHECK(sporadic[i].block != nullptr &&
                (sporadic[i].body == nullptr) != (sporadic[i].seat == nullptr));
@@ -73,8 +86,13 @@ void Executor::skip(std::uint64_t rows) noexcept {
   if (rows == 0) return;
   for (std::size_t i = 0; i < periodic_.size(); ++i) {
     if (!in_tables(periodic_[i])) continue;
-    add(periodic_[i].block->missed, multiples(row_, row_ + rows, strides_[i]));
+    add(periodic_[i].block->missed, releases_before(row_ + rows, first_rows_[i], strides_[i]) -
+                                        releases_before(row_, first_rows_[i], strides_[i]));
   }
+  pass(rows);
+}
+
+void Executor::pass(std::uint64_t rows) noexcept {
   add(block_.missed, rows);
   row_ += rows;
   if (rows_in_table_ != 0) table_row_ = row_ % rows_in_table_;
@@ -82,37 +100,104 @@ void Executor::skip(std::uint64_t rows) noexcept {
   block_.next_row.store(row_, relaxed);
 }
 
+std::uint32_t Executor::overrun(std::uint64_t rows) noexcept {
+  if (only_skip_) {
+    skip(rows);
+    return 0;
+  }
+  for (std::size_t i = 0; i < periodic_.size(); ++i) {
+    const Unit& unit = periodic_[i];
+    const std::uint64_t first = releases_before(row_, first_rows_[i], strides_[i]);
+    const std::uint64_t end = releases_before(row_ + rows, first_rows_[i], strides_[i]);
+    made_up_[i] = end;
+    if (first == end || !in_tables(unit)) continue;
+    std::uint64_t missed = end - first;
+    switch (unit.overrun.what) {
+      case model::Overrun::skip:
+        break;
+      case model::Overrun::catch_up: {
+        const std::uint64_t served = std::min(missed, static_cast<std::uint64_t>(unit.overrun.limit));
+        made_up_[i] = end - served;
+        missed -= served;
+        break;
+      }
+      case model::Overrun::error:
+      case model::Overrun::stop_device:
+        raise_missed(unit, first, missed);
+        break;
+    }
+    add(unit.block->missed, missed);
+  }
+  const std::uint32_t wake = longest_catch_up_ == 0 ? 0 : catch_up(rows);
+  pass(rows);
+  return wake;
+}
+
+std::uint32_t Executor::catch_up(std::uint64_t rows) noexcept {
+  std::uint32_t wake = 0;
+  Instant time = clock_.now();
+  const std::uint64_t end = row_ + rows;
+  for (std::uint64_t row = end - std::min(rows, longest_catch_up_); row < end; ++row) {
+    const Instant release = release_ + basic_ * static_cast<std::int64_t>(row - row_);
+    for (const schedule::Table::Index i : table_.row(row % rows_in_table_)) {
+      const std::uint64_t number = number_at(i, row);
+      if (number < made_up_[i]) continue;
+      if (in_tables(periodic_[i])) {
+        time = serve(i, number, release, time, &wake);
+      } else {
+        add(periodic_[i].block->missed);  // taken out meanwhile
+      }
+    }
+  }
+  return wake;
+}
+
+Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, Instant now,
+                        std::uint32_t* wake) noexcept {
+  const Unit& unit = periodic_[i];
+  if (unit.seat == nullptr) return call(unit, block_.row, number, release, unit.period, now);
+  switch (channel::release(*unit.seat, number, to_ns(release))) {
+    case channel::Release::wake:
+      *wake |= unit.seat->bell_bit;
+      [[fallthrough]];
+    case channel::Release::given:
+      add(unit.block->cycles);
+      break;
+    case channel::Release::owed:
+      add(unit.block->cycles);
+      add(unit.block->overruns);
+      break;
+    case channel::Release::busy:
+      add(unit.block->overruns);
+      if (fatal(unit))
+        raise(unit, ErrorType::overrun, number, "it was still in its body at its next release");
+      break;
+  }
+  return now;
+}
+
 std::uint32_t Executor::run_cycle(Instant now) noexcept {
   block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
-  if (now - release_ >= basic_) skip(static_cast<std::uint64_t>((now - release_) / basic_));
-
-  const Instant release = release_;
-  block_.jitter.record((release - now).count());
   std::uint32_t wake = 0;
   Instant time = now;
+  if (now - release_ >= basic_) {
+    const auto rows = static_cast<std::uint64_t>((now - release_) / basic_);
+    const Nanoseconds late = (now - release_) % basic_;
+    wake = overrun(rows);
+    block_.jitter.record(-late.count());
+    if (longest_catch_up_ != 0) time = clock_.now();
+  } else {
+    block_.jitter.record((release_ - now).count());
+  }
+
+  const Instant release = release_;
   if (rows_in_table_ != 0) {
     const std::span<const schedule::Table::Index> row = table_.row(table_row_);
     for (std::size_t place = 0; place < row.size(); ++place) {
       if (place + 1 < row.size()) prefetch(periodic_[row[place + 1]]);
       const schedule::Table::Index i = row[place];
-      const Unit& unit = periodic_[i];
-      if (!in_tables(unit)) continue;
-      const std::uint64_t number = row_ / strides_[i];
-      if (unit.seat == nullptr) {
-        time = call(unit, block_.row, number, release, unit.period, time);
-        continue;
-      }
-      switch (channel::release(*unit.seat, number, to_ns(release))) {
-        case channel::Release::wake:
-          wake |= unit.seat->bell_bit;
-          [[fallthrough]];
-        case channel::Release::given:
-          add(unit.block->cycles);
-          break;
-        case channel::Release::busy:
-          add(unit.block->overruns);
-          break;
-      }
+      if (!in_tables(periodic_[i])) continue;
+      time = serve(i, number_at(i, row_), release, time, &wake);
     }
   }
   if (sporadic_count_ != 0) wake |= check_conditions(release, time);
@@ -139,13 +224,45 @@ Instant Executor::call(const Unit& unit, channel::Activity& activity, std::uint6
   block.jitter.record((release - start).count());
   block.run.record((end - start).count());
   add(block.cycles);
-  if (end - release > allowed) add(block.overruns);
+  const bool overrun = end - release > allowed;
+  if (overrun) add(block.overruns);
   if (!outcome.ok()) {
     raise(unit, outcome.type, number, outcome.text);
-  } else if (unit.budget != Nanoseconds{0} && end - start > unit.budget) {
-    raise(unit, ErrorType::budget, number, "one run() took longer than its budget");
+  } else if (overrun && fatal(unit)) {
+    raise(unit, ErrorType::overrun, number, "run() ended after its next release");
+  } else if (unit.budget != Nanoseconds{0}) {
+    check_budget(unit, number, end - start);
   }
   return end;
+}
+
+void Executor::check_budget(const Unit& unit, std::uint64_t number, Nanoseconds took) noexcept {
+  channel::ModuleBlock& block = *unit.block;
+  if (took <= unit.budget) {
+    if (unit.tolerance.in_a_row) block.in_a_row.store(0, relaxed);
+    return;
+  }
+  add(block.over_budget);
+  const auto& [times, in_a_row] = unit.tolerance;
+  if (!times && !in_a_row)
+    return raise(unit, ErrorType::budget, number, "one run() took longer than its budget");
+  if (times && took > unit.budget * *times) {
+    FixedText<96> text;
+    text.assign("one run() took longer than ");
+    text.append(*times);
+    text.append(" times its budget");
+    return raise(unit, ErrorType::budget, number, text.c_str());
+  }
+  if (!in_a_row) return;
+  const std::uint32_t row = block.in_a_row.load(relaxed) + 1;
+  block.in_a_row.store(row, relaxed);
+  if (row < static_cast<std::uint32_t>(*in_a_row)) return;
+  block.in_a_row.store(0, relaxed);
+  FixedText<96> text;
+  text.assign("run() took longer than its budget ");
+  text.append(*in_a_row);
+  text.append(" times in a row");
+  raise(unit, ErrorType::budget, number, text.c_str());
 }
 
 std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept {
@@ -170,7 +287,7 @@ std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept 
 
     if (sporadic.ready.load(std::memory_order_acquire) != Ready::no) continue;  // SYNC: ready
     if (unit.immediate) {
-      if (unit.body->has_news()) wake |= channel::kSporadicBit;
+      if (unit.body->has_news(now)) wake |= channel::kSporadicBit;
       continue;
     }
     bool ready = false;
@@ -201,8 +318,8 @@ void Executor::release_immediate() noexcept {
     Sporadic& sporadic = sporadic_[i];
     const Unit& unit = sporadic.unit;
     if (!unit.immediate || unit.body == nullptr || sporadic.ready.load(relaxed) != Ready::no) continue;
-    if (!unit.body->has_news()) continue;
     const Instant now = clock_.now();
+    if (!unit.body->has_news(now)) continue;
     if (to_ns(now) < sporadic.not_before_ns.load(relaxed)) continue;  // the first row after that rings again
     block_.sporadic.announce(unit.index, channel::Doing::condition, to_ns(now));  // SYNC: in tables
     if (in_tables(unit)) {
@@ -243,6 +360,15 @@ bool Executor::run_sporadic() noexcept {
   block_.sporadic.end();
   first->ready.store(Ready::no, std::memory_order_release);  // SYNC: ready
   return true;
+}
+
+void Executor::raise_missed(const Unit& unit, std::uint64_t cycle, std::uint64_t releases) noexcept {
+  FixedText<96> text;
+  text.append(static_cast<std::int64_t>(releases));
+  text.append(releases == 1 ? " release was missed, of cycle " : " releases were missed, from cycle ");
+  text.append(static_cast<std::int64_t>(cycle));
+  text.append(releases == 1 ? "" : " on");
+  raise(unit, ErrorType::overrun, cycle, text.c_str());
 }
 
 void Executor::raise_late(const Unit& unit, std::uint64_t cycle, Nanoseconds by) noexcept {

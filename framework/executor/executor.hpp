@@ -28,9 +28,11 @@ struct Unit {
   Nanoseconds period{};                   ///< of a periodic module
   Nanoseconds deadline{};                 ///< of a sporadic module, from its release
   Nanoseconds budget{};                   ///< 0: none
-  Nanoseconds interarrival{};  ///< of a sporadic module: the least time between two releases; 0: any
-  bool immediate = false;      ///< a sporadic module that is released by its events, not by rows
-  bool late_is_error = false;  ///< a sporadic module that misses its deadline is in error
+  Nanoseconds interarrival{};          ///< of a sporadic module: the least time between two releases; 0: any
+  bool immediate = false;              ///< a sporadic module that is released by its events, not by rows
+  bool late_is_error = false;          ///< a sporadic module that misses its deadline is in error
+  model::OverrunContract overrun{};    ///< of a periodic module
+  model::BudgetTolerance tolerance{};  ///< of the budget
 };
 
 class Executor {
@@ -52,9 +54,9 @@ class Executor {
   [[nodiscard]] std::uint64_t next_row() const noexcept { return row_; }
 
   /// Real-time. Walks the row that is due at `now` (not before next_release()): if whole slots have passed,
-  /// their rows are skipped and counted as missed, and the row of the slot that `now` lies in runs, late.
-  /// Then the conditions. Returns the bits of the bell that must be rung: for programs that sleep, and for
-  /// the sporadic thread.
+  /// their rows are missed, and the row of the slot that `now` lies in runs, late; what the modules of a
+  /// missed row get is as their overrun contracts say, before that row. Then the conditions. Returns the bits
+  /// of the bell that must be rung: for programs that sleep, and for the sporadic thread.
   std::uint32_t run_cycle(Instant now) noexcept;
 
   /// Real-time, on the thread of the sporadic modules (which may be another than run_cycle's). Releases the
@@ -75,7 +77,20 @@ class Executor {
     std::atomic<std::int64_t> not_before_ns{0};
   };
 
+  /// The rows from row_ on, as many, are not walked in their slots: they are counted, and row_ is behind
+  /// them. As with skip whatever the contracts say.
   void skip(std::uint64_t rows) noexcept;
+  void pass(std::uint64_t rows) noexcept;
+  /// The same by the contracts. Returns the bits of the bell that must be rung.
+  std::uint32_t overrun(std::uint64_t rows) noexcept;
+  /// Makes up what the contracts allow of the rows from row_ on, in their order.
+  std::uint32_t catch_up(std::uint64_t rows) noexcept;
+  [[nodiscard]] std::uint64_t number_at(std::size_t unit, std::uint64_t row) const noexcept {
+    return (row - first_rows_[unit]) / strides_[unit];
+  }
+  /// A periodic module's release: a thread module is called, a program released.
+  Instant serve(std::size_t unit, std::uint64_t number, Instant release, Instant now,
+                std::uint32_t* wake) noexcept;
   /// `now`: after the row's last module.
   std::uint32_t check_conditions(Instant release, Instant now) noexcept;
   void release_immediate() noexcept;
@@ -83,12 +98,18 @@ class Executor {
   /// Calls a thread module that was released at `release`; returns the time after it.
   Instant call(const Unit& unit, channel::Activity& activity, std::uint64_t number, Instant release,
                Nanoseconds allowed, Instant start) noexcept;
+  void check_budget(const Unit& unit, std::uint64_t number, Nanoseconds took) noexcept;
+  void raise_missed(const Unit& unit, std::uint64_t cycle, std::uint64_t releases) noexcept;
   void raise_late(const Unit& unit, std::uint64_t cycle, Nanoseconds by) noexcept;
   void raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept;
 
   schedule::Table table_;
   std::vector<Unit> periodic_;
-  std::vector<std::uint64_t> strides_;  // rows between two releases of a periodic unit
+  std::vector<std::uint64_t> strides_;     // rows between two releases of a periodic unit
+  std::vector<std::uint64_t> first_rows_;  // of a periodic unit
+  std::uint64_t longest_catch_up_ = 0;     // rows that any contract may make up; 0: none does
+  bool only_skip_ = true;                  // no contract but skip
+  std::vector<std::uint64_t> made_up_;     // of a catch-up unit: its first release that is made up
   std::unique_ptr<Sporadic[]> sporadic_;
   std::size_t sporadic_count_ = 0;
   bool has_immediate_ = false;

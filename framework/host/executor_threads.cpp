@@ -57,6 +57,7 @@ ExecutorThreads::ExecutorThreads(const model::Executor& executor, const schedule
                                  std::vector<executor::Unit> periodic, std::vector<executor::Unit> sporadic,
                                  channel::ExecutorBlock& block, channel::Bell& bell)
     : settings_(executor),
+      priority_(plan.priority),
       has_rows_(plan.basic_period.count() > 0),
       has_sporadic_(!sporadic.empty()),
       block_(block),
@@ -72,15 +73,13 @@ Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Pr
   if (!has_rows_) return {};
   if (has_sporadic_) {
     auto thread = os::Thread::start(
-        {.name = settings_.name + "/s",
-         .priority = schedule::sporadic_priority(settings_.priority),
-         .cpus = cpus},
+        {.name = settings_.name + "/s", .priority = schedule::sporadic_priority(priority_), .cpus = cpus},
         [this] { serve_sporadic(); }, refused);
     if (!thread) return thread.problems();
     sporadic_ = std::move(*thread);
   }
   auto thread = os::Thread::start(
-      {.name = settings_.name, .priority = settings_.priority, .cpus = cpus}, [this, t0] { walk_rows(t0); },
+      {.name = settings_.name, .priority = priority_, .cpus = cpus}, [this, t0] { walk_rows(t0); },
       has_sporadic_ ? nullptr : refused);
   if (!thread) return thread.problems();
   rows_ = std::move(*thread);
@@ -90,7 +89,8 @@ Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Pr
 void ExecutorThreads::walk_rows(Instant t0) {
   report_crashes_as(&block_.row);
   block_.row.thread.store(os::thread_id(), std::memory_order_relaxed);
-  os::Waker waker{settings_.wakeup, executor_.basic_period(), halt_};
+  const Nanoseconds cap = os::margin_cap(executor_.basic_period(), settings_.spin_share);
+  os::Waker waker{settings_.wakeup, cap, halt_};
   executor_.join_grid(t0, os::now());
   while (true) {
     const Instant now = waker.wait_until(executor_.next_release());

@@ -40,6 +40,7 @@ class ExecutorThreads {
   void serve_sporadic();
 
   model::Executor settings_;
+  int priority_;
   bool has_rows_;
   bool has_sporadic_;
   channel::ExecutorBlock& block_;

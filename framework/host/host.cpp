@@ -1,5 +1,6 @@
 #include <takt/host/host.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
@@ -90,9 +91,11 @@ Result<void> Host::prepare() {
                         .budget = m.budget.value_or(Nanoseconds{0}),
                         .interarrival = m.interarrival.value_or(Nanoseconds{0}),
                         .immediate = m.dispatch == model::Dispatch::immediate,
-                        .late_is_error = m.miss == model::Miss::error};
+                        .late_is_error = m.miss == model::Miss::error,
+                        .overrun = model::contract_of(setup_.device, m),
+                        .tolerance = m.tolerance};
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
-    if (modules_.back()) modules_.back()->attach(bell_, unit.block);
+    if (modules_.back()) modules_.back()->attach(bell_, unit.block, model::timing_of(setup_.device, m));
     unit.body = modules_.back().get();
     if (setup_.seat_fds[i] >= 0) {
       auto memory = os::SharedMemory::attach(os::Fd{setup_.seat_fds[i]});
@@ -112,9 +115,12 @@ Result<void> Host::prepare() {
   };
   for (std::size_t e = 0; e < plan->executors.size(); ++e) {
     const schedule::ExecutorPlan& mine = plan->executors[e];
-    executors_.push_back(std::make_unique<ExecutorThreads>(setup_.device.executors[e], mine,
-                                                           select(mine.periodic), select(mine.sporadic),
-                                                           channel_.executor(e), *bell_));
+    model::Executor executor = setup_.device.executors[e];
+    // Those that spin on one processor share what one may take of it.
+    executor.spin_share /= static_cast<double>(
+        std::count(setup_.executor_cpus.begin(), setup_.executor_cpus.end(), setup_.executor_cpus[e]));
+    executors_.push_back(std::make_unique<ExecutorThreads>(
+        executor, mine, select(mine.periodic), select(mine.sporadic), channel_.executor(e), *bell_));
   }
   report_crashes_to(channel_.host().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));

@@ -18,6 +18,18 @@ std::optional<Nanoseconds> to_duration(const json& value) {
   return Nanoseconds{value.get<std::int64_t>()};
 }
 
+template <class T>
+json from_optional(const std::optional<T>& value) {
+  return value ? json(*value) : json(nullptr);
+}
+std::optional<int> to_number(const json& value) {
+  if (value.is_null()) return std::nullopt;
+  return value.get<int>();
+}
+
+json to_json(const model::OverrunContract& contract) { return {contract.what, contract.limit}; }
+model::OverrunContract contract_from(const json& value) { return {value[0], value[1]}; }
+
 json to_json(const model::Module& module) {
   json properties = json::array();
   for (const auto& property : module.properties)
@@ -33,7 +45,11 @@ json to_json(const model::Module& module) {
           {"interarrival", from_duration(module.interarrival)},
           {"priority", module.priority},
           {"executor", module.executor},
+          {"offset", from_duration(module.offset)},
           {"budget", from_duration(module.budget)},
+          {"times", from_optional(module.tolerance.times)},
+          {"in_a_row", from_optional(module.tolerance.in_a_row)},
+          {"overrun", module.overrun ? to_json(*module.overrun) : json(nullptr)},
           {"properties", properties},
           {"line", module.line}};
 }
@@ -51,7 +67,10 @@ model::Module module_from(const json& value) {
   module.interarrival = to_duration(value.at("interarrival"));
   module.priority = value.at("priority");
   module.executor = value.at("executor");
+  module.offset = to_duration(value.at("offset"));
   module.budget = to_duration(value.at("budget"));
+  module.tolerance = {to_number(value.at("times")), to_number(value.at("in_a_row"))};
+  if (!value.at("overrun").is_null()) module.overrun = contract_from(value.at("overrun"));
   for (const json& property : value.at("properties"))
     module.properties.push_back({property[0], property[1], property[2]});
   module.line = value.at("line");
@@ -59,14 +78,22 @@ model::Module module_from(const json& value) {
 }
 
 json to_json(const model::Executor& executor) {
-  return {{"name", executor.name}, {"priority", executor.priority}, {"wakeup", executor.wakeup}};
+  return {{"name", executor.name},           {"priority", executor.priority},
+          {"auto", executor.rate_monotonic}, {"wakeup", executor.wakeup},
+          {"spin", executor.spin_share},     {"overrun", to_json(executor.overrun)},
+          {"offsets", executor.offsets},     {"timing", executor.timing}};
 }
 
 model::Executor executor_from(const json& value) {
   model::Executor executor;
   executor.name = value.at("name");
   executor.priority = value.at("priority");
+  executor.rate_monotonic = value.at("auto");
   executor.wakeup = value.at("wakeup");
+  executor.spin_share = value.at("spin");
+  executor.overrun = contract_from(value.at("overrun"));
+  executor.offsets = value.at("offsets");
+  executor.timing = value.at("timing");
   return executor;
 }
 

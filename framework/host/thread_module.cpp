@@ -191,6 +191,7 @@ const char* ThreadModule::look_at_inputs(Instant start) noexcept {
 
 void ThreadModule::begin_hook() noexcept {
   context_.start_ns = to_ns(os::now());
+  context_.valid_ns = 0;
   live_.take_over();
 }
 
@@ -255,12 +256,15 @@ Result<void> ThreadModule::destruct() {
   });
 }
 
-executor::Outcome ThreadModule::run(const Cycle& cycle) noexcept {
+executor::Outcome ThreadModule::run(const Cycle& real) noexcept {
+  Cycle cycle = real;
+  if (logical_) cycle.start = cycle.time;
   if (!watched_.empty()) {
     if (const char* stale = look_at_inputs(cycle.start); stale != nullptr) return {ErrorType::stale, stale};
   }
   serve_cycle(&cycle);
   context_.start_ns = to_ns(cycle.start);
+  context_.valid_ns = logical_ ? to_ns(cycle.time + cycle.period) : 0;
   live_.take_over();
   try {
     if (component_ != nullptr) {
@@ -287,7 +291,7 @@ executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexc
     else if (condition_ != nullptr)
       *ready = condition_() != FALSE;
     else
-      *ready = has_news();
+      *ready = has_news(cycle.start);
   } catch (const std::exception& exception) {
     say_failure(exception.what());
   } catch (...) {
@@ -297,9 +301,9 @@ executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexc
   return take_failure();
 }
 
-bool ThreadModule::has_news() const noexcept {
-  return std::any_of(ports_.begin(), ports_.end(), [](const PortBase* port) {
-    return port->direction() == PortDirection::event && port->has_news();
+bool ThreadModule::has_news(Instant now) const noexcept {
+  return std::any_of(ports_.begin(), ports_.end(), [now](const PortBase* port) {
+    return port->direction() == PortDirection::event && port->news_at() <= to_ns(now);
   });
 }
 

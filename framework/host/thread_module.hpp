@@ -12,6 +12,7 @@
 #include <takt/core/result.hpp>
 #include <takt/executor/body.hpp>
 #include <takt/host/live_properties.hpp>
+#include <takt/model/cell.hpp>
 #include <takt/os/library.hpp>
 
 namespace takt::host {
@@ -51,7 +52,7 @@ class ThreadModule final : public executor::Body {
   executor::Outcome run(const Cycle& cycle) noexcept override;
   executor::Outcome condition(const Cycle& cycle, bool* ready) noexcept override;
 
-  [[nodiscard]] bool has_news() const noexcept override;
+  [[nodiscard]] bool has_news(Instant now) const noexcept override;
 
   /// Null for a module in the C form.
   [[nodiscard]] const Component* component() const noexcept { return component_; }
@@ -64,9 +65,12 @@ class ThreadModule final : public executor::Body {
   [[nodiscard]] PortBase* port(const std::string& name) const noexcept;
   /// Before it is loaded. For ports that wake somebody; null: they wake nobody. And where it is counted how
   /// often the module was put into the tables; null: once.
-  void attach(channel::Bell* bell, const channel::ModuleBlock* block) noexcept {
+  /// `timing`: of a periodic module.
+  void attach(channel::Bell* bell, const channel::ModuleBlock* block,
+              model::Timing timing = model::Timing::direct) noexcept {
     context_.bell = bell;
     block_ = block;
+    logical_ = timing == model::Timing::let;
   }
   /// Before each run() it is looked whether this input's newest value is older than the link's deadline,
   /// counted from the module's first release in the tables on. It is late then, which is counted; where it is
@@ -103,6 +107,7 @@ class ThreadModule final : public executor::Body {
   PortContext context_;
   std::vector<Watched> watched_;
   const channel::ModuleBlock* block_ = nullptr;
+  bool logical_ = false;               // inputs as of the release, outputs at the end of the period
   std::uint64_t entered_ = 0;          // as it was at the last run()
   std::int64_t watched_since_ns_ = 0;  // the first release since then
   LiveProperties live_;

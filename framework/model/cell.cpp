@@ -1,5 +1,7 @@
 #include <takt/model/cell.hpp>
 
+#include <algorithm>
+
 #include <takt/core/words.hpp>
 
 namespace takt::model {
@@ -78,6 +80,28 @@ std::string topic_of(const Cell& cell, const Connection& connection) {
   if (!connection.topic.empty()) return connection.topic;
   const Endpoint& writer = connection.from;
   return std::string{kOwnTopics} + cell.name + "/" + writer.device + "/" + writer.module + "/" + writer.port;
+}
+
+namespace {
+/// Null of one that is not periodic.
+const Executor* periodic_on(const Device& device, const Module& module) {
+  if (module.operation != Operation::periodic) return nullptr;
+  const auto executor =
+      std::find_if(device.executors.begin(), device.executors.end(),
+                   [&module](const Executor& candidate) { return candidate.name == module.executor; });
+  return executor == device.executors.end() ? nullptr : &*executor;
+}
+}  // namespace
+
+OverrunContract contract_of(const Device& device, const Module& module) {
+  if (module.overrun) return *module.overrun;
+  const Executor* executor = periodic_on(device, module);
+  return executor == nullptr ? OverrunContract{} : executor->overrun;
+}
+
+Timing timing_of(const Device& device, const Module& module) {
+  const Executor* executor = periodic_on(device, module);
+  return executor == nullptr ? Timing::direct : executor->timing;
 }
 
 Result<std::string> given_property(const Module& module, const std::string& name) {

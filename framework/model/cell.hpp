@@ -176,6 +176,10 @@ inline constexpr const char* kOwnTopics = "takt/";
 std::string to_text(const Endpoint& end);
 /// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer.
 std::string topic_of(const Cell& cell, const Connection& connection);
+/// The module's own overrun contract, else its executor's.
+OverrunContract contract_of(const Device& device, const Module& module);
+/// Of a periodic module, its executor's; all others are direct.
+Timing timing_of(const Device& device, const Module& module);
 /// The text that the descriptor gives a property of a module. Fails when it gives none.
 Result<std::string> given_property(const Module& module, const std::string& name);
 /// The module is given the property with this value, whether it was given it before or not.

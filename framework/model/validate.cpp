@@ -112,6 +112,33 @@ void Validation::check_times(const Module& module) {
   positive("deadline", module.deadline, deadline_line);
   positive("budget", module.budget, or_module(module.lines.budget));
 
+  if (module.offset && module.operation != Operation::periodic) {
+    add(or_module(module.lines.offset),
+        to_text(module.operation) + std::string{" module "} + name + " has an <offset>",
+        "remove the <offset>, or make the module periodic: only the table has rows to shift it to");
+  } else if (module.offset && module.period &&
+             (module.offset->count() < 0 || *module.offset >= *module.period)) {
+    add(or_module(module.lines.offset),
+        "the offset of " + name + ", " + takt::to_text(*module.offset) + ", is not below its period, " +
+            takt::to_text(*module.period),
+        "an offset is 0 to below the period");
+  }
+  if (module.overrun && module.operation != Operation::periodic) {
+    add(or_module(module.lines.overrun),
+        to_text(module.operation) + std::string{" module "} + name + " has an <overrun>",
+        module.operation == Operation::sporadic
+            ? "remove the <overrun>; what a missed deadline is says <deadline miss=\"count\"> or \"error\""
+            : "remove the <overrun>: nobody waits for a module that is non-real");
+  }
+  const auto tolerated = [&](const char* what, const std::optional<int>& number) {
+    if (!number || (*number >= 1 && *number <= kMaxTolerance)) return;
+    add(or_module(module.lines.budget),
+        "the budget of " + name + " has " + what + " " + std::to_string(*number),
+        std::string{what} + " is 1 to 1000");
+  };
+  tolerated("times", module.tolerance.times);
+  tolerated("in-a-row", module.tolerance.in_a_row);
+
   switch (module.operation) {
     case Operation::periodic:
       if (!module.period) {

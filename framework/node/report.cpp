@@ -106,6 +106,7 @@ Measures Supervisor::measures() const {
     entry.cycles(block.cycles.load(relaxed));
     entry.missed(block.missed.load(relaxed));
     entry.late(block.late.load(relaxed));
+    entry.margin_us(static_cast<double>(block.margin_ns.load(relaxed)) / 1e3);
     entry.jitter_us(on_the_wire(block.jitter.read()));
     measures.executors.push_back(entry);
   }
@@ -116,6 +117,7 @@ Measures Supervisor::measures() const {
     entry.cycles(releases_of(*member));
     entry.missed(block.missed.load(relaxed));
     entry.overruns(overruns_of(*member));
+    entry.over_budget(block.over_budget.load(relaxed));
     entry.errors(block.errors.load(relaxed) + member->errors);
     entry.recoveries(member->recoveries);
     entry.jitter_us(on_the_wire(jitter_of(*member).read()));
@@ -158,6 +160,8 @@ json Supervisor::report() const {
     executors.push_back({{"name", device().executors[e].name},
                          {"cycles", block.cycles.load(relaxed)},
                          {"missed", block.missed.load(relaxed)},
+                         {"late", block.late.load(relaxed)},
+                         {"margin_us", static_cast<double>(block.margin_ns.load(relaxed)) / 1e3},
                          {"jitter_us", in_microseconds(block.jitter.read())}});
   }
   json modules = json::array();
@@ -168,7 +172,9 @@ json Supervisor::report() const {
                        {"operation", model::to_text(member->model.operation)},
                        {"state", lifecycle::to_text(member->state())},
                        {"cycles", releases_of(*member)},
+                       {"missed", block.missed.load(relaxed)},
                        {"overruns", overruns_of(*member)},
+                       {"over_budget", block.over_budget.load(relaxed)},
                        {"errors", block.errors.load(relaxed) + member->errors},
                        {"jitter_us", in_microseconds(jitter_of(*member).read())},
                        {"run_us", in_microseconds(run_of(*member).read())},

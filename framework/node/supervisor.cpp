@@ -53,6 +53,9 @@ Result<void> Supervisor::prepare() {
     if (options_.require_real_time) return problems;
     log("WARNING: not real-time: " + in_words(allowed.problems()));
   }
+  auto plan = schedule::plan(options_.cell, device());
+  if (!plan) return plan.problems();
+  plan_ = std::move(*plan);
   placement_ = schedule::place(device().executors, os::allowed_cpus());
   for (const std::string& warning : placement_.warnings) log("warning: " + warning);
   for (const auto& executor : device().executors) {
@@ -201,11 +204,9 @@ void Supervisor::go(Instant t0) {
 
 // A deployment that is taken up again: the rows since T0 were nobody's to walk, so none of them is missed.
 void Supervisor::join_grid(Instant t0) {
-  const auto plan = schedule::plan(options_.cell, device());
-  if (!plan) return;  // the agent has made it before us
   const Instant first = os::now() + kJoinGridAhead;
-  for (std::size_t e = 0; e < plan->executors.size(); ++e) {
-    const Nanoseconds basic = plan->executors[e].basic_period;
+  for (std::size_t e = 0; e < plan_.executors.size(); ++e) {
+    const Nanoseconds basic = plan_.executors[e].basic_period;
     if (basic == Nanoseconds{0}) continue;
     const auto rows = static_cast<std::uint64_t>((first - t0 + basic - Nanoseconds{1}) / basic);
     channel_.executor(e).next_row.store(rows, std::memory_order_relaxed);
@@ -286,6 +287,12 @@ void Supervisor::running_step(Instant now) {
       member.block.error.store(0, std::memory_order_relaxed);
       if (member.state() == State::start) apply(member, Event::run);  // its first row went wrong
       raise(member, static_cast<ErrorType>(type), text);
+      if (static_cast<ErrorType>(type) == ErrorType::overrun &&
+          model::contract_of(device(), member.model).what == model::Overrun::stop_device) {
+        fail_device({"module " + device().name + "." + member.model.name, "overrun: " + text,
+                     "give it more time, or another <overrun> than stop-device"});
+        return;
+      }
     }
     if (member.state() == State::start && member.in_tables() && rows_begun_) {
       const bool named = cycles_of(member) != member.seen_cycles ||

@@ -29,6 +29,7 @@
 #include <takt/node/supervised.hpp>
 #include <takt/node/wiring.hpp>
 #include <takt/schedule/placement.hpp>
+#include <takt/schedule/plan.hpp>
 
 namespace takt::node {
 
@@ -139,6 +140,7 @@ class Supervisor final : public Supervised {
   Options options_;
   Phase phase_ = Phase::preparing;
   Problems failures_;
+  schedule::DevicePlan plan_;
   schedule::Placement placement_;
   bool real_time_ = true;
   channel::Channel channel_;

@@ -35,20 +35,25 @@ Result<void> Supervisor::create_seat(Member& member) {
   member.seat = reinterpret_cast<channel::Seat*>(member.seat_memory.data());
   channel::Seat& seat = *member.seat;
 
-  Nanoseconds period = member.model.period.value_or(Nanoseconds{0});
-  if (member.model.operation == model::Operation::sporadic) {  // released by each row
-    const auto plan = schedule::plan(options_.cell, device());
-    if (!plan) return plan.problems();
-    period = plan->executors[executor_of(member)].basic_period;
-  }
+  const schedule::ExecutorPlan& plan = plan_.executors[executor_of(member)];
+  const model::Executor& executor = device().executors[executor_of(member)];
+  const bool periodic = member.model.operation == model::Operation::periodic;
+  const Nanoseconds period =
+      periodic ? *member.model.period : plan.basic_period;  // else released by each row
   seat.magic = channel::Seat::kMagic;
   seat.name.assign(member.model.name);
-  seat.kind = member.model.operation == model::Operation::periodic ? channel::SeatKind::periodic
-                                                                   : channel::SeatKind::sporadic;
+  seat.kind = periodic ? channel::SeatKind::periodic : channel::SeatKind::sporadic;
   seat.bell_bit = channel::bell_bit(member.index);
   seat.period_ns = period.count();
+  if (periodic) seat.offset_ns = schedule::offset_of(plan, member.index).count();
+  seat.logical = model::timing_of(device(), member.model) == model::Timing::let ? 1 : 0;
   // Programs that spin for their release on the same processor share what one may take of it.
-  seat.margin_cap_ns = os::margin_cap(period).count() / schedule::programs_on_one(device(), placement_);
+  seat.margin_cap_ns =
+      os::margin_cap(period, executor.spin_share).count() / schedule::programs_on_one(device(), placement_);
+  if (const auto contract = model::contract_of(device(), member.model);
+      contract.what == model::Overrun::catch_up) {
+    seat.catch_up = static_cast<std::uint32_t>(contract.limit);
+  }
   seat.lock_memory = real_time_ ? 1 : 0;
   seat.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
   seat.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
@@ -88,9 +93,9 @@ Result<void> Supervisor::spawn(Member& member) {
 
 // The thread that waits for releases becomes real-time only now, so that a long preparation starves nobody.
 void Supervisor::process_ready(Member& member) {
-  const auto& executor = device().executors[executor_of(member)];
   if (!real_time_) return;
-  const int priority = schedule::program_priority(executor.priority, member.model.operation);
+  const int priority =
+      schedule::program_priority(plan_.executors[executor_of(member)].priority, member.model.operation);
   const auto made = os::make_real_time(member.seat->thread.load(), priority);
   if (made) return;
   real_time_ = false;

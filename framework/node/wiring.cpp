@@ -80,12 +80,25 @@ class Planner {
             .enabled = true};
   }
 
+  /// What a link holds beside what it would: a writer with timing="let" is up to a period ahead of what may
+  /// be read, and a reader that reads as of its release, up to its own period ago, wants the newest from
+  /// before that.
+  [[nodiscard]] std::uint32_t ahead(std::uint32_t writer, const model::Module* reader) const {
+    const model::Module& from = device_.modules[writer];
+    if (model::timing_of(device_, from) != model::Timing::let) return 0;
+    const Nanoseconds period = reader == nullptr ? Nanoseconds{0} : reader->period.value_or(Nanoseconds{0});
+    return static_cast<std::uint32_t>(
+        std::min<std::int64_t>(period / *from.period + 3, channel::kMaxLinkDepth));
+  }
+
   void within(const Connection& connection) {
     const auto from = find(connection.from);
     const auto to = find(connection.to);
     if (!from || !to) return;
     PlannedLink link{.from = {from->module, from->port->name}, .to = {to->module, to->port->name}};
     link.options = options_of(connection, *from->port);
+    link.options.depth = std::min(link.options.depth + ahead(from->module, &device_.modules[to->module]),
+                                  channel::kMaxLinkDepth);
     link.options.wake_bits = wake_bits(*to);
     link.stale = connection.stale;
     link.typed = from->port->object && to->port->object;
@@ -103,8 +116,10 @@ class Planner {
       }
     }
     PlannedLink link{.from = {module, port.name}, .to = {}};
-    link.options = {
-        .depth = 1, .payload = payload_of(port), .wake_bits = channel::kGatewayBit, .enabled = false};
+    link.options = {.depth = 1 + ahead(module, nullptr),
+                    .payload = payload_of(port),
+                    .wake_bits = channel::kGatewayBit,
+                    .enabled = false};
     plan_.links.push_back(link);
     plan_.flows.push_back({.outgoing = true,
                            .topic = topic,

@@ -20,8 +20,9 @@ void WakeMargin::observe(Nanoseconds delay) noexcept {
   margin_ns_ = std::clamp(margin_ns_, std::min(kLeast, cap_ns_), cap_ns_);
 }
 
-Nanoseconds margin_cap(Nanoseconds period) noexcept {
-  return std::min<Nanoseconds>(period * 2 / 5, std::chrono::microseconds{100});
+Nanoseconds margin_cap(Nanoseconds period, double share) noexcept {
+  const Nanoseconds most{static_cast<std::int64_t>(static_cast<double>(period.count()) * share)};
+  return std::min<Nanoseconds>(most, std::chrono::microseconds{100});
 }
 
 Instant Waker::wait_until(Instant release) noexcept {

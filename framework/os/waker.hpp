@@ -27,8 +27,8 @@ class WakeMargin {
   std::int64_t margin_ns_;
 };
 
-/// The largest margin for a period: 40 % of it, at most 100 us.
-Nanoseconds margin_cap(Nanoseconds period) noexcept;
+/// The largest margin for a period: this share of it, 0 to 1, and at most 100 us.
+Nanoseconds margin_cap(Nanoseconds period, double share) noexcept;
 
 /// Waits for releases by one of three strategies: `sleep` (sleep to the instant), `hybrid` (sleep, then
 /// spin), `spin` (never sleep: one core at 100 %, which the kernel's real-time throttling interrupts unless
@@ -36,10 +36,9 @@ Nanoseconds margin_cap(Nanoseconds period) noexcept;
 class Waker {
  public:
   /// `stop` ends a wait early when it is not 0; who sets it wakes it (futex).
-  Waker(model::Wakeup strategy, Nanoseconds period, const std::atomic<std::uint32_t>& stop) noexcept
-      : strategy_(strategy),
-        stop_(stop),
-        margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : margin_cap(period)) {}
+  /// `cap`: see margin_cap(); not used by `sleep`.
+  Waker(model::Wakeup strategy, Nanoseconds cap, const std::atomic<std::uint32_t>& stop) noexcept
+      : strategy_(strategy), stop_(stop), margin_(strategy == model::Wakeup::sleep ? Nanoseconds{0} : cap) {}
 
   /// Real-time. Returns the time at which it ended, not before `release` unless stopped; at once if that has
   /// passed. One system call at most, its sleep.

@@ -25,9 +25,7 @@ constexpr int kMaxSteps = 100'000;
 constexpr int kRounds = 3;
 /// Modules that are looked at in all, of an executor that others interrupt.
 constexpr std::size_t kMaxLookedAt = 5'000'000;
-/// A wake-up spins for a share of its period, and no longer than this. A program's share is the least that is
-/// reckoned with.
-constexpr double kProgramSpinShare = 0.4;
+/// A wake-up spins for a share of its period, and no longer than this (os::margin_cap).
 constexpr Nanoseconds kLongestSpin = std::chrono::microseconds{100};
 
 constexpr const char* kOverload = "there is more to do than there is time for";
@@ -95,7 +93,6 @@ class Analyst {
   [[nodiscard]] const model::Executor& executor(const ExecutorPlan& plan) const {
     return device_.executors[plan.executor];
   }
-  [[nodiscard]] int priority_of(const ExecutorPlan& plan) const { return executor(plan).priority; }
   [[nodiscard]] const std::vector<int>& cpus_of(const ExecutorPlan& plan) const {
     return placement_.executors[plan.executor];
   }
@@ -143,7 +140,7 @@ void Analyst::add_rows(const ExecutorPlan& plan) {
   }
   const bool sleeps = settings.wakeup == Wakeup::sleep;
   const Nanoseconds spin = sleeps ? Nanoseconds{} : longest_spin(plan.basic_period, settings.spin_share);
-  Contender rows{.kind = Contender::Kind::rows, .priority = priority_of(plan), .cpus = cpus_of(plan)};
+  Contender rows{.kind = Contender::Kind::rows, .priority = plan.priority, .cpus = cpus_of(plan)};
   rows.never_sleeps = settings.wakeup == Wakeup::spin;
   rows.rows = RowDemand{std::move(work), plan.basic_period, spin};
   contenders_.push_back(std::move(rows));
@@ -160,7 +157,7 @@ Wide Analyst::apart(const ExecutorPlan& plan, const Module& module) const {
 
 void Analyst::add_sporadic(Served& served) {
   Contender sporadic{.kind = Contender::Kind::sporadic,
-                     .priority = sporadic_priority(priority_of(*served.plan)),
+                     .priority = sporadic_priority(served.plan->priority),
                      .cpus = cpus_of(*served.plan)};
   for (const auto index : served.plan->sporadic) {
     if (!is_thread(index)) continue;
@@ -183,13 +180,13 @@ void Analyst::add_programs(const Served& served) {
     const bool periodic = m.operation == Operation::periodic;
     const bool immediate = !periodic && m.dispatch == Dispatch::immediate;
     const Nanoseconds period = periodic ? *m.period : plan.basic_period;
-    const double share = std::max(kProgramSpinShare, executor(plan).spin_share);
-    const Wide before =
-        immediate ? 0 : longest_spin(period, share).count() / programs_on_one(device_, placement_);
+    const Wide before = immediate ? 0
+                                  : longest_spin(period, executor(plan).spin_share).count() /
+                                        programs_on_one(device_, placement_);
     const Wide after = periodic ? std::min(before, delay) : before;
     if (immediate) delay = 0;
     Contender program{.kind = Contender::Kind::program,
-                      .priority = program_priority(priority_of(plan), m.operation),
+                      .priority = program_priority(plan.priority, m.operation),
                       .cpus = placement_.background};
     const Wide apart_by = periodic ? m.period->count() : apart(plan, m);
     const Wide deadline = (periodic ? *m.period : *m.deadline).count();
@@ -464,7 +461,7 @@ std::vector<WorstCase> Analyst::solve() {
     if (plan.rows() != 0) plans.push_back(&plan);
   }
   std::stable_sort(plans.begin(), plans.end(),
-                   [this](const auto* a, const auto* b) { return priority_of(*a) > priority_of(*b); });
+                   [](const auto* a, const auto* b) { return a->priority > b->priority; });
   for (const ExecutorPlan* plan : plans) add_rows(*plan);
   // What may interrupt rows belongs to executors of a higher priority, and these come first.
   for (Served& served : served_) {

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <string>
 #include <utility>
+
+#include <takt/schedule/offsets.hpp>
 
 namespace takt::schedule {
 namespace {
@@ -102,6 +105,41 @@ void check_rows(const model::Cell& cell, const Device& device, const ExecutorPla
                       "smaller budgets, longer periods, or modules moved to another executor"});
 }
 
+/// By the budgets where all threads state one, and a program is next to nothing; else by the number.
+std::vector<Nanoseconds> offsets_of(const Device& device, const ExecutorPlan& plan) {
+  constexpr Nanoseconds kHeaviest{std::int64_t{1} << 40};
+  std::vector<Nanoseconds> given;
+  std::vector<Shiftable> modules;
+  bool all_budgets = true;
+  for (const auto index : plan.periodic) {
+    const Module& module = device.modules[index];
+    given.push_back(module.offset.value_or(Nanoseconds{0}));
+    modules.push_back({.period = *module.period, .offset = given.back(), .fixed = module.offset.has_value()});
+    all_budgets &= module.type != ModuleType::thread || module.budget.has_value();
+  }
+  if (device.executors[plan.executor].offsets == model::Offsets::given) return given;
+  for (std::size_t i = 0; all_budgets && i < modules.size(); ++i) {
+    const Module& module = device.modules[plan.periodic[i]];
+    if (module.type == ModuleType::thread) modules[i].weight = std::min(*module.budget, kHeaviest).count();
+  }
+  return flatten(modules);
+}
+
+/// The shortest basic period first.
+void assign_priorities(const Device& device, std::vector<ExecutorPlan>& plans) {
+  constexpr int kStep = 4;
+  std::set<Nanoseconds> periods;
+  for (ExecutorPlan& plan : plans) {
+    plan.priority = device.executors[plan.executor].priority;
+    if (device.executors[plan.executor].rate_monotonic) periods.insert(plan.basic_period);
+  }
+  for (ExecutorPlan& plan : plans) {
+    if (!device.executors[plan.executor].rate_monotonic) continue;
+    const auto step = static_cast<int>(std::distance(periods.begin(), periods.find(plan.basic_period)));
+    plan.priority = std::max(kHighestAuto - kStep * step, kStep);
+  }
+}
+
 /// The executor's modules are in place; its periods and its table follow from them.
 void build_table(const model::Cell& cell, const Device& device, ExecutorPlan& plan, Problems& problems) {
   if (plan.periodic.empty()) {
@@ -115,9 +153,13 @@ void build_table(const model::Cell& cell, const Device& device, ExecutorPlan& pl
 
   std::vector<Task> tasks;
   tasks.reserve(plan.periodic.size());
-  for (const auto index : plan.periodic) {
-    const Module& module = device.modules[index];
-    tasks.push_back({.period = *module.period, .priority = module.priority, .name = module.name});
+  plan.offsets = offsets_of(device, plan);
+  for (std::size_t i = 0; i < plan.periodic.size(); ++i) {
+    const Module& module = device.modules[plan.periodic[i]];
+    tasks.push_back({.period = *module.period,
+                     .priority = module.priority,
+                     .name = module.name,
+                     .offset = plan.offsets[i]});
   }
   auto table = Table::build(tasks);
   if (!table) {
@@ -158,6 +200,12 @@ ExecutorPlan::Load ExecutorPlan::load(const Device& device, std::size_t row) con
           .complete = load.complete};
 }
 
+Nanoseconds offset_of(const ExecutorPlan& plan, std::uint32_t module) {
+  const auto found = std::find(plan.periodic.begin(), plan.periodic.end(), module);
+  TAKT_CHECK(found != plan.periodic.end());
+  return plan.offsets[static_cast<std::size_t>(found - plan.periodic.begin())];
+}
+
 Result<DevicePlan> plan(const model::Cell& cell, const Device& device) {
   DevicePlan plan;
   plan.executors.resize(device.executors.size());
@@ -190,6 +238,7 @@ Result<DevicePlan> plan(const model::Cell& cell, const Device& device) {
     sort_by_priority(device, executor.sporadic);
     build_table(cell, device, executor, problems);
   }
+  assign_priorities(device, plan.executors);
   if (!problems.empty()) return problems;
   return plan;
 }

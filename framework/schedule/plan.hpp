@@ -17,7 +17,9 @@ struct ExecutorPlan {
   Nanoseconds macro_period{};
   Table table;                          ///< rows of indices into `periodic`
   std::vector<std::uint32_t> periodic;  ///< modules, in the order of the file
+  std::vector<Nanoseconds> offsets;     ///< of the periodic modules' first releases from T0
   std::vector<std::uint32_t> sporadic;  ///< modules, by priority, then in the order of the file
+  int priority = 80;                    ///< SCHED_FIFO, 2 to 98
 
   /// How many rows one macro period has. An executor that has sporadic modules only checks their conditions
   /// twice in the shortest of their deadlines: one empty row, which lasts half that deadline, but at least 1
@@ -34,10 +36,18 @@ struct ExecutorPlan {
   [[nodiscard]] Load load(const model::Device& device, std::size_t row) const;
 };
 
+/// Of a periodic module of this executor, by its index on the device.
+Nanoseconds offset_of(const ExecutorPlan& plan, std::uint32_t module);
+
 struct DevicePlan {
   std::vector<ExecutorPlan> executors;      ///< one for each of the device's, in its order
   std::vector<std::uint32_t> non_realtime;  ///< by priority, then in the order of the file
 };
+
+/// Executors with priority="auto" get theirs by their basic periods, the shortest the highest: from
+/// kHighestAuto down in steps of four, since sporadic modules and programs run one to three below their
+/// executor; equal periods have equal ones, and the last step is for all that are left.
+inline constexpr int kHighestAuto = 80;
 
 /// Fails with one problem for each executor whose table passes the limits, each executor with rows whose
 /// budgets do not fit the basic period (the fullest is named and the others counted), and each module whose

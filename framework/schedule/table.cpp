@@ -28,7 +28,10 @@ struct Extent {
 
 Extent measure(std::span<const Task> tasks) {
   Extent extent;
-  for (const Task& task : tasks) extent.basic = std::gcd(extent.basic, period_of(task));
+  for (const Task& task : tasks) {
+    extent.basic = std::gcd(extent.basic, period_of(task));
+    extent.basic = std::gcd(extent.basic, static_cast<std::uint64_t>(task.offset.count()));
+  }
 
   std::uint64_t macro = 1;
   for (const Task& task : tasks) {
@@ -74,6 +77,20 @@ Problem refusal(std::span<const Task> tasks, const Extent& extent) {
   }
   what += " (basic period " + duration(extent.basic) + ", macro period " +
           (extent.macro ? duration(*extent.macro) : "more than 10^18 ns") + ")";
+
+  std::uint64_t by_periods = 0;
+  for (const Task& task : tasks) by_periods = std::gcd(by_periods, period_of(task));
+  if (extent.macro && by_periods != extent.basic && *extent.macro / by_periods <= kMaxRows &&
+      extent.entries <= kMaxEntries) {
+    const auto finest = std::find_if(tasks.begin(), tasks.end(), [by_periods](const Task& task) {
+      return static_cast<std::uint64_t>(task.offset.count()) % by_periods != 0;
+    });
+    return {{},
+            what + ": the periods alone have a basic period of " + duration(by_periods) + ", and " +
+                name_of(tasks, static_cast<std::size_t>(finest - tasks.begin())) + " is shifted by " +
+                to_text(finest->offset),
+            "choose offsets that are multiples of " + duration(by_periods)};
+  }
 
   const auto [shorter, longer] = longest_pair(tasks);
   if (shorter == longer) {
@@ -127,10 +144,16 @@ PeriodPair longest_pair(std::span<const Task> tasks) {
 Result<Table> Table::build(std::span<const Task> tasks) {
   Problems problems;
   for (std::size_t i = 0; i < tasks.size(); ++i) {
-    if (tasks[i].period.count() > 0) continue;
-    problems.push_back({{},
-                        "the period of " + name_of(tasks, i) + " is " + to_text(tasks[i].period),
-                        "give it a period of at least 1 ns"});
+    const Task& task = tasks[i];
+    if (task.period.count() <= 0) {
+      problems.push_back({{},
+                          "the period of " + name_of(tasks, i) + " is " + to_text(task.period),
+                          "give it a period of at least 1 ns"});
+    } else if (task.offset.count() < 0 || task.offset >= task.period) {
+      problems.push_back({{},
+                          "the offset of " + name_of(tasks, i) + " is " + to_text(task.offset),
+                          "give it one from 0 to below its period, " + to_text(task.period)});
+    }
   }
   if (!problems.empty()) return problems;
 
@@ -145,13 +168,16 @@ Result<Table> Table::build(std::span<const Task> tasks) {
   const auto stride = [&](const Task& task) {
     return static_cast<std::size_t>(period_of(task) / extent.basic);
   };
+  const auto first_row = [&](const Task& task) {
+    return static_cast<std::size_t>(static_cast<std::uint64_t>(task.offset.count()) / extent.basic);
+  };
 
   // How many each row has, then where each row begins.
   std::vector<Index>& offsets = table.offsets_;
   offsets.assign(rows + 1, 0);
   for (const Task& task : tasks) {
     const std::size_t step = stride(task);
-    for (std::size_t row = 0; row < rows; row += step) ++offsets[row];
+    for (std::size_t row = first_row(task); row < rows; row += step) ++offsets[row];
   }
   std::exclusive_scan(offsets.begin(), offsets.end(), offsets.begin(), Index{0});
 
@@ -164,7 +190,9 @@ Result<Table> Table::build(std::span<const Task> tasks) {
   table.entries_.resize(static_cast<std::size_t>(extent.entries));
   for (const Index index : order) {
     const std::size_t step = stride(tasks[index]);
-    for (std::size_t row = 0; row < rows; row += step) table.entries_[offsets[row]++] = index;
+    for (std::size_t row = first_row(tasks[index]); row < rows; row += step) {
+      table.entries_[offsets[row]++] = index;
+    }
   }
   std::copy_backward(offsets.begin(), offsets.end() - 1, offsets.end());
   offsets.front() = 0;

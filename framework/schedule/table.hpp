@@ -21,6 +21,7 @@ struct Task {
   Nanoseconds period{};
   int priority = 0;         ///< the lowest value goes first; ties in the order of the input
   std::string_view name{};  ///< for messages only; without one a task is called by its index
+  Nanoseconds offset{};     ///< of its first release from the first row, 0 to below its period
 };
 
 /// The two tasks that make a table long: no other two periods that differ have a larger least common
@@ -38,13 +39,16 @@ class Table {
  public:
   using Index = std::uint32_t;
 
-  /// Fails when a period is not positive (one problem each), or when the table would pass the limits above or
-  /// its macro period 2^63 - 1 ns, saying which two periods make it so. No tasks: an empty table with periods
-  /// of 0. Takes time for the entries and the rows, not for their product; allocates.
+  /// Fails when a period is not positive or an offset not within it (one problem each), or when the table
+  /// would pass the limits above or its macro period 2^63 - 1 ns, saying which two periods make it so. No
+  /// tasks: an empty table with periods of 0. Takes time for the entries and the rows, not for their product;
+  /// allocates.
   static Result<Table> build(std::span<const Task> tasks);
 
-  [[nodiscard]] Nanoseconds basic_period() const noexcept { return basic_; }  ///< greatest common divisor
-  [[nodiscard]] Nanoseconds macro_period() const noexcept { return macro_; }  ///< least common multiple
+  [[nodiscard]] Nanoseconds basic_period() const noexcept {
+    return basic_;
+  }  ///< greatest common divisor of periods and offsets
+  [[nodiscard]] Nanoseconds macro_period() const noexcept { return macro_; }       ///< least common multiple
   [[nodiscard]] std::size_t rows() const noexcept { return offsets_.size() - 1; }  ///< macro / basic
   [[nodiscard]] std::size_t entries() const noexcept { return entries_.size(); }
   /// The tasks due at row x basic period, by priority. row < rows().

@@ -46,11 +46,62 @@ std::string percent(Nanoseconds part, Nanoseconds whole) {
                      100.0 * static_cast<double>(part.count()) / static_cast<double>(whole.count()));
 }
 
-void executor_heading(Page& page, const model::Executor& executor) {
-  const std::string cpu = executor.cpu ? fmt::format("cpu {}", *executor.cpu) : "any cpu";
-  page.heading(
-      2, "executor " + executor.name,
-      fmt::format("{}, priority {}, wakeup {}", cpu, executor.priority, model::to_text(executor.wakeup)));
+std::string in_words(const model::OverrunContract& contract) {
+  const std::string word = model::to_text(contract.what);
+  return contract.what == model::Overrun::catch_up ? fmt::format("{} {}", word, contract.limit) : word;
+}
+
+void executor_heading(Page& page, const model::Executor& executor, int priority) {
+  std::string text = fmt::format("{}, priority {}{}, wakeup {}",
+                                 executor.cpu ? fmt::format("cpu {}", *executor.cpu) : "any cpu", priority,
+                                 executor.rate_monotonic ? " (auto)" : "", model::to_text(executor.wakeup));
+  if (executor.overrun.what != model::Overrun::skip) text += ", overrun " + in_words(executor.overrun);
+  if (executor.timing == model::Timing::let) text += ", timing let";
+  page.heading(2, "executor " + executor.name, text);
+}
+
+/// How full the fullest row is, by modules and by budget.
+std::string fullest(const Device& device, const ExecutorPlan& plan) {
+  std::size_t modules = 0;
+  Nanoseconds most{};
+  bool complete = true;
+  for (std::size_t row = 0; row < plan.rows(); ++row) {
+    modules = std::max(modules, plan.table.row(row).size());
+    const auto load = plan.load(device, row);
+    most = std::max(most, load.budget);
+    complete &= load.complete;
+  }
+  std::string text = count(modules, "module");
+  if (most > Nanoseconds{})
+    text += fmt::format(", {}{}", complete ? "" : "at least ", percent(most, plan.basic_period));
+  return text;
+}
+
+/// What offsets="auto" has made of the table.
+void flattened(Page& page, const Device& device, const ExecutorPlan& plan) {
+  if (device.executors[plan.executor].offsets != model::Offsets::automatic || plan.periodic.empty()) return;
+  Device before = device;
+  before.executors[plan.executor].offsets = model::Offsets::given;
+  const auto plans = schedule::plan(model::Cell{}, before);
+  // Without a shift it may not fit, which is why there is one.
+  const std::string was = plans ? fullest(before, plans->executors[plan.executor]) : "more than fits";
+  page.sentence(kIndent, "offsets: the fullest row has " + fullest(device, plan) + "; without them " + was);
+  Words shifted;
+  for (std::size_t i = 0; i < plan.periodic.size(); ++i) {
+    if (plan.offsets[i] == Nanoseconds{}) continue;
+    shifted.push_back(device.modules[plan.periodic[i]].name + " by " + to_text(plan.offsets[i]));
+  }
+  if (!shifted.empty()) page.words(kIndent, "shifted: ", shifted);
+}
+
+/// Modules that do not go by their executor's contract.
+void contracts(Page& page, const Device& device, const ExecutorPlan& plan) {
+  Words own;
+  for (const auto index : plan.periodic) {
+    const Module& module = device.modules[index];
+    if (module.overrun) own.push_back(module.name + " " + in_words(*module.overrun));
+  }
+  if (!own.empty()) page.words(kIndent, "overrun: ", own);
 }
 
 /// Figure 3 of the paper, with equal neighbours in one line.
@@ -228,7 +279,7 @@ void sporadic_load(Page& page, const Device& device, const ExecutorPlan& plan) {
 }
 
 void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
-  executor_heading(page, device.executors[plan.executor]);
+  executor_heading(page, device.executors[plan.executor], plan.priority);
   if (plan.rows() == 0) {
     page.line(kIndent, "no modules");
     return;
@@ -242,6 +293,8 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
         fmt::format("basic period {}, macro period {}, {}, {}", to_text(plan.basic_period),
                     to_text(plan.macro_period), count(plan.rows(), "row"),
                     plan.table.entries() == 1 ? "1 entry" : fmt::format("{} entries", plan.table.entries())));
+    flattened(page, device, plan);
+    contracts(page, device, plan);
     page.blank();
     periodic_table(page, device, plan);
   }
@@ -345,11 +398,17 @@ nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<Dev
     for (const ExecutorPlan& plan : plans[i].executors) {
       Json rows = Json::array();
       for (std::size_t row = 0; row < plan.rows(); ++row) rows.push_back(names(device, plan.row(row)));
+      Json offsets = Json::object();
+      for (std::size_t p = 0; p < plan.periodic.size(); ++p) {
+        offsets[device.modules[plan.periodic[p]].name] = plan.offsets[p].count();
+      }
       executors.push_back(Json{{"name", device.executors[plan.executor].name},
                                {"basic_period_ns", plan.basic_period.count()},
                                {"macro_period_ns", plan.macro_period.count()},
                                {"rows", std::move(rows)},
-                               {"sporadic", names(device, plan.sporadic)}});
+                               {"sporadic", names(device, plan.sporadic)},
+                               {"priority", plan.priority},
+                               {"offsets_ns", std::move(offsets)}});
     }
     devices.push_back(Json{{"name", device.name},
                            {"executors", std::move(executors)},

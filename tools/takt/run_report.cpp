@@ -72,13 +72,14 @@ std::string device_text(const json& device, std::size_t width) {
     return text;
   }
   if (device["executors"].empty() && device["modules"].empty()) return text;
-  text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", "executor", width, "cycles",
-                      "missed", "jitter", "p50", "p99", "max");
+  text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "executor", width, "cycles",
+                      "missed", "jitter", "p50", "p99", "max", "margin");
   for (const json& e : device["executors"]) {
     const json& j = e["jitter_us"];
-    text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8}\n", e["name"].get<std::string>(),
-                        width, e["cycles"].get<std::uint64_t>(), e["missed"].get<std::uint64_t>(),
-                        us(j["mean"]), us(j["p50"]), us(j["p99"]), us(j["max"]));
+    text +=
+        fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", e["name"].get<std::string>(),
+                    width, e["cycles"].get<std::uint64_t>(), e["missed"].get<std::uint64_t>(), us(j["mean"]),
+                    us(j["p50"]), us(j["p99"]), us(j["max"]), us(e.value("margin_us", 0.0)));
   }
   text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", "module", width,
                       "state", "cycles", "jitter", "p50", "p99", "run p50", "run max", "overruns", "errors");
@@ -109,9 +110,10 @@ std::string run_text(const json& status) {
   return text +
          "\n  times in us. jitter: release minus start, its mean; p50, p99 and max are of its size. missed: "
          "rows\n"
-         "  skipped because the row before, or the wake-up, was too late. overruns: not done by the next "
-         "release\n"
-         "  or by the deadline. matched: connections with somebody at the other end, of all. lost: on the "
+         "  whose time passed because the row before, or the wake-up, was too late. margin: awake so long "
+         "before a\n"
+         "  release. overruns: not done by the next release or by the deadline. matched: connections with "
+         "somebody at the other end, of all. lost: on the "
          "way;\n"
          "  dropped: from a full queue. late: times that the newest value was older than its deadline.\n";
 }

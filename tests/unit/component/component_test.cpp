@@ -126,6 +126,7 @@ TEST(ErrorType, HasTheNumbersOfTheCInterface) {
   EXPECT_EQ(static_cast<int>(ErrorType::hang), TAKT_ERROR_HANG);
   EXPECT_EQ(static_cast<int>(ErrorType::deadline), TAKT_ERROR_DEADLINE);
   EXPECT_EQ(static_cast<int>(ErrorType::stale), TAKT_ERROR_STALE);
+  EXPECT_EQ(static_cast<int>(ErrorType::overrun), TAKT_ERROR_OVERRUN);
 }
 
 }  // namespace

@@ -76,8 +76,8 @@ TEST(JointServo, NeverAsksForMoreThanItsLimit) {
   for (const double torque : loop.torque(far, {}, {}, {})) EXPECT_EQ(torque, 100);
 }
 
-// The three together, with the delays that they have as modules of one table: set point and measurement of the period
-// before.
+// The three together, with the delays that they have as modules of one table: set point and measurement of
+// the period before.
 TEST(JointServo, FollowsAWholeCycleOfTheArm) {
   trajectory::Path path;
   servo::JointServo loop;

@@ -51,6 +51,7 @@ TEST(Words, EveryEnumeratorHasAWord) {
   EXPECT_STREQ(to_text(STATE_DESTRUCT), "DESTRUCT");
   EXPECT_STREQ(to_text(EVENT_GIVE_UP), "give up");
   EXPECT_STREQ(to_text(ERROR_STALE), "stale");
+  EXPECT_STREQ(to_text(ERROR_OVERRUN), "overrun");
   EXPECT_STREQ(to_text(DEVICE_ENDED), "ended");
   EXPECT_STREQ(to_text(HEALTH_DEGRADED), "degraded");
   EXPECT_STREQ(to_text(COMMAND_TAP), "tap");

@@ -22,8 +22,8 @@ namespace {
 using std::chrono::milliseconds;
 constexpr auto kThread = model::ModuleType::thread;
 
-/// Each reading is a nanosecond after the last. Rows that are walked as fast as they can be take it along: they
-/// would be later and later, or earlier and earlier, without end.
+/// Each reading is a nanosecond after the last. Rows that are walked as fast as they can be take it along:
+/// they would be later and later, or earlier and earlier, without end.
 class TickingClock final : public Clock {
  public:
   Instant now() noexcept override { return from_ns(ticks_.fetch_add(1, std::memory_order_relaxed)); }

@@ -32,7 +32,7 @@ class Script final : public Body {
     return on_condition ? on_condition(ready) : nullptr;
   }
 
-  bool has_news() const noexcept override { return on_news && on_news(); }
+  bool has_news(Instant) const noexcept override { return on_news && on_news(); }
 
   std::function<const char*(const Cycle&)> on_run;
   std::function<bool()> on_news;
@@ -92,12 +92,17 @@ class FakeDevice {
                   .budget = m.budget.value_or(Nanoseconds{0}),
                   .interarrival = m.interarrival.value_or(Nanoseconds{0}),
                   .immediate = m.dispatch == model::Dispatch::immediate,
-                  .late_is_error = m.miss == model::Miss::error};
+                  .late_is_error = m.miss == model::Miss::error,
+                  .overrun = model::contract_of(device, m),
+                  .tolerance = m.tolerance};
         if (m.type == model::ModuleType::thread) {
           unit.body = &bodies[i];
         } else {
           unit.seat = &seats[i];
           seats[i].bell_bit = channel::bell_bit(i);
+          seats[i].period_ns = unit.period.count();
+          if (unit.overrun.what == model::Overrun::catch_up)
+            seats[i].catch_up = static_cast<std::uint32_t>(unit.overrun.limit);
           seats[i].phase.store(channel::SeatPhase::ready);
         }
         blocks[i].in_tables.store(1);

@@ -1,5 +1,6 @@
 // A million cycles on virtual time beside a model that knows nothing but the paper: at slot n, the modules
-// whose period divides n x basic period are due, by priority, then by their place in the file.
+// whose period divides n x basic period, less their offset, are due, by priority, then by their place in the
+// file. What slots that have passed were to release is left out, or made up by who catches up.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,11 +69,12 @@ struct Model {
   std::uint64_t skipped = 0;
   std::uint64_t late = 0;
 
+  [[nodiscard]] Nanoseconds offset(std::size_t i) const { return modules[i].offset.value_or(Nanoseconds{0}); }
   [[nodiscard]] std::vector<std::size_t> due() const {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < modules.size(); ++i) {
-      if (static_cast<std::int64_t>(slot) * basic.count() % modules[i].period->count() == 0)
-        found.push_back(i);
+      const Nanoseconds at = basic * static_cast<std::int64_t>(slot) - offset(i);
+      if (at >= Nanoseconds{0} && at % *modules[i].period == Nanoseconds{0}) found.push_back(i);
     }
     std::stable_sort(found.begin(), found.end(),
                      [this](auto a, auto b) { return modules[a].priority < modules[b].priority; });
@@ -81,25 +83,46 @@ struct Model {
 
   /// The executor woke up at `now`. Returns the calls it makes and the time it is done.
   std::vector<Call> wake(Instant now, Instant* done) {
+    struct Missed {
+      std::uint64_t slot;
+      std::size_t module;
+    };
+    std::vector<Missed> missed;
     while (now >= t0 + basic * static_cast<std::int64_t>(slot + 1)) {
-      for (const std::size_t i : due()) counts[i].missed += in[i] ? 1 : 0;
+      for (const std::size_t i : due()) {
+        if (in[i]) missed.push_back({slot, i});
+      }
       ++skipped;
       ++slot;
     }
-    const Instant release = t0 + basic * static_cast<std::int64_t>(slot);
     std::vector<Call> calls;
+    const auto call = [&](std::size_t i, std::uint64_t at) {
+      Count& count = counts[i];
+      const Instant release = t0 + basic * static_cast<std::int64_t>(at);
+      const Nanoseconds period = *modules[i].period;
+      calls.push_back({.module = i,
+                       .number = static_cast<std::uint64_t>((release - t0 - offset(i)) / period),
+                       .time = release,
+                       .period = period});
+      now += duration(seed, i, count.cycles, basic);
+      ++count.cycles;
+      if (now > release + period) ++count.overruns;
+    };
+    for (std::size_t k = 0; k < missed.size(); ++k) {
+      const std::size_t i = missed[k].module;
+      const auto later = std::count_if(missed.begin() + static_cast<std::ptrdiff_t>(k) + 1, missed.end(),
+                                       [i](const Missed& other) { return other.module == i; });
+      const model::OverrunContract contract = modules[i].overrun.value_or(model::OverrunContract{});
+      if (contract.what == model::Overrun::catch_up && later < contract.limit)
+        call(i, missed[k].slot);
+      else
+        ++counts[i].missed;
+    }
     for (const std::size_t i : due()) {
       if (!in[i]) continue;
       Count& count = counts[i];
-      const Nanoseconds period = *modules[i].period;
       if (modules[i].type == model::ModuleType::thread) {
-        calls.push_back({.module = i,
-                         .number = static_cast<std::uint64_t>((release - t0) / period),
-                         .time = release,
-                         .period = period});
-        now += duration(seed, i, count.cycles, basic);
-        ++count.cycles;
-        if (now > release + period) ++count.overruns;
+        call(i, slot);
       } else if (count.busy_until > now) {
         ++count.overruns;
       } else {
@@ -132,6 +155,10 @@ TEST_P(Grid, IsNeverLeft) {
         unit * factors[static_cast<std::size_t>(draw(static_cast<std::int64_t>(factors.size())))];
     const int priority = static_cast<int>(draw(5)) - 2;
     modules.push_back(draw(10) < 7 ? thread(period, priority) : process(period, priority));
+    if (draw(3) == 0) modules.back().offset = unit * draw(period / unit);
+    if (modules.back().type == model::ModuleType::thread && draw(3) == 0) {
+      modules.back().overrun = {.what = model::Overrun::catch_up, .limit = 1 + static_cast<int>(draw(4))};
+    }
   }
   FakeDevice device{modules};
   device.join(microseconds{draw(500)});
@@ -143,7 +170,9 @@ TEST_P(Grid, IsNeverLeft) {
               .t0 = device.t0,
               .counts = std::vector<Count>(modules.size())};
   std::int64_t basic = 0;
-  for (const model::Module& module : modules) basic = std::gcd(basic, module.period->count());
+  for (const model::Module& module : modules) {
+    basic = std::gcd(std::gcd(basic, module.period->count()), module.offset.value_or(Nanoseconds{0}).count());
+  }
   model.basic = Nanoseconds{basic};
 
   // Programs: their seats are looked at whenever time moves.

@@ -167,6 +167,28 @@ TEST_F(WiringPlanned, ATopicOfItsOwnHasAFlowOfItsOwn) {
   EXPECT_EQ(flow(plan, "rt/in").domain, 5);
 }
 
+TEST_F(WiringPlanned, AWriterThatIsAheadHasRoomForThat) {
+  model::Device& here = cell.devices[0];
+  here.executors[0].timing = model::Timing::let;
+  for (model::Module& module : here.modules) {
+    if (module.operation == model::Operation::periodic) module.executor = here.executors[0].name;
+  }
+  here.modules[0].period = milliseconds{2};
+  here.modules[1].period = milliseconds{7};
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  connect(end("here", "b", "out"), end("here", "a", "in"));
+  model::Connection& queue = connect(end("here", "a", "out"), end("here", "p", "event"));
+  queue.kind = model::ConnectionKind::queue;
+  queue.depth = 8;
+  connect(end("here", "p", "out"), end("here", "a", "event"));
+  const auto links = local(plan());
+  ASSERT_EQ(links.size(), 4U);
+  EXPECT_EQ(links[0].options.depth, 7U) << "three of a's periods in one of b's, and some";
+  EXPECT_EQ(links[1].options.depth, 4U);
+  EXPECT_EQ(links[2].options.depth, 11U);
+  EXPECT_EQ(links[3].options.depth, 1U) << "a sporadic module is not ahead";
+}
+
 TEST_F(WiringPlanned, WhatIsNotKnownHasNoLink) {
   ports[1].reset();
   connect(end("here", "a", "out"), end("here", "b", "in"));

@@ -66,15 +66,17 @@ TEST(WakeMargin, FollowsWhenTheMachineGetsBetter) {
 }
 
 TEST(MarginCap, IsAShareOfThePeriodAndAtMost100Microseconds) {
-  EXPECT_EQ(margin_cap(microseconds{100}), microseconds{40});
-  EXPECT_EQ(margin_cap(milliseconds{1}), microseconds{100});
-  EXPECT_EQ(margin_cap(Nanoseconds{1}), Nanoseconds{0});
+  EXPECT_EQ(margin_cap(microseconds{100}, 0.4), microseconds{40});
+  EXPECT_EQ(margin_cap(microseconds{100}, 0.05), microseconds{5});
+  EXPECT_EQ(margin_cap(milliseconds{1}, 0.4), microseconds{100});
+  EXPECT_EQ(margin_cap(Nanoseconds{1}, 0.4), Nanoseconds{0});
+  EXPECT_EQ(margin_cap(milliseconds{1}, 0), Nanoseconds{0});
 }
 
 class EachWaker : public testing::TestWithParam<model::Wakeup> {
  protected:
   std::atomic<std::uint32_t> stop{0};
-  Waker waker{GetParam(), milliseconds{1}, stop};
+  Waker waker{GetParam(), microseconds{100}, stop};
 };
 
 TEST_P(EachWaker, NeverReturnsEarly) {
@@ -124,8 +126,8 @@ INSTANTIATE_TEST_SUITE_P(Strategies, EachWaker,
 
 TEST(Waker, ThatOnlySleepsHasNoMargin) {
   const std::atomic<std::uint32_t> stop{0};
-  EXPECT_EQ((Waker{model::Wakeup::sleep, milliseconds{1}, stop}.margin()), Nanoseconds{0});
-  EXPECT_EQ((Waker{model::Wakeup::hybrid, milliseconds{1}, stop}.margin()), microseconds{100});
+  EXPECT_EQ((Waker{model::Wakeup::sleep, microseconds{70}, stop}.margin()), Nanoseconds{0});
+  EXPECT_EQ((Waker{model::Wakeup::hybrid, microseconds{70}, stop}.margin()), microseconds{70});
 }
 
 }  // namespace

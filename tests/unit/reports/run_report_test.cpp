@@ -31,21 +31,21 @@ json port(const char* name, int connections, int matched) {
 json cell() {
   json arm = module("arm", "EXECUTING");
   arm["ports"] = json::array({port("setpoint", 2, 1), port("unused", 0, 0)});
-  return {
-      {"cell", "c"},
-      {"devices",
-       json::array(
-           {{{"name", "robot"},
-             {"alive", true},
-             {"real_time", true},
-             {"executors",
-              json::array({{{"name", "main"}, {"cycles", 999}, {"missed", 1}, {"jitter_us", measured()}}})},
-             {"modules", json::array({arm})}}})}};
+  return {{"cell", "c"},
+          {"devices", json::array({{{"name", "robot"},
+                                    {"alive", true},
+                                    {"real_time", true},
+                                    {"executors", json::array({{{"name", "main"},
+                                                                {"cycles", 999},
+                                                                {"missed", 1},
+                                                                {"margin_us", 17.5},
+                                                                {"jitter_us", measured()}}})},
+                                    {"modules", json::array({arm})}}})}};
 }
 
 TEST(RunText, HasALineForEachModuleAndEachPortThatIsConnected) {
   const std::string text = run_text(cell());
-  EXPECT_THAT(text, ContainsRegex("main +999 +1 +-1.50 +0.25 +12.3 +1450"));
+  EXPECT_THAT(text, ContainsRegex("main +999 +1 +-1.50 +0.25 +12.3 +1450 +17.5"));
   EXPECT_THAT(text, ContainsRegex("arm +EXECUTING +1000 +-1.50 +0.25 +12.3 +0.25 +1450 +2 +3"));
   EXPECT_THAT(text, ContainsRegex("arm.setpoint +in +1/2 +41 +5 +6 +7 +1235\n"));
   EXPECT_THAT(text, Not(HasSubstr("unused")));

@@ -24,7 +24,7 @@ using simulated::Tick;
 
 constexpr int kBatches = 10;
 constexpr int kDevicesOfABatch = 120;
-constexpr Tick kLongest = 2000;
+constexpr Tick kLongest = 2500;
 
 struct Drawn {
   model::Cell cell;
@@ -50,6 +50,7 @@ class Draw {
     for (int i = 0; i < periodic; ++i) {
       Module& module = add(device, i % executors);
       module.period = Nanoseconds{one_of({10, 12, 15, 20, 20, 24, 30, 40, 60})};
+      if (chance(0.2)) module.offset = Nanoseconds{between(0, static_cast<int>(module.period->count()) - 1)};
       if (i >= executors && chance(0.3)) module.type = ModuleType::process;
       drawn.runs.push_back(run(*module.period, fullness / 1.5));
     }
@@ -86,6 +87,8 @@ class Draw {
     executor.wakeup = chance(0.5)   ? model::Wakeup::sleep
                       : chance(0.9) ? model::Wakeup::hybrid
                                     : model::Wakeup::spin;
+    executor.rate_monotonic = chance(0.1);
+    if (chance(0.2)) executor.offsets = model::Offsets::automatic;
     executor.spin_share = one_of({1, 2, 4}) / 10.0;
     return executor;
   }

@@ -284,5 +284,96 @@ TEST(Load, IsIncompleteWhereAThreadModuleStatesNoBudget) {
   EXPECT_TRUE(main.load(device, 1).complete);
 }
 
+TEST(Plan, FlattensTheTableOfFigure1) {
+  Cell cell = figure1();
+  cell.devices[0].executors[0].offsets = model::Offsets::automatic;
+  const auto result = plan(cell, cell.devices[0]);
+  ASSERT_TRUE(result);
+  const ExecutorPlan& main = result->executors.front();
+  EXPECT_EQ(main.basic_period, 100us);
+  ASSERT_EQ(main.rows(), 6U);
+  std::size_t most = 0;
+  for (std::size_t row = 0; row < main.rows(); ++row) most = std::max(most, main.row(row).size());
+  EXPECT_EQ(most, 3U) << "four without";
+  EXPECT_EQ(main.table.entries(), 15U) << "as many as without";
+}
+
+TEST(Plan, FlattensByTheBudgetsWhereAllThreadsStateOne) {
+  Cell cell = cell_of({with_budget(periodic("heavy", 2ms), 900us), with_budget(periodic("a", 2ms), 500us),
+                       with_budget(periodic("b", 2ms), 400us), process(periodic("c", 1ms))});
+  cell.devices[0].executors[0].offsets = model::Offsets::automatic;
+  const auto result = plan(cell, cell.devices[0]);
+  ASSERT_TRUE(result) << "without offsets its row does not fit: " << to_text(result.problems());
+  const ExecutorPlan& main = result->executors.front();
+  EXPECT_EQ(main.load(cell.devices[0], 0).budget, 900us);
+  EXPECT_EQ(main.load(cell.devices[0], 1).budget, 900us);
+}
+
+TEST(Plan, ShiftsByTheGivenOffsets) {
+  Cell cell = cell_of({periodic("a", 2ms), periodic("b", 2ms), periodic("c", 4ms)});
+  cell.devices[0].modules[1].offset = 1ms;
+  cell.devices[0].modules[2].offset = 500us;
+  const auto result = plan(cell, cell.devices[0]);
+  ASSERT_TRUE(result);
+  const ExecutorPlan& main = result->executors.front();
+  EXPECT_EQ(main.basic_period, 500us);
+  EXPECT_EQ(main.macro_period, 4ms);
+  EXPECT_THAT(main.offsets, ElementsAre(0us, 1ms, 500us));
+  const Device& device = cell.devices[0];
+  const std::vector<Names> rows{{"a"}, {"c"}, {"b"}, {}, {"a"}, {}, {"b"}, {}};
+  ASSERT_EQ(main.rows(), rows.size());
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    EXPECT_EQ(names(device, main.row(row)), rows[row]) << row;
+  EXPECT_EQ(offset_of(main, 2), 500us);
+}
+
+TEST(Plan, SaysWhichOffsetMakesTheTableTooLong) {
+  Cell cell = cell_of({periodic("a", 1ms), periodic("b", 7ms), periodic("c", 100ms)});
+  cell.devices[0].modules[1].offset = 1ns;
+  const Problems problems = problems_of(cell);
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_THAT(problems[0].what, AllOf(HasSubstr("'b' is shifted by 1 ns"), HasSubstr("1 ms")));
+  EXPECT_THAT(problems[0].fix, HasSubstr("multiples of 1 ms"));
+}
+
+TEST(Plan, GivesTheShortestPeriodTheHighestPriority) {
+  Cell cell = cell_of({periodic("slow", 10ms), periodic("fast", 1ms), periodic("mid", 5ms),
+                       periodic("other", 1ms), periodic("fixed", 2ms)});
+  Device& device = cell.devices[0];
+  device.executors.clear();
+  for (Module& module : device.modules) {
+    module.executor = module.name;
+    model::Executor executor;
+    executor.name = module.name;
+    executor.rate_monotonic = module.name != "fixed";
+    executor.priority = 42;
+    device.executors.push_back(executor);
+  }
+  const auto result = plan(cell, device);
+  ASSERT_TRUE(result);
+  std::vector<int> priorities;
+  for (const ExecutorPlan& executor : result->executors) priorities.push_back(executor.priority);
+  EXPECT_THAT(priorities, ElementsAre(72, 80, 76, 80, 42));
+}
+
+TEST(Plan, HasAPriorityForEachOfManyPeriods) {
+  std::vector<Module> modules;
+  for (int i = 0; i < 64; ++i) modules.push_back(periodic("m" + std::to_string(i), 1ms * (i + 1)));
+  Cell cell = cell_of(std::move(modules));
+  Device& device = cell.devices[0];
+  device.executors.clear();
+  for (Module& module : device.modules) {
+    module.executor = module.name;
+    device.executors.emplace_back().name = module.name;
+    device.executors.back().rate_monotonic = true;
+  }
+  const auto result = plan(cell, device);
+  ASSERT_TRUE(result);
+  for (std::size_t i = 1; i < result->executors.size(); ++i) {
+    EXPECT_LE(result->executors[i].priority, result->executors[i - 1].priority);
+    EXPECT_GE(result->executors[i].priority, 4) << "programs run three below";
+  }
+}
+
 }  // namespace
 }  // namespace takt::schedule

@@ -273,7 +273,7 @@ class Rows : public Thread {
  public:
   Rows(Machine& machine, const model::Executor& settings, const ExecutorPlan& plan, std::vector<int> its_cpus,
        Sporadics* sporadics)
-      : Thread(machine, settings.priority, std::move(its_cpus)),
+      : Thread(machine, plan.priority, std::move(its_cpus)),
         settings_(settings),
         plan_(plan),
         sporadics_(sporadics),
@@ -397,10 +397,11 @@ inline Machine::Machine(const model::Device& device, const DevicePlan& plan, con
     const model::Executor& settings = device.executors[executor.executor];
     const std::vector<int>& cpus = placement.executors[executor.executor];
     count_cpus(cpus);
-    auto sporadics = std::make_unique<Sporadics>(*this, settings.priority - 1, cpus);
+    auto sporadics = std::make_unique<Sporadics>(*this, executor.priority - 1, cpus);
     const auto add_program = [&](std::uint32_t index, int below, Tick period) {
-      auto program = std::make_unique<Program>(*this, std::max(1, settings.priority - below),
-                                               placement.background, index, period, period * 2 / 5 / share);
+      const auto cap = static_cast<Tick>(static_cast<double>(period) * settings.spin_share) / share;
+      auto program = std::make_unique<Program>(*this, std::max(1, executor.priority - below),
+                                               placement.background, index, period, cap);
       programs_[index] = program.get();
       threads_.push_back(std::move(program));
     };

@@ -1,0 +1,53 @@
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+
+# Periods in ms. Run times of up to 2 ms each leave the rows room.
+PERIODS = {"m0": 20, "m1": 20, "m2": 40, "m3": 60}
+CONNECTIONS = [("m0", "m1.a"), ("m1", "m2.a"), ("m2", "m0.a"), ("m0", "m3.a"), ("m3", "m1.b"), ("m2", "m3.b"), ("m1", "m0.b")]
+RUNS_MS = 1200
+
+
+class LogicalTime(takt_system.Case):
+    def cell(self, executors, timing):
+        text = '<cell name="c"><device name="d">\n'
+        text += "".join('<executor name="e%d" timing="%s"/>\n' % (e, timing) for e in range(executors))
+        for i, (name, period) in enumerate(PERIODS.items()):
+            text += """<module><name>%s</name><filename>mixer.so</filename><moduletype>thread</moduletype>
+                <operationtype>periodic</operationtype><period>%d000000</period><priority>%d</priority><executor>e%d</executor>
+                <property><value name="file">%s</value><value name="runs">%d</value><value name="most">1000000</value></property>
+                </module>\n""" % (name, period, i, i % executors, name, RUNS_MS // period)
+        text += "</device>\n"
+        for number, (source, target) in enumerate(CONNECTIONS):
+            kind = 'kind="queue" depth="16"' if number % 3 == 2 else ""
+            text += '<connection from="d.%s.out" to="d.%s" %s/>\n' % (source, target, kind)
+        return self.write("cell.xml", text + "</cell>\n")
+
+    def computed(self, executors, timing):
+        """What all modules end up with, of a run in which no release was late: the machine may be taken away for longer."""
+        cell = self.cell(executors, timing)
+        for _ in range(8):
+            run = self.takt("run", cell, "--for", "1.7", "--json", "--quiet")
+            self.assertEqual(0, run.status, run.err)
+            modules = run.modules("d").values()
+            if any(m["overruns"] or m["missed"] for m in modules):
+                continue
+            return [self.read(name) for name in PERIODS]
+        self.fail("not one of 8 runs without an overrun")
+
+    def test_depends_on_nothing_but_the_cell(self):
+        one = self.computed(1, "let")
+        for name, text in zip(PERIODS, one):
+            self.assertEqual(RUNS_MS // PERIODS[name], int(text.split()[0]), name)
+        self.assertEqual(one, self.computed(1, "let"))
+        self.assertEqual(one, self.computed(2, "let"))
+        self.assertEqual(one, self.computed(2, "let"))
+
+    def test_without_it_depends_on_run_times(self):
+        self.assertNotEqual(self.computed(2, "direct"), self.computed(2, "direct"))
+
+
+if __name__ == "__main__":
+    takt_system.main()

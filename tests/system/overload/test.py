@@ -1,0 +1,97 @@
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+
+MODULE = """<module><name>%(name)s</name><filename>%(file)s</filename><moduletype>%(type)s</moduletype>
+    <operationtype>periodic</operationtype><period>10000000</period><priority>%(priority)d</priority>
+    <property>%(properties)s</property>%(more)s</module>\n"""
+
+
+def module(name, component, priority, more="", **properties):
+    values = "".join('<value name="%s">%s</value>' % pair for pair in properties.items())
+    return MODULE % {"name": name, "file": component, "type": "process" if component.endswith(".exe") else "thread", "priority": priority,
+                     "properties": values, "more": more}
+
+
+# In every 20th run three and a half periods: in the last one of these it is the next module's turn.
+HOG = module("hog", "slow.so", 9, ns=35000000, every=20)
+
+
+class Overload(takt_system.Case):
+    def run_cell(self, modules, executor="", seconds="1.5"):
+        cell = self.write("cell.xml", '<cell name="c"><device name="d"><executor name="main" %s/>%s</device></cell>\n' % (executor, modules))
+        return self.takt("run", cell, "--for", seconds, "--json")
+
+    def test_skip_and_catch_up(self):
+        run = self.run_cell(HOG + module("skips", "grid.so", 1, file="skips") +
+                            module("all", "grid.so", 2, "<overrun limit=\"1000\">catch-up</overrun>", file="all") +
+                            module("one", "grid.so", 3, "<overrun>catch-up</overrun>", file="one"))
+        self.assertEqual(0, run.status, run.err)
+        rows = run.executor("main", "d")
+        modules = run.modules("d")
+        self.assertGreaterEqual(rows["missed"], 6)
+        self.assertEqual(rows["missed"], modules["skips"]["missed"])
+        self.assertEqual(rows["cycles"], modules["skips"]["cycles"])
+        self.assertEqual(0, modules["all"]["missed"])
+        self.assertEqual(rows["cycles"] + rows["missed"], modules["all"]["cycles"])
+        self.assertGreater(modules["one"]["missed"], 0)
+        self.assertEqual(rows["cycles"] + rows["missed"], modules["one"]["cycles"] + modules["one"]["missed"])
+        self.assertGreater(modules["one"]["cycles"], rows["cycles"])
+        # Each was on the grid, whenever it was made up.
+        for name in ("skips", "all", "one"):
+            t0, runs, strayed = self.read(name).split()
+            self.assertEqual((str(modules[name]["cycles"]), "0"), (runs, strayed), name)
+
+    def test_error_takes_the_module_out_and_it_recovers(self):
+        run = self.run_cell(HOG + module("strict", "fine.so", 1, '<overrun>error</overrun><recovery attempts="100" backoff="1000000"/>'))
+        self.assertEqual(0, run.status, run.err)
+        steps = [s.text for s in run.steps("strict") if s.target == "RECOVER"]
+        self.assertGreaterEqual(len(steps), 2)
+        self.assertRegex(steps[0], r"^overrun: \d+ releases? w(as|ere) missed, (from|of) cycle \d+( on)?$")
+        self.assertEqual("EXECUTING", run.states("strict")[-3], run.states("strict"))
+
+    def test_the_executors_contract_is_for_all_that_have_none(self):
+        run = self.run_cell(HOG.replace("</property>", "</property><overrun>skip</overrun>") +
+                            module("strict", "fine.so", 1, '<recovery attempts="100" backoff="1000000"/>') +
+                            module("lax", "fine.so", 2, "<overrun>skip</overrun>"), executor='overrun="error"')
+        self.assertEqual(0, run.status, run.err)
+        self.assertIn("RECOVER", run.states("strict"))
+        self.assertNotIn("RECOVER", run.states("lax"))
+        self.assertNotIn("RECOVER", run.states("hog"))
+
+    def test_stop_device(self):
+        run = self.run_cell(HOG + module("vital", "fine.so", 1, "<overrun>stop-device</overrun>"), seconds="20")
+        self.assertEqual(1, run.status, run.err)
+        self.assertRegex(run.err, r"module d\.vital: error: overrun: \d+ release.*another <overrun> than stop-device")
+        self.assertEqual("DESTRUCT", run.states("hog")[-1])
+
+    def test_a_program_is_given_what_it_is_owed(self):
+        hog = dict(ns=35000000, every=20)
+        run = self.run_cell(module("skips", "slow.exe", 1, **hog) +
+                            module("owed", "slow.exe", 2, '<overrun limit="10">catch-up</overrun>', **hog))
+        self.assertEqual(0, run.status, run.err)
+        rows = run.executor("main", "d")
+        modules = run.modules("d")
+        for name in ("skips", "owed"):
+            self.assertGreaterEqual(modules[name]["overruns"], 6, name)
+        self.assertLess(modules["skips"]["cycles"], rows["cycles"])
+        # All that it was given it has done, save what was left at the end.
+        self.assertEqual(rows["cycles"] + rows["missed"], modules["owed"]["cycles"])
+
+    def test_a_budget_is_tolerant_as_it_says(self):
+        long = dict(ns=2000000, every=7)
+        run = self.run_cell(module("often", "slow.so", 1, '<budget in-a-row="2">1000000</budget>', **long) +
+                            module("little", "slow.so", 2, '<budget times="1000">1000000</budget>', **long) +
+                            module("strict", "slow.so", 3, '<budget>1000000</budget><recovery attempts="0"/>', **long))
+        modules = run.modules("d")
+        self.assertEqual(1, run.status, run.err)
+        self.assertGreaterEqual(modules["often"]["over_budget"], 10)
+        self.assertGreaterEqual(modules["little"]["over_budget"], 10)
+        self.assertNotIn("RECOVER", run.states("little"))
+        self.assertIn("RECOVER", run.states("strict"))
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,254 @@
+// What each overrun contract does, slot by slot, on virtual time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fake_device.hpp"
+
+namespace takt::executor {
+namespace {
+
+using model::Overrun;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+model::Module with(model::Module module, Overrun what, int limit = 1) {
+  module.overrun = model::OverrunContract{.what = what, .limit = limit};
+  return module;
+}
+
+/// A device that writes down who is called with which number: "0:3" is module 0 in its cycle 3.
+class Contract : public testing::Test {
+ protected:
+  void make(std::vector<model::Module> modules) {
+    const std::size_t count = modules.size();
+    device = std::make_unique<FakeDevice>(std::move(modules));
+    takes.assign(count, Nanoseconds{0});
+    for (std::size_t i = 0; i < count; ++i) {
+      device->bodies[i].on_run = [this, i](const Cycle& cycle) -> const char* {
+        calls.push_back(std::to_string(i) + ":" + std::to_string(cycle.number));
+        EXPECT_EQ(cycle.time, device->t0 + cycle.period * static_cast<std::int64_t>(cycle.number));
+        device->clock.time += takes[i];
+        return nullptr;
+      };
+    }
+    device->join();
+  }
+  /// What one wake-up calls, `late` after the release.
+  std::vector<std::string> cycle(Nanoseconds late = Nanoseconds{0}) {
+    calls.clear();
+    device->cycle(late);
+    return calls;
+  }
+  [[nodiscard]] std::uint64_t missed(std::size_t i) const { return device->blocks[i].missed.load(); }
+  [[nodiscard]] std::uint64_t overruns(std::size_t i) const { return device->blocks[i].overruns.load(); }
+  [[nodiscard]] ErrorType error(std::size_t i) const {
+    return static_cast<ErrorType>(device->blocks[i].error.load());
+  }
+
+  std::unique_ptr<FakeDevice> device;
+  std::vector<Nanoseconds> takes;
+  std::vector<std::string> calls;
+};
+
+TEST_F(Contract, SkipLeavesOutWhatWasMissed) {
+  make({thread(milliseconds{1}), thread(milliseconds{2})});
+  EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
+  EXPECT_THAT(cycle(microseconds{3'500}), ElementsAre("0:4", "1:2")) << "slots 1 to 3 are over";
+  EXPECT_EQ(missed(0), 3U);
+  EXPECT_EQ(missed(1), 1U);
+  EXPECT_EQ(device->block->missed.load(), 3U);
+  EXPECT_EQ(error(0), ErrorType::none);
+}
+
+TEST_F(Contract, CatchUpMakesUpTheNewestInTheirOrder) {
+  make({with(thread(milliseconds{1}, 1), Overrun::catch_up, 2), thread(milliseconds{1}, 2),
+        with(thread(milliseconds{2}, 0), Overrun::catch_up, 5)});
+  EXPECT_THAT(cycle(), ElementsAre("2:0", "0:0", "1:0"));
+  EXPECT_THAT(cycle(microseconds{4'500}), ElementsAre("2:1", "0:3", "2:2", "0:4", "0:5", "1:5"))
+      << "slots 1 to 4 are over; 0 makes up 3 and 4, and 2 its releases of the slots 2 and 4";
+  EXPECT_EQ(missed(0), 2U) << "beyond the limit";
+  EXPECT_EQ(missed(1), 4U);
+  EXPECT_EQ(missed(2), 0U);
+  EXPECT_EQ(device->blocks[0].cycles.load(), 4U);
+  EXPECT_EQ(overruns(0), 2U) << "each ended after its next release";
+  EXPECT_EQ(overruns(2), 1U) << "4:2 ended before 6 ms";
+  EXPECT_EQ(device->block->missed.load(), 4U) << "the slots have passed all the same";
+  EXPECT_EQ(device->executor->next_release(), device->t0 + milliseconds{6}) << "the grid is not left";
+  EXPECT_THAT(cycle(), ElementsAre("2:3", "0:6", "1:6"));
+}
+
+TEST_F(Contract, CatchUpThatIsLateItselfGoesOnWithWhatItMissed) {
+  make({with(thread(milliseconds{1}), Overrun::catch_up, 1)});
+  takes[0] = microseconds{1'400};
+  EXPECT_THAT(cycle(), ElementsAre("0:0"));
+  // At 1.4 ms the slot of 1 ms is not over: it runs late, until 2.8 ms. And so on, until one slot has passed.
+  EXPECT_THAT(cycle(), ElementsAre("0:1"));
+  EXPECT_THAT(cycle(), ElementsAre("0:2")) << "2.8 to 4.2 ms";
+  EXPECT_THAT(cycle(), ElementsAre("0:3", "0:4")) << "4.2 ms: 3 is made up, and 4 runs late";
+  EXPECT_EQ(missed(0), 0U);
+  EXPECT_THAT(cycle(), ElementsAre("0:6", "0:7")) << "7 ms: 5 is beyond the limit";
+  EXPECT_EQ(missed(0), 1U);
+}
+
+TEST_F(Contract, CatchUpLeavesOutWhoWasTakenOut) {
+  make({with(thread(milliseconds{1}), Overrun::catch_up, 3)});
+  EXPECT_THAT(cycle(), ElementsAre("0:0"));
+  device->bodies[0].on_run = [this](const Cycle& cycle) {
+    calls.push_back("0:" + std::to_string(cycle.number));
+    return "it broke";
+  };
+  EXPECT_THAT(cycle(microseconds{3'500}), ElementsAre("0:1"));
+  EXPECT_EQ(missed(0), 2U);
+  EXPECT_EQ(device->blocks[0].cycles.load(), 2U);
+}
+
+TEST_F(Contract, CatchUpIsNotForARestart) {
+  make({with(thread(milliseconds{1}), Overrun::catch_up, 100)});
+  cycle();
+  device->make_executor();
+  device->clock.time += milliseconds{10};
+  device->executor->join_grid(device->t0, device->clock.time);
+  EXPECT_EQ(missed(0), 9U);
+  EXPECT_THAT(cycle(), ElementsAre("0:10"));
+}
+
+TEST_F(Contract, CatchUpGoesByTheOffset) {
+  model::Module shifted = with(thread(milliseconds{2}), Overrun::catch_up, 2);
+  shifted.offset = milliseconds{1};
+  make({shifted, thread(milliseconds{1})});
+  device->bodies[0].on_run = [this](const Cycle& cycle) {
+    calls.push_back("0:" + std::to_string(cycle.number));
+    EXPECT_EQ(cycle.time,
+              device->t0 + milliseconds{1} + cycle.period * static_cast<std::int64_t>(cycle.number));
+    return nullptr;
+  };
+  EXPECT_THAT(cycle(), ElementsAre("1:0"));
+  EXPECT_THAT(cycle(), ElementsAre("0:0", "1:1"));
+  EXPECT_THAT(cycle(microseconds{4'200}), ElementsAre("0:1", "0:2", "1:6")) << "slots 3 and 5 are over";
+  EXPECT_EQ(missed(0), 0U);
+  EXPECT_EQ(missed(1), 4U);
+}
+
+TEST_F(Contract, ErrorTakesOutWhoseReleaseWasMissed) {
+  make({with(thread(milliseconds{1}), Overrun::error), with(thread(milliseconds{4}), Overrun::error)});
+  EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
+  EXPECT_THAT(cycle(microseconds{2'500}), IsEmpty()) << "slot 3";
+  EXPECT_EQ(error(0), ErrorType::overrun);
+  EXPECT_EQ(device->blocks[0].error_text.view(), "2 releases were missed, from cycle 1 on");
+  EXPECT_EQ(device->blocks[0].error_cycle.load(), 1U);
+  EXPECT_EQ(missed(0), 2U);
+  EXPECT_EQ(error(1), ErrorType::none) << "none of its releases was missed";
+  EXPECT_THAT(cycle(), ElementsAre("1:1"));
+}
+
+TEST_F(Contract, ErrorTakesOutWhoEndsAfterItsNextRelease) {
+  for (const Overrun contract : {Overrun::error, Overrun::stop_device}) {
+    make({with(thread(milliseconds{1}), contract), thread(milliseconds{1})});
+    takes = {milliseconds{1}, Nanoseconds{0}};
+    EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
+    EXPECT_EQ(error(0), ErrorType::none) << "it ended at its next release";
+    takes[0] = milliseconds{1} + Nanoseconds{1};
+    EXPECT_THAT(cycle(), ElementsAre("0:1", "1:1"));
+    EXPECT_EQ(error(0), ErrorType::overrun);
+    EXPECT_EQ(device->blocks[0].error_text.view(), "run() ended after its next release");
+    EXPECT_EQ(overruns(0), 1U);
+    EXPECT_EQ(overruns(1), 1U) << "it ended late too, and may";
+    EXPECT_EQ(error(1), ErrorType::none);
+  }
+}
+
+TEST_F(Contract, OfAProgramInItsBody) {
+  make({process(milliseconds{1}), with(process(milliseconds{1}), Overrun::error),
+        with(process(milliseconds{1}), Overrun::catch_up, 2)});
+  for (int row = 0; row < 5; ++row) device->cycle();
+  EXPECT_EQ(overruns(0), 4U);
+  EXPECT_EQ(error(0), ErrorType::none);
+  EXPECT_EQ(overruns(1), 1U);
+  EXPECT_EQ(error(1), ErrorType::overrun);
+
+  // The third is owed the last two.
+  channel::Seat& seat = device->seats[2];
+  EXPECT_EQ(device->blocks[2].cycles.load(), 3U);
+  EXPECT_EQ(overruns(2), 4U);
+  EXPECT_EQ(seat.released.load(), 3U);
+  seat.t0_ns.store(to_ns(device->t0));
+  std::uint32_t done = 1;
+  for (const std::uint64_t cycle : {3U, 4U}) {
+    seat.done.store(done);
+    const channel::Taken taken = channel::take(seat, done);
+    EXPECT_EQ(taken.count, done + 1);
+    EXPECT_EQ(taken.cycle, cycle);
+    EXPECT_EQ(taken.release_ns, to_ns(device->t0 + milliseconds{cycle}));
+    done = taken.count;
+  }
+  seat.done.store(done);
+  EXPECT_TRUE(seat.waiting());
+  device->cycle();
+  EXPECT_EQ(channel::take(seat, done).cycle, 5U);
+  EXPECT_EQ(device->blocks[2].cycles.load() + overruns(2) - 2, 6U) << "two of its overruns were served";
+}
+
+class Budget : public Contract {
+ protected:
+  void make_with(model::BudgetTolerance tolerance) {
+    model::Module module = thread(milliseconds{1});
+    module.budget = microseconds{100};
+    module.tolerance = tolerance;
+    make({module});
+  }
+  /// One run of so many microseconds; whether it was an error.
+  bool is_error(int us) {
+    takes[0] = microseconds{us};
+    cycle();
+    const bool is = error(0) != ErrorType::none;
+    if (is) {
+      EXPECT_EQ(error(0), ErrorType::budget);
+      device->blocks[0].error.store(0);
+      device->blocks[0].in_tables.store(1);
+    }
+    return is;
+  }
+};
+
+TEST_F(Budget, WithoutToleranceIsNeverToBeExceeded) {
+  make_with({});
+  EXPECT_FALSE(is_error(100));
+  EXPECT_TRUE(is_error(101));
+  EXPECT_EQ(device->blocks[0].over_budget.load(), 1U);
+}
+
+TEST_F(Budget, ToleratesOneExcessUpToSoManyBudgets) {
+  make_with({.times = 3, .in_a_row = {}});
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(is_error(300));
+  EXPECT_TRUE(is_error(301));
+  EXPECT_EQ(device->blocks[0].error_text.view(), "one run() took longer than 3 times its budget");
+  EXPECT_EQ(device->blocks[0].over_budget.load(), 11U);
+}
+
+TEST_F(Budget, ToleratesExcessesUntilSoManyInARow) {
+  make_with({.times = {}, .in_a_row = 3});
+  EXPECT_FALSE(is_error(900));
+  EXPECT_FALSE(is_error(101));
+  EXPECT_FALSE(is_error(100)) << "one that kept it";
+  EXPECT_FALSE(is_error(101));
+  EXPECT_FALSE(is_error(101));
+  EXPECT_TRUE(is_error(101));
+  EXPECT_EQ(device->blocks[0].error_text.view(), "run() took longer than its budget 3 times in a row");
+  EXPECT_FALSE(is_error(101)) << "counted afresh";
+}
+
+TEST_F(Budget, ToleratesWhatBothTolerate) {
+  make_with({.times = 2, .in_a_row = 2});
+  EXPECT_FALSE(is_error(200));
+  EXPECT_TRUE(is_error(101));
+  EXPECT_TRUE(is_error(201));
+}
+
+}  // namespace
+}  // namespace takt::executor
