@@ -6,6 +6,7 @@
 #include <takt/os/futex.hpp>
 #include <takt/os/signals.hpp>
 #include <takt/os/waker.hpp>
+#include <takt/schedule/placement.hpp>
 
 namespace takt::host {
 
@@ -72,7 +73,7 @@ Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Pr
   if (!has_rows_) return {};
   if (has_sporadic_) {
     auto thread = os::Thread::start(
-        {.name = settings_.name + "/s", .priority = priority_ - 1, .cpus = cpus},
+        {.name = settings_.name + "/s", .priority = schedule::sporadic_priority(priority_), .cpus = cpus},
         [this] { serve_sporadic(); }, refused);
     if (!thread) return thread.problems();
     sporadic_ = std::move(*thread);

@@ -57,7 +57,7 @@ Result<void> Supervisor::prepare() {
   if (!plan) return plan.problems();
   plan_ = std::move(*plan);
   watch_conditions();
-  placement_ = place(device().executors, os::allowed_cpus());
+  placement_ = schedule::place(device().executors, os::allowed_cpus());
   for (const std::string& warning : placement_.warnings) log("warning: " + warning);
 
   std::vector<std::string> executors;

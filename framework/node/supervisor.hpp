@@ -26,12 +26,12 @@
 #include <takt/node/gate.hpp>
 #include <takt/node/host_link.hpp>
 #include <takt/node/member.hpp>
-#include <takt/node/placement.hpp>
 #include <takt/node/supervised.hpp>
 #include <takt/node/wiring.hpp>
 #include <takt/os/kernel_news.hpp>
 #include <takt/os/machine.hpp>
 #include <takt/os/trial.hpp>
+#include <takt/schedule/placement.hpp>
 #include <takt/schedule/plan.hpp>
 
 namespace takt::node {
@@ -142,7 +142,6 @@ class Supervisor final : public Supervised {
   void running_step(Instant now);
   void stopping_step(Instant now);
   void destruct(Member& member, Instant now);
-  int margin_share() const;
   const model::Device& device() const { return options_.cell.devices[options_.device]; }
   std::size_t executor_of(const Member& member) const;
 
@@ -150,7 +149,7 @@ class Supervisor final : public Supervised {
   Phase phase_ = Phase::preparing;
   Problems failures_;
   schedule::DevicePlan plan_;
-  Placement placement_;
+  schedule::Placement placement_;
   bool real_time_ = true;
   std::optional<os::Throttling> throttling_;
   os::KernelNews kernel_news_;

@@ -28,17 +28,6 @@ const char* init_function(const Member& member) {
 
 }  // namespace
 
-// Programs that spin for their release on the same processor share what one may take of it.
-int Supervisor::margin_share() const {
-  int programs = 0;
-  for (const auto& module : device().modules) {
-    programs +=
-        module.type == model::ModuleType::process && module.operation != model::Operation::non_real ? 1 : 0;
-  }
-  const auto processors = static_cast<int>(placement_.background.size());
-  return std::max(1, (programs + processors - 1) / processors);
-}
-
 Result<void> Supervisor::create_seat(Member& member) {
   auto memory = os::SharedMemory::create("takt-seat", sizeof(channel::Seat));
   if (!memory) return memory.problems();
@@ -58,7 +47,9 @@ Result<void> Supervisor::create_seat(Member& member) {
   seat.period_ns = period.count();
   if (periodic) seat.offset_ns = schedule::offset_of(plan, member.index).count();
   seat.logical = model::timing_of(device(), member.model) == model::Timing::let ? 1 : 0;
-  seat.margin_cap_ns = os::margin_cap(period, executor.spin_share).count() / margin_share();
+  // Programs that spin for their release on the same processor share what one may take of it.
+  seat.margin_cap_ns =
+      os::margin_cap(period, executor.spin_share).count() / schedule::programs_on_one(device(), placement_);
   if (const auto contract = model::contract_of(device(), member.model);
       contract.what == model::Overrun::catch_up) {
     seat.catch_up = static_cast<std::uint32_t>(contract.limit);
@@ -102,10 +93,10 @@ Result<void> Supervisor::spawn(Member& member) {
 
 // The thread that waits for releases becomes real-time only now, so that a long preparation starves nobody.
 void Supervisor::process_ready(Member& member) {
-  const int priority = plan_.executors[executor_of(member)].priority;
-  const int below = member.model.operation == model::Operation::periodic ? 2 : 3;
   if (!real_time_) return;
-  const auto made = os::make_real_time(member.seat->thread.load(), std::max(1, priority - below));
+  const int priority =
+      schedule::program_priority(plan_.executors[executor_of(member)].priority, member.model.operation);
+  const auto made = os::make_real_time(member.seat->thread.load(), priority);
   if (made) return;
   real_time_ = false;
   log(member, "WARNING: not real-time: " + in_words(made.problems()));

@@ -19,6 +19,18 @@ int check(const CheckOptions& options) {
     complain(loaded.problems());
     return 1;
   }
+  std::optional<Proof> proof;
+  // Without being asked, where the descriptor says all that it takes.
+  if (options.proof.given() || schedule::all_state_budgets(loaded->cell)) {
+    auto proved = prove(loaded->cell, loaded->plans, options.proof);
+    if (!proved) {
+      complain(proved.problems());
+      return 1;
+    }
+    proof = std::move(*proved);
+    for (const Problem& problem : proof->warnings)
+      std::fprintf(stderr, "%s: warning: %s\n", problem.where.c_str(), problem.what.c_str());
+  }
   if (!options.svg.empty()) {
     std::ofstream out{options.svg};
     out << check_svg(loaded->cell, loaded->plans);
@@ -27,9 +39,13 @@ int check(const CheckOptions& options) {
       return 1;
     }
   }
-  const std::string text = options.json ? check_json(loaded->cell, loaded->plans).dump() + "\n"
-                                        : check_text(loaded->cell, loaded->plans, terminal_style());
-  return print(text) ? 0 : 1;
+  const std::string text = options.json ? check_json(loaded->cell, loaded->plans, proof).dump() + "\n"
+                                        : check_text(loaded->cell, loaded->plans, terminal_style(), proof);
+  const bool printed = print(text);
+  if (!proof || proof->missed.empty()) return printed ? 0 : 1;
+  std::fflush(stdout);  // the table before what is said of it
+  complain(proof->missed);
+  return 1;
 }
 
 }  // namespace takt::tool

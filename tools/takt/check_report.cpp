@@ -306,6 +306,52 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
   sporadic_load(page, device, plan);
 }
 
+/// How long each module may take from its release, and whether that is soon enough.
+void proof_text(Page& page, const Device& device, const Proof& proof, std::size_t index) {
+  const auto& worst_cases = proof.devices[index];
+  if (worst_cases.empty()) return;
+  page.blank();
+  page.sentence(2,
+                fmt::format("worst case, by {}{}, on {}:", proof.of_profile ? "the profile" : "the budgets",
+                            proof.factor == 1 ? "" : fmt::format(" x {}", proof.factor),
+                            count(proof.processors, "processor")));
+  std::vector<Words> rows{{"module", "cpu", "longest run", "response", "deadline", "slack", ""}};
+  for (const schedule::WorstCase& worst : worst_cases) {
+    if (rows.size() > kTextRows && worst.kept()) continue;
+    const bool bounded = worst.response.has_value();
+    rows.push_back({called(device.modules[worst.module]), fmt::format("{}", fmt::join(worst.cpus, ",")),
+                    to_text(worst.run), bounded ? to_text(*worst.response) : "-", to_text(worst.deadline),
+                    bounded ? to_text(worst.deadline - *worst.response) : "-",
+                    worst.kept() ? "kept" : "NOT KEPT"});
+  }
+  page.table(kIndent, rows);
+  if (rows.size() <= worst_cases.size()) {
+    page.line(kIndent, fmt::format("... and {} more, all kept; --json has them all",
+                                   worst_cases.size() + 1 - rows.size()));
+  }
+}
+
+nlohmann::ordered_json proof_json(const Device& device, const Proof& proof, std::size_t index) {
+  using Json = nlohmann::ordered_json;
+  Json modules = Json::array();
+  for (const schedule::WorstCase& worst : proof.devices[index]) {
+    const bool bounded = worst.response.has_value();
+    modules.push_back(
+        {{"name", device.modules[worst.module].name},
+         {"cpus", worst.cpus},
+         {"run_ns", worst.run.count()},
+         {"response_ns", bounded ? Json(worst.response->count()) : Json(nullptr)},
+         {"deadline_ns", worst.deadline.count()},
+         {"slack_ns", bounded ? Json((worst.deadline - *worst.response).count()) : Json(nullptr)},
+         {"kept", worst.kept()}});
+    if (!worst.why.empty()) modules.back()["why"] = worst.why;
+  }
+  return {{"processors", proof.processors},
+          {"factor", proof.factor},
+          {"run_times", proof.of_profile ? "profile" : "budgets"},
+          {"modules", std::move(modules)}};
+}
+
 Words names(const Device& device, const std::vector<std::uint32_t>& modules) {
   Words words;
   for (const auto index : modules) words.push_back(device.modules[index].name);
@@ -314,7 +360,8 @@ Words names(const Device& device, const std::vector<std::uint32_t>& modules) {
 
 }  // namespace
 
-std::string check_text(const model::Cell& cell, const std::vector<DevicePlan>& plans, Style style) {
+std::string check_text(const model::Cell& cell, const std::vector<DevicePlan>& plans, Style style,
+                       const std::optional<Proof>& proof) {
   TAKT_CHECK(plans.size() == cell.devices.size());
   std::size_t modules = 0;
   for (const Device& device : cell.devices) modules += device.modules.size();
@@ -334,12 +381,14 @@ std::string check_text(const model::Cell& cell, const std::vector<DevicePlan>& p
       page.blank();
       page.words(2, "not real-time: ", called(device, plans[i].non_realtime));
     }
+    if (proof) proof_text(page, device, *proof, i);
   }
   connections_text(page, cell);
   return std::move(page).take();
 }
 
-nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<DevicePlan>& plans) {
+nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<DevicePlan>& plans,
+                                  const std::optional<Proof>& proof) {
   TAKT_CHECK(plans.size() == cell.devices.size());
   using Json = nlohmann::ordered_json;
   Json devices = Json::array();
@@ -364,6 +413,7 @@ nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<Dev
     devices.push_back(Json{{"name", device.name},
                            {"executors", std::move(executors)},
                            {"non_realtime", names(device, plans[i].non_realtime)}});
+    if (proof) devices.back()["worst_case"] = proof_json(device, *proof, i);
   }
   return Json{{"cell", cell.name}, {"devices", std::move(devices)}};
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "network.hpp"
+#include "proof.hpp"
 
 namespace takt::tool {
 
@@ -15,6 +16,7 @@ struct CheckOptions {
   bool json = false;
   std::string svg;      ///< where to write the picture; empty: nowhere
   bool remote = false;  ///< components that are not on this machine are warnings
+  ProofOptions proof;
 };
 int check(const CheckOptions& options);
 
@@ -25,6 +27,7 @@ struct RunOptions {
   bool json = false;
   bool require_real_time = false;
   bool quiet = false;
+  std::string profile;  ///< where to write the run times at the end; empty: nowhere
 };
 int run(const RunOptions& options);
 

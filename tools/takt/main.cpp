@@ -25,6 +25,14 @@ std::string positive_seconds(const std::string& text) {
              : "'" + text + "' is no number of seconds above 0 and up to 1e9";
 }
 
+// CLI::Range takes nan.
+std::string factor(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool number = end != text.c_str() && *end == '\0';
+  return number && value >= 1 && value <= 1000 ? "" : "'" + text + "' is no number from 1 to 1000";
+}
+
 int serve(int argc, char** argv) {
   using namespace takt::tool;
   CLI::App app{"Takt: real-time component middleware for industrial cells.", "takt"};
@@ -41,6 +49,20 @@ int serve(int argc, char** argv) {
       ->type_name("OUT");
   check_command->add_flag("--remote", check_options.remote,
                           "a component that is not on this machine is a warning, no error");
+  check_command
+      ->add_option("--profile", check_options.proof.profile,
+                   "say whether every deadline is kept, with the run times that takt run --profile wrote")
+      ->type_name("FILE");
+  check_command
+      ->add_option("--factor", check_options.proof.factor,
+                   "the longest run is this much longer than the file, or the budget, says (else 1)")
+      ->type_name("X")
+      ->check(factor);
+  check_command
+      ->add_option("--cpus", check_options.proof.processors,
+                   "a device has this many processors (else as many as this machine)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
 
   Chosen chosen;
   add_graph(app, chosen);
@@ -56,6 +78,9 @@ int serve(int argc, char** argv) {
   run_command->add_flag("--json", run_options.json, "print the closing report as one JSON object");
   run_command->add_flag("--require-realtime", run_options.require_real_time,
                         "refuse to run where the system refuses real-time scheduling");
+  run_command
+      ->add_option("--profile", run_options.profile, "write how long each module ran to this file at the end")
+      ->type_name("OUT");
   run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
   add_network_options(*run_command, run_options.network);
 

@@ -2,22 +2,27 @@
 // other.
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <map>
 #include <memory>
 
 #include <nlohmann/json.hpp>
 
 #include <takt/client/deploy.hpp>
+#include <takt/model/profile_json.hpp>
 #include <takt/node/log.hpp>
 #include <takt/node/node.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
 #include <takt/os/message_socket.hpp>
 #include <takt/os/process.hpp>
+#include <takt/os/real_time.hpp>
 #include <takt/os/signals.hpp>
 
 #include "client.hpp"
 #include "commands.hpp"
 #include "load.hpp"
+#include "profile_report.hpp"
 #include "run_report.hpp"
 #include "terminal.hpp"
 
@@ -259,6 +264,26 @@ std::vector<std::string> Run::failures() const {
   return all;
 }
 
+/// What of this machine makes run times what they are.
+std::map<std::string, std::string> machine() {
+  std::map<std::string, std::string> facts{{"host", os::host_name()},
+                                           {"processors", std::to_string(os::allowed_cpus().size())}};
+  std::getline(std::ifstream{"/proc/sys/kernel/osrelease"}, facts["kernel"]);
+  std::ifstream processors{"/proc/cpuinfo"};
+  for (std::string line; std::getline(processors, line) && facts["processor"].empty();) {
+    if (line.starts_with("model name")) facts["processor"] = line.substr(line.find(':') + 2);
+  }
+  return facts;
+}
+
+Result<void> write_profile(const std::string& file, const json& report) {
+  std::ofstream out{file};
+  out << model::profile_json(profile_of(report), machine());
+  if (!out.flush())
+    return Problem{file, "cannot be written", "name a file in a folder that you may write to"};
+  return {};
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -296,6 +321,10 @@ int run(const RunOptions& options) {
   run.end_nodes();
 
   const json report = run.report();
+  if (run.went() && !options.profile.empty()) {
+    const auto written = write_profile(options.profile, report);
+    if (!written) problems.insert(problems.end(), written.problems().begin(), written.problems().end());
+  }
   const bool printed = print(options.json ? report.dump() + "\n" : run.went() ? run_text(report) : "");
   if (!problems.empty()) complain(problems);
   const auto failures = run.failures();

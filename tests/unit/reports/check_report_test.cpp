@@ -360,6 +360,54 @@ TEST(CheckJson, HasArraysEvenWhereThereIsNothing) {
   EXPECT_EQ(check_json(cells::cell("none", {}), {}).dump(), R"({"cell":"none","devices":[]})");
 }
 
+Proof proof_of(const model::Cell& cell, const std::vector<std::optional<Nanoseconds>>& runs) {
+  Proof proof;
+  proof.processors = 2;
+  const model::Device& device = cell.devices[0];
+  proof.devices = {
+      schedule::worst_cases(device, plans(cell)[0], schedule::place(device.executors, {0, 1}), runs)};
+  return proof;
+}
+
+TEST(CheckText, SaysHowLongEachModuleMayTake) {
+  const model::Cell cell =
+      cells::cell("c", {device("d", {periodic("a", 1ms), sporadic("s", 1ms), non_real("n")})});
+  EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, {300us, 400us, std::nullopt})), HasSubstr(R"(
+  worst case, by the budgets, on 2 processors:
+    module  cpu  longest run  response  deadline  slack
+    a       1    300 us       300 us    1 ms      700 us  kept
+    s       1    400 us       800 us    1 ms      200 us  kept
+)"));
+  EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, {300us, 700us, std::nullopt})), HasSubstr(R"(
+    s       1    700 us       -         1 ms      -       NOT KEPT
+)"));
+}
+
+TEST(CheckText, LeavesOutOfALongListOnlyWhatIsKept) {
+  std::vector<model::Module> modules;
+  for (std::size_t i = 0; i < kTextRows + 10; ++i) modules.push_back(periodic("m" + std::to_string(i), 1ms));
+  const model::Cell cell = cells::cell("c", {device("d", modules)});
+  const std::vector<std::optional<Nanoseconds>> short_runs(modules.size(), 1us);
+  EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, short_runs)),
+              HasSubstr("... and 10 more, all kept; --json has them all"));
+  auto runs = short_runs;
+  runs.back() = 990us;
+  EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, runs)), HasSubstr("m49 "));
+}
+
+TEST(CheckJson, SaysHowLongEachModuleMayTake) {
+  const model::Cell cell = cells::cell("c", {device("d", {periodic("a", 1ms), sporadic("s", 1ms)})});
+  auto proof = proof_of(cell, {300us, 700us});
+  proof.of_profile = true;
+  proof.factor = 1.5;
+  EXPECT_EQ(check_json(cell, plans(cell), proof)["devices"][0]["worst_case"].dump(),
+            R"({"processors":2,"factor":1.5,"run_times":"profile","modules":[)"
+            R"({"name":"a","cpus":[1],"run_ns":300000,"response_ns":300000,"deadline_ns":1000000,)"
+            R"("slack_ns":700000,"kept":true},)"
+            R"({"name":"s","cpus":[1],"run_ns":700000,"response_ns":null,"deadline_ns":1000000,)"
+            R"("slack_ns":null,"kept":false,"why":"there is more to do than there is time for"}]})");
+}
+
 TEST(CheckJson, HasEveryRowOfALongTable) {
   const model::Cell cell = cells::cell("c", {device("d", {periodic("a", 1us), periodic("b", 100ms)})});
   EXPECT_EQ(check_json(cell, plans(cell))["devices"][0]["executors"][0]["rows"].size(), 100'000U);

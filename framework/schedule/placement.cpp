@@ -1,10 +1,11 @@
-#include <takt/node/placement.hpp>
+#include <takt/schedule/placement.hpp>
 
 #include <algorithm>
+#include <cstddef>
 
 #include <takt/core/check.hpp>
 
-namespace takt::node {
+namespace takt::schedule {
 
 Placement place(const std::vector<model::Executor>& executors, const std::vector<int>& allowed) {
   TAKT_CHECK(!allowed.empty());
@@ -45,4 +46,12 @@ Placement place(const std::vector<model::Executor>& executors, const std::vector
   return placement;
 }
 
-}  // namespace takt::node
+int programs_on_one(const model::Device& device, const Placement& placement) {
+  const auto programs = std::count_if(device.modules.begin(), device.modules.end(), [](const auto& module) {
+    return module.type == model::ModuleType::process && module.operation != model::Operation::non_real;
+  });
+  const auto processors = static_cast<std::ptrdiff_t>(placement.background.size());
+  return static_cast<int>(std::max<std::ptrdiff_t>(1, (programs + processors - 1) / processors));
+}
+
+}  // namespace takt::schedule

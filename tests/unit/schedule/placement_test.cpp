@@ -1,4 +1,4 @@
-#include <takt/node/placement.hpp>
+#include <takt/schedule/placement.hpp>
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace takt::node {
+namespace takt::schedule {
 namespace {
 
 using testing::ElementsAre;
@@ -85,5 +85,30 @@ TEST(Placement, OfNoExecutorLeavesEverything) {
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
 }
 
+model::Device programs(int count) {
+  model::Device device;
+  for (int i = 0; i < count; ++i) device.modules.emplace_back().type = model::ModuleType::process;
+  device.modules.emplace_back();  // a thread module
+  model::Module& background = device.modules.emplace_back();
+  background.type = model::ModuleType::process;
+  background.operation = model::Operation::non_real;
+  return device;
+}
+
+TEST(ProgramsOnOne, CountsThoseThatAreReleasedAndRoundsUp) {
+  const Placement two{.executors = {}, .background = {0, 1}, .warnings = {}};
+  EXPECT_EQ(programs_on_one(programs(0), two), 1);
+  EXPECT_EQ(programs_on_one(programs(2), two), 1);
+  EXPECT_EQ(programs_on_one(programs(3), two), 2);
+}
+
+TEST(Priorities, OfProgramsAndSporadicModulesAreBelowTheirExecutor) {
+  EXPECT_EQ(sporadic_priority(80), 79);
+  EXPECT_EQ(program_priority(80, model::Operation::periodic), 78);
+  EXPECT_EQ(program_priority(80, model::Operation::sporadic), 77);
+  EXPECT_EQ(program_priority(3, model::Operation::sporadic), 1);
+  EXPECT_EQ(program_priority(2, model::Operation::periodic), 1);
+}
+
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::schedule

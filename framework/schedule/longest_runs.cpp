@@ -1,0 +1,72 @@
+#include <takt/schedule/longest_runs.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <takt/core/words.hpp>
+
+namespace takt::schedule {
+
+namespace {
+
+using model::Module;
+using model::Operation;
+
+Nanoseconds times(Nanoseconds run, double factor) {
+  constexpr auto kLargest = static_cast<double>(Nanoseconds::max().count());
+  const double longer = std::ceil(static_cast<double>(run.count()) * factor);
+  // A double has 53 bits: of what is longer, the run itself is the better number where nothing is added.
+  if (factor == 1) return run;
+  return longer >= kLargest ? Nanoseconds::max() : Nanoseconds{static_cast<std::int64_t>(longer)};
+}
+
+std::optional<Nanoseconds> longest(const Module& module, const std::string& path,
+                                   const model::Profile* profile) {
+  if (profile == nullptr) return module.budget;
+  const auto measured = profile->modules.find(path);
+  const bool ran = measured != profile->modules.end() && measured->second.runs > 0;
+  return ran ? measured->second.max : module.budget;
+}
+
+}  // namespace
+
+Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* profile, double factor) {
+  TAKT_CHECK(factor >= 1);
+  Problems problems;
+  if (profile != nullptr && profile->cell != cell.name) {
+    problems.push_back(
+        {place(cell.file, cell.line),
+         "the profile is of cell " + in_quotes(profile->cell) + ", this one is " + in_quotes(cell.name),
+         "a profile that takt run --profile wrote of this cell"});
+  }
+  LongestRuns all;
+  for (const model::Device& device : cell.devices) {
+    auto& runs = all.emplace_back();
+    for (const Module& module : device.modules) {
+      auto& run = runs.emplace_back();
+      if (module.operation == Operation::non_real) continue;
+      run = longest(module, device.name + "." + module.name, profile);
+      if (run) {
+        run = times(*run, factor);
+      } else {
+        problems.push_back(
+            {place(cell.file, module.line),
+             "nothing is known of how long " + in_quotes(device.name + "." + module.name) + " runs",
+             "a <budget>, or a profile of a run in which it ran"});
+      }
+    }
+  }
+  if (!problems.empty()) return problems;
+  return all;
+}
+
+bool all_state_budgets(const model::Cell& cell) {
+  return std::all_of(cell.devices.begin(), cell.devices.end(), [](const model::Device& device) {
+    return std::all_of(device.modules.begin(), device.modules.end(), [](const Module& module) {
+      return module.operation == Operation::non_real || module.budget.has_value();
+    });
+  });
+}
+
+}  // namespace takt::schedule
