@@ -12,7 +12,7 @@ namespace {
 Nanoseconds allowed_delay(const model::Executor& executor, Nanoseconds basic_period) {
   switch (executor.wakeup) {
     case model::Wakeup::hybrid:
-      return os::margin_cap(basic_period);
+      return os::margin_cap(basic_period, executor.spin_share);
     case model::Wakeup::sleep:
       return basic_period / 2;
     case model::Wakeup::spin:
