@@ -56,6 +56,9 @@ int serve(int argc, char** argv) {
   run_command->add_flag("--json", run_options.json, "print the closing report as one JSON object");
   run_command->add_flag("--require-realtime", run_options.require_real_time,
                         "refuse to run where the system refuses real-time scheduling");
+  run_command->add_flag("--check-realtime", run_options.check_real_time,
+                        "name every allocation, lock, system call and page fault in a module's run() or "
+                        "condition(), with the calls that led there; status 1 if there were any. Slower");
   run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
   add_network_options(*run_command, run_options.network);
 

@@ -20,6 +20,7 @@
 #include "load.hpp"
 #include "run_report.hpp"
 #include "terminal.hpp"
+#include "violations_report.hpp"
 
 namespace takt::tool {
 
@@ -108,6 +109,7 @@ Result<void> Run::start_nodes(int domain) {
         add("--serve-discovery", discovery.server.substr(discovery.server.rfind(':') + 1));
     }
     if (options_.require_real_time) spawn.arguments.emplace_back("--require-realtime");
+    if (options_.check_real_time) spawn.arguments.emplace_back("--check-realtime");
     if (options_.quiet) spawn.arguments.emplace_back("--quiet");
     auto process = os::Child::spawn(spawn);
     if (!process) return process.problems();
@@ -296,7 +298,9 @@ int run(const RunOptions& options) {
   run.end_nodes();
 
   const json report = run.report();
-  const bool printed = print(options.json ? report.dump() + "\n" : run.went() ? run_text(report) : "");
+  const bool printed = print(options.json ? report.dump() + "\n"
+                             : run.went() ? run_text(report) + violations_text(report)
+                                          : "");
   if (!problems.empty()) complain(problems);
   const auto failures = run.failures();
   for (const std::string& failure : failures) {
