@@ -49,6 +49,7 @@ takt_check_system_call:
 takt_check_restorer:
   movq $15, %rax
   syscall
+  ud2  # a call is where it returns to, so this is within the gate too
 takt_check_gate_end:
 )");
 

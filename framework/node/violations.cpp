@@ -127,13 +127,17 @@ json Violations::report(const model::Device& device) const {
 }
 
 std::string sentence_of(const SeenViolation& violation) {
-  constexpr std::size_t kShown = 5;
+  constexpr std::size_t kShown = 4;
   std::string text = (violation.what.empty() ? "" : violation.what + ", ") + std::string{"a"} +
                      (violation.kind == "allocation" ? "n " : " ") + violation.kind;
-  for (std::size_t i = 0; i < std::min(kShown, violation.calls.size()); ++i)
-    text += (i == 0 ? ", in " : ", called by ") + violation.calls[i];
-  if (violation.calls.size() > kShown) text += ", ...";
-  return text;
+  // What the libraries did in turn is in the report.
+  std::vector<std::string> calls;
+  for (const std::string& call : violation.calls) {
+    if (!call.ends_with(" in libc.so.6") && !call.ends_with(" in libstdc++.so.6")) calls.push_back(call);
+  }
+  for (std::size_t i = 0; i < std::min(kShown, calls.size()); ++i)
+    text += (i == 0 ? ", in " : ", called by ") + calls[i];
+  return text + (calls.size() > kShown ? ", ..." : "");
 }
 
 }  // namespace takt::node

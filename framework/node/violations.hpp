@@ -64,7 +64,8 @@ class Violations {
   bool dropped_said_ = false;
 };
 
-/// "malloc (allocation), by fill() at x.cpp:3 in x.so, called by ..."
+/// "malloc, an allocation, in fill() at x.cpp:3 in x.so, called by ...": the innermost calls, without those
+/// of the C and the C++ library.
 std::string sentence_of(const SeenViolation& violation);
 
 }  // namespace takt::node

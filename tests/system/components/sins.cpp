@@ -1,6 +1,4 @@
 // Does `sin` (none) in every run(), or, where `in_condition`, in every condition(), which always holds.
-#include <stdexcept>
-
 #include <takt/component.hpp>
 
 #include "sins.h"
@@ -9,6 +7,7 @@ class Sins : public takt::Component {
   takt::Property<std::string> sin{*this, "sin", "none"};
   takt::Property<bool> in_condition{*this, "in_condition", false};
   std::string name_;
+  int* volatile number_ = nullptr;  // seen from outside, so the pair is not optimised away
 
   takt::Result<void> initialize() override {
     sins_prepare();
@@ -22,7 +21,11 @@ class Sins : public takt::Component {
   }
   void run(const takt::Cycle&) noexcept override {
     if (!in_condition) sin_by_name(name_.c_str());
-    if (name_ == "new") delete new int{1};
+    if (name_ == "new") {
+      number_ = new int{1};
+      delete number_;
+      SIN_IS_DONE;
+    }
   }
 };
 TAKT_COMPONENT(Sins)

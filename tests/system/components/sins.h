@@ -1,4 +1,5 @@
-/* What no real-time code may do, each in a function of its own, so that its name is in the calls that led there. */
+/* What no real-time code may do, each in a function of its own, so that its name is in the calls that led
+ * there. */
 #ifndef TAKT_TESTS_SINS_H
 #define TAKT_TESTS_SINS_H
 
@@ -16,6 +17,9 @@ static char* sin_pages;
 static long sin_next_page;
 static pthread_mutex_t sin_mutex = PTHREAD_MUTEX_INITIALIZER;
 
+/* A call before this is no jump: it comes back here. */
+#define SIN_IS_DONE __asm__ volatile("" : : : "memory")
+
 /* Before the first sin: memory that is not there until it is touched, also where all memory is locked. */
 static void sins_prepare(void) {
   const size_t size = SIN_PAGES * 4096UL;
@@ -27,10 +31,12 @@ static void sins_prepare(void) {
 __attribute__((noinline)) static void sin_allocate(void) {
   void* volatile block = malloc(100);
   free(block);
+  SIN_IS_DONE;
 }
 __attribute__((noinline)) static void sin_lock(void) {
   pthread_mutex_lock(&sin_mutex);
   pthread_mutex_unlock(&sin_mutex);
+  SIN_IS_DONE;
 }
 __attribute__((noinline)) static void sin_sleep(void) {
   const struct timespec moment = {0, 1000};
@@ -39,6 +45,7 @@ __attribute__((noinline)) static void sin_sleep(void) {
 __attribute__((noinline)) static void sin_print(void) {
   printf("something\n");
   fflush(stdout);
+  SIN_IS_DONE;
 }
 __attribute__((noinline)) static void sin_fault(void) {
   ((volatile char*)sin_pages)[sin_next_page++ % SIN_PAGES * 4096] = 1;
@@ -53,7 +60,7 @@ __attribute__((noinline)) static void sin_call(void) {
 #endif
 }
 
-static void sin_by_name(const char* name) {
+static inline void sin_by_name(const char* name) {
   if (strcmp(name, "allocate") == 0) sin_allocate();
   if (strcmp(name, "lock") == 0) sin_lock();
   if (strcmp(name, "sleep") == 0) sin_sleep();

@@ -19,8 +19,8 @@ static void all_of_them(void) {
 
 #ifdef PROGRAM
 int main(void) {
-  sins_prepare();
   initPeriodExe();
+  sins_prepare(); /* what was there before is locked */
   while (1) {
     waitPeriod();
     all_of_them();
