@@ -9,7 +9,9 @@
 #include <vector>
 
 #include <takt/component/process.h>
+#include <takt/channel/module_watch.hpp>
 #include <takt/channel/seat.hpp>
+#include <takt/channel/violations.hpp>
 #include <takt/component/port.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
@@ -62,6 +64,8 @@ class Guest {
   PortContext context_;
   channel::Taken taken_;  // the release that is served, or was last
   Instant started_{};
+  channel::ModuleWatch watch_;
+  std::uint32_t watched_as_ = 0;
 };
 
 void Guest::refuse(const char* function, const std::string& what) {
@@ -175,6 +179,11 @@ void Guest::attach(channel::SeatKind kind, const char* function) {
   connect_ports(function);
   margin_ = os::WakeMargin{Nanoseconds{seat_->margin_cap_ns}};
   if (seat_->lock_memory != 0) static_cast<void>(os::lock_memory());
+  const std::string index = os::take_from_environment(channel::kCheckModule);
+  const auto watch = channel::ModuleWatch::find();
+  if (!watch) refuse(function, in_words(watch.problems()));
+  watch_ = *watch;
+  if (watch_) watched_as_ = static_cast<std::uint32_t>(std::strtoul(index.c_str(), nullptr, 10));
   seat_->thread.store(os::thread_id(), std::memory_order_relaxed);
   seat_->phase.store(channel::SeatPhase::attached, std::memory_order_release);
 }
@@ -242,6 +251,7 @@ void Guest::body_done() {
 void Guest::wait(const char* function) {
   if (seat_ == nullptr) refuse(function, "call initPeriodExe() or initSporadicExe() first");
   const bool first = taken_.count == 0;
+  if (watch_ && !first) watch_.leave(0);
   if (!first) body_done();
   // What was written for somebody who waits is rung for once a body.
   if (const std::uint32_t bits = bell_->take_pending(); bits != 0) {
@@ -264,6 +274,7 @@ void Guest::wait(const char* function) {
   context_.start_ns = logical ? taken_.release_ns : to_ns(started_);
   context_.valid_ns = logical ? taken_.release_ns + seat_->period_ns : 0;
   seat_->jitter.record(taken_.release_ns - to_ns(started_));
+  if (watch_) watch_.enter(watched_as_, channel::Doing::run);
 }
 
 Guest guest;

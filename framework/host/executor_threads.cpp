@@ -96,10 +96,17 @@ void ExecutorThreads::walk_rows(Instant t0) {
     const Instant now = waker.wait_until(executor_.next_release());
     if (halt_.load(std::memory_order_relaxed) != 0) return;
     // What modules wrote for somebody who waits is rung for together with what the row released.
-    const std::uint32_t released = executor_.run_cycle(now);
+    const std::uint32_t released = watch_ ? watched_cycle(now) : executor_.run_cycle(now);
     if (const std::uint32_t bits = released | bell_.take_pending(); bits != 0) ring(bell_, bits);
     block_.margin_ns.store(waker.margin().count(), std::memory_order_relaxed);
   }
+}
+
+std::uint32_t ExecutorThreads::watched_cycle(Instant now) noexcept {
+  const std::uint64_t before = watch_.enter(watched_as_, channel::Doing::nothing);
+  const std::uint32_t released = executor_.run_cycle(now);
+  watch_.leave(before);
+  return released;
 }
 
 void ExecutorThreads::serve_sporadic() {

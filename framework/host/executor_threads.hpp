@@ -9,7 +9,9 @@
 #include <vector>
 
 #include <takt/channel/layout.hpp>
+#include <takt/channel/module_watch.hpp>
 #include <takt/channel/seat.hpp>
+#include <takt/channel/violations.hpp>
 #include <takt/core/result.hpp>
 #include <takt/executor/executor.hpp>
 #include <takt/model/cell.hpp>
@@ -27,6 +29,13 @@ class ExecutorThreads {
   /// Halts.
   ~ExecutorThreads();
 
+  /// What the threads do between modules is watched too, as that of the executor with this index. Before
+  /// begin().
+  void watch(channel::ModuleWatch watch, std::uint32_t index) noexcept {
+    watch_ = watch;
+    watched_as_ = channel::kOfExecutor | index;
+  }
+
   /// Starts on the grid of T0. What the system refuses (priority, processor) is added to `refused`; the
   /// threads run all the same. Fails when a thread cannot be created.
   Result<void> begin(Instant t0, const std::vector<int>& cpus, Problems* refused);
@@ -37,6 +46,7 @@ class ExecutorThreads {
 
  private:
   void walk_rows(Instant t0);
+  std::uint32_t watched_cycle(Instant now) noexcept;
   void serve_sporadic();
 
   model::Executor settings_;
@@ -47,6 +57,8 @@ class ExecutorThreads {
   channel::Bell& bell_;
   os::MonotonicClock clock_;
   executor::Executor executor_;
+  channel::ModuleWatch watch_;
+  std::uint32_t watched_as_ = 0;
   std::atomic<std::uint32_t> halt_{0};
   os::Thread rows_;
   os::Thread sporadic_;

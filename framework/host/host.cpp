@@ -10,12 +10,14 @@
 #include <set>
 
 #include <takt/channel/channel.hpp>
+#include <takt/channel/module_watch.hpp>
 #include <takt/channel/seat.hpp>
 #include <takt/host/executor_threads.hpp>
 #include <takt/host/hook_caller.hpp>
 #include <takt/host/host_links.hpp>
 #include <takt/host/protocol.hpp>
 #include <takt/host/thread_module.hpp>
+#include <takt/host/watched_body.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
@@ -60,6 +62,7 @@ class Host {
   std::vector<os::SharedMemory> seat_memories_;
   HostLinks links_;
   std::vector<std::unique_ptr<ThreadModule>> modules_;  // of thread modules
+  std::vector<std::unique_ptr<WatchedBody>> watched_;   // of those that are in tables, where somebody watches
   std::set<std::string> c_form_;                        // files of modules in C form that were loaded
   std::mutex loading_;
   os::NoDeepIdle no_deep_idle_;
@@ -75,6 +78,8 @@ Host::Host(os::MessageSocket node, channel::Channel channel, Setup setup)
 
 Result<void> Host::prepare() {
   memory_locked_ = os::lock_memory();  // what is loaded later is locked as it comes
+  const auto watch = channel::ModuleWatch::find();
+  if (!watch) return watch.problems();
   auto bell = os::SharedMemory::attach(os::Fd{setup_.bell_fd});
   if (!bell) return bell.problems();
   bell_memory_ = std::move(*bell);
@@ -97,6 +102,10 @@ Result<void> Host::prepare() {
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
     if (modules_.back()) modules_.back()->attach(bell_, unit.block, model::timing_of(setup_.device, m));
     unit.body = modules_.back().get();
+    if (*watch && unit.body != nullptr) {
+      watched_.push_back(std::make_unique<WatchedBody>(*unit.body, i, *watch));
+      unit.body = watched_.back().get();
+    }
     if (setup_.seat_fds[i] >= 0) {
       auto memory = os::SharedMemory::attach(os::Fd{setup_.seat_fds[i]});
       if (!memory) return memory.problems();
@@ -121,6 +130,7 @@ Result<void> Host::prepare() {
         std::count(setup_.executor_cpus.begin(), setup_.executor_cpus.end(), setup_.executor_cpus[e]));
     executors_.push_back(std::make_unique<ExecutorThreads>(
         executor, mine, select(mine.periodic), select(mine.sporadic), channel_.executor(e), *bell_));
+    if (*watch) executors_.back()->watch(*watch, static_cast<std::uint32_t>(e));
   }
   report_crashes_to(channel_.host().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));

@@ -3,7 +3,8 @@
 namespace takt::node {
 
 Result<void> HostLink::start(const channel::Channel& channel, const host::Setup& setup,
-                             const std::vector<const os::Fd*>& inherit) {
+                             const std::vector<const os::Fd*>& inherit,
+                             const std::vector<std::pair<std::string, std::string>>& environment) {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   socket_ = std::move(sockets->first);
@@ -16,6 +17,7 @@ Result<void> HostLink::start(const channel::Channel& channel, const host::Setup&
                            .inherit = inherit,
                            .capture_output = true,
                            .dies_with_parent = false};  // it ends in order when the socket does
+  options.environment.insert(options.environment.end(), environment.begin(), environment.end());
   options.inherit.push_back(&theirs.fd());
   options.inherit.push_back(&channel.fd());
   auto child = os::Child::spawn(options);

@@ -15,9 +15,11 @@ namespace takt::node {
 
 class HostLink {
  public:
-  /// Starts takt-host, which lies beside this program, and sends it its setup.
+  /// Starts takt-host, which lies beside this program, and sends it its setup. `environment` is added to
+  /// ours.
   Result<void> start(const channel::Channel& channel, const host::Setup& setup,
-                     const std::vector<const os::Fd*>& inherit);
+                     const std::vector<const os::Fd*>& inherit,
+                     const std::vector<std::pair<std::string, std::string>>& environment);
 
   /// Never waits, as long as flush() is called now and then. False when the host is gone.
   bool ask(const host::Request& request) { return socket_.send(host::encode(request)); }

@@ -118,9 +118,10 @@ int run_node(const NodeOptions& options) {
   Agent agent{agent_options,
               {.inspect = inspect,
                .supervise =
-                   [&participant, &wake_ups](Supervisor::Options o) {
+                   [&participant, &wake_ups, &options](Supervisor::Options o) {
                      o.participant = *participant;
                      o.wake_ups = wake_ups;
+                     o.check_real_time = options.check_real_time;
                      return std::make_unique<Supervisor>(std::move(o));
                    }},
               **voice};

@@ -20,6 +20,7 @@ struct NodeOptions {
   std::string state_folder;             ///< empty: nothing is kept
   bool resume = false;
   bool require_real_time = false;
+  bool check_real_time = false;  ///< what modules do that no real-time code may is seen, said and reported
   bool quiet = false;
 };
 

@@ -186,11 +186,13 @@ json Supervisor::report() const {
     json& list = modules.back()["ports"] = json::array();
     for (const model::Port& port : *ports) list.push_back(in_json(port, health_of(*member, port, now)));
   }
-  return {{"name", device().name},
-          {"alive", true},
-          {"real_time", real_time_},
-          {"executors", executors},
-          {"modules", modules}};
+  json report{{"name", device().name},
+              {"alive", true},
+              {"real_time", real_time_},
+              {"executors", executors},
+              {"modules", modules}};
+  if (violations_) report["realtime_violations"] = violations_->report(device());
+  return report;
 }
 
 }  // namespace takt::node

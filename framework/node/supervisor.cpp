@@ -72,6 +72,12 @@ Result<void> Supervisor::prepare() {
   bell_memory_ = std::move(*bell);
   bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
 
+  if (options_.check_real_time) {
+    auto violations = Violations::create();
+    if (!violations) return violations.problems();
+    violations_ = std::move(*violations);
+  }
+
   options_.ports.resize(device().modules.size());
   auto wiring = Wiring::create(plan_wiring(options_.cell, options_.device, options_.ports));
   if (!wiring) return wiring.problems();
@@ -120,6 +126,7 @@ void Supervisor::step() {
   if (gate_) gate_->step(now);
   watch_host(now);
   watch_gaps();
+  say_violations();
   if (phase_ == Phase::preparing) prepare_step();
   if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
   if (phase_ == Phase::stopping) stopping_step(now);

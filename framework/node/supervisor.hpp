@@ -27,6 +27,7 @@
 #include <takt/node/host_link.hpp>
 #include <takt/node/member.hpp>
 #include <takt/node/supervised.hpp>
+#include <takt/node/violations.hpp>
 #include <takt/node/wiring.hpp>
 #include <takt/os/kernel_news.hpp>
 #include <takt/os/machine.hpp>
@@ -44,6 +45,7 @@ class Supervisor final : public Supervised {
     host::ComponentPaths paths;               ///< of the device's modules
     std::vector<model::ModulePorts> ports{};  ///< the same; empty: nothing is known
     bool require_real_time = false;
+    bool check_real_time = false;                     ///< what modules do that no real-time code may is seen
     os::WakeUps wake_ups{};                           ///< of this machine; none: they were not tried
     std::function<void(const Step&)> stepped{};       ///< told of every step of a module
     std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null: there are none
@@ -91,6 +93,8 @@ class Supervisor final : public Supervised {
   // The machine (supervisor_machine.cpp)
   void watch_conditions();
   void watch_gaps();
+  void say_violations();
+  void fail_by_violations();
 
   // Programs (supervisor_process.cpp)
   Result<void> create_seat(Member& member);
@@ -155,6 +159,7 @@ class Supervisor final : public Supervised {
   os::KernelNews kernel_news_;
   std::vector<std::int64_t> seen_latest_ns_;  // of each executor
   std::vector<bool> throttled_;               // of each executor: it was said
+  std::optional<Violations> violations_;      // where modules are checked
   channel::Channel channel_;
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;

@@ -26,7 +26,9 @@ Result<void> Supervisor::start_host() {
     if (member->seat != nullptr) inherit.push_back(&member->seat_memory.fd());
   }
   wiring_.inherit(inherit, setup.links);
-  return host_.start(channel_, setup, inherit);
+  std::vector<std::pair<std::string, std::string>> environment;
+  if (violations_) environment = violations_->environment(inherit);
+  return host_.start(channel_, setup, inherit, environment);
 }
 
 void Supervisor::ask(Member& member, Doing hook, ErrorType type) {

@@ -1,4 +1,5 @@
 // What of the machine spoils the run: said before it begins, and when it is seen.
+#include <takt/channel/violations.hpp>
 #include <takt/node/conditions.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/supervisor.hpp>
@@ -34,6 +35,35 @@ void Supervisor::watch_gaps() {
       throttled_[e] = true;
       log("warning: " + *text);
     }
+  }
+}
+
+void Supervisor::say_violations() {
+  if (!violations_) return;
+  for (const std::string& text : violations_->blind()) log("warning: " + text);
+  for (const SeenViolation& violation : violations_->news(options_.paths)) {
+    if ((violation.module & channel::kOfExecutor) != 0) {
+      log("WARNING: executor " + device().executors.at(violation.module & ~channel::kOfExecutor).name +
+          " is not real-time: " + sentence_of(violation));
+    } else {
+      log(*members_.at(violation.module),
+          "WARNING: " + violation.hook + " is not real-time: " + sentence_of(violation));
+    }
+  }
+}
+
+// Once, when nothing runs any more.
+void Supervisor::fail_by_violations() {
+  if (!violations_) return;
+  for (const auto& [module, count] : violations_->counts()) {
+    const bool of_executor = (module & channel::kOfExecutor) != 0;
+    const std::string name = of_executor ? "executor " + device().name + "." +
+                                               device().executors.at(module & ~channel::kOfExecutor).name
+                                         : "module " + device().name + "." + members_.at(module)->model.name;
+    failures_.push_back({name,
+                         "is not real-time: it did " + std::to_string(count) +
+                             (count == 1 ? " thing" : " things") + " that no real-time code may",
+                         "see each of them with the calls that led there in the report"});
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <takt/channel/violations.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/log.hpp>
 #include <takt/node/supervisor.hpp>
@@ -76,6 +77,11 @@ Result<void> Supervisor::spawn(Member& member) {
     options.inherit = {&member.seat_memory.fd(), &bell_memory_.fd()};
     options.environment.emplace_back("TAKT_LINKS", wiring_.of_program(member.index));
     wiring_.inherit(options.inherit, member.index);
+    if (violations_) {
+      for (auto& variable : violations_->environment(options.inherit))
+        options.environment.push_back(std::move(variable));
+      options.environment.emplace_back(channel::kCheckModule, std::to_string(member.index));
+    }
   }
   auto child = os::Child::spawn(options);
   if (!child) return child.problems();

@@ -56,6 +56,8 @@ void Supervisor::stopping_step(Instant now) {
   if (host_.running() && now - asked_at_ > kHostEndLimit) host_.kill();
   if (host_.running()) return;
   forward_output();
+  say_violations();
+  fail_by_violations();
   phase_ = Phase::ended;
 }
 

@@ -93,6 +93,8 @@ Result<std::string> path_of_its_own(Fd& copy) {
 
 }  // namespace
 
+void* loaded_function(const char* name) noexcept { return ::dlsym(RTLD_DEFAULT, name); }
+
 Library::Library(Library&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
 
 Library& Library::operator=(Library&& other) noexcept {

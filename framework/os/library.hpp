@@ -39,4 +39,7 @@ class Library {
   void* handle_ = nullptr;
 };
 
+/// The address of a function of any object that is loaded for the whole process; null when there is none.
+void* loaded_function(const char* name) noexcept;
+
 }  // namespace takt::os

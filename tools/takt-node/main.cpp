@@ -38,6 +38,9 @@ int main(int argc, char** argv) {
   app.add_flag("--resume", options.resume, "take up the deployment that was running when this node ended");
   app.add_flag("--require-realtime", options.require_real_time,
                "refuse to run where the system refuses real-time scheduling");
+  app.add_flag(
+      "--check-realtime", options.check_real_time,
+      "see what modules do that no real-time code may: allocations, locks, system calls, page faults");
   app.add_flag("--quiet", options.quiet, "say nothing but errors");
   try {
     app.parse(argc, argv);

@@ -26,6 +26,7 @@ struct RunOptions {
   std::optional<double> seconds;  ///< none: until Ctrl-C
   bool json = false;
   bool require_real_time = false;
+  bool check_real_time = false;  ///< what modules do that no real-time code may is seen, and fails the run
   bool quiet = false;
   std::string profile;  ///< where to write the run times at the end; empty: nowhere
 };

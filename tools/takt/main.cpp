@@ -81,6 +81,9 @@ int serve(int argc, char** argv) {
   run_command
       ->add_option("--profile", run_options.profile, "write how long each module ran to this file at the end")
       ->type_name("OUT");
+  run_command->add_flag("--check-realtime", run_options.check_real_time,
+                        "name every allocation, lock, system call and page fault in a module's run() or "
+                        "condition(), with the calls that led there; status 1 if there were any. Slower");
   run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
   add_network_options(*run_command, run_options.network);
 

@@ -25,6 +25,7 @@
 #include "profile_report.hpp"
 #include "run_report.hpp"
 #include "terminal.hpp"
+#include "violations_report.hpp"
 
 namespace takt::tool {
 
@@ -113,6 +114,7 @@ Result<void> Run::start_nodes(int domain) {
         add("--serve-discovery", discovery.server.substr(discovery.server.rfind(':') + 1));
     }
     if (options_.require_real_time) spawn.arguments.emplace_back("--require-realtime");
+    if (options_.check_real_time) spawn.arguments.emplace_back("--check-realtime");
     if (options_.quiet) spawn.arguments.emplace_back("--quiet");
     auto process = os::Child::spawn(spawn);
     if (!process) return process.problems();
@@ -325,7 +327,9 @@ int run(const RunOptions& options) {
     const auto written = write_profile(options.profile, report);
     if (!written) problems.insert(problems.end(), written.problems().begin(), written.problems().end());
   }
-  const bool printed = print(options.json ? report.dump() + "\n" : run.went() ? run_text(report) : "");
+  const bool printed = print(options.json ? report.dump() + "\n"
+                             : run.went() ? run_text(report) + violations_text(report)
+                                          : "");
   if (!problems.empty()) complain(problems);
   const auto failures = run.failures();
   for (const std::string& failure : failures) {

@@ -380,6 +380,21 @@ TEST(Executor, CountsWhatARestartMissed) {
   EXPECT_EQ(number, 12U);
 }
 
+TEST(Executor, KeepsTheLatestBeginningWhateverItCost) {
+  FakeDevice device{{thread(milliseconds{1})}};
+  device.join();
+  device.cycle();
+  EXPECT_EQ(device.block->latest_ns.load(), 0);
+  device.cycle(microseconds{300});
+  device.cycle(microseconds{200});
+  EXPECT_EQ(device.block->latest_ns.load(), 300'000);
+  device.cycle(milliseconds{50});  // fifty rows are skipped, and the one that is walked is punctual
+  EXPECT_EQ(device.block->latest_ns.load(), 50'000'000);
+  EXPECT_EQ(device.block->missed.load(), 50U);
+  device.cycle();
+  EXPECT_EQ(device.block->latest_ns.load(), 50'000'000);
+}
+
 TEST(Executor, JoinsAtTheReleaseThatIsNow) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.executor->join_grid(device.clock.time - milliseconds{4}, device.clock.time);

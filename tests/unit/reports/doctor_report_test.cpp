@@ -51,7 +51,8 @@ TEST(DoctorReport, ACommandIsNotBroken) {
 TEST(DoctorReport, EverythingElseKeepsToTheWidth) {
   std::istringstream lines{doctor_text(report(), {.width = 80})};
   for (std::string line; std::getline(lines, line);) {
-    if (line.find("cure: ") == std::string::npos) EXPECT_LE(line.size(), 80U) << line;
+    const bool is_cure = line.find("cure: ") != std::string::npos;
+    EXPECT_TRUE(is_cure || line.size() <= 80U) << line;
   }
 }
 

@@ -1,0 +1,39 @@
+#include <takt/channel/module_watch.hpp>
+
+#include <takt/channel/violations.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/os/library.hpp>
+
+namespace takt::channel {
+
+Result<ModuleWatch> ModuleWatch::find() {
+  ModuleWatch watch;
+  const auto find = [](auto& function, const char* name) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(os::loaded_function(name));
+  };
+  find(watch.enter_, "takt_check_enter");
+  find(watch.leave_, "takt_check_leave");
+  // The library takes the variable when it is loaded.
+  if (!os::environment(kCheckFd).empty() || (watch.enter_ == nullptr) != (watch.leave_ == nullptr)) {
+    return fail(
+        "the loader did not take libtakt_check.so",
+        "it must lie beside takt-node, and takt-host must have no capabilities of its own (setcap -r)");
+  }
+  return watch;
+}
+
+const char* to_text(ViolationKind kind) noexcept {
+  switch (kind) {
+    case ViolationKind::allocation:
+      return "allocation";
+    case ViolationKind::lock:
+      return "lock";
+    case ViolationKind::system_call:
+      return "system call";
+    case ViolationKind::page_fault:
+      break;
+  }
+  return "page fault";
+}
+
+}  // namespace takt::channel

@@ -1,0 +1,37 @@
+// A signal handler that ends by our own way back to the kernel, where the kernel would hand over any other.
+#pragma once
+
+#include <signal.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cstdint>
+
+#if defined(__x86_64__)
+extern "C" void takt_check_restorer();
+#endif
+
+namespace takt::check {
+
+using SignalHandler = void (*)(int signal, siginfo_t* info, void* context);
+
+inline void handle(int signal, SignalHandler handler) noexcept {
+#if defined(__x86_64__)
+  constexpr unsigned long kHasRestorer = 0x04000000;  // SA_RESTORER
+  // As the kernel has it (asm/signal.h).
+  struct {
+    SignalHandler handler;
+    unsigned long flags;
+    void (*restorer)();
+    std::uint64_t mask;
+  } action{handler, SA_SIGINFO | SA_NODEFER | kHasRestorer, takt_check_restorer, 0};
+  ::syscall(SYS_rt_sigaction, signal, &action, nullptr, sizeof action.mask);
+#else
+  struct sigaction action {};
+  action.sa_sigaction = handler;
+  action.sa_flags = SA_SIGINFO | SA_NODEFER;
+  ::sigaction(signal, &action, nullptr);
+#endif
+}
+
+}  // namespace takt::check

@@ -1,0 +1,122 @@
+#include "system_calls.hpp"
+
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <ucontext.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "recorder.hpp"
+#include "signal_handler.hpp"
+
+#if defined(__x86_64__)
+
+// linux/prctl.h of Debian 12 has them; older ones do not.
+#ifndef PR_SET_SYSCALL_USER_DISPATCH
+#define PR_SET_SYSCALL_USER_DISPATCH 59
+#define PR_SYS_DISPATCH_ON 1
+#endif
+
+// The only code whose system calls the kernel lets through while they count: one that makes those that were
+// handed over, and the end of our signal handlers, which the unwinder knows by its bytes.
+extern "C" {
+extern const char takt_check_gate[];      // NOLINT(modernize-avoid-c-arrays)
+extern const char takt_check_gate_end[];  // NOLINT(modernize-avoid-c-arrays)
+long takt_check_system_call(long number, const long* arguments);
+void takt_check_restorer();
+}
+asm(R"(
+.text
+.globl takt_check_gate, takt_check_gate_end, takt_check_system_call, takt_check_restorer
+.hidden takt_check_gate, takt_check_gate_end, takt_check_system_call, takt_check_restorer
+takt_check_gate:
+takt_check_system_call:
+  movq %rdi, %rax
+  movq %rsi, %r11
+  movq 0(%r11), %rdi
+  movq 8(%r11), %rsi
+  movq 16(%r11), %rdx
+  movq 24(%r11), %r10
+  movq 32(%r11), %r8
+  movq 40(%r11), %r9
+  syscall
+  ret
+  nop
+takt_check_restorer:
+  movq $15, %rax
+  syscall
+  ud2  # a call is where it returns to, so this is within the gate too
+takt_check_gate_end:
+)");
+
+namespace takt::check {
+
+namespace {
+
+constexpr int kUserDispatch = 2;  // SYS_USER_DISPATCH
+constexpr int kInstruction = 2;   // bytes of `syscall`
+
+// What would be of no effect, or of a wrong one, if a signal handler did it for the thread.
+bool only_the_thread_can(int number) noexcept {
+  switch (number) {
+    case SYS_rt_sigreturn:
+    case SYS_rt_sigprocmask:
+    case SYS_sigaltstack:
+    case SYS_clone:
+    case SYS_clone3:
+    case SYS_fork:
+    case SYS_vfork:
+    case SYS_execve:
+    case SYS_execveat:
+    case SYS_exit:
+    case SYS_exit_group:
+    case SYS_arch_prctl:
+      return true;
+    default:
+      return false;
+  }
+}
+
+void handed_over(int /*signal*/, siginfo_t* info, void* context) {
+  if (info->si_code != kUserDispatch) return;
+  auto& registers = static_cast<ucontext_t*>(context)->uc_mcontext.gregs;
+  const int number = info->si_syscall;
+  Pause pause;
+  if (number != SYS_rt_sigreturn)
+    record({.kind = channel::ViolationKind::system_call, .system_call = number});
+  const std::array<long, 6> arguments{registers[REG_RDI], registers[REG_RSI], registers[REG_RDX],
+                                      registers[REG_R10], registers[REG_R8],  registers[REG_R9]};
+  if (!only_the_thread_can(number)) {
+    registers[REG_RAX] = takt_check_system_call(number, arguments.data());
+    return;
+  }
+  registers[REG_RIP] -= kInstruction;
+  pause.goes_on();
+}
+
+}  // namespace
+
+void serve_system_calls() noexcept { handle(SIGSYS, handed_over); }
+
+void watch_system_calls() noexcept {
+  const auto length = static_cast<std::size_t>(takt_check_gate_end - takt_check_gate);
+  if (::prctl(PR_SET_SYSCALL_USER_DISPATCH, PR_SYS_DISPATCH_ON, takt_check_gate, length, selector()) != 0)
+    is_blind(channel::ViolationLog::kNoSystemCalls);
+}
+
+}  // namespace takt::check
+
+#else
+
+namespace takt::check {
+
+void serve_system_calls() noexcept {}
+void watch_system_calls() noexcept { is_blind(channel::ViolationLog::kNoSystemCalls); }
+
+}  // namespace takt::check
+
+#endif

@@ -1,0 +1,38 @@
+// A thread module that is watched while it runs.
+#pragma once
+
+#include <cstdint>
+
+#include <takt/channel/module_watch.hpp>
+#include <takt/executor/body.hpp>
+
+namespace takt::host {
+
+/// Stands between an executor and a module, only where somebody watches: else executors call the module
+/// itself.
+class WatchedBody final : public executor::Body {
+ public:
+  WatchedBody(executor::Body& body, std::uint32_t module, channel::ModuleWatch watch)
+      : body_(body), module_(module), watch_(watch) {}
+
+  executor::Outcome run(const Cycle& cycle) noexcept override {
+    const std::uint64_t before = watch_.enter(module_, channel::Doing::run);
+    const executor::Outcome outcome = body_.run(cycle);
+    watch_.leave(before);
+    return outcome;
+  }
+  executor::Outcome condition(const Cycle& cycle, bool* ready) noexcept override {
+    const std::uint64_t before = watch_.enter(module_, channel::Doing::condition);
+    const executor::Outcome outcome = body_.condition(cycle, ready);
+    watch_.leave(before);
+    return outcome;
+  }
+  [[nodiscard]] bool has_news(Instant now) const noexcept override { return body_.has_news(now); }
+
+ private:
+  executor::Body& body_;
+  std::uint32_t module_;
+  channel::ModuleWatch watch_;
+};
+
+}  // namespace takt::host

@@ -1,0 +1,45 @@
+#include "violations_report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace takt::tool {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+json device(json violations) { return {{"name", "d"}, {"realtime_violations", std::move(violations)}}; }
+
+TEST(ViolationsReport, IsEmptyWhereNothingWasChecked) {
+  EXPECT_EQ(violations_text({{"devices", json::array({{{"name", "d"}}})}}), "");
+}
+
+TEST(ViolationsReport, SaysThatThereWereNone) {
+  EXPECT_EQ(violations_text({{"devices", json::array({device(json::array())})}}),
+            "\nno module did what no real-time code may\n");
+}
+
+TEST(ViolationsReport, NamesModulesAndExecutorsWithTheCalls) {
+  const json list = json::array({{{"module", "m"},
+                                  {"hook", "run()"},
+                                  {"kind", "allocation"},
+                                  {"what", "malloc"},
+                                  {"count", 12},
+                                  {"backtrace", {"f at m.cpp:3 in m.so", "run at m.cpp:9 in m.so"}}},
+                                 {{"module", ""},
+                                  {"executor", "main"},
+                                  {"hook", ""},
+                                  {"kind", "page fault"},
+                                  {"what", ""},
+                                  {"count", 1},
+                                  {"backtrace", json::array()}}});
+  EXPECT_EQ(violations_text({{"devices", json::array({device(list)})}}),
+            "\nnot real-time:\n"
+            "  d.m run(): allocation malloc, 12 times\n"
+            "      f at m.cpp:3 in m.so\n"
+            "      run at m.cpp:9 in m.so\n"
+            "  d.executor main: page fault, once\n");
+}
+
+}  // namespace
+}  // namespace takt::tool
