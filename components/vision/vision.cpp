@@ -1,6 +1,6 @@
 // A sporadic process module in the form of the paper's Figure 11: every so many releases it takes a picture
-// of a part that goes round, measures where it is, and about once a second says how far off the measurement
-// was.
+// of a part that goes round and measures where it is. At the end it says how far off the measurements were:
+// printing is nothing for a body, which is released on time.
 #include <takt/process.h>
 
 #include <cstdio>
@@ -17,11 +17,13 @@ std::uint64_t every = 100;
 std::uint64_t frames = 0;
 std::uint64_t lost = 0;
 double largest_error = 0;
+vision::Spot last{};
 
 void say_goodbye() {
   std::printf("vision: %llu frames in %llu releases, largest error %.3f px, lost %llu\n",
               static_cast<unsigned long long>(frames), static_cast<unsigned long long>(releases),
               largest_error, static_cast<unsigned long long>(lost));
+  std::printf("vision: the last part was at (%.2f, %.2f) px\n", last.x, last.y);
 }
 
 }  // namespace
@@ -45,7 +47,6 @@ int main(int argc, char* argv[]) {
   std::atexit(say_goodbye);
   vision::Frame frame;
   vision::Noise source;
-  std::int64_t said_ns = 0;
 
   while (1) {
     if (!condition())  // if not satisfied
@@ -65,11 +66,7 @@ int main(int argc, char* argv[]) {
     }
     const double error = std::hypot(blob->centre.x - part.x, blob->centre.y - part.y);
     largest_error = std::max(largest_error, error);
-    if (now_ns - said_ns >= 1000000000) {
-      said_ns = now_ns;
-      std::printf("part at (%.2f, %.2f) px, error %.3f px, area %.0f px\n", blob->centre.x, blob->centre.y,
-                  error, blob->area);
-    }
+    last = blob->centre;
   }
   return 0;
 }

@@ -26,7 +26,7 @@ TEST(Violations, ASentenceIsNoLongerThanItsInnermostCalls) {
 }
 
 TEST(Violations, WhatHasNoPlaceIsSaidAllTheSame) {
-  EXPECT_EQ(sentence_of({.hook = "run()", .kind = "page fault"}), "a page fault");
+  EXPECT_EQ(sentence_of({.hook = "run()", .kind = "page fault", .what = ""}), "a page fault");
 }
 
 }  // namespace
