@@ -39,15 +39,15 @@ Nanoseconds longest_spin(Nanoseconds period, double share) {
                                                           : kLongestSpin;
 }
 
-/// The length of the window at whose end `own` work and all that goes before it in the window is done. It is
-/// not shorter than `least`.
+/// The length of a window at whose end `own` work and all that goes before it in the window is done: the
+/// shortest that is not below `least`, or, in coarser steps, one that is at most a thousandth longer.
 template <class Before>
-std::optional<Wide> settle(Wide own, Wide least, const Before& before) {
+std::optional<Wide> settle(Wide own, Wide least, const Before& before, bool coarse = false) {
   Wide window = std::max(own, least);
   for (int step = 0; step < kMaxSteps && window < kForever; ++step) {
     const Wide next = own + before(window);
     if (next <= window) return window;
-    window = next;
+    window = coarse ? std::max(next, window + window / 1024) : next;
   }
   return std::nullopt;
 }
@@ -416,9 +416,13 @@ void Analyst::run_program(const Program& program) {
     note(program.module, "executors that never sleep leave it no time on any processor");
     return;
   }
-  const auto response = settle(run(program.module), 0, [&](Wide window) {
-    return self.stays() ? taken_by_others(self, window) : taken_of_all(program, cpus, window);
-  });
+  // Where several are waited for at once, the window would grow by a nanosecond a step.
+  const auto response = settle(
+      run(program.module), 0,
+      [&](Wide window) {
+        return self.stays() ? taken_by_others(self, window) : taken_of_all(program, cpus, window);
+      },
+      !self.stays());
   Recurring& job = self.jobs.front();
   if (job.apart == 0) {
     note(program.module, kUnlimited);

@@ -97,7 +97,8 @@ class Profile(takt_system.Case):
                       % line_of("control2"), overloaded.err)
 
     def test_what_is_no_profile_of_this_cell_is_refused(self):
-        good = json.loads(open(self.profile(), encoding="utf-8").read())
+        with open(self.profile(), encoding="utf-8") as file:
+            good = json.load(file)
         other = dict(good, cell="other")
         less = dict(good, modules={k: v for k, v in good["modules"].items() if k != "module.control3"})
         negative = json.loads(json.dumps(good))

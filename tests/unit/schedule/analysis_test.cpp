@@ -157,6 +157,38 @@ TEST(WorstCase, OfALowerExecutorIncludesTheRowsThatInterruptIt) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 160us));  // 30 + 70 + 30 + 30
 }
 
+// 0: fast, a, b, interrupted at 100 and 200, to 250. 200: a waits until then, and for the row of 300, to 380.
+TEST(WorstCase, OfALowerExecutorCarriesALateRowOver) {
+  Cells cells{2};
+  cells.executor(0).cpu = cells.executor(1).cpu = 1;
+  cells.periodic("fast", 100us, 30us, 0);
+  cells.periodic("a", 200us, 100us, 1);
+  cells.periodic("b", 400us, 60us, 1);
+  EXPECT_THAT(cells.responses(), ElementsAre(30us, 180us, 250us));
+}
+
+// 0: fast to 90. The row of 0 would begin when that of 50 is due.
+TEST(WorstCase, OfALowerExecutorKnowsThatARowIsSkipped) {
+  Cells cells{2};
+  cells.executor(0).cpu = cells.executor(1).cpu = 1;
+  cells.periodic("fast", 400us, 90us, 0);
+  cells.periodic("slow", 50us, 1us, 1);
+  EXPECT_THAT(cells.missed(),
+              ElementsAre(Field(&Problem::what, HasSubstr("its row may begin a whole basic period late"))));
+  cells.runs[0] = 40us;
+  EXPECT_THAT(cells.missed(), IsEmpty());
+}
+
+// The row of slow is over when the next one of fast begins, and only after that does its program hear of it.
+TEST(WorstCase, OfAProgramWaitsForARowThatIsInterruptedAtItsEnd) {
+  Cells cells{2};
+  cells.executor(0).cpu = cells.executor(1).cpu = 1;
+  cells.periodic("fast", 100us, 30us, 0);
+  cells.periodic("slow", 400us, 70us, 1);
+  process(cells.periodic("program", 400us, 10us, 1));
+  EXPECT_THAT(cells.responses(), ElementsAre(30us, 100us, 140us));
+}
+
 TEST(WorstCase, OfExecutorsOfOnePriorityIncludesTheOther) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
@@ -265,6 +297,19 @@ TEST(WorstCase, OfProgramsOnSeveralProcessorsIsShared) {
   // The other one takes at most half of the time in which this one waits.
   EXPECT_LT(*worst[1].response, 10us + 200us + 200us);
   EXPECT_GE(*worst[1].response, 210us);
+}
+
+// Three on two processors, which they share with nobody: two may keep this one waiting, for as long as they
+// take both.
+TEST(WorstCase, OfProgramsOnSeveralProcessorsIncludesEquals) {
+  Cells cells;
+  cells.executor().spin_share = 0;
+  for (const char* name : {"p", "q", "r"}) process(cells.periodic(name, 1ms, 200us));
+  const auto responses = cells.responses(3);
+  for (const Nanoseconds response : responses) {
+    EXPECT_GE(response, 400us) << "the other two are there at once";
+    EXPECT_LE(response, 600us);
+  }
 }
 
 TEST(WorstCase, OfASporadicProgramThatRunsLongerThanARowIsItsOwn) {

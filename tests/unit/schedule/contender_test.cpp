@@ -50,6 +50,23 @@ TEST(Recurring, CountsWhatIsLeftOfAnEarlierRelease) {
   EXPECT_TRUE(job.carried(8) == 6);
 }
 
+TEST(Contender, CarriesRowsThatWereReleasedBeforeTheWindow) {
+  Contender rows;
+  rows.rows = RowDemand{{4}, 10ns, 2ns};
+  rows.rows_response = 9;
+  EXPECT_TRUE(rows.fresh(9) == 6);
+  EXPECT_TRUE(rows.carried(9) == 12) << "released 9 before at most, spinning from 11 before";
+}
+
+TEST(Contender, ThatSleepsBetweenGoesBeforeAnEqualOnce) {
+  Contender program;
+  program.kind = Contender::Kind::program;
+  program.jobs = {{.work = 3, .apart = 10, .response = 10}};
+  EXPECT_TRUE(program.before_equal(100) > 30);
+  program.sleeps_between = true;
+  EXPECT_TRUE(program.before_equal(100) == 3);
+}
+
 TEST(Recurring, ThatNeverEndsTakesTheWholeWindow) {
   EXPECT_TRUE((Recurring{.work = 30, .apart = 10, .response = 10}.carried(100)) == 100);
   EXPECT_TRUE((Recurring{.work = 1, .apart = 0}.fresh(1)) >= kForever);
