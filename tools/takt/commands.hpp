@@ -46,5 +46,6 @@ void add_watch(CLI::App& app, Chosen& chosen);
 void add_orders(CLI::App& app, Chosen& chosen);
 void add_properties(CLI::App& app, Chosen& chosen);
 void add_echo(CLI::App& app, Chosen& chosen);
+void add_bench(CLI::App& app, Chosen& chosen);
 
 }  // namespace takt::tool

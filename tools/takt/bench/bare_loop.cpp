@@ -1,0 +1,59 @@
+#include "bare_loop.hpp"
+
+#include <takt/os/clock.hpp>
+#include <takt/os/machine.hpp>
+#include <takt/os/real_time.hpp>
+
+namespace takt::bench {
+
+void Loop::add(const Loop& other) {
+  jitter.insert(jitter.end(), other.jitter.begin(), other.jitter.end());
+  missed += other.missed;
+  processor_time += other.processor_time;
+  if (refused.empty()) refused = other.refused;
+}
+
+Loop loop_on_grid(Nanoseconds period, Nanoseconds length, const std::function<Instant(Instant)>& wait,
+                  const std::function<void()>& body) {
+  Loop loop;
+  loop.jitter.resize(static_cast<std::size_t>(length / period));
+  std::size_t count = 0;
+  const Nanoseconds used = os::thread_time();
+  Instant release = os::now() + period;
+  const Instant end = release + length;
+  while (release < end && count < loop.jitter.size()) {
+    const Instant now = wait(release);
+    // Slots that have passed as a whole are missed, as those of an executor are.
+    const auto passed = (now - release) / period;
+    release += passed * period;
+    loop.missed += static_cast<std::uint64_t>(passed);
+    loop.jitter[count++] = (release - now).count();
+    if (body) body();
+    release += period;
+  }
+  loop.processor_time = os::thread_time() - used;
+  loop.jitter.resize(count);
+  return loop;
+}
+
+Result<Loop> run_at(const Place& place, const std::function<Loop()>& loop) {
+  Loop result;
+  Problems refused;
+  auto thread = os::Thread::start(
+      {.name = "bench", .priority = place.priority, .cpus = {place.cpu}}, [&] { result = loop(); }, &refused);
+  if (!thread) return thread.problems();
+  thread->join();
+  result.refused = refused;
+  return result;
+}
+
+Result<Loop> run_bare_loop(const Place& place, Nanoseconds period, Nanoseconds length) {
+  return run_at(place, [=] {
+    return loop_on_grid(period, length, [](Instant release) {
+      os::sleep_until(release);
+      return os::now();
+    });
+  });
+}
+
+}  // namespace takt::bench
