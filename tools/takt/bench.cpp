@@ -2,9 +2,17 @@
 // against.
 #include <fstream>
 #include <memory>
+#include <optional>
 
+#include <takt/os/clock.hpp>
+#include <takt/os/real_time.hpp>
+
+#include "bench/benchmarks.hpp"
+#include "bench/peer.hpp"
+#include "bench/programs.hpp"
 #include "bench/settings.hpp"
 #include "bench/table1.hpp"
+#include "bench/table1_page.hpp"
 #include "bench/table1_report.hpp"
 #include "commands.hpp"
 #include "load.hpp"
@@ -16,15 +24,21 @@ namespace {
 
 struct BenchOptions {
   bench::Settings settings;
-  double period_us = 0;
+  std::optional<double> period_us;
   bool json = false;
   std::string html;
 };
 
 int table1(const BenchOptions& options) {
-  const auto say = [&options](const std::string& text) {
-    if (!options.json) print(text);
-  };
+  std::ofstream page;
+  if (!options.html.empty()) {
+    page.open(options.html);  // before minutes have gone into what it is for
+    if (!page) {
+      complain({{options.html, "cannot be written", "name a file in a folder that you may write to"}});
+      return 1;
+    }
+  }
+  const auto say = [&options](const std::string& text) { return options.json || print(text); };
   const auto result = bench::run_table1(options.settings, [&](const bench::Table1Result& so_far) {
     say(so_far.cases.empty() ? bench::table1_head(so_far) : bench::table1_rows(so_far.cases.back(), so_far));
   });
@@ -32,8 +46,40 @@ int table1(const BenchOptions& options) {
     complain(result.problems());
     return 1;
   }
-  say(bench::table1_foot());
-  return options.json && !print(bench::table1_json(*result).dump() + "\n") ? 1 : 0;
+  if (!say(bench::table1_foot())) return 1;
+  if (options.json && !print(bench::table1_json(*result).dump() + "\n")) return 1;
+  if (options.html.empty()) return 0;
+  page << bench::table1_page(*result);
+  if (!page.flush()) {
+    complain({{options.html, "cannot be written whole", "make room on its disk"}});
+    return 1;
+  }
+  return 0;
+}
+
+using Benchmark = Result<std::vector<bench::Section>> (*)(const bench::Settings&, Problems&);
+
+int measure(const char* name, Benchmark benchmark, const BenchOptions& options) {
+  bench::Report report{.benchmark = name, .machine = os::describe_machine(), .wall_ns = os::wall_ns()};
+  std::optional<bench::Load> load;
+  if (options.settings.load) {
+    auto started = bench::Load::start();
+    if (!started) {
+      complain(started.problems());
+      return 1;
+    }
+    load.emplace(std::move(*started));
+    report.load = bench::Load::words();
+  }
+  const Nanoseconds stolen = os::stolen_time();
+  auto sections = benchmark(options.settings, report.refused);
+  if (!sections) {
+    complain(sections.problems());
+    return 1;
+  }
+  report.stolen = os::stolen_time() - stolen;
+  report.sections = std::move(*sections);
+  return print(options.json ? bench::report_json(report).dump() + "\n" : bench::report_text(report)) ? 0 : 1;
 }
 
 }  // namespace
@@ -42,11 +88,65 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   auto* bench =
       app.add_subcommand("bench", "Measure Takt on this machine, beside what it is measured against");
   bench->require_subcommand(1);
-  auto options = std::make_shared<BenchOptions>();
-  auto* command = bench->add_subcommand("table1", "the ten cases of the paper's Table 1");
-  command->add_option("--for", options->settings.seconds, "of each case");
-  command->add_flag("--json", options->json, "print one JSON object");
-  command->callback([options, &chosen] { chosen = [options] { return table1(*options); }; });
+  const auto add = [&](const char* name, const char* what,
+                       const std::function<int(const BenchOptions&)>& run) {
+    auto options = std::make_shared<BenchOptions>();
+    auto* command = bench->add_subcommand(name, what);
+    command->add_option("--for", options->settings.seconds, "the length of each measurement")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(0.01, 86400.0));
+    command
+        ->add_option("--cpu", options->settings.cpu,
+                     "the processor of the real-time threads; else the last one")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1023));
+    command->add_flag("--load", options->settings.load, "run stress-ng on all processors beside it");
+    command->add_flag("--json", options->json, "print one JSON object");
+    command->callback([options, run, &chosen] {
+      chosen = [options, run] {
+        if (options->period_us) {
+          options->settings.period = std::chrono::duration_cast<Nanoseconds>(
+              std::chrono::duration<double, std::micro>(*options->period_us));
+        }
+        return run(*options);
+      };
+    });
+    return std::pair{command, options};
+  };
+  const auto add_measure = [&](const char* name, const char* what, Benchmark benchmark) {
+    return add(name, what,
+               [name, benchmark](const BenchOptions& options) { return measure(name, benchmark, options); });
+  };
+  const auto with_period = [](const auto& added) {
+    added.first->add_option("--period", added.second->period_us, "in place of the benchmark's own")
+        ->type_name("MICROSECONDS")
+        ->check(CLI::Range(20.0, 1e6));
+  };
+  const auto with_domain = [](const auto& added) {
+    added.first
+        ->add_option("--domain", added.second->settings.domain, "the DDS domain of the nodes that it starts")
+        ->type_name("N")
+        ->check(CLI::Range(0, 232));
+  };
+
+  const auto cases = add(
+      "table1", "The ten cases of the paper's Table 1, in nodes and hosts as `takt run` starts them", table1);
+  with_period(cases);
+  with_domain(cases);
+  cases.first
+      ->add_option("--html", cases.second->html, "write a page with table, jitter over time and histograms")
+      ->type_name("OUT");
+  add_measure("dispatch",
+              "What it costs a module to be called from a table; 1000 of them beside 1000 threads",
+              bench::dispatch);
+  with_period(add_measure("wake", "The wake-up of an executor, by strategy", bench::wake));
+  const auto process = add_measure("process", "From release to the body of a process module", bench::process);
+  with_period(process);
+  with_domain(process);
+  add_measure("ports", "A sample from port to port", bench::ports);
+
+  // The other process of `takt bench process`.
+  bench->add_subcommand("peer")->group("")->callback([&chosen] { chosen = bench::serve_as_peer; });
 }
 
 }  // namespace takt::tool

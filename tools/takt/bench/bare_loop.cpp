@@ -13,27 +13,35 @@ void Loop::add(const Loop& other) {
   if (refused.empty()) refused = other.refused;
 }
 
-Loop loop_on_grid(Nanoseconds period, Nanoseconds length, const std::function<Instant(Instant)>& wait,
-                  const std::function<void()>& body) {
+Grid Grid::from_now(Nanoseconds period, Nanoseconds length) {
+  return {.first = os::now() + std::chrono::milliseconds{5}, .period = period, .length = length};
+}
+
+Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
+                  const std::function<void(Instant)>& body) {
   Loop loop;
-  loop.jitter.resize(static_cast<std::size_t>(length / period));
+  loop.jitter.resize(grid.instants());
   std::size_t count = 0;
   const Nanoseconds used = os::thread_time();
-  Instant release = os::now() + period;
-  const Instant end = release + length;
-  while (release < end && count < loop.jitter.size()) {
+  const Instant end = grid.first + grid.length;
+  for (Instant release = grid.first; release < end; release += grid.period) {
     const Instant now = wait(release);
     // Slots that have passed as a whole are missed, as those of an executor are.
-    const auto passed = (now - release) / period;
-    release += passed * period;
+    const auto passed = (now - release) / grid.period;
+    release += passed * grid.period;
     loop.missed += static_cast<std::uint64_t>(passed);
+    if (release >= end || count == loop.jitter.size()) break;
     loop.jitter[count++] = (release - now).count();
-    if (body) body();
-    release += period;
+    if (body) body(release);
   }
   loop.processor_time = os::thread_time() - used;
   loop.jitter.resize(count);
   return loop;
+}
+
+Instant sleep_to(Instant release) {
+  os::sleep_until(release);
+  return os::now();
 }
 
 Result<Loop> run_at(const Place& place, const std::function<Loop()>& loop) {
@@ -48,12 +56,7 @@ Result<Loop> run_at(const Place& place, const std::function<Loop()>& loop) {
 }
 
 Result<Loop> run_bare_loop(const Place& place, Nanoseconds period, Nanoseconds length) {
-  return run_at(place, [=] {
-    return loop_on_grid(period, length, [](Instant release) {
-      os::sleep_until(release);
-      return os::now();
-    });
-  });
+  return run_at(place, [=] { return loop_on_grid(Grid::from_now(period, length), sleep_to); });
 }
 
 }  // namespace takt::bench

@@ -28,16 +28,30 @@ struct Loop {
   void add(const Loop& other);
 };
 
-/// Cycles on the grid begin + n x period until `length` is over, in the calling thread. `wait` returns the
-/// time when it is the given instant or later; `body` is called then. A late cycle never leaves the grid: the
-/// instants that have passed are missed.
-Loop loop_on_grid(Nanoseconds period, Nanoseconds length, const std::function<Instant(Instant)>& wait,
-                  const std::function<void()>& body = {});
+/// The instants first + n x period, for as long as `length`.
+struct Grid {
+  Instant first{};
+  Nanoseconds period{};
+  Nanoseconds length{};
+
+  /// From now on, after a time in which threads can begin.
+  static Grid from_now(Nanoseconds period, Nanoseconds length);
+  [[nodiscard]] std::size_t instants() const noexcept { return static_cast<std::size_t>(length / period); }
+};
+
+/// A cycle at each instant, in the calling thread. `wait` returns the time when it is the given instant or
+/// later; `body` is called then with the instant. A late cycle never leaves the grid: the instants that have
+/// passed are missed.
+Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
+                  const std::function<void(Instant)>& body = {});
+
+/// clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME); what the bare loop waits with.
+Instant sleep_to(Instant release);
 
 /// Runs a loop in a thread of its own at this place. Fails only when there can be no thread.
 Result<Loop> run_at(const Place& place, const std::function<Loop()>& loop);
 
-/// The bare loop: clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME) at this place.
+/// The bare loop at this place.
 Result<Loop> run_bare_loop(const Place& place, Nanoseconds period, Nanoseconds length);
 
 }  // namespace takt::bench

@@ -15,7 +15,7 @@ std::string or_else(const std::string& text, const char* otherwise) {
 }
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> in_words(const os::Machine& machine) {
+std::vector<std::pair<std::string, std::string>> described(const os::Machine& machine) {
   return {{"machine", or_else(machine.name, "unknown")},
           {"processor", fmt::format("{}, {} online{}", or_else(machine.processor, "unknown"),
                                     machine.processors, machine.hypervisor ? ", a virtual machine" : "")},
@@ -32,7 +32,7 @@ std::vector<std::pair<std::string, std::string>> in_words(const os::Machine& mac
 
 std::string machine_text(const os::Machine& machine) {
   std::string text;
-  for (const auto& [what, how] : in_words(machine)) text += fmt::format("{:<13} {}\n", what, how);
+  for (const auto& [what, how] : described(machine)) text += fmt::format("{:<13} {}\n", what, how);
   return text;
 }
 

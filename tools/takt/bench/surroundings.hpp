@@ -13,7 +13,7 @@
 namespace takt::bench {
 
 /// One line each: what, and how it is; "none" and the like where there is nothing.
-std::vector<std::pair<std::string, std::string>> in_words(const os::Machine& machine);
+std::vector<std::pair<std::string, std::string>> described(const os::Machine& machine);
 
 /// The same as a text that begins every report: a line each.
 std::string machine_text(const os::Machine& machine);

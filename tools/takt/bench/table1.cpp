@@ -2,13 +2,11 @@
 
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include <takt/os/clock.hpp>
-#include <takt/os/files.hpp>
 #include <takt/os/real_time.hpp>
 
 #include "bare_loop.hpp"
+#include "measured_cell.hpp"
 #include "programs.hpp"
 #include "scratch_folder.hpp"
 
@@ -16,22 +14,8 @@ namespace takt::bench {
 
 namespace {
 
-using json = nlohmann::ordered_json;
-
 constexpr int kPriority = 80;
 constexpr double kSeconds = 10;
-
-// As much as the module may be called in that time, and a little for the end, which is not to the period.
-std::size_t releases_in(Nanoseconds length, Nanoseconds period) {
-  return static_cast<std::size_t>(length / period) * 11 / 10 + 1000;
-}
-
-std::vector<std::int64_t> values(const std::vector<Served>& served) {
-  std::vector<std::int64_t> values;
-  values.reserve(served.size());
-  for (const Served& one : served) values.push_back(one.value);
-  return values;
-}
 
 class Table1Run {
  public:
@@ -63,35 +47,21 @@ class Table1Run {
   }
 
   Result<void> run_takt(CaseResult& measured) {
-    const std::string name = "case" + std::to_string(measured.one.number);
-    const std::string record = folder_.file(name + ".jitter");
-    const auto file = folder_.write(
-        name + ".xml",
-        descriptor_of(measured.one, {.period = result_.period,
-                                     .cpu = result_.cpu,
-                                     .priority = result_.priority,
-                                     .file = record,
-                                     .releases = releases_in(settings_.length(kSeconds), result_.period)}));
-    if (!file) return file.problems();
-    std::vector<std::string> arguments{"run",     *file,   "--json",
-                                       "--quiet", "--for", std::to_string(result_.seconds)};
-    if (settings_.domain) {
-      arguments.emplace_back("--domain");
-      arguments.push_back(std::to_string(*settings_.domain));
-    }
-    const Nanoseconds stolen = os::stolen_time();
-    const auto output = run_beside("takt", arguments, patience_);
-    if (!output) return output.problems();
-    measured.stolen = os::stolen_time() - stolen;
-
-    const json report = json::parse(*output);
-    const json& device = report["devices"][0];
-    measured.real_time = device["real_time"].get<bool>();
-    measured.cycles = device["executors"][0]["cycles"].get<std::uint64_t>();
-    measured.missed = device["executors"][0]["missed"].get<std::uint64_t>();
-    measured.jitter = Recording::read(record);
-    measured.takt = distribution_of(values(measured.jitter));
-    return os::remove_file(record);
+    auto ran = run_measured(measured.one,
+                            {.period = result_.period,
+                             .cpu = result_.cpu,
+                             .priority = result_.priority,
+                             .length = settings_.length(kSeconds),
+                             .domain = settings_.domain},
+                            folder_, patience_);
+    if (!ran) return ran.problems();
+    measured.jitter = std::move(ran->jitter);
+    measured.takt = distribution_of(values_of(measured.jitter));
+    measured.cycles = ran->cycles;
+    measured.missed = ran->missed;
+    measured.real_time = ran->real_time;
+    measured.stolen = ran->stolen;
+    return {};
   }
 
   const Settings& settings_;

@@ -64,7 +64,7 @@ std::string facts(const Table1Result& result) {
     rows += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", escaped(what), escaped(how));
   };
   row("date", date_text(result.wall_ns));
-  for (const auto& [what, how] : in_words(result.machine)) row(what, how);
+  for (const auto& [what, how] : described(result.machine)) row(what, how);
   row("beside it", result.load.empty() ? "nothing of the benchmark's" : result.load);
   return "<table class=\"facts\">\n" + rows + "</table>\n";
 }
