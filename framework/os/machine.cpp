@@ -65,6 +65,14 @@ Nanoseconds stolen_time() {
   return line && second > 0 ? Nanoseconds{ticks * (1'000'000'000 / second)} : Nanoseconds{0};
 }
 
+std::uint64_t memory_of(int pid) {
+  const std::string path = "/proc/" + std::to_string(pid) + "/smaps_rollup";
+  std::istringstream kib{value_of(path.c_str(), "Pss:")};
+  std::uint64_t count = 0;
+  kib >> count;
+  return count * 1024;
+}
+
 Nanoseconds thread_time() noexcept {
   timespec t{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);

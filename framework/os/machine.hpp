@@ -1,6 +1,7 @@
 // The machine that something was measured on, without which a number says nothing.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <takt/core/time.hpp>
@@ -27,6 +28,10 @@ Machine describe_machine();
 /// What other machines on the same hardware took from all processors of this one, since it was started. In
 /// steps of 10 ms as a rule. Not for real-time threads.
 Nanoseconds stolen_time();
+
+/// The memory of a process in bytes, of what it shares with others its part (proportional set size); 0 where
+/// that may not be read. Not for real-time threads.
+std::uint64_t memory_of(int pid);
 
 /// The processor time that the calling thread has used. One system call at most.
 Nanoseconds thread_time() noexcept;

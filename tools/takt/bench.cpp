@@ -7,6 +7,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/real_time.hpp>
 
+#include "bench/bare_dds.hpp"
 #include "bench/benchmarks.hpp"
 #include "bench/peer.hpp"
 #include "bench/programs.hpp"
@@ -108,6 +109,12 @@ void add_bench(CLI::App& app, Chosen& chosen) {
           options->settings.period = std::chrono::duration_cast<Nanoseconds>(
               std::chrono::duration<double, std::micro>(*options->period_us));
         }
+        const auto domain = domain_of({.domain = options->settings.domain, .peers = "", .server = ""});
+        if (!domain) {
+          complain(domain.problems());
+          return 1;
+        }
+        options->settings.domain = *domain;
         return run(*options);
       };
     });
@@ -145,8 +152,25 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   with_domain(process);
   add_measure("ports", "A sample from port to port", bench::ports);
 
-  // The other process of `takt bench process`.
+  const auto cell = add_measure(
+      "cell", "A cell of several devices on this machine: deployment, and samples from device to device",
+      bench::cell);
+  with_period(cell);
+  with_domain(cell);
+  cell.first->add_option("--devices", cell.second->settings.cell.devices, "each with a node of its own")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(CLI::Range(2, 64));
+  cell.first
+      ->add_option("--pairs", cell.second->settings.cell.pairs,
+                   "of modules on each device, one sends and one receives")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100));
+
+  // The other processes of measurements.
   bench->add_subcommand("peer")->group("")->callback([&chosen] { chosen = bench::serve_as_peer; });
+  bench->add_subcommand("writer")->group("")->callback([&chosen] { chosen = bench::serve_as_writer; });
 }
 
 }  // namespace takt::tool

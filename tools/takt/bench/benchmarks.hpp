@@ -18,5 +18,8 @@ Result<std::vector<Section>> wake(const Settings& settings, Problems& refused);
 Result<std::vector<Section>> process(const Settings& settings, Problems& refused);
 /// What a sample of 64 bytes costs from port to port, beside memcpy.
 Result<std::vector<Section>> ports(const Settings& settings, Problems& refused);
+/// How long a cell of several devices takes to be deployed, and a sample from one to another, beside DDS
+/// alone.
+Result<std::vector<Section>> cell(const Settings& settings, Problems& refused);
 
 }  // namespace takt::bench

@@ -83,14 +83,25 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
   const std::int64_t first = served.front().number;
   const auto span = static_cast<double>(served.back().number - first + 1);
   const double seconds = span * std::chrono::duration<double>(period).count();
+  const auto column_of = [first, span](const Served& one) {
+    return static_cast<std::size_t>(static_cast<double>(one.number - first) / span * kColumns);
+  };
   std::vector<Point> upper;
   std::vector<Point> lower;
   std::vector<Point> median;
+  const auto draw = [&] {
+    upper.insert(upper.end(), lower.rbegin(), lower.rend());
+    canvas.path(upper, "spread", true);
+    canvas.path(median, "median");
+    upper.clear();
+    lower.clear();
+    median.clear();
+  };
+  std::size_t last = 0;
   for (std::size_t begin = 0; begin < served.size();) {
-    const auto column_of = [&](const Served& one) {
-      return static_cast<std::size_t>(static_cast<double>(one.number - first) / span * kColumns);
-    };
     const std::size_t column = column_of(served[begin]);
+    if (column > last + 1 && !upper.empty()) draw();  // nothing was released in between
+    last = column;
     std::vector<std::int64_t> sizes;
     for (; begin < served.size() && column_of(served[begin]) == column; ++begin)
       sizes.push_back(size_of(served[begin].value));
@@ -100,10 +111,7 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
     lower.push_back({x, y_of(sizes.front())});
     median.push_back({x, y_of(percentile(sizes, 0.5))});
   }
-  std::vector<Point> spread = upper;
-  spread.insert(spread.end(), lower.rbegin(), lower.rend());
-  canvas.path(spread, "spread", true);
-  canvas.path(median, "median");
+  draw();
   for (int tenth = 0; tenth <= 10; tenth += 2) {
     const double x = kLeft + kWidth * tenth / 10;
     canvas.line(x, kTop + kHeight, x, kTop + kHeight + 4, "grid");

@@ -7,12 +7,20 @@
 
 namespace takt::bench {
 
+/// Of `takt bench cell`.
+struct CellSettings {
+  int devices = 4;
+  int pairs =
+      1;  ///< of modules on each: one that sends to the next device, one that hears from the one before
+};
+
 struct Settings {
   std::optional<double> seconds;      ///< of each measurement; none: the benchmark's own
   std::optional<int> cpu;             ///< of the real-time threads; none: the last one that may be used
   std::optional<int> domain;          ///< DDS, for those that start nodes; none: as `takt run` has it
   bool load = false;                  ///< stress-ng runs beside it
   std::optional<Nanoseconds> period;  ///< none: the benchmark's own
+  CellSettings cell{};
 
   [[nodiscard]] Nanoseconds length(double otherwise) const {
     return std::chrono::duration_cast<Nanoseconds>(
