@@ -23,7 +23,7 @@ Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
   loop.jitter.resize(grid.instants());
   std::size_t count = 0;
   const Nanoseconds used = os::thread_time();
-  const Instant end = grid.first + grid.length;
+  const Instant end = grid.first + grid.period * static_cast<std::int64_t>(grid.instants());
   for (Instant release = grid.first; release < end; release += grid.period) {
     const Instant now = wait(release);
     // Slots that have passed as a whole are missed, as those of an executor are.

@@ -44,22 +44,31 @@ class Module final : public executor::Body {
   Work work_;
 };
 
-/// N periodic thread modules in one row, as a host sets them up; or as plain objects, to be called bare.
+/// N periodic modules of one type in one row, as a host sets them up; thread modules as plain objects too, to
+/// be called bare.
 class Table {
  public:
-  explicit Table(std::size_t n) : blocks_(std::make_unique<channel::ModuleBlock[]>(n)), bodies_(n) {
+  explicit Table(std::size_t n, model::ModuleType type = model::ModuleType::thread)
+      : blocks_(std::make_unique<channel::ModuleBlock[]>(n)),
+        seats_(std::make_unique<channel::Seat[]>(n)),
+        seat_count_(n),
+        bodies_(n) {
     model::Device device;
     device.executors.emplace_back();
+    const bool thread = type == model::ModuleType::thread;
     std::vector<executor::Unit> units;
     for (std::size_t i = 0; i < n; ++i) {
       model::Module module;
       module.name = "m" + std::to_string(i);
       module.executor = device.executors.front().name;
       module.period = kPeriod;
+      module.type = type;
       device.modules.push_back(module);
       blocks_[i].in_tables.store(1);
+      seats_[i].phase.store(channel::SeatPhase::ready);
       units.push_back({.index = static_cast<std::uint32_t>(i),
-                       .body = &bodies_[i],
+                       .body = thread ? &bodies_[i] : nullptr,
+                       .seat = thread ? nullptr : &seats_[i],
                        .block = &blocks_[i],
                        .period = kPeriod});
       bare_.push_back(&bodies_[i]);
@@ -74,9 +83,16 @@ class Table {
   void call_all() noexcept {
     for (executor::Body* body : bare_) static_cast<void>(body->run(cycle_));
   }
+  /// As if each program had done what it was released for.
+  void answer_all() noexcept {
+    for (std::size_t i = 0; i < seat_count_; ++i)
+      seats_[i].done.store(seats_[i].released.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  }
 
  private:
   std::unique_ptr<channel::ModuleBlock[]> blocks_;
+  std::unique_ptr<channel::Seat[]> seats_;
+  std::size_t seat_count_;
   std::vector<Module> bodies_;
   std::vector<executor::Body*> bare_;
   Cycle cycle_{};
@@ -110,6 +126,26 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Problems& 
     const auto count = static_cast<double>(n);
     section.rows.push_back({fmt::format("{} modules", n), {row, calls, row / count, (row - calls) / count}});
   }
+  double released = 0;
+  double clock = 0;
+  const auto loop = run_at(place, [&] {
+    constexpr std::size_t kPrograms = 100;
+    Table table{kPrograms, model::ModuleType::process};
+    executor::Executor& executor = table.executor();
+    executor.join_grid(os::now(), os::now());
+    const std::vector<double> times = each_by_turns(length, {[&] {
+                                                               executor.run_cycle(executor.next_release());
+                                                               table.answer_all();
+                                                             },
+                                                             [] { static_cast<void>(os::now()); }});
+    released = times[0] / kPrograms;
+    clock = times[1];
+    return Loop{};
+  });
+  if (!loop) return loop.problems();
+  section.notes.push_back(
+      fmt::format("a process module is released and answers in {:.1f} ns; the clock is read in {:.1f} ns",
+                  released, clock));
   section.notes.emplace_back(
       "bare calls: the same bodies by indirect calls. beyond it: what a module costs beyond its own work.");
   return section;

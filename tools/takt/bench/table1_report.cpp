@@ -45,7 +45,7 @@ std::string table1_rows(const CaseResult& one, const Table1Result& result) {
   std::string text = fmt::format(fmt::runtime(kRow), c.number, c.so, c.exe, c.sporadic_so, c.sporadic_exe,
                                  c.non_real, model::to_text(c.measured), "takt", in_us(one.takt.mean),
                                  variance_text(one.takt.variance), in_us(one.takt.max)) +
-                     numbers(one.takt, one.missed, fmt::format("{:.0f} ms", in_ms(one.stolen)));
+                     numbers(one.takt, one.missed, fmt::format("{:.0f}", in_ms(one.stolen)));
   text += row("paper", fmt::format("{:g}", c.paper.mean), fmt::format("{:g}", c.paper.variance),
               fmt::format("{:g}", c.paper.worst)) +
           "\n";
@@ -62,8 +62,8 @@ std::string table1_foot() {
          "it,\n"
          "  the others of its size. s.so, s.exe: sporadic; n-rt: non-real-time. bare: a thread with\n"
          "  clock_nanosleep() on the same processor at the same priority, half of it before the case and\n"
-         "  half after. missed: whole periods that passed without a start. stolen: processor time that\n"
-         "  other machines on the same hardware took meanwhile.\n";
+         "  half after. missed: whole periods that passed without a start. stolen: ms of processor time\n"
+         "  that other machines on the same hardware took meanwhile.\n";
 }
 
 json table1_json(const Table1Result& result) {
