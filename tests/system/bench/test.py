@@ -1,6 +1,8 @@
 import os
+import signal
 import subprocess
 import sys
+import tempfile
 from html.parser import HTMLParser
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -100,6 +102,19 @@ class Bench(takt_system.Case):
         self.assertEqual(["nodes started and seen", "takt deploy", "takt status", "takt undeploy"], list(self.rows(report, 0)))
         for row in self.rows(report, 1).values():
             self.assertGreater(row["samples"], 0)
+
+    def test_who_has_no_patience_leaves_nothing_behind(self):
+        for command, program in (("table1", "takt-host"), ("cell", "takt-host"), ("process", "bench_periodic_process.exe")):
+            with self.subTest(command=command):
+                before = set(os.listdir(tempfile.gettempdir()))
+                run = self.start("bench", command, "--for", "2")
+                takt_system.wait_until(lambda: run.processes(program), 30)
+                run.signal(signal.SIGINT)
+                run.wait(30)
+                self.assertEqual(1, run.status)
+                self.assertIn("asked to end before everything was measured", run.err)
+                left = {name for name in set(os.listdir(tempfile.gettempdir())) - before if name.startswith("takt-bench-%d-" % run.pid)}
+                self.assertEqual(set(), left)
 
     def test_wrong_usage_is_status_2(self):
         for arguments in ([], ["nonsense"], ["table1", "more"], ["table1", "--for", "0"], ["table1", "--for", "soon"], ["table1", "--period", "1"],

@@ -84,6 +84,7 @@ CaseResult result_of(std::size_t place, double p50_ns, double p99_ns, double bar
   result.takt = {.count = 100, .p50 = p50_ns, .p99 = p99_ns};
   result.loop = {.count = 100, .p99 = bare_p99_ns};
   result.real_time = true;
+  result.loop_real_time = true;
   return result;
 }
 
@@ -122,6 +123,9 @@ TEST(Judge, WithoutSamplesOrRealTimeNothingIsHeld) {
   CaseResult ordinary = result_of(0, 0, 0, 10'000);
   ordinary.real_time = false;
   EXPECT_THAT(judge(ordinary, 100us, 4).why, HasSubstr("refused real-time"));
+  CaseResult alone = result_of(0, 0, 0, 10'000);
+  alone.loop_real_time = false;
+  EXPECT_THAT(judge(alone, 100us, 4).why, HasSubstr("refused the bare loop"));
 }
 
 // ---- Reports

@@ -91,7 +91,7 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
     if (refused.empty() && !measured->real_time)
       refused = {fail("the node's threads are not real-time", "run as root")};
     for (const WakeBy by : {WakeBy::futex, WakeBy::signal}) {
-      if (patience->ended()) return fail("asked to end before everything was measured");
+      if (patience->ended()) return asked_to_end();
       const auto woken = wake_a_peer(by, place, other_cpu, period, length, refused);
       if (!woken) return woken.problems();
       add(by == WakeBy::futex ? 1 : 2, *woken);

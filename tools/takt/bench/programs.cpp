@@ -34,6 +34,8 @@ bool Patience::ended() {
   return ended_;
 }
 
+Problem asked_to_end() { return fail("asked to end before everything was measured"); }
+
 Result<os::Child> start_beside(const std::string& program, const std::vector<std::string>& arguments,
                                bool capture_output) {
   os::SpawnOptions spawn{.program = os::program_directory() + "/" + program,
@@ -66,7 +68,7 @@ Result<std::string> run_beside(const std::string& program, const std::vector<std
     }
   }
   const os::ProcessEnd end = child->wait();
-  if (asked) return fail("asked to end before everything was measured");
+  if (asked) return asked_to_end();
   if (end.signalled || end.code != 0) {
     while (!error.empty() && error.back() == '\n') error.pop_back();
     return fail(program + " " + arguments.front() + " " + end.text() + (error.empty() ? "" : ": " + error));

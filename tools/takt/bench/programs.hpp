@@ -27,6 +27,9 @@ class Patience {
   bool ended_ = false;
 };
 
+/// What is said then.
+Problem asked_to_end();
+
 /// Starts a program that lies beside this one ("takt", "takt-node"), on the loopback interface alone unless
 /// TAKT_INTERFACE says otherwise.
 Result<os::Child> start_beside(const std::string& program, const std::vector<std::string>& arguments,

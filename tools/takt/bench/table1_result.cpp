@@ -21,6 +21,7 @@ std::string beyond(const char* what, double value, double most, const char* whic
 std::string shortfall(const CaseResult& result, Nanoseconds period) {
   if (result.takt.count == 0) return "nothing was recorded";
   if (!result.real_time) return "the system refused real-time scheduling";
+  if (!result.loop_real_time) return "the system refused the bare loop its priority or processor";
   std::vector<std::string> reasons;
   if (result.one.measured == model::ModuleType::process) {
     if (result.takt.p50 > kProcessP50) reasons.push_back(beyond("p50", result.takt.p50, kProcessP50));
