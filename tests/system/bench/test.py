@@ -124,6 +124,24 @@ class Bench(takt_system.Case):
                 self.assertEqual((2, ""), (run.status, run.out), run.err)
                 self.assertIn("Usage: takt", run.err)
 
+    def test_a_load_runs_beside_it_and_ends_with_it(self):
+        with open(os.path.join(self.folder, "stress-ng"), "w") as file:
+            file.write('#!/bin/sh\necho "$$ $*" > %s/load\nexec sleep 1000\n' % self.folder)
+        os.chmod(file.name, 0o755)
+        run = self.takt("bench", "wake", "--for", "0.2", "--load", "--json",
+                        environment={"PATH": "%s:%s" % (self.folder, os.environ["PATH"])})
+        self.assertEqual((0, ""), (run.status, run.err))
+        pid, arguments = self.read("load").split(" ", 1)
+        self.assertEqual("stress-ng " + arguments.strip(), run.report["load"])
+        self.assertFalse(os.path.exists("/proc/" + pid))
+
+    def test_without_real_time_it_measures_and_says_so(self):
+        if os.geteuid() != 0:
+            self.skipTest("needs root, to give it up")
+        run = self.takt("bench", "wake", "--for", "0.1", "--json", before=["setpriv", "--inh-caps=-all", "--bounding-set=-all"])
+        self.assertEqual(0, run.status, run.err)
+        self.assertIn("SCHED_FIFO 80 is refused", " ".join(run.report["refused"]))
+
     def test_what_cannot_be_done_is_said_before_anything_is_measured(self):
         run = self.takt("bench", "table1", "--html", os.path.join(self.folder, "nowhere", "x.html"))
         self.assertEqual((1, ""), (run.status, run.out))

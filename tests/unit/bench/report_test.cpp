@@ -44,6 +44,13 @@ TEST(ReportJson, HasAKeyForEachColumn) {
   EXPECT_EQ(1U, json["refused"].size());
 }
 
+TEST(AddOnce, TakesEachProblemOnce) {
+  Problems all;
+  add_once(all, {fail("a"), fail("a")});
+  add_once(all, {fail("b"), fail("a")});
+  EXPECT_EQ((Problems{fail("a"), fail("b")}), all);
+}
+
 TEST(TimeColumns, AreAsManyAsTheirValues) {
   EXPECT_EQ(time_columns().size(), in_columns({.count = 1}).size());
   EXPECT_TRUE(std::isnan(in_columns({}).front()));

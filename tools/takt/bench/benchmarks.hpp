@@ -1,6 +1,6 @@
 // The benchmarks but Table 1. Each measures for about as long as it says, or settings.seconds of each
-// measurement, by turns with what it is compared to. They fail only where they cannot measure at all. Not
-// where there are other threads.
+// measurement, by turns with what it is compared to. They fail only where they cannot measure at all;
+// `refused` gets what the system does not grant. Not where there are other threads.
 #pragma once
 
 #include <takt/core/result.hpp>

@@ -180,8 +180,8 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   std::uint64_t missed = 0;
   std::set<int> processes = nodes.process_ids();
   for (const json& device : (*status)["devices"]) {
-    if (!device["real_time"].get<bool>() && refused.empty())
-      refused = {fail("threads of the nodes are not real-time", "run as root")};
+    if (!device["real_time"].get<bool>())
+      add_once(refused, {fail("threads of the nodes are not real-time", "run as root")});
     for (const json& executor : device["executors"]) {
       rows += executor["cycles"].get<std::uint64_t>();
       missed += executor["missed"].get<std::uint64_t>();

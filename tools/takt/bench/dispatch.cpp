@@ -122,7 +122,7 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Problems& 
       return Loop{};
     });
     if (!loop) return loop.problems();
-    if (refused.empty()) refused = loop->refused;
+    add_once(refused, loop->refused);
     const auto count = static_cast<double>(n);
     section.rows.push_back({fmt::format("{} modules", n), {row, calls, row / count, (row - calls) / count}});
   }
@@ -248,9 +248,7 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Problems& ref
     if (!all) return all.problems();
     threads.loop.add(*all);
   }
-  for (const Seen* seen : {&table, &bare, &threads}) {
-    if (refused.empty()) refused = seen->loop.refused;
-  }
+  for (const Seen* seen : {&table, &bare, &threads}) add_once(refused, seen->loop.refused);
   Section section{
       .title = fmt::format("{} modules at {}, processor {}, priority {}: us", kMany, to_text(kPeriod),
                            place.cpu, place.priority),

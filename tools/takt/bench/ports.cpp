@@ -104,7 +104,7 @@ Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) 
     return Loop{};
   });
   if (!loop) return loop.problems();
-  refused = loop->refused;
+  add_once(refused, loop->refused);
   section.notes.emplace_back(
       "Between processes the memory of the sample goes from one processor's caches to the other's besides.");
   return std::vector<Section>{std::move(section)};

@@ -47,9 +47,8 @@ Result<Seen> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nanosecon
         });
   });
   if (!loop) return loop.problems();
-  if (refused.empty()) refused = loop->refused;
-  if (refused.empty() && peer->refused())
-    refused = {fail("the other process may not be real-time", "run as root")};
+  add_once(refused, loop->refused);
+  if (peer->refused()) add_once(refused, {fail("the other process may not be real-time", "run as root")});
   seen.missed += loop->missed;
   seen.jitter = peer->jitter();
   return seen;
@@ -88,8 +87,8 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
                                        *folder, *patience);
     if (!measured) return measured.problems();
     add(0, {values_of(measured->jitter), measured->missed});
-    if (refused.empty() && !measured->real_time)
-      refused = {fail("the node's threads are not real-time", "run as root")};
+    if (!measured->real_time)
+      add_once(refused, {fail("the node's threads are not real-time", "run as root")});
     for (const WakeBy by : {WakeBy::futex, WakeBy::signal}) {
       if (patience->ended()) return asked_to_end();
       const auto woken = wake_a_peer(by, place, other_cpu, period, length, refused);

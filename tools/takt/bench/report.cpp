@@ -39,6 +39,12 @@ std::string section_text(const Section& section) {
 
 }  // namespace
 
+void add_once(Problems& all, const Problems& more) {
+  for (const Problem& problem : more) {
+    if (std::find(all.begin(), all.end(), problem) == all.end()) all.push_back(problem);
+  }
+}
+
 std::vector<std::string> time_columns() { return {"p50 us", "p90 us", "p99 us", "p99.9 us", "max us"}; }
 
 std::vector<double> in_columns(const Distribution& d) {

@@ -38,6 +38,9 @@ struct Report {
   std::vector<Section> sections{};
 };
 
+/// Those of `more` that are not in `all` yet.
+void add_once(Problems& all, const Problems& more);
+
 /// The columns of a distribution of times, and its values there.
 std::vector<std::string> time_columns();
 std::vector<double> in_columns(const Distribution& d);

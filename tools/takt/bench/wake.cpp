@@ -56,7 +56,7 @@ Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds le
     row.values.push_back(100 * static_cast<double>(way.seen.processor_time.count()) /
                          static_cast<double>(length.count()));
     section.rows.push_back(row);
-    if (refused.empty()) refused = way.seen.refused;
+    add_once(refused, way.seen.refused);
   }
   return section;
 }
