@@ -261,11 +261,8 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Problems& ref
     return b.count() == 0 ? 0 : static_cast<double>(a.count()) / static_cast<double>(b.count());
   };
   section.notes = {
-      "processor: time of the processor a period, the table's with its wake-up, which spins. cycle: from the "
-      "start of the "
-      "first",
-      "module to the end of the last. The jitter of the table is its first module's, of the threads that of "
-      "each.",
+      "processor: its time a period, the table's with the wake-up, which spins. cycle: from the start of",
+      "the first module to the end of the last. jitter: the table's is its first module's.",
       fmt::format("beyond the modules' own work the table takes {:.1f} us a cycle (p50), {:.1f} us (p99); "
                   "aim: at most 60",
                   (of_table.p50 - of_calls.p50) / 1e3, (of_table.p99 - of_calls.p99) / 1e3),
