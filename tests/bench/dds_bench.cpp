@@ -28,8 +28,7 @@
 #include <takt/dds/raw.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
-
-#include "machine.hpp"
+#include <takt/os/platform.hpp>
 
 extern char** environ;
 
@@ -454,24 +453,24 @@ int run(const char* self, int count) {
   std::array<char, 16> said{};
   if (::read(from[0], said.data(), said.size()) <= 0) return 1;
 
-  const Ticks before = ticks();
+  const os::Platform machine = os::describe_platform();
+  const Nanoseconds stolen = os::stolen_time();
+  const Instant began = os::now();
   int status = 1;
   if (auto participant = participate("ping"); participant) {
     channel::Bell bell{};
     auto gateway = dds::Gateway::create(*participant, bell);
     if (gateway) {
-      std::printf("load %s; kernel %s", first_line("/proc/loadavg").c_str(),
-                  first_line("/proc/version").c_str());
+      std::printf("load %s; kernel %s\n", machine.load.c_str(), machine.kernel.c_str());
       round_trips(*participant, **gateway, bell, count);
       event_to_ring(*participant, **gateway, bell, count);
       real_time_write(**gateway, bell);
       status = 0;
     }
   }
-  const Ticks after = ticks();
+  const std::chrono::duration<double> all = (os::now() - began) * machine.processors;
   std::printf("stolen by other machines: %.1f %% of the time\n",
-              100.0 * static_cast<double>(after.stolen - before.stolen) /
-                  static_cast<double>(std::max(1ULL, after.all - before.all)));
+              100.0 * std::chrono::duration<double>(os::stolen_time() - stolen).count() / all.count());
   ::close(to[1]);
   ::waitpid(child, nullptr, 0);
   return status;

@@ -119,12 +119,25 @@ std::string Canvas::document(std::string_view title, std::string_view colours,
   return fmt::format(
       R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0:.0f} {1:.0f}" width="{0:.0f}" height="{1:.0f}" role="img">
 <title>{2}</title>
-<style>{3}{4}@media (prefers-color-scheme: dark) {{{5}{6}}}
-</style>
+<style>{3}</style>
 <rect x="0" y="0" width="{0:.0f}" height="{1:.0f}" class="page"/>
-{7}</svg>
+{4}</svg>
 )",
-      width, height, escaped(title), kColours, colours, kDarkColours, dark_colours, body_);
+      width, height, escaped(title), page_colours(colours, dark_colours), body_);
+}
+
+std::string Canvas::figure(std::string_view title) const {
+  return fmt::format(
+      R"(<svg viewBox="0 0 {0:.0f} {1:.0f}" width="{0:.0f}" height="{1:.0f}" role="img">
+<title>{2}</title>
+{3}</svg>
+)",
+      std::ceil(width_ + kMargin), std::ceil(height_ + kMargin), escaped(title), body_);
+}
+
+std::string page_colours(std::string_view colours, std::string_view dark_colours) {
+  return fmt::format("{}{}@media (prefers-color-scheme: dark) {{{}{}}}\n", kColours, colours, kDarkColours,
+                     dark_colours);
 }
 
 void Canvas::put(double x, double y, double size, std::string_view classes, std::string_view anchor,

@@ -58,6 +58,8 @@ class Canvas {
   /// there.
   [[nodiscard]] std::string document(std::string_view title, std::string_view colours,
                                      std::string_view dark_colours) const;
+  /// The picture as a part of an HTML page, which has page_colours() among its styles.
+  [[nodiscard]] std::string figure(std::string_view title) const;
 
  private:
   template <class... Arguments>
@@ -73,5 +75,8 @@ class Canvas {
   double width_ = 0;
   double height_ = 0;
 };
+
+/// The CSS that document() begins with, light and dark, with `colours` and `dark_colours` after it.
+std::string page_colours(std::string_view colours, std::string_view dark_colours);
 
 }  // namespace takt::tool

@@ -51,5 +51,6 @@ void add_orders(CLI::App& app, Chosen& chosen);
 void add_properties(CLI::App& app, Chosen& chosen);
 void add_echo(CLI::App& app, Chosen& chosen);
 void add_doctor(CLI::App& app, Chosen& chosen);
+void add_bench(CLI::App& app, Chosen& chosen);
 
 }  // namespace takt::tool

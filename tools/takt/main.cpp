@@ -95,6 +95,7 @@ int serve(int argc, char** argv) {
   add_properties(app, chosen);
   add_echo(app, chosen);
   add_doctor(app, chosen);
+  add_bench(app, chosen);
 
   DescribeOptions describe_options;
   auto* describe_command =

@@ -1,0 +1,156 @@
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from html.parser import HTMLParser
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+
+TIMES = ["p50_us", "p90_us", "p99_us", "p99.9_us", "max_us"]
+JITTER = ["count", "mean", "variance", "min", "p50", "p90", "p99", "p999", "max"]
+
+
+class Page(HTMLParser):
+    """Counts elements, and keeps what they refer to."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements = {}
+        self.references = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.elements[tag] = self.elements.get(tag, 0) + 1
+        self.references += [value for name, value in attributes if name in ("href", "src", "xlink:href", "action", "data")]
+
+
+class Bench(takt_system.Case):
+    def measured(self, *arguments, limit=150.0):
+        run = self.takt("bench", *arguments, "--json", limit=limit)
+        self.assertEqual((0, ""), (run.status, run.err))
+        for key in ("name", "processors", "kernel", "governor", "isolated", "load"):
+            self.assertIn(key, run.report["machine"])
+        return run.report
+
+    def rows(self, report, section):
+        return {row["name"]: row for row in report["sections"][section]["rows"]}
+
+    def test_table1_has_ten_cases_and_a_page(self):
+        page = os.path.join(self.folder, "table1.html")
+        report = self.measured("table1", "--for", "0.2", "--html", page)
+        self.assertEqual(("table1", 100), (report["benchmark"], report["period_us"]))
+        self.assertEqual(list(range(1, 11)), [case["case"] for case in report["cases"]])
+        self.assertEqual(["thread"] * 3 + ["process"] + ["thread", "process"] * 3, [case["measured"] for case in report["cases"]])
+        for case in report["cases"]:
+            with self.subTest(case=case["case"]):
+                self.assertEqual(JITTER, list(case["jitter_us"]))
+                self.assertEqual(JITTER, list(case["bare_us"]))
+                self.assertGreater(case["jitter_us"]["count"], 0)
+                self.assertGreater(case["bare_us"]["count"], 0)
+                # 0.2 s of 100 us, each served or missed.
+                self.assertGreaterEqual(case["bare_us"]["count"] + case["bare_missed"], 2000)
+                self.assertGreaterEqual(case["cycles"] + case["missed"], 2000)
+                self.assertLessEqual(case["jitter_us"]["count"], case["cycles"])
+                self.assertIn(case["verdict"], ("held", "more modules than cores", "not held"))
+                self.assertEqual(case["verdict"] == "held", case["why"] == "")
+        with open(page, encoding="utf-8") as file:
+            text = file.read()
+        self.assertNotIn("http", text)
+        subprocess.run(["xmllint", "--noout", page], check=True)
+        seen = Page(text)
+        self.assertEqual(20, seen.elements["svg"])
+        self.assertNotIn("script", seen.elements)
+        self.assertTrue(all(reference.startswith("#case") for reference in seen.references), seen.references)
+
+    def test_table1_is_told_its_period(self):
+        run = self.takt("bench", "table1", "--for", "0.05", "--period", "1000", limit=150.0)
+        self.assertEqual((0, ""), (run.status, run.err))
+        self.assertIn("at a basic period of 1 ms", run.out)
+        self.assertEqual(10, len([line for line in run.out.splitlines() if " paper " in line]))
+
+    def test_dispatch_shows_rows_and_a_thousand_modules(self):
+        report = self.measured("dispatch", "--for", "0.1")
+        self.assertEqual(["10 modules", "100 modules", "1000 modules"], list(self.rows(report, 0)))
+        thousand = self.rows(report, 1)
+        self.assertEqual(["one table", "bare calls", "a thread for each"], list(thousand))
+        self.assertGreater(thousand["one table"]["processor"], 0)
+        self.assertTrue(any("beyond the modules' own work" in note for note in report["sections"][1]["notes"]))
+
+    def test_wake_has_each_strategy_at_each_period(self):
+        report = self.measured("wake", "--for", "0.1")
+        for section in (0, 1):
+            rows = self.rows(report, section)
+            self.assertEqual(["bare loop", "sleep", "hybrid", "spin"], list(rows))
+            for row in rows.values():
+                self.assertEqual(["name"] + TIMES + ["cycles", "missed", "processor_%"], list(row))
+
+    def test_process_is_beside_a_futex_and_a_signal(self):
+        rows = self.rows(self.measured("process", "--for", "0.2"), 0)
+        self.assertEqual(["process module", "futex", "signal"], list(rows))
+        for row in rows.values():
+            self.assertGreater(row["cycles"], 0)
+
+    def test_ports_are_beside_memcpy(self):
+        rows = self.rows(self.measured("ports", "--for", "0.1"), 0)
+        self.assertEqual(1, rows["memcpy, there and back"]["of_memcpy"])
+        self.assertEqual(8, len(rows))
+
+    def test_cell_is_deployed_and_its_samples_arrive(self):
+        report = self.measured("cell", "--for", "0.3", "--devices", "2")
+        self.assertEqual(["nodes started and seen", "takt deploy", "takt status", "takt undeploy"], list(self.rows(report, 0)))
+        for row in self.rows(report, 1).values():
+            self.assertGreater(row["samples"], 0)
+
+    def test_who_has_no_patience_leaves_nothing_behind(self):
+        for command, program in (("table1", "takt-host"), ("cell", "takt-host"), ("process", "bench_periodic_process.exe")):
+            with self.subTest(command=command):
+                before = set(os.listdir(tempfile.gettempdir()))
+                run = self.start("bench", command, "--for", "2")
+                takt_system.wait_until(lambda: run.processes(program), 30)
+                run.signal(signal.SIGINT)
+                run.wait(30)
+                self.assertEqual(1, run.status)
+                self.assertIn("asked to end before everything was measured", run.err)
+                left = {name for name in set(os.listdir(tempfile.gettempdir())) - before if name.startswith("takt-bench-%d-" % run.pid)}
+                self.assertEqual(set(), left)
+
+    def test_wrong_usage_is_status_2(self):
+        for arguments in ([], ["nonsense"], ["table1", "more"], ["table1", "--for", "0"], ["table1", "--for", "soon"], ["table1", "--period", "1"],
+                          ["table1", "--cpu", "-1"], ["wake", "--html", "x"], ["ports", "--period", "100"], ["cell", "--devices", "1"]):
+            with self.subTest(arguments=arguments):
+                run = self.takt("bench", *arguments)
+                self.assertEqual((2, ""), (run.status, run.out), run.err)
+                self.assertIn("Usage: takt", run.err)
+
+    def test_a_load_runs_beside_it_and_ends_with_it(self):
+        with open(os.path.join(self.folder, "stress-ng"), "w") as file:
+            file.write('#!/bin/sh\necho "$$ $*" > %s/load\nexec sleep 1000\n' % self.folder)
+        os.chmod(file.name, 0o755)
+        run = self.takt("bench", "wake", "--for", "0.2", "--load", "--json",
+                        environment={"PATH": "%s:%s" % (self.folder, os.environ["PATH"])})
+        self.assertEqual((0, ""), (run.status, run.err))
+        pid, arguments = self.read("load").split(" ", 1)
+        self.assertEqual("stress-ng " + arguments.strip(), run.report["load"])
+        self.assertFalse(os.path.exists("/proc/" + pid))
+
+    def test_without_real_time_it_measures_and_says_so(self):
+        if os.geteuid() != 0:
+            self.skipTest("needs root, to give it up")
+        run = self.takt("bench", "wake", "--for", "0.1", "--json", before=["setpriv", "--inh-caps=-all", "--bounding-set=-all"])
+        self.assertEqual(0, run.status, run.err)
+        self.assertIn("SCHED_FIFO 80 is refused", " ".join(run.report["refused"]))
+
+    def test_what_cannot_be_done_is_said_before_anything_is_measured(self):
+        run = self.takt("bench", "table1", "--html", os.path.join(self.folder, "nowhere", "x.html"))
+        self.assertEqual((1, ""), (run.status, run.out))
+        self.assertIn("cannot be written", run.err)
+        alone = self.takt("bench", "wake", "--load", "--for", "0.05", environment={"PATH": self.folder})
+        self.assertEqual((1, ""), (alone.status, alone.out))
+        self.assertIn("there is no stress-ng", alone.err)
+        self.assertIn("apt-get install stress-ng", alone.err)
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,288 @@
+// takt bench dispatch
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <takt/channel/layout.hpp>
+#include <takt/channel/seat.hpp>
+#include <takt/executor/executor.hpp>
+#include <takt/model/cell.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/futex.hpp>
+#include <takt/os/platform.hpp>
+#include <takt/os/real_time.hpp>
+#include <takt/os/waker.hpp>
+#include <takt/schedule/plan.hpp>
+
+#include "bare_loop.hpp"
+#include "benchmarks.hpp"
+#include "modules/work.hpp"
+#include "timed.hpp"
+
+namespace takt::bench {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kSeconds = 3;
+constexpr int kTurns = 3;
+constexpr std::size_t kMany = 1000;
+constexpr Nanoseconds kPeriod = 1ms;
+
+class Module final : public executor::Body {
+ public:
+  executor::Outcome run(const Cycle&) noexcept override {
+    work_.step();
+    return {};
+  }
+  executor::Outcome condition(const Cycle&, bool*) noexcept override { return {}; }
+
+ private:
+  Work work_;
+};
+
+/// N periodic modules of one type in one row, as a host sets them up; thread modules as plain objects too, to
+/// be called bare.
+class Table {
+ public:
+  explicit Table(std::size_t n, model::ModuleType type = model::ModuleType::thread)
+      : blocks_(std::make_unique<channel::ModuleBlock[]>(n)),
+        seats_(std::make_unique<channel::Seat[]>(n)),
+        seat_count_(n),
+        bodies_(n) {
+    model::Device device;
+    device.executors.emplace_back();
+    const bool thread = type == model::ModuleType::thread;
+    std::vector<executor::Unit> units;
+    for (std::size_t i = 0; i < n; ++i) {
+      model::Module module;
+      module.name = "m" + std::to_string(i);
+      module.executor = device.executors.front().name;
+      module.period = kPeriod;
+      module.type = type;
+      device.modules.push_back(module);
+      blocks_[i].in_tables.store(1);
+      seats_[i].phase.store(channel::SeatPhase::ready);
+      units.push_back({.index = static_cast<std::uint32_t>(i),
+                       .body = thread ? &bodies_[i] : nullptr,
+                       .seat = thread ? nullptr : &seats_[i],
+                       .block = &blocks_[i],
+                       .period = kPeriod});
+      bare_.push_back(&bodies_[i]);
+    }
+    const auto plan = *schedule::plan(model::Cell{}, device);
+    executor_ = std::make_unique<executor::Executor>(plan.executors[0], units, std::vector<executor::Unit>{},
+                                                     block_, clock_);
+  }
+
+  executor::Executor& executor() { return *executor_; }
+  /// What the modules do, without an executor: an indirect call each.
+  void call_all() noexcept {
+    for (executor::Body* body : bare_) static_cast<void>(body->run(cycle_));
+  }
+  /// As if each program had done what it was released for.
+  void answer_all() noexcept {
+    for (std::size_t i = 0; i < seat_count_; ++i)
+      seats_[i].done.store(seats_[i].released.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  }
+
+ private:
+  std::unique_ptr<channel::ModuleBlock[]> blocks_;
+  std::unique_ptr<channel::Seat[]> seats_;
+  std::size_t seat_count_;
+  std::vector<Module> bodies_;
+  std::vector<executor::Body*> bare_;
+  Cycle cycle_{};
+  channel::ExecutorBlock block_{};
+  os::MonotonicClock clock_;
+  std::unique_ptr<executor::Executor> executor_;
+};
+
+// ---- One row after the other, without a pause
+
+Result<Section> row_after_row(const Place& place, Nanoseconds length, Problems& refused) {
+  Section section{.title = "a row of thread modules, one row after the other: ns",
+                  .columns = {"row", "bare calls", "a module", "beyond it"}};
+  for (const std::size_t n : {10U, 100U, 1000U}) {
+    double row = 0;
+    double calls = 0;
+    const auto loop = run_at(place, [&] {
+      Table table{n};
+      executor::Executor& executor = table.executor();
+      executor.join_grid(os::now(), os::now());
+      // The instant of the release and not the clock's: a row takes less than its period here, so the grid
+      // is ahead.
+      std::vector<double> times = each_by_turns(
+          length, {[&] { executor.run_cycle(executor.next_release()); }, [&] { table.call_all(); }});
+      row = times[0];
+      calls = times[1];
+      return Loop{};
+    });
+    if (!loop) return loop.problems();
+    add_once(refused, loop->refused);
+    const auto count = static_cast<double>(n);
+    section.rows.push_back({fmt::format("{} modules", n), {row, calls, row / count, (row - calls) / count}});
+  }
+  double released = 0;
+  double clock = 0;
+  const auto loop = run_at(place, [&] {
+    constexpr std::size_t kPrograms = 100;
+    Table table{kPrograms, model::ModuleType::process};
+    executor::Executor& executor = table.executor();
+    executor.join_grid(os::now(), os::now());
+    const std::vector<double> times = each_by_turns(length, {[&] {
+                                                               executor.run_cycle(executor.next_release());
+                                                               table.answer_all();
+                                                             },
+                                                             [] { static_cast<void>(os::now()); }});
+    released = times[0] / kPrograms;
+    clock = times[1];
+    return Loop{};
+  });
+  if (!loop) return loop.problems();
+  section.notes.push_back(
+      fmt::format("a process module is released and answers in {:.1f} ns; the clock is read in {:.1f} ns",
+                  released, clock));
+  section.notes.emplace_back(
+      "bare calls: the same bodies by indirect calls. beyond it: what a module costs beyond its own work.");
+  return section;
+}
+
+// ---- A thousand modules at 1 ms
+
+/// A way to run them, with the time that each of its cycles took.
+struct Seen {
+  Loop loop;
+  std::vector<std::int64_t> taken;  ///< ns
+};
+
+Loop walk_table(Table& table, const Grid& grid, std::vector<std::int64_t>& taken) {
+  const std::atomic<std::uint32_t> stop{0};
+  os::Waker waker{model::Wakeup::hybrid, grid.period, stop};
+  executor::Executor& executor = table.executor();
+  executor.join_grid(grid.first, os::now());
+  Instant began{};
+  return loop_on_grid(
+      grid, [&](Instant release) { return began = waker.wait_until(release); },
+      [&](Instant) {
+        executor.run_cycle(began);
+        taken.push_back((os::now() - began).count());
+      });
+}
+
+Loop call_bare(Table& table, const Grid& grid, std::vector<std::int64_t>& taken) {
+  const std::atomic<std::uint32_t> stop{0};
+  os::Waker waker{model::Wakeup::hybrid, grid.period, stop};
+  Instant began{};
+  return loop_on_grid(
+      grid, [&](Instant release) { return began = waker.wait_until(release); },
+      [&](Instant) {
+        table.call_all();
+        taken.push_back((os::now() - began).count());
+      });
+}
+
+Result<Loop> a_thread_for_each(const Place& place, Nanoseconds length) {
+  std::vector<Loop> loops(kMany);
+  std::vector<os::Thread> threads;
+  std::atomic<std::uint32_t> go{0};
+  Grid grid{.period = kPeriod, .length = length};
+  Problems refused;
+  for (Loop& loop : loops) {
+    auto thread = os::Thread::start(
+        {.name = "bench", .priority = place.priority, .cpus = {place.cpu}, .stack_bytes = 64 * 1024},
+        [&] {
+          Module module;
+          while (go.load(std::memory_order_acquire) == 0) os::futex_wait(go, 0, ~0U);
+          loop = loop_on_grid(grid, sleep_to, [&module](Instant) { static_cast<void>(module.run({})); });
+        },
+        refused.empty() ? &refused : nullptr);
+    if (!thread) {
+      go.store(1, std::memory_order_release);
+      os::futex_wake(go, ~0U);
+      return thread.problems();
+    }
+    threads.push_back(std::move(*thread));
+  }
+  grid.first = os::now() + 100ms;
+  go.store(1, std::memory_order_release);
+  os::futex_wake(go, ~0U);
+  for (os::Thread& thread : threads) thread.join();
+  Loop all;
+  for (const Loop& loop : loops) all.add(loop);
+  all.refused = refused;
+  return all;
+}
+
+Row row_of(const std::string& name, const Seen& seen, Nanoseconds length) {
+  const Distribution jitter = distribution_of(seen.loop.jitter);
+  const Distribution taken = distribution_of(seen.taken);
+  const bool one = taken.count != 0;
+  const auto cycles = static_cast<double>(length / kPeriod);
+  return {name,
+          {static_cast<double>(seen.loop.processor_time.count()) / 1e3 / cycles,
+           one ? taken.p50 / 1e3 : std::nan(""), one ? taken.p99 / 1e3 : std::nan(""), jitter.p50 / 1e3,
+           jitter.p99 / 1e3, jitter.max / 1e3, static_cast<double>(seen.loop.missed)}};
+}
+
+Result<Section> a_thousand(const Place& place, Nanoseconds length, Problems& refused) {
+  Seen table;
+  Seen bare;
+  Seen threads;
+  Table modules{kMany};
+  for (int turn = 0; turn < kTurns; ++turn) {
+    for (Seen* seen : {&table, &bare}) {
+      seen->taken.reserve(seen->taken.size() + static_cast<std::size_t>(length / kPeriod));
+      const auto loop = run_at(place, [&] {
+        const Grid grid = Grid::from_now(kPeriod, length / kTurns);
+        return seen == &table ? walk_table(modules, grid, seen->taken)
+                              : call_bare(modules, grid, seen->taken);
+      });
+      if (!loop) return loop.problems();
+      seen->loop.add(*loop);
+    }
+    const auto all = a_thread_for_each(place, length / kTurns);
+    if (!all) return all.problems();
+    threads.loop.add(*all);
+  }
+  for (const Seen* seen : {&table, &bare, &threads}) add_once(refused, seen->loop.refused);
+  Section section{
+      .title = fmt::format("{} modules at {}, processor {}, priority {}: us", kMany, to_text(kPeriod),
+                           place.cpu, place.priority),
+      .columns = {"processor", "cycle p50", "cycle p99", "jitter p50", "jitter p99", "jitter max", "missed"}};
+  section.rows = {row_of("one table", table, length), row_of("bare calls", bare, length),
+                  row_of("a thread for each", threads, length)};
+  const Distribution of_table = distribution_of(table.taken);
+  const Distribution of_calls = distribution_of(bare.taken);
+  const auto ratio = [](Nanoseconds a, Nanoseconds b) {
+    return b.count() == 0 ? 0 : static_cast<double>(a.count()) / static_cast<double>(b.count());
+  };
+  section.notes = {
+      "processor: its time a period, the table's with the wake-up, which spins. cycle: from the start of",
+      "the first module to the end of the last. jitter: the table's is its first module's.",
+      fmt::format("beyond the modules' own work the table takes {:.1f} us a cycle (p50), {:.1f} us (p99); "
+                  "aim: at most 60",
+                  (of_table.p50 - of_calls.p50) / 1e3, (of_table.p99 - of_calls.p99) / 1e3),
+      fmt::format("a thread for each takes {:.1f} times the processor time of the table, and {} of {} cycles "
+                  "were missed",
+                  ratio(threads.loop.processor_time, table.loop.processor_time), threads.loop.missed,
+                  threads.loop.missed + threads.loop.jitter.size())};
+  return section;
+}
+
+}  // namespace
+
+Result<std::vector<Section>> dispatch(const Settings& settings, Problems& refused) {
+  const Place place{.cpu = cpu_of(settings)};
+  const Nanoseconds length = settings.length(kSeconds);
+  auto rows = row_after_row(place, length / 3, refused);
+  if (!rows) return rows.problems();
+  auto thousand = a_thousand(place, length, refused);
+  if (!thousand) return thousand.problems();
+  return std::vector<Section>{std::move(*rows), std::move(*thousand)};
+}
+
+}  // namespace takt::bench

@@ -1,0 +1,49 @@
+#include "distribution.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace takt::bench {
+
+std::vector<std::int64_t> sorted_sizes(const std::vector<std::int64_t>& values) {
+  std::vector<std::int64_t> sizes;
+  sizes.reserve(values.size());
+  for (const std::int64_t value : values) sizes.push_back(value < 0 ? -value : value);
+  std::sort(sizes.begin(), sizes.end());
+  return sizes;
+}
+
+std::int64_t percentile(const std::vector<std::int64_t>& ascending, double share) {
+  if (ascending.empty()) return 0;
+  // A little less, so that 0.99 of 100 is the 99th although no double is 0.99.
+  const double rank = std::ceil(share * static_cast<double>(ascending.size()) - 1e-6);
+  const auto place = static_cast<std::size_t>(std::max(1.0, rank)) - 1;
+  return ascending[std::min(place, ascending.size() - 1)];
+}
+
+Distribution distribution_of(const std::vector<std::int64_t>& values_ns) {
+  if (values_ns.empty()) return {};
+  const auto count = static_cast<double>(values_ns.size());
+  double sum = 0;
+  for (const std::int64_t value : values_ns) sum += static_cast<double>(value);
+  const double mean = sum / count;
+  // In a second pass: the square of the mean may be far larger than the variance.
+  double squares = 0;
+  for (const std::int64_t value : values_ns) {
+    const double from_mean = static_cast<double>(value) - mean;
+    squares += from_mean * from_mean;
+  }
+  const std::vector<std::int64_t> sizes = sorted_sizes(values_ns);
+  const auto at = [&sizes](double share) { return static_cast<double>(percentile(sizes, share)); };
+  return {.count = sizes.size(),
+          .mean = mean,
+          .variance = squares / count,
+          .min = static_cast<double>(sizes.front()),
+          .p50 = at(0.5),
+          .p90 = at(0.9),
+          .p99 = at(0.99),
+          .p999 = at(0.999),
+          .max = static_cast<double>(sizes.back())};
+}
+
+}  // namespace takt::bench

@@ -1,0 +1,180 @@
+#include "jitter_chart.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "canvas.hpp"
+#include "distribution.hpp"
+
+namespace takt::bench {
+
+const char* const kChartColours = R"(
+.spread { fill: #9cc0ea; stroke: #9cc0ea; stroke-width: 1; }
+.median { fill: none; stroke: #1d5fa8; stroke-width: 1.5; }
+.bar { fill: #6fa3dc; }
+.bare { fill: none; stroke: #b3541e; stroke-width: 1.5; }
+.bare-word { fill: #b3541e; }
+)";
+const char* const kDarkChartColours = R"(
+.spread { fill: #2f5580; stroke: #2f5580; }
+.median { stroke: #7db4f0; }
+.bar { fill: #3f72a8; }
+.bare { stroke: #f0b060; }
+.bare-word { fill: #f0b060; }
+)";
+
+namespace {
+
+using tool::Canvas;
+using tool::kNormal;
+using tool::kSmall;
+using tool::Point;
+
+constexpr double kLeft = 80;
+constexpr double kTop = 30;
+constexpr double kWidth = 860;
+constexpr double kHeight = 180;
+constexpr std::size_t kColumns = 430;
+
+std::int64_t size_of(std::int64_t value) { return value < 0 ? -value : value; }
+
+/// Decades above kLeastSize; what is smaller stands on the line.
+double decades(double size) { return std::log10(std::max(size, kLeastSize) / kLeastSize); }
+
+/// The whole decades that a scale needs for this size, at least up to 10 us, so that scales can be compared.
+int scale_for(double largest) { return std::max(3, static_cast<int>(std::ceil(decades(largest)))); }
+
+std::string size_text(int decade) {
+  const double ns = kLeastSize * std::pow(10, decade);
+  return ns < 1e3   ? fmt::format("{:g} ns", ns)
+         : ns < 1e6 ? fmt::format("{:g} us", ns / 1e3)
+                    : fmt::format("{:g} ms", ns / 1e6);
+}
+
+void begin(Canvas& canvas, const std::string& title) {
+  canvas.text(kLeft, kTop - 12, kNormal, "title", title);
+  canvas.rectangle(kLeft, kTop, kWidth, kHeight, "panel");
+}
+
+}  // namespace
+
+std::string jitter_over_time(const std::string& title, const std::vector<Served>& served,
+                             Nanoseconds period) {
+  Canvas canvas;
+  begin(canvas, title);
+  std::int64_t largest = 0;
+  for (const Served& one : served) largest = std::max(largest, size_of(one.value));
+  const int scale = scale_for(static_cast<double>(largest));
+  const auto y_of = [scale](std::int64_t size) {
+    return kTop + kHeight * (1 - decades(static_cast<double>(size)) / scale);
+  };
+  for (int decade = 0; decade <= scale; ++decade) {
+    const double y = kTop + kHeight * (1 - static_cast<double>(decade) / scale);
+    canvas.line(kLeft, y, kLeft + kWidth, y, "lane");
+    canvas.text_before(kLeft - 6, y + 4, kSmall, "faint", size_text(decade));
+  }
+  if (served.empty()) {
+    canvas.text(kLeft + 10, kTop + kHeight / 2, kNormal, "faint", "nothing was recorded");
+    return canvas.figure(title);
+  }
+
+  const std::int64_t first = served.front().number;
+  const auto span = static_cast<double>(served.back().number - first + 1);
+  const double seconds = span * std::chrono::duration<double>(period).count();
+  const auto column_of = [first, span](const Served& one) {
+    return static_cast<std::size_t>(static_cast<double>(one.number - first) / span * kColumns);
+  };
+  std::vector<Point> upper;
+  std::vector<Point> lower;
+  std::vector<Point> median;
+  const auto draw = [&] {
+    upper.insert(upper.end(), lower.rbegin(), lower.rend());
+    canvas.path(upper, "spread", true);
+    canvas.path(median, "median");
+    upper.clear();
+    lower.clear();
+    median.clear();
+  };
+  std::size_t last = 0;
+  for (std::size_t begin = 0; begin < served.size();) {
+    const std::size_t column = column_of(served[begin]);
+    if (column > last + 1 && !upper.empty()) draw();  // nothing was released in between
+    last = column;
+    std::vector<std::int64_t> sizes;
+    for (; begin < served.size() && column_of(served[begin]) == column; ++begin)
+      sizes.push_back(size_of(served[begin].value));
+    std::sort(sizes.begin(), sizes.end());
+    const double x = kLeft + kWidth * (static_cast<double>(column) + 0.5) / kColumns;
+    upper.push_back({x, y_of(sizes.back())});
+    lower.push_back({x, y_of(sizes.front())});
+    median.push_back({x, y_of(percentile(sizes, 0.5))});
+  }
+  draw();
+  for (int tenth = 0; tenth <= 10; tenth += 2) {
+    const double x = kLeft + kWidth * tenth / 10;
+    canvas.line(x, kTop + kHeight, x, kTop + kHeight + 4, "grid");
+    canvas.centred(x, kTop + kHeight + 16, kSmall, "faint", fmt::format("{:.3g} s", seconds * tenth / 10));
+  }
+  return canvas.figure(title);
+}
+
+std::vector<std::size_t> classes_of(const std::vector<std::int64_t>& values) {
+  std::vector<std::size_t> classes(1);
+  for (const std::int64_t value : values) {
+    const auto size = static_cast<double>(size_of(value));
+    const std::size_t place =
+        size < kLeastSize ? 0 : 1 + static_cast<std::size_t>(decades(size) * kClassesOfADecade + 1e-9);
+    if (place >= classes.size()) classes.resize(place + 1);
+    ++classes[place];
+  }
+  return classes;
+}
+
+std::string jitter_histogram(const std::string& title, const std::vector<Served>& served,
+                             const std::vector<std::int64_t>& bare) {
+  Canvas canvas;
+  begin(canvas, title);
+  std::vector<std::int64_t> values;
+  for (const Served& one : served) values.push_back(one.value);
+  const std::vector<std::size_t> ours = classes_of(values);
+  const std::vector<std::size_t> theirs = classes_of(bare);
+  const std::size_t most = std::max(ours.size(), theirs.size());
+  const int scale = std::max(3, static_cast<int>((most + kClassesOfADecade - 2) / kClassesOfADecade));
+  const double width = kWidth / (scale * kClassesOfADecade + 1);
+
+  // From one release of all of them up to all.
+  const double all = static_cast<double>(std::max<std::size_t>({values.size(), bare.size(), 10}));
+  const double shares = std::ceil(std::log10(all));
+  const auto y_of = [shares](std::size_t count, std::size_t of) {
+    const double share = static_cast<double>(count) / static_cast<double>(of);
+    return kTop + kHeight * std::min(1.0, -std::log10(share) / shares);
+  };
+  for (int decade = 0; decade <= static_cast<int>(shares); ++decade) {
+    const double y = kTop + kHeight * decade / shares;
+    canvas.line(kLeft, y, kLeft + kWidth, y, "lane");
+    canvas.text_before(kLeft - 6, y + 4, kSmall, "faint", fmt::format("{:g} %", 100 / std::pow(10, decade)));
+  }
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (ours[i] == 0) continue;
+    const double y = y_of(ours[i], values.size());
+    canvas.rectangle(kLeft + static_cast<double>(i) * width, y, width - 1, kTop + kHeight - y, "bar");
+  }
+  std::vector<Point> line;
+  for (std::size_t i = 0; i < theirs.size() && !bare.empty(); ++i) {
+    const double y = theirs[i] == 0 ? kTop + kHeight : y_of(theirs[i], bare.size());
+    line.push_back({kLeft + static_cast<double>(i) * width, y});
+    line.push_back({kLeft + static_cast<double>(i + 1) * width, y});
+  }
+  if (!line.empty()) canvas.path(line, "bare");
+  for (int decade = 0; decade <= scale; ++decade) {
+    const double x = kLeft + (decade * kClassesOfADecade + 1) * width;
+    canvas.line(x, kTop + kHeight, x, kTop + kHeight + 4, "grid");
+    canvas.centred(x, kTop + kHeight + 16, kSmall, "faint", size_text(decade));
+  }
+  canvas.text_before(kLeft + kWidth - 6, kTop + 14, kSmall, "bare-word", "line: the bare loop");
+  return canvas.figure(title);
+}
+
+}  // namespace takt::bench

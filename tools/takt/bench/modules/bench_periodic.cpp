@@ -1,0 +1,28 @@
+// A periodic thread module for `takt bench`: records when it was called, if it is given a file.
+#include <takt/component.hpp>
+
+#include "recording.hpp"
+#include "work.hpp"
+
+class BenchPeriodic : public takt::Component {
+  takt::Property<std::string> file{
+      *this, "file", "", {.text = "Where its jitter is written at the end; empty: nowhere."}};
+  takt::Property<std::int64_t> releases{
+      *this, "releases", 0, {.min = 0, .max = 1'000'000'000, .text = "Those that are recorded."}};
+
+  takt::bench::Recording jitter_;
+  takt::bench::Work work_;
+
+  takt::Result<void> initialize() override {
+    jitter_.reserve(static_cast<std::size_t>(releases.value()));
+    return {};
+  }
+  void run(const takt::Cycle& cycle) noexcept override {
+    jitter_.note(static_cast<std::int64_t>(cycle.number), (cycle.time - cycle.start).count());
+    work_.step();
+  }
+  void destruct() override {
+    if (!file.value().empty()) static_cast<void>(jitter_.write(file));
+  }
+};
+TAKT_COMPONENT(BenchPeriodic)

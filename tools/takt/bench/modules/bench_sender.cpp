@@ -1,0 +1,18 @@
+// A periodic thread module for `takt bench cell`: writes when it is.
+#include <chrono>
+
+#include <takt/component.hpp>
+
+#include <bench.hpp>
+
+class BenchSender : public takt::Component {
+  takt::OutPort<bench::Sample64> out{*this, "out", {.text = "The time at which it was written."}};
+
+  bench::Sample64 sample_;
+
+  void run(const takt::Cycle&) noexcept override {
+    sample_.sent_ns(std::chrono::steady_clock::now().time_since_epoch().count());
+    out.write(sample_);
+  }
+};
+TAKT_COMPONENT(BenchSender)

@@ -1,0 +1,15 @@
+// A sporadic thread module for `takt bench`: has an event each `every` rows.
+#include <takt/component.hpp>
+
+#include "work.hpp"
+
+class BenchSporadic : public takt::Component {
+  takt::Property<std::int64_t> every{*this, "every", 10, {.min = 1, .text = "Rows from event to event."}};
+
+  std::int64_t rows_ = 0;
+  takt::bench::Work work_;
+
+  bool condition() override { return ++rows_ % every == 0; }
+  void run(const takt::Cycle&) noexcept override { work_.step(); }
+};
+TAKT_COMPONENT(BenchSporadic)

@@ -1,0 +1,24 @@
+// A sporadic process module for `takt bench`, in the form of the paper's Figure 11: it is released each row,
+// and every tenth time its condition holds.
+#include <takt/process.h>
+
+#include "work.hpp"
+
+namespace {
+
+bool condition() {
+  static int rows = 0;
+  waitSporadic();
+  return ++rows % 10 == 0;
+}
+
+}  // namespace
+
+int main() {
+  takt::bench::Work work;
+  initSporadicExe();
+  while (true) {
+    if (!condition()) continue;
+    work.step();
+  }
+}

@@ -1,0 +1,113 @@
+// takt bench ports
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include <takt/component/in_port.hpp>
+#include <takt/component/out_port.hpp>
+#include <takt/os/shared_memory.hpp>
+
+#include <bench.hpp>
+
+#include "bare_loop.hpp"
+#include "benchmarks.hpp"
+#include "timed.hpp"
+
+namespace takt::bench {
+
+namespace {
+
+using Sample = ::bench::Sample64;
+
+constexpr double kSeconds = 3;
+
+/// A writer and a reader of a connection.
+class Pair {
+ public:
+  /// As objects: within a host. Else as bytes in shared memory, for another process.
+  Pair(bool as_objects, std::uint32_t depth) {
+    const channel::Link::Options options{
+        .depth = depth, .payload = as_objects ? 0 : PortType<Sample>::info.max_size, .is_queue = depth > 1};
+    memory_ = std::move(os::SharedMemory::create("takt-link", channel::Link::layout(options).size()).value());
+    channel::Link::format(memory_.data(), options);
+    const channel::Link link{memory_.data()};
+    void* values = as_objects ? out_.make_values(link.buffers()) : nullptr;
+    out_.serve(context_);
+    in_.serve(context_);
+    out_.connect(link, values);
+    in_.connect(link, values);
+  }
+
+  void write() {
+    ++sample_.sent_ns();
+    out_.write(sample_);
+  }
+  void write_and_read() {
+    write();
+    TAKT_CHECK(in_.read() && in_.value().sent_ns() == sample_.sent_ns());
+  }
+  bool read() { return static_cast<bool>(in_.read()); }
+
+ private:
+  PortContext context_{.start_ns = 1};
+  os::SharedMemory memory_;
+  Sample sample_;
+  OutPort<Sample> out_{"out"};
+  InPort<Sample> in_{"in"};
+};
+
+/// The same by memcpy, to a place that a compiler cannot see through and back.
+class Copy {
+ public:
+  void write_and_read() {
+    ++sample_[0];
+    std::memcpy(place_, sample_, sizeof sample_);
+    asm volatile("" : : "r"(place_) : "memory");
+    std::memcpy(read_, place_, sizeof read_);
+    asm volatile("" : : "r"(read_) : "memory");
+  }
+
+ private:
+  std::int64_t sample_[8]{};
+  std::int64_t place_[8]{};
+  std::int64_t read_[8]{};
+};
+
+}  // namespace
+
+Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) {
+  Section section{.title = "a sample of 64 bytes from port to port, one thread: ns",
+                  .columns = {"ns", "of memcpy"}};
+  const auto loop = run_at({.cpu = cpu_of(settings)}, [&] {
+    Copy copy;
+    Pair latest{true, 1};
+    Pair queue{true, 8};
+    Pair shared_latest{false, 1};
+    Pair shared_queue{false, 8};
+    Pair unread{true, 8};
+    Pair shared_unread{false, 8};
+    Pair no_news{true, 1};
+    const std::vector<std::pair<const char*, std::function<void()>>> steps{
+        {"memcpy, there and back", [&] { copy.write_and_read(); }},
+        {"in a host, latest: write and read", [&] { latest.write_and_read(); }},
+        {"in a host, queue: write and read", [&] { queue.write_and_read(); }},
+        {"in a host, queue: write to a full one", [&] { unread.write(); }},
+        {"in a host: read without news", [&] { TAKT_CHECK(!no_news.read()); }},
+        {"shared memory, latest: write and read", [&] { shared_latest.write_and_read(); }},
+        {"shared memory, queue: write and read", [&] { shared_queue.write_and_read(); }},
+        {"shared memory, queue: write to a full one", [&] { shared_unread.write(); }}};
+    std::vector<std::function<void()>> functions;
+    for (const auto& [name, step] : steps) functions.push_back(step);
+    const std::vector<double> times = each_by_turns(settings.length(kSeconds), functions);
+    for (std::size_t i = 0; i < steps.size(); ++i)
+      section.rows.push_back({steps[i].first, {times[i], times[i] / times[0]}});
+    return Loop{};
+  });
+  if (!loop) return loop.problems();
+  add_once(refused, loop->refused);
+  section.notes.emplace_back(
+      "Between processes the memory of the sample goes from one processor's caches to the other's besides.");
+  return std::vector<Section>{std::move(section)};
+}
+
+}  // namespace takt::bench

@@ -1,0 +1,123 @@
+// takt bench process
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <takt/os/real_time.hpp>
+#include <takt/os/waker.hpp>
+
+#include "bare_loop.hpp"
+#include "benchmarks.hpp"
+#include "measured_cell.hpp"
+#include "peer.hpp"
+#include "programs.hpp"
+#include "scratch_folder.hpp"
+
+namespace takt::bench {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kSeconds = 5;
+constexpr Nanoseconds kPeriod = 1ms;
+constexpr int kTurns = 2;
+
+struct Seen {
+  std::vector<std::int64_t> jitter;
+  std::uint64_t missed = 0;
+};
+
+// The scheduler of the paper, with nothing else to do: at each release it wakes the other process.
+Result<Seen> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nanoseconds period, Nanoseconds length,
+                         Problems& refused) {
+  const Grid now = Grid::from_now(period, length);
+  auto peer = Peer::start(by, {.cpu = other_cpu, .priority = place.priority - 1}, now.instants() + 1);
+  if (!peer) return peer.problems();
+  Seen seen;
+  const auto loop = run_at(place, [&] {
+    const std::atomic<std::uint32_t> stop{0};
+    os::Waker waker{model::Wakeup::hybrid, period, stop};
+    return loop_on_grid(
+        Grid::from_now(period, length), [&waker](Instant release) { return waker.wait_until(release); },
+        [&](Instant release) {
+          if (!peer->wake(release)) ++seen.missed;
+        });
+  });
+  if (!loop) return loop.problems();
+  add_once(refused, loop->refused);
+  if (peer->refused()) add_once(refused, {fail("the other process may not be real-time", "run as root")});
+  seen.missed += loop->missed;
+  seen.jitter = peer->jitter();
+  return seen;
+}
+
+}  // namespace
+
+Result<std::vector<Section>> process(const Settings& settings, Problems& refused) {
+  const Place place{.cpu = cpu_of(settings)};
+  const std::vector<int> cpus = os::allowed_cpus();
+  // Where a node puts its programs.
+  const auto other = std::find_if(cpus.begin(), cpus.end(), [&place](int cpu) { return cpu != place.cpu; });
+  const int other_cpu = other == cpus.end() ? place.cpu : *other;
+  const Nanoseconds period = settings.period.value_or(kPeriod);
+  const Nanoseconds length = settings.length(kSeconds) / kTurns;
+  auto patience = Patience::create();
+  if (!patience) return patience.problems();
+  const auto folder = ScratchFolder::create();
+  if (!folder) return folder.problems();
+  Table1Case one;
+  one.exe = 1;
+  one.measured = model::ModuleType::process;
+
+  std::vector<Seen> seen(3);
+  const auto add = [&seen](std::size_t way, const Seen& more) {
+    seen[way].jitter.insert(seen[way].jitter.end(), more.jitter.begin(), more.jitter.end());
+    seen[way].missed += more.missed;
+  };
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const auto measured = run_measured(one,
+                                       {.period = period,
+                                        .cpu = place.cpu,
+                                        .priority = place.priority,
+                                        .length = length,
+                                        .domain = settings.domain},
+                                       *folder, *patience);
+    if (!measured) return measured.problems();
+    add(0, {values_of(measured->jitter), measured->missed});
+    if (!measured->real_time)
+      add_once(refused, {fail("the node's threads are not real-time", "run as root")});
+    for (const WakeBy by : {WakeBy::futex, WakeBy::signal}) {
+      if (patience->ended()) return asked_to_end();
+      const auto woken = wake_a_peer(by, place, other_cpu, period, length, refused);
+      if (!woken) return woken.problems();
+      add(by == WakeBy::futex ? 1 : 2, *woken);
+    }
+  }
+  Section section{
+      .title = fmt::format("from release to body in another process, at {}, from processor {} to {}",
+                           to_text(period), place.cpu, other_cpu),
+      .columns = time_columns()};
+  section.columns.emplace_back("cycles");
+  section.columns.emplace_back("missed");
+  const std::vector<std::string> names{"process module", "futex", "signal"};
+  std::vector<double> medians;
+  for (std::size_t way = 0; way < seen.size(); ++way) {
+    const Distribution d = distribution_of(seen[way].jitter);
+    Row row{names[way], in_columns(d)};
+    row.values.push_back(static_cast<double>(d.count));
+    row.values.push_back(static_cast<double>(seen[way].missed));
+    section.rows.push_back(row);
+    medians.push_back(d.p50);
+  }
+  section.notes = {
+      "All are released by a thread that wakes as an executor does; the process module's is in a node and a "
+      "host.",
+      fmt::format("p50 of the process module: {:.2f} us (aim: at most 1; the paper: 5.5 to 6 us)",
+                  medians[0] / 1e3)};
+  return std::vector<Section>{std::move(section)};
+}
+
+}  // namespace takt::bench

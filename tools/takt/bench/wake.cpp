@@ -1,0 +1,78 @@
+// takt bench wake
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <takt/os/waker.hpp>
+
+#include "bare_loop.hpp"
+#include "benchmarks.hpp"
+
+namespace takt::bench {
+
+namespace {
+
+using model::Wakeup;
+using namespace std::chrono_literals;
+
+constexpr double kSeconds = 5;
+constexpr int kTurns = 5;
+
+Loop wait_by(Wakeup strategy, Nanoseconds period, Nanoseconds length) {
+  const std::atomic<std::uint32_t> stop{0};
+  os::Waker waker{strategy, period, stop};
+  return loop_on_grid(Grid::from_now(period, length),
+                      [&waker](Instant release) { return waker.wait_until(release); });
+}
+
+Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds length, Problems& refused) {
+  struct Way {
+    const char* name;
+    std::function<Loop()> loop;
+    Loop seen{};
+  };
+  const auto by = [=](Wakeup strategy) { return [=] { return wait_by(strategy, period, length / kTurns); }; };
+  std::vector<Way> ways{
+      {"bare loop", [=] { return loop_on_grid(Grid::from_now(period, length / kTurns), sleep_to); }},
+      {"sleep", by(Wakeup::sleep)},
+      {"hybrid", by(Wakeup::hybrid)},
+      {"spin", by(Wakeup::spin)}};
+  for (int turn = 0; turn < kTurns; ++turn) {
+    for (Way& way : ways) {
+      const auto loop = run_at(place, way.loop);
+      if (!loop) return loop.problems();
+      way.seen.add(*loop);
+    }
+  }
+  Section section{.title = fmt::format("wake-up at {}, processor {}, priority {}: after the instant by",
+                                       to_text(period), place.cpu, place.priority),
+                  .columns = time_columns()};
+  for (const char* column : {"cycles", "missed", "processor %"}) section.columns.emplace_back(column);
+  for (const Way& way : ways) {
+    const Distribution d = distribution_of(way.seen.jitter);
+    Row row{way.name, in_columns(d)};
+    row.values.push_back(static_cast<double>(d.count));
+    row.values.push_back(static_cast<double>(way.seen.missed));
+    row.values.push_back(100 * static_cast<double>(way.seen.processor_time.count()) /
+                         static_cast<double>(length.count()));
+    section.rows.push_back(row);
+    add_once(refused, way.seen.refused);
+  }
+  return section;
+}
+
+}  // namespace
+
+Result<std::vector<Section>> wake(const Settings& settings, Problems& refused) {
+  std::vector<Nanoseconds> periods{100us, 1ms};
+  if (settings.period) periods = {*settings.period};
+  std::vector<Section> sections;
+  for (const Nanoseconds period : periods) {
+    auto section = at_period(period, {.cpu = cpu_of(settings)}, settings.length(kSeconds), refused);
+    if (!section) return section.problems();
+    sections.push_back(std::move(*section));
+  }
+  return sections;
+}
+
+}  // namespace takt::bench
