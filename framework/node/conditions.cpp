@@ -37,8 +37,10 @@ std::string about(Nanoseconds time) {
 }  // namespace
 
 std::string throttling_cure(const os::Throttling& throttling) {
+  const char* const mount = throttling.seen ? "" : "mount -t debugfs none /sys/kernel/debug; ";
   return throttling.fair_server
-             ? "for cpu in /sys/kernel/debug/sched/fair_server/cpu*; do echo 0 > $cpu/runtime; done"
+             ? std::string{mount} +
+                   "for cpu in /sys/kernel/debug/sched/fair_server/cpu*; do echo 0 > $cpu/runtime; done"
              : "sysctl -w kernel.sched_rt_runtime_us=-1";
 }
 

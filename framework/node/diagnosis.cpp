@@ -153,7 +153,7 @@ Finding throttling(const Machine& machine, const Trial&) {
   finding.severity = Severity::note;
   finding.found = to_text(t.kept) + " of each " + to_text(t.period) + " are kept from real-time threads" +
                   (t.fair_server ? " while ordinary ones wait for their processor (the fair server)" : "") +
-                  (t.seen ? "" : "; these are the kernel's own values, the present ones are for root to see");
+                  (t.seen ? "" : "; these are the kernel's own values, the present ones cannot be read here");
   finding.cure = throttling_cure(t);
   return finding;
 }
