@@ -7,6 +7,7 @@
 
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
+#include <takt/core/check.hpp>
 #include <takt/executor/executor.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/os/clock.hpp>
@@ -51,7 +52,7 @@ class Table {
   explicit Table(std::size_t n, model::ModuleType type = model::ModuleType::thread)
       : blocks_(std::make_unique<channel::ModuleBlock[]>(n)),
         seats_(std::make_unique<channel::Seat[]>(n)),
-        seat_count_(n),
+        count_(n),
         bodies_(n) {
     model::Device device;
     device.executors.emplace_back();
@@ -85,14 +86,21 @@ class Table {
   }
   /// As if each program had done what it was released for.
   void answer_all() noexcept {
-    for (std::size_t i = 0; i < seat_count_; ++i)
+    for (std::size_t i = 0; i < count_; ++i)
       seats_[i].done.store(seats_[i].released.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  }
+  /// Whether each module was called or released in each row that was walked.
+  [[nodiscard]] bool all_served() const noexcept {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (blocks_[i].cycles.load() != block_.cycles.load()) return false;
+    }
+    return true;
   }
 
  private:
   std::unique_ptr<channel::ModuleBlock[]> blocks_;
   std::unique_ptr<channel::Seat[]> seats_;
-  std::size_t seat_count_;
+  std::size_t count_;
   std::vector<Module> bodies_;
   std::vector<executor::Body*> bare_;
   Cycle cycle_{};
@@ -117,6 +125,7 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Problems& 
       // is ahead.
       std::vector<double> times = each_by_turns(
           length, {[&] { executor.run_cycle(executor.next_release()); }, [&] { table.call_all(); }});
+      TAKT_CHECK(table.all_served());
       row = times[0];
       calls = times[1];
       return Loop{};
@@ -138,6 +147,7 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Problems& 
                                                                table.answer_all();
                                                              },
                                                              [] { static_cast<void>(os::now()); }});
+    TAKT_CHECK(table.all_served());
     released = times[0] / kPrograms;
     clock = times[1];
     return Loop{};

@@ -5,6 +5,7 @@
 
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
+#include <takt/core/check.hpp>
 #include <takt/os/shared_memory.hpp>
 
 #include <bench.hpp>
