@@ -445,6 +445,7 @@ void Device::program_ended(Member& member, const std::string& text) {
   member.alive = false;
   if (member.state() == State::destruct) return;
   if (phase_ == Phase::stopping) {
+    take_from_tables(member);  // the last row may be still to come
     if (member.machine.accepts(lifecycle::Event::stop)) apply(member, lifecycle::Event::stop);
     apply(member, lifecycle::Event::destruct, text);
     return;

@@ -52,6 +52,10 @@ void Invariants::hear(const Event& event) {
     hear_module(event, device);
   } else if (event.what == What::host_ended) {
     for (OfExecutor& executor : device.executors) {
+      // The row is cut short: it counts as missed, with what it has served and who was in it.
+      for (const Served& served : executor.served) {
+        if (executor.in_row && executor.runs != served.module) ++device.modules[served.module].twice;
+      }
       executor.runs.reset();
       executor.sporadic.reset();
     }
@@ -82,10 +86,6 @@ void Invariants::hear_row(const Event& event, OfDevice& device) {
       // A row that a crash cut short was begun, and the rows before it were skipped.
       if (executor.in_row) {
         count_missed(device, plan, event.device, executor.next_row, from, true);
-        for (const Served& served : executor.served) {
-          if (event.count != 0 && device.modules[served.module].in_tables)
-            ++device.modules[served.module].cut_short;
-        }
       }
       count_missed(device, plan, event.device, from, event.number, false);
       executor.in_row = false;
@@ -128,8 +128,8 @@ void Invariants::count_missed(OfDevice& device, const schedule::ExecutorPlan& pl
                               std::uint64_t from, std::uint64_t to, bool as_woken) {
   for (const std::uint32_t index : plan.periodic) {
     OfModule& module = device.modules[index];
-    if (!(as_woken ? module.was_in : module.in_tables)) continue;
-    module.missed +=
+    const bool in = as_woken ? module.was_in : module.in_tables;
+    (in ? module.missed : module.out) +=
         multiples(from, to, static_cast<std::uint64_t>(period_of(on, index) / plan.basic_period));
   }
 }
@@ -140,10 +140,11 @@ void Invariants::check_row(const Event& event, OfDevice& device, const schedule:
   const auto name = [&](std::uint32_t module) { return cell_.devices[event.device].modules[module].name; };
   auto next = executor.served.begin();
   for (const std::uint32_t index : row) {
-    const OfModule& module = device.modules[index];
+    OfModule& module = device.modules[index];
     const bool same = module.changes == module.changes_then;
     if (next == executor.served.end() || next->module != index) {
       if (module.was_in && same) violated(event, name(index) + " was not served in its turn");
+      ++module.out;
       continue;
     }
     if (!module.was_in && same) violated(event, name(index) + " was served and is not in the tables");
@@ -302,7 +303,14 @@ void Invariants::hear_sample(const Event& event) {
 
 void Invariants::close(std::uint32_t index, const Totals& totals) {
   const model::Device& model = cell_.devices[index];
-  const OfDevice& device = devices_[index];
+  OfDevice& device = devices_[index];
+  // The rows before one that nobody ended were skipped.
+  for (std::size_t e = 0; e < model.executors.size(); ++e) {
+    const OfExecutor& executor = device.executors[e];
+    if (!executor.in_row) continue;
+    count_missed(device, plans_[index].executors[e], index, executor.next_row, totals.executors[e].next_row,
+                 true);
+  }
   const auto wrong = [this](const std::string& who, const std::string& what, std::uint64_t counted,
                             std::uint64_t happened) {
     if (counted == happened || violations_.size() >= kMaxViolations) return;
@@ -322,6 +330,13 @@ void Invariants::close(std::uint32_t index, const Totals& totals) {
     wrong(who, "steps", counted.steps, happened.steps);
     if (model.modules[m].operation == model::Operation::periodic) {
       wrong(who, "missed releases", counted.missed, happened.missed);
+      const schedule::ExecutorPlan& plan =
+          plans_[index].executors[executor_of(index, static_cast<std::uint32_t>(m))];
+      const auto stride = static_cast<std::uint64_t>(*model.modules[m].period / plan.basic_period);
+      const std::uint64_t rows = totals.executors[executor_of(index, static_cast<std::uint32_t>(m))].next_row;
+      wrong(who, "releases, with those missed, busy or not in the tables,",
+            counted.cycles + counted.missed + happened.busy + happened.out - happened.twice,
+            multiples(0, rows, stride));
       if (model.modules[m].type == model::ModuleType::process)
         wrong(who, "overruns", counted.overruns, happened.busy);
     }

@@ -79,7 +79,8 @@ class Invariants final : public Listener {
     std::uint64_t cycles = 0;
     std::uint64_t busy = 0;
     std::uint64_t missed = 0;
-    std::uint64_t cut_short = 0;  // served in a row that a crash ended, which counts as missed
+    std::uint64_t out = 0;    // releases that were due while it was not in the tables
+    std::uint64_t twice = 0;  // served in a row that a crash cut short, which counts as missed
     lifecycle::State state = lifecycle::State::idle;
     lifecycle::State before_error = lifecycle::State::start;
     std::uint64_t steps = 0;
