@@ -38,7 +38,7 @@ struct Totals {
   };
   std::vector<OfExecutor> executors;
   std::vector<OfModule> modules;
-  std::vector<std::uint32_t> unbalanced;  ///< connections: a sample was written and is nowhere
+  std::vector<std::uint32_t> unbalanced{};  ///< connections: a sample was written and is nowhere
 };
 
 class Invariants final : public Listener {
