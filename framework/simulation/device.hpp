@@ -170,7 +170,6 @@ class Device {
   std::uint64_t host_ = 0;  // which of them; what an earlier one was asked is not answered
   Instant hooks_free_at_{};
   std::vector<Strand*> host_strands_;
-  std::uint32_t host_restarts_ = 0;
   bool gateway_awake_ = false;
   bool halted_ = false;
   bool halt_asked_ = false;

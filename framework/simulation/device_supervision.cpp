@@ -133,7 +133,7 @@ void Device::supervise(Member& member) {
     const bool walked = std::all_of(members_.begin(), members_.end(), [this](const auto& m) {
       return !m->scheduled() || channel_.executor(m->executor).cycles.load() > 0;
     });
-    if (!walked) return;
+    if (!walked || (member.is_thread() && !host_runs_)) return;
     if (member.is_thread()) {
       put_in_tables(member);
       Strand& strand = world_.kernel.spawn({.processor = nullptr, .priority = 0},
@@ -385,32 +385,35 @@ void Device::host_is_seen_ended(std::optional<std::uint32_t> culprit, ErrorType 
     return;
   }
   if (phase_ != Phase::running) return;
-  ++host_restarts_;
-  world_.kernel.at(now() + draws_.between(kHostShortest, kHostLongest), [this] {
-    if (phase_ == Phase::running) start_host();
-  });
+  start_host();
 }
 
 void Device::start_host() {
   host_runs_ = true;
+  const bool first = host_ == 0;
+  const Nanoseconds takes = first ? Nanoseconds{0} : draws_.between(kHostShortest, kHostLongest);
+  hooks_free_at_ = now() + takes;
   // The values of two modules of the former host are gone with it.
   for (auto& wire : wires_) {
     const auto is_thread = [this](Wire::End end) { return end && members_[*end]->is_thread(); };
-    if (is_thread(wire->writer()) && is_thread(wire->reader()) && host_ != 0) wire->drop();
+    if (is_thread(wire->writer()) && is_thread(wire->reader()) && !first) wire->drop();
   }
   make_executors();
   say({.what = What::host_began});
   // A module whose instance died with the host, through no fault of its own, is loaded afresh.
   for (auto& member : members_) {
     if (!member->is_thread() || member->lost) continue;
-    if (host_ != 0) {
+    if (!first) {
       if (member->state() == State::destruct) continue;
       member->block.error.store(0);
       apply(*member, lifecycle::Event::destruct, "its host ended");
     }
     ask(*member, Doing::load);
   }
-  if (rows_begun_) begin_strands();
+  if (first) return;  // rows begin at T0
+  world_.kernel.at(now() + takes, [this, host = host_] {
+    if (host == host_ && phase_ == Phase::running) begin_strands();
+  });
 }
 
 void Device::spawn(Member& member) {

@@ -268,7 +268,7 @@ TEST(Simulation, OnASharedProcessorTheLowerExecutorWaits) {
   const auto with = [&](const std::string& cpu) {
     return Cell::of("<device name=\"d\">" + modules + cpu + "\"/>" +
                     thread("h", "1000000", "<executor>high</executor><budget>900000</budget>") +
-                    thread("l", "1000000", "<executor>low</executor><budget>300000</budget>") + "</device>")
+                    thread("l", "1000000", "<executor>low</executor>") + "</device>")
         .run({.length = milliseconds{200}});
   };
   const double apart = module_of(with("1"), "l")["run_us"]["p50"];
