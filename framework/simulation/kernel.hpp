@@ -103,7 +103,7 @@ class Kernel final : public Clock {
       return when != other.when ? when > other.when : order > other.order;
     }
   };
-  static constexpr std::size_t kStackBytes = 256 * 1024;
+  static constexpr std::size_t kStackBytes = 128 * 1024;
 
   void push(Event event);
   void want(Strand& strand, Nanoseconds work);

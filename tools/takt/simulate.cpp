@@ -112,9 +112,39 @@ int show(const SimulateOptions& options, const model::Cell& cell,
   return course->failures.empty() && course->violations.empty() && printed ? 0 : 1;
 }
 
+/// What nobody has a descriptor of.
+std::string words_of(const simulation::RandomCell& random) {
+  const model::Cell& cell = random.cell;
+  std::string text;
+  for (const model::Device& device : cell.devices) {
+    for (const model::Executor& executor : device.executors) {
+      text += fmt::format("# {}.{}: executor, priority {}{}\n", device.name, executor.name, executor.priority,
+                          executor.cpu ? fmt::format(", cpu {}", *executor.cpu) : "");
+    }
+    for (const model::Module& m : device.modules) {
+      text += fmt::format("# {}.{}: {} {}{}{}{}{}, priority {}{}\n", device.name, m.name,
+                          to_text(m.operation), to_text(m.type), m.period ? " of " + to_text(*m.period) : "",
+                          m.deadline ? ", deadline " + to_text(*m.deadline) : "",
+                          m.dispatch == model::Dispatch::immediate ? ", immediate" : "",
+                          m.interarrival ? ", interarrival " + to_text(*m.interarrival) : "", m.priority,
+                          m.executor.empty() ? "" : ", executor " + m.executor);
+    }
+  }
+  for (const model::Connection& connection : cell.connections) {
+    text += fmt::format("# {} to {}: {} of {}{}{}\n", to_text(connection.from), to_text(connection.to),
+                        to_text(connection.kind), connection.depth,
+                        connection.deadline ? ", deadline " + to_text(*connection.deadline) : "",
+                        connection.stale == model::Stale::error ? ", stale is an error" : "");
+  }
+  return text + fmt::format("# {} faults a second for {}, {} processors a device\n",
+                            random.options.faults_per_second, to_text(random.options.length),
+                            random.options.cpus);
+}
+
 int simulate(const SimulateOptions& options) {
   if (options.is_random) {
     const simulation::RandomCell random = simulation::random_cell(options.random_cell);
+    if (!options.json && !print(words_of(random))) return 1;
     return show(options, random.cell, random.plans, {}, random.options);
   }
   Problems missing;  // the components themselves are not needed

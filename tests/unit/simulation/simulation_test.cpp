@@ -291,11 +291,18 @@ TEST(Simulation, RunTimesAreThoseOfTheProfile) {
 }
 
 /// Cells by chance, then the demo: what must hold, with everything going wrong that can.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::uint64_t kRandomCells = 320;  // each takes fifty times as long
+constexpr std::uint64_t kDemoCells = 16;
+#else
+constexpr std::uint64_t kRandomCells = 4000;
+constexpr std::uint64_t kDemoCells = 320;
+#endif
 constexpr std::uint64_t kParts = 16;
 class Seeds : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(Seeds, OfRandomCellsHoldWhatMustHold) {
-  for (std::uint64_t seed = GetParam(); seed < 4000; seed += kParts) {
+  for (std::uint64_t seed = GetParam(); seed < kRandomCells; seed += kParts) {
     const RandomCell random = random_cell(seed);
     const auto course = simulate(random.cell, random.plans, {}, random.options);
     ASSERT_TRUE(course.ok()) << to_text(course.problems());
@@ -307,7 +314,7 @@ TEST_P(Seeds, OfRandomCellsHoldWhatMustHold) {
 TEST_P(Seeds, OfTheDemoHoldWhatMustHold) {
   auto cell = descriptor::load(TAKT_SOURCE_DIR "/deploy/palletizing.xml");
   const auto plans = schedule::plan(*cell);
-  for (std::uint64_t seed = GetParam(); seed < 320; seed += kParts) {
+  for (std::uint64_t seed = GetParam(); seed < kDemoCells; seed += kParts) {
     const auto course = simulate(
         *cell, *plans, {},
         {.seed = seed, .length = milliseconds{200}, .faults_per_second = static_cast<double>(seed % 50)});
