@@ -67,16 +67,13 @@ TEST(Fiber, HandlesExceptionsOfItsOwn) {
   EXPECT_EQ("thrown", caught);
 }
 
-using FiberDeathTest = testing::Test;
-TEST(FiberDeathTest, DoesNotReturnFromItsBody) {
-  EXPECT_DEATH(
-      {
-        Fiber main;
-        Fiber other{kStack, [] {}};
-        main.hand_over_to(other);
-      },
-      "does not return");
+void return_from_a_body() {
+  Fiber main;
+  Fiber other{kStack, [] {}};
+  main.hand_over_to(other);
 }
+
+TEST(FiberDeathTest, DoesNotReturnFromItsBody) { EXPECT_DEATH(return_from_a_body(), "does not return"); }
 
 }  // namespace
 }  // namespace takt::os
