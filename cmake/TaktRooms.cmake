@@ -19,7 +19,8 @@ file(GLOB_RECURSE TAKT_GUARDED_fastdds RELATIVE ${TAKT_FASTDDS_INCLUDE} ${TAKT_F
 list(REMOVE_ITEM TAKT_GUARDED_fastdds fastrtps/utils/fixed_size_string.hpp)
 set(TAKT_GUARDED_linux dlfcn.h elf.h fcntl.h link.h linux/futex.h poll.h pthread.h sched.h signal.h spawn.h
     sys/epoll.h sys/eventfd.h sys/file.h sys/mman.h sys/prctl.h sys/resource.h sys/select.h sys/signalfd.h
-    sys/socket.h sys/stat.h sys/syscall.h sys/timerfd.h sys/types.h sys/un.h sys/wait.h syscall.h unistd.h)
+    sys/socket.h sys/stat.h sys/syscall.h sys/timerfd.h sys/types.h sys/un.h sys/wait.h syscall.h ucontext.h
+    unistd.h)
 set(TAKT_OWNER_tinyxml2 "framework/descriptor")
 set(TAKT_OWNER_fastdds "framework/dds")
 set(TAKT_OWNER_linux "framework/os")

@@ -196,6 +196,7 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
   if (member.state() == State::destruct) return;
   const bool to_end = member.order && member.order->begun && member.order->verb == Verb::destruct;
   if (phase_ == Phase::stopping || to_end) {
+    take_from_tables(member);  // the last row may be still to come
     if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
     apply(member, Event::destruct, end.text());
     return;

@@ -25,6 +25,8 @@ CASES = {
     "channel": (["takt/os/shared_memory.hpp"], ["takt/executor/executor.hpp", "takt/host/host.hpp", "sys/mman.h"]),
     "component": (["takt/core/result.hpp", "takt/channel/link.hpp"], ["takt/executor/body.hpp", "takt/host/host.hpp", "unistd.h"]),
     "executor": (["takt/schedule/plan.hpp", "takt/channel/seat.hpp"], ["takt/host/host.hpp", "takt/node/supervisor.hpp", "sys/syscall.h"]),
+    "simulation": (["takt/executor/executor.hpp", "takt/lifecycle/machine.hpp", "takt/os/fiber.hpp"],
+                   ["takt/host/host.hpp", "takt/node/supervisor.hpp", "takt/descriptor/descriptor.hpp", "ucontext.h", "takt/wire/takt.h"]),
     "host": (["takt/executor/executor.hpp"], ["takt/descriptor/descriptor.hpp", "takt/node/supervisor.hpp", "dlfcn.h", "tinyxml2.h", "takt/dds/gateway.hpp", "takt/wire/takt.h"]),
     "dds": (["takt/channel/link.hpp", "takt/wire/takt.h", "fastdds/dds/domain/DomainParticipant.hpp"],
             ["takt/host/inspect.hpp", "takt/node/supervisor.hpp", "takt/component/component.hpp", "sys/socket.h", "tinyxml2.h"]),

@@ -43,6 +43,7 @@ int describe(const DescribeOptions& options);
 using Chosen = std::function<int()>;
 /// Each adds its command, which sets `chosen`. Both outlive the parsing.
 void add_graph(CLI::App& app, Chosen& chosen);
+void add_simulate(CLI::App& app, Chosen& chosen);
 void add_deploy(CLI::App& app, Chosen& chosen);
 void add_undeploy(CLI::App& app, Chosen& chosen);
 void add_status(CLI::App& app, Chosen& chosen);

@@ -1,0 +1,360 @@
+#include <takt/simulation/fault.hpp>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <takt/core/words.hpp>
+
+namespace takt::simulation {
+
+namespace {
+
+using Kind = Fault::Kind;
+
+enum class Of { module, executor, device, devices, connection };
+enum class Amount { none, duration, count };
+
+struct Word {
+  Kind kind;
+  Of of;
+  std::string_view word;
+  Amount amount;
+  std::string_view example;
+  std::string_view means;
+};
+
+constexpr std::array kWords{
+    Word{Kind::late, Of::module, "late", Amount::duration, "robot.servo late 3 ms",
+         "its next run takes that much longer"},
+    Word{Kind::crash, Of::module, "crash", Amount::none, "line.belt crash",
+         "its next run crashes the host, or its program"},
+    Word{Kind::fail, Of::module, "fail", Amount::none, "robot.servo fail",
+         "its next run says that it failed"},
+    Word{Kind::hang, Of::module, "hang", Amount::none, "robot.servo hang", "its next run never comes back"},
+    Word{Kind::unmended, Of::module, "unmended", Amount::count, "robot.servo unmended 2",
+         "its next attempts to recover fail"},
+    Word{Kind::oversleep, Of::executor, "oversleep", Amount::duration, "robot.motion oversleep 3 ms",
+         "the executor's next wake-up comes late"},
+    Word{Kind::clock_step, Of::device, "clock-step", Amount::duration, "robot clock-step -2 ms",
+         "the device's wall clock is set"},
+    Word{Kind::cut, Of::devices, "cut for", Amount::duration, "link robot line cut for 500 ms",
+         "nothing gets through between the two"},
+    Word{Kind::lose, Of::connection, "lose", Amount::count, "connection robot.arm.state lose 3",
+         "the next samples of this output to other devices are lost"},
+    Word{Kind::delay, Of::connection, "late", Amount::duration, "connection robot.arm.state late 5 ms",
+         "its next sample to other devices takes longer"},
+};
+
+const Word& word_of(Kind kind) {
+  return *std::find_if(kWords.begin(), kWords.end(), [kind](const Word& word) { return word.kind == kind; });
+}
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> words;
+  while (true) {
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string_view::npos) return words;
+    line.remove_prefix(begin);
+    const std::size_t end = std::min(line.find_first_of(" \t\r"), line.size());
+    words.push_back(line.substr(0, end));
+    line.remove_prefix(end);
+  }
+}
+
+bool crosses(const model::Connection& connection) {
+  return connection.from.given() && connection.to.given() &&
+         (connection.from.device != connection.to.device || !connection.topic.empty());
+}
+
+class Line {
+ public:
+  Line(std::string_view text, std::string where, const model::Cell& cell)
+      : words_(split(text)), where_(std::move(where)), cell_(cell) {}
+
+  Result<std::vector<Fault>> read() {
+    Fault fault;
+    if (next() != "at") return wrong("a line begins with the time", "at 1.5 s robot.servo late 3 ms");
+    const auto at = duration();
+    if (!at || *at < Nanoseconds{0})
+      return wrong("there is no time since T0 after 'at'", "at 1.5 s, at 20 ms");
+    fault.at = *at;
+
+    std::vector<Fault> places;
+    Of of = Of::module;
+    if (peek() == "link") {
+      next();
+      const auto a = device(next());
+      if (!a) return *problem_;
+      const auto b = device(next());
+      if (!b) return *problem_;
+      if (*a == *b) return wrong("a link is between two devices", "link robot line cut for 500 ms");
+      of = Of::devices;
+      fault.device = *a;
+      fault.place = *b;
+      places.push_back(fault);
+    } else if (peek() == "connection") {
+      next();
+      of = Of::connection;
+      if (!connections(next(), fault, places)) return *problem_;
+    } else if (!place(next(), fault, places, of)) {
+      return *problem_;
+    }
+
+    if (!what(of, places)) return *problem_;
+    if (!peek().empty()) return wrong("there is more on the line: " + in_quotes(peek()), "one fault a line");
+    return places;
+  }
+
+ private:
+  [[nodiscard]] std::string_view peek() const {
+    return at_ < words_.size() ? words_[at_] : std::string_view{};
+  }
+  std::string_view next() { return at_ < words_.size() ? words_[at_++] : std::string_view{}; }
+  Problem wrong(std::string what, std::string fix) {
+    problem_ = Problem{where_, std::move(what), std::move(fix)};
+    return *problem_;
+  }
+
+  /// "1.5 s", "1.5s", "-2 ms"
+  std::optional<Nanoseconds> duration() {
+    std::string_view number = next();
+    const std::size_t digits = std::min(number.find_first_not_of("+-.0123456789"), number.size());
+    std::string_view unit = number.substr(digits);
+    number = number.substr(0, digits);
+    if (unit.empty()) unit = next();
+    double value = 0;
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+    if (number.empty() || error != std::errc{} || end != number.data() + number.size()) return std::nullopt;
+    const double scale = unit == "ns" ? 1 : unit == "us" ? 1e3 : unit == "ms" ? 1e6 : unit == "s" ? 1e9 : 0;
+    if (scale == 0 || !(std::abs(value * scale) < 1e18)) return std::nullopt;
+    return Nanoseconds{std::llround(value * scale)};
+  }
+
+  std::optional<std::uint32_t> device(std::string_view name) {
+    std::vector<std::string_view> known;
+    for (std::uint32_t i = 0; i < cell_.devices.size(); ++i) {
+      if (cell_.devices[i].name == name) return i;
+      known.emplace_back(cell_.devices[i].name);
+    }
+    wrong("there is no device " + in_quotes(name), suggestion(name, known));
+    return std::nullopt;
+  }
+
+  /// DEVICE, DEVICE.MODULE or DEVICE.EXECUTOR, as what is to happen to it says.
+  bool place(std::string_view name, Fault& fault, std::vector<Fault>& places, Of& of) {
+    const std::size_t dot = name.find('.');
+    const auto found = device(name.substr(0, dot));
+    if (!found) return false;
+    fault.device = *found;
+    of = Of::device;
+    if (dot != std::string_view::npos) {
+      const std::string_view part = name.substr(dot + 1);
+      of = peek() == word_of(Kind::oversleep).word ? Of::executor : Of::module;
+      std::vector<std::string_view> known;
+      const model::Device& model = cell_.devices[*found];
+      if (of == Of::executor) {
+        for (const auto& executor : model.executors) known.emplace_back(executor.name);
+      } else {
+        for (const auto& module : model.modules) known.emplace_back(module.name);
+      }
+      const auto one = std::find(known.begin(), known.end(), part);
+      if (one == known.end()) {
+        wrong("device " + model.name + " has no " + (of == Of::executor ? "executor " : "module ") +
+                  in_quotes(part),
+              known.empty() ? "it has none" : suggestion(part, known));
+        return false;
+      }
+      fault.place = static_cast<std::uint32_t>(one - known.begin());
+    }
+    places.push_back(fault);
+    return true;
+  }
+
+  bool connections(std::string_view name, Fault fault, std::vector<Fault>& places) {
+    bool within = false;
+    std::vector<std::string> outputs;
+    for (std::uint32_t i = 0; i < cell_.connections.size(); ++i) {
+      const model::Connection& connection = cell_.connections[i];
+      if (!connection.from.given()) continue;
+      outputs.push_back(model::to_text(connection.from));
+      if (outputs.back() != name) continue;
+      within |= !crosses(connection);
+      if (!crosses(connection)) continue;
+      fault.place = i;
+      places.push_back(fault);
+    }
+    if (!places.empty()) return true;
+    if (within) {
+      wrong(in_quotes(name) + " is connected within its device, where no sample is lost or late",
+            "an output that another device reads");
+      return false;
+    }
+    const std::vector<std::string_view> known{outputs.begin(), outputs.end()};
+    wrong("no connection is from " + in_quotes(name),
+          known.empty() ? "there is none" : suggestion(name, known));
+    return false;
+  }
+
+  bool what(Of of, std::vector<Fault>& places) {
+    std::string_view given = next();
+    std::vector<std::string_view> known;
+    for (const Word& word : kWords) {
+      if (word.of != of) continue;
+      const std::vector<std::string_view> parts = split(word.word);
+      known.push_back(word.word);
+      if (given != parts.front()) continue;
+      if (parts.size() > 1 && next() != parts[1]) {
+        wrong("after '" + std::string{given} + "' comes '" + std::string{parts[1]} + "'",
+              std::string{word.example});
+        return false;
+      }
+      for (Fault& fault : places) fault.kind = word.kind;
+      return amount(word, places);
+    }
+    wrong(given.empty() ? "it does not say what happens"
+                        : "nothing that can happen there is called " + in_quotes(given),
+          suggestion(given, known));
+    return false;
+  }
+
+  bool amount(const Word& word, std::vector<Fault>& places) {
+    if (word.amount == Amount::duration) {
+      const auto by = duration();
+      const bool may_be_negative = word.kind == Kind::clock_step;
+      if (!by || (*by <= Nanoseconds{0} && !may_be_negative)) {
+        wrong("there is no time after '" + std::string{word.word} + "'", std::string{word.example});
+        return false;
+      }
+      for (Fault& fault : places) fault.by = *by;
+    }
+    if (word.amount == Amount::count) {
+      const std::string_view number = next();
+      std::uint64_t count = 0;
+      const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), count);
+      if (number.empty() || error != std::errc{} || end != number.data() + number.size() || count == 0) {
+        wrong("there is no number above 0 after '" + std::string{word.word} + "'", std::string{word.example});
+        return false;
+      }
+      for (Fault& fault : places) fault.count = count;
+    }
+    return true;
+  }
+
+  std::vector<std::string_view> words_;
+  std::size_t at_ = 0;
+  std::string where_;
+  const model::Cell& cell_;
+  std::optional<Problem> problem_;
+};
+
+}  // namespace
+
+std::string to_text(const Fault& fault, const model::Cell& cell) {
+  const Word& word = word_of(fault.kind);
+  const model::Device& device = cell.devices[fault.device];
+  // Exact, as to_text() of a time is not.
+  const auto exact = [](Nanoseconds time) {
+    return time.count() % 1000 == 0 ? fmt::format("{} us", time.count() / 1000)
+                                    : fmt::format("{} ns", time.count());
+  };
+  std::string line = "at " + exact(fault.at) + " ";
+  switch (word.of) {
+    case Of::module:
+      line += device.name + "." + device.modules[fault.place].name;
+      break;
+    case Of::executor:
+      line += device.name + "." + device.executors[fault.place].name;
+      break;
+    case Of::device:
+      line += device.name;
+      break;
+    case Of::devices:
+      line += "link " + device.name + " " + cell.devices[fault.place].name;
+      break;
+    case Of::connection:
+      line += "connection " + model::to_text(cell.connections[fault.place].from);
+      break;
+  }
+  line += " " + std::string{word.word};
+  if (word.amount == Amount::duration) line += " " + exact(fault.by);
+  if (word.amount == Amount::count) line += " " + std::to_string(fault.count);
+  return line;
+}
+
+Result<std::vector<Fault>> parse_script(std::string_view text, const std::string& file,
+                                        const model::Cell& cell) {
+  std::vector<Fault> faults;
+  Problems problems;
+  for (int number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    line = line.substr(0, line.find('#'));
+    if (split(line).empty()) continue;
+    auto read = Line{line, place(file, number), cell}.read();
+    if (read)
+      faults.insert(faults.end(), read->begin(), read->end());
+    else
+      problems.push_back(read.problems().front());
+  }
+  if (!problems.empty()) return problems;
+  return faults;
+}
+
+std::string script_help() {
+  std::string text;
+  for (const Word& word : kWords) text += fmt::format("  at 1.5 s {:<40} {}\n", word.example, word.means);
+  return text;
+}
+
+std::vector<Fault> draw_faults(const model::Cell& cell, Draws& draws, Nanoseconds length, double per_second) {
+  const double expected = per_second * static_cast<double>(length.count()) / 1e9;
+  const auto number =
+      static_cast<std::uint64_t>(expected) + (draws.chance(expected - std::floor(expected)) ? 1 : 0);
+  std::vector<std::uint32_t> crossing;
+  for (std::uint32_t i = 0; i < cell.connections.size(); ++i) {
+    if (crosses(cell.connections[i])) crossing.push_back(i);
+  }
+  using std::chrono::microseconds;
+  std::vector<Fault> faults;
+  while (faults.size() < number) {
+    Fault fault{.kind = static_cast<Kind>(draws.below(kWords.size())),
+                .at = draws.between(Nanoseconds{0}, length),
+                .device = static_cast<std::uint32_t>(draws.below(cell.devices.size())),
+                .place = 0,
+                .by = draws.between(Nanoseconds{microseconds{20}}, Nanoseconds{microseconds{20'000}}),
+                .count = draws.below(4) + 1};
+    const model::Device& device = cell.devices[fault.device];
+    const Word& word = word_of(fault.kind);
+    std::size_t places = 1;
+    if (word.of == Of::module) places = device.modules.size();
+    if (word.of == Of::executor) places = device.executors.size();
+    if (word.of == Of::devices) places = cell.devices.size();
+    if (word.of == Of::connection) places = crossing.size();
+    if (places == 0) continue;
+    fault.place = static_cast<std::uint32_t>(draws.below(places));
+    if (word.of == Of::devices && fault.place == fault.device) {
+      if (cell.devices.size() == 1) continue;
+      fault.place = (fault.device + 1) % static_cast<std::uint32_t>(cell.devices.size());
+    }
+    if (word.of == Of::connection) {
+      fault.place = crossing[fault.place];
+      fault.device = 0;  // the connection says where
+    }
+    if (word.of == Of::device) fault.place = 0;
+    if (fault.kind == Kind::cut) fault.by *= 10;
+    if (fault.kind == Kind::clock_step && draws.chance(0.5)) fault.by = -fault.by;
+    if (word.amount != Amount::duration) fault.by = Nanoseconds{0};
+    if (word.amount != Amount::count) fault.count = 0;
+    faults.push_back(fault);
+  }
+  std::stable_sort(faults.begin(), faults.end(), [](const Fault& a, const Fault& b) { return a.at < b.at; });
+  return faults;
+}
+
+}  // namespace takt::simulation

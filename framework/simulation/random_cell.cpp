@@ -1,0 +1,149 @@
+#include <takt/simulation/random_cell.hpp>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include <takt/core/check.hpp>
+#include <takt/model/validate.hpp>
+
+namespace takt::simulation {
+
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+constexpr std::array<Nanoseconds, 6> kPeriods{microseconds{500}, milliseconds{1}, milliseconds{2},
+                                              milliseconds{4},   milliseconds{5}, milliseconds{10}};
+
+class Maker {
+ public:
+  explicit Maker(std::uint64_t seed) : draws_(seed, "random cell") {}
+
+  model::Cell make() {
+    model::Cell cell;
+    cell.name = "random";
+    const std::uint64_t devices = 1 + draws_.below(3);
+    for (std::uint64_t d = 0; d < devices; ++d) cell.devices.push_back(device("d" + std::to_string(d)));
+    connect(cell);
+    return cell;
+  }
+
+ private:
+  template <class T, std::size_t N>
+  T one_of(const std::array<T, N>& choices) {
+    return choices[draws_.below(N)];
+  }
+
+  model::Device device(const std::string& name) {
+    model::Device device;
+    device.name = name;
+    const std::uint64_t executors = 1 + draws_.below(2);
+    const bool share = draws_.chance(0.5);
+    for (std::uint64_t e = 0; e < executors; ++e) {
+      model::Executor executor;
+      executor.name = "e" + std::to_string(e);
+      executor.priority = 80 - static_cast<int>(10 * e);
+      if (share) executor.cpu = 1;
+      device.executors.push_back(executor);
+    }
+    const std::uint64_t modules = 1 + draws_.below(5);
+    for (std::uint64_t m = 0; m < modules; ++m)
+      device.modules.push_back(module("m" + std::to_string(m), device));
+    return device;
+  }
+
+  model::Module module(const std::string& name, const model::Device& device) {
+    model::Module module;
+    module.name = name;
+    const bool is_process = draws_.chance(0.25);
+    module.type = is_process ? model::ModuleType::process : model::ModuleType::thread;
+    module.filename = name + (is_process ? ".exe" : ".so");
+    module.priority = static_cast<int>(draws_.below(4));
+    module.recovery = {.attempts = static_cast<int>(draws_.below(4)),
+                       .backoff = draws_.between(Nanoseconds{0}, Nanoseconds{milliseconds{30}}),
+                       .then = draws_.chance(0.1) ? model::GiveUp::stop_device : model::GiveUp::destruct};
+    const double kind = draws_.share();
+    if (kind < 0.05) {
+      module.operation = model::Operation::non_real;
+      if (!is_process && draws_.chance(0.5)) module.period = one_of(kPeriods);
+      return module;
+    }
+    module.executor = device.executors[draws_.below(device.executors.size())].name;
+    if (kind < 0.7) {
+      module.operation = model::Operation::periodic;
+      module.period = one_of(kPeriods);
+      // Those of a device fit any row.
+      if (draws_.chance(0.3))
+        module.budget = kPeriods.front() / draws_.between(std::int64_t{6}, std::int64_t{30});
+      return module;
+    }
+    module.operation = model::Operation::sporadic;
+    module.deadline = draws_.between(Nanoseconds{milliseconds{1}}, Nanoseconds{milliseconds{10}});
+    if (draws_.chance(0.3)) module.miss = model::Miss::error;
+    if (draws_.chance(0.4))
+      module.interarrival = draws_.between(Nanoseconds{microseconds{100}}, Nanoseconds{milliseconds{5}});
+    if (draws_.chance(0.5)) module.dispatch = model::Dispatch::immediate;
+    return module;
+  }
+
+  // Every module may write and read; a latest value has one connection an input, as its own port.
+  void connect(model::Cell& cell) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> places;
+    for (std::uint32_t d = 0; d < cell.devices.size(); ++d) {
+      for (std::uint32_t m = 0; m < cell.devices[d].modules.size(); ++m) {
+        const model::Module& module = cell.devices[d].modules[m];
+        // A program outside the scheduler is nobody whose samples would be simulated.
+        if (module.type == model::ModuleType::thread || module.operation != model::Operation::non_real)
+          places.emplace_back(d, m);
+      }
+    }
+    if (places.empty()) return;
+    const auto end = [&cell](const auto& at, const std::string& port) {
+      const model::Device& device = cell.devices[at.first];
+      return model::Endpoint{device.name, device.modules[at.second].name, port};
+    };
+    const std::uint64_t connections = draws_.below(2 * places.size() + 1);
+    for (std::uint64_t c = 0; c < connections; ++c) {
+      model::Connection connection;
+      const std::uint64_t from = draws_.below(places.size());
+      const std::uint64_t to = draws_.below(places.size());
+      connection.from = end(places[from], "out");
+      connection.to = end(places[to], "in" + std::to_string(c));
+      if (draws_.chance(0.5)) {
+        connection.kind = model::ConnectionKind::queue;
+        connection.depth = static_cast<int>(1 + draws_.below(6));
+        connection.reliability = model::Reliability::reliable;
+      }
+      if (draws_.chance(0.3)) {
+        connection.deadline = draws_.between(Nanoseconds{milliseconds{2}}, Nanoseconds{milliseconds{40}});
+        // In one direction only: modules that wait for each other never come back.
+        if (from < to && draws_.chance(0.5)) connection.stale = model::Stale::error;
+      }
+      if (draws_.chance(0.1))
+        connection.lifespan = draws_.between(Nanoseconds{microseconds{200}}, Nanoseconds{milliseconds{5}});
+      cell.connections.push_back(connection);
+    }
+  }
+
+  Draws draws_;
+};
+
+}  // namespace
+
+RandomCell random_cell(std::uint64_t seed) {
+  RandomCell random{.cell = Maker{seed}.make(), .plans = {}, .options = {}};
+  auto plans = schedule::plan(random.cell);
+  TAKT_CHECK(plans && model::validate(random.cell).empty());
+  random.plans = std::move(*plans);
+  Draws draws{seed, "random options"};
+  random.options.seed = seed;
+  random.options.length = draws.between(Nanoseconds{milliseconds{20}}, Nanoseconds{milliseconds{300}});
+  random.options.faults_per_second = draws.chance(0.2) ? 0 : static_cast<double>(draws.between(5, 100));
+  random.options.cpus = static_cast<int>(draws.below(3));
+  return random;
+}
+
+}  // namespace takt::simulation

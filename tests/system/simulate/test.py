@@ -1,0 +1,106 @@
+import os
+import re
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+
+DEMO = os.path.join(takt_system.SOURCE, "deploy", "palletizing.xml")
+EXAMPLE = os.path.join(takt_system.SOURCE, "deploy", "module.xml")
+
+
+class Simulate(takt_system.Case):
+    def trace(self, *arguments, status=0):
+        run = self.takt("simulate", *arguments, "--trace", "trace.txt")
+        self.assertEqual(status, run.status, run.err)
+        with open(os.path.join(self.folder, "trace.txt"), "rb") as file:
+            return file.read()
+
+    def test_one_seed_is_one_trace_byte_for_byte(self):
+        faults = ("--faults", "20", "--for", "0.5")
+        # What is given up in the course of it is said, as by takt run; the seeds here are without.
+        first = self.trace(DEMO, "--seed", "1", "--for", "1", "--script", self.beside("faults.txt"))
+        self.assertGreater(len(first), 100000)
+        self.assertEqual(first, self.trace(DEMO, "--seed", "1", "--for", "1", "--script", self.beside("faults.txt")))
+        self.assertNotEqual(first, self.trace(DEMO, "--seed", "2", "--for", "1", "--script", self.beside("faults.txt")))
+        random = self.takt("simulate", DEMO, *faults, "--seed", "5", "--trace", "-")
+        again = self.takt("simulate", DEMO, *faults, "--seed", "5", "--trace", "-")
+        self.assertGreater(len(random.out), 100000)
+        self.assertEqual(random.out, again.out)
+
+    def test_the_report_is_that_of_takt_run(self):
+        run = self.takt("simulate", EXAMPLE, "--for", "2", "--json")
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(["cell", "devices"], list(run.report))
+        self.assertEqual(["name", "alive", "real_time", "executors", "modules"], list(run.report["devices"][0]))
+        executor = run.executor()
+        self.assertEqual(["name", "cycles", "missed", "jitter_us"], list(executor))
+        self.assertEqual(20000, executor["cycles"] + executor["missed"])
+        modules = run.modules()
+        self.assertEqual(["controller1", "control2", "control3", "control4", "emergency", "vision", "monitoring"], list(modules))
+        for name, m in modules.items():
+            self.assertEqual(["name", "type", "operation", "state", "cycles", "overruns", "errors", "jitter_us", "run_us", "pid"],
+                             list(m)[:10], name)
+        self.assertEqual(executor["cycles"], modules["control2"]["cycles"])
+        self.assertGreater(modules["emergency"]["cycles"], 0)
+        text = self.takt("simulate", EXAMPLE, "--for", "0.1")
+        self.assertIn("cell module", text.out)
+        self.assertIn("overruns: not done by the next", text.out)
+
+    def test_a_script_is_carried_out(self):
+        lines = self.trace(DEMO, "--for", "1.5", "--script", self.beside("faults.txt")).decode().splitlines()
+
+        def has(pattern):
+            self.assertTrue(any(re.search(pattern, line) for line in lines), pattern)
+
+        has(r"^\+0\.20[4-9]\d+ robot executor motion walked row 20[4-5] .*, missed [3-4] before it$")
+        has(r"^\+0\.40\d+ robot\.servo EXECUTING -> RECOVER, step 4, failure")
+        has(r"robot\.servo RECOVER -> EXECUTING, step 5$")
+        has(r"^\+0\.6\d+ line\.counter EXECUTING -> RECOVER, step 4, crash")
+        has(r"line\.counter RECOVER -> EXECUTING, step 5$")
+        self.assertEqual(3, sum(1 for line in lines if line.endswith("is lost") and "station.panel.arm" in line))
+        has(r"^\+0\.900000000 station fault \(at 900000 us station clock-step -2000 us\)$")
+        has(r"^\+1\.00[3-4]\d+ robot executor motion woke 300\d+ ns after its release$")
+        # Every line begins with its time, and none goes back.
+        times = [float(line.split(" ")[0]) for line in lines]
+        self.assertEqual(sorted(times), times)
+
+    def test_a_wrong_script_is_refused_at_its_lines(self):
+        wrong = self.beside("wrong.txt")
+        run = self.takt("simulate", DEMO, "--for", "1", "--script", wrong, "--trace", "trace.txt")
+        self.assertEqual((1, ""), (run.status, run.out))
+        self.assertEqual(["%s:%d: error: " % (wrong, line) for line in (1, 4, 5)],
+                         [re.match(r".*?:\d+: error: ", text)[0] for text in run.err.splitlines()])
+        self.assertIn("did you mean robot?", run.err)
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "trace.txt")))
+        absent = self.takt("simulate", DEMO, "--script", "absent.txt")
+        self.assertEqual((1, ""), (absent.status, absent.out))
+        self.assertIn("absent.txt: error: ", absent.err)
+
+    def test_a_random_cell_is_shown_again(self):
+        traces = [self.takt("simulate", "--random-cell", str(n), "--trace", "-") for n in (3, 3, 4)]
+        for run in traces:
+            self.assertNotIn("must not happen", run.err)
+        self.assertEqual(traces[0].out, traces[1].out)
+        self.assertNotEqual(traces[0].out, traces[2].out)
+
+    def test_wrong_usage(self):
+        for arguments in ([], [DEMO, "--for", "0"], [DEMO, "--for", "soon"], [DEMO, "--cpus", "0"], [DEMO, "--random-cell", "1"],
+                          [DEMO, "--faults", "-1"], [DEMO, "--seed", "x"]):
+            with self.subTest(arguments=arguments):
+                run = self.takt("simulate", *arguments)
+                self.assertEqual((2, ""), (run.status, run.out), run.err)
+        self.assertIn("robot.servo late 3 ms", self.takt("simulate", "--help").out)
+        nowhere = self.takt("simulate", DEMO, "--trace", os.path.join(self.folder, "no", "trace.txt"))
+        self.assertEqual((1, ""), (nowhere.status, nowhere.out))
+        self.assertIn("cannot be written", nowhere.err)
+
+    def test_it_is_faster_than_real_time(self):
+        run = self.takt("simulate", DEMO, "--for", "100")
+        self.assertEqual(0, run.status, run.err)
+        print("\n" + run.err)
+        self.assertRegex(run.err, r"simulated 100 s in [\d.]+ s, \d+ times as fast; seed 1")
+
+
+if __name__ == "__main__":
+    takt_system.main()

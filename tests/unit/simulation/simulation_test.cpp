@@ -1,0 +1,331 @@
+#include <takt/simulation/simulation.hpp>
+
+#include <algorithm>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/simulation/random_cell.hpp>
+
+namespace takt::simulation {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+class Text final : public Listener {
+ public:
+  explicit Text(const model::Cell& cell) : cell_(cell) {}
+  void hear(const Event& event) override { lines.push_back(to_text(event, cell_, kT0)); }
+  std::vector<std::string> lines;
+
+ private:
+  const model::Cell& cell_;
+};
+
+struct Outcome {
+  std::vector<std::string> lines;
+  Course course;
+};
+
+/// Of a descriptor.
+class Cell {
+ public:
+  static Cell demo() {
+    auto cell = descriptor::load(TAKT_SOURCE_DIR "/deploy/palletizing.xml");
+    return Cell{std::move(*cell)};
+  }
+  static Cell of(const std::string& devices) {
+    auto cell = descriptor::parse("<cell name=\"c\">" + devices + "</cell>", "cell.xml");
+    if (!cell) ADD_FAILURE() << to_text(cell.problems());
+    return Cell{std::move(*cell)};
+  }
+  [[nodiscard]] Outcome run(Options options, const std::string& script = "") const {
+    auto faults = parse_script(script, "script", cell_);
+    if (!faults) ADD_FAILURE() << to_text(faults.problems());
+    options.faults = *faults;
+    Text text{cell_};
+    if (options.listener == nullptr) options.listener = &text;
+    auto course = simulate(cell_, plans_, {}, options);
+    EXPECT_TRUE(course.ok());
+    EXPECT_THAT(course->violations, IsEmpty());
+    return {std::move(text.lines), std::move(*course)};
+  }
+  [[nodiscard]] const model::Cell& model() const { return cell_; }
+
+ private:
+  explicit Cell(model::Cell cell) : cell_(std::move(cell)), plans_(*schedule::plan(cell_)) {}
+  model::Cell cell_;
+  std::vector<schedule::DevicePlan> plans_;
+};
+
+std::string thread(const std::string& name, const std::string& period, const std::string& more = "") {
+  return "<module><name>" + name +
+         "</name><filename>x.so</filename><moduletype>thread</moduletype>"
+         "<operationtype>periodic</operationtype><period>" +
+         period + "</period><priority>1</priority>" + more + "</module>";
+}
+
+std::string program(const std::string& name, const std::string& period, const std::string& more = "") {
+  return "<module><name>" + name +
+         "</name><filename>x.exe</filename><moduletype>process</moduletype>"
+         "<operationtype>periodic</operationtype><period>" +
+         period + "</period><priority>1</priority>" + more + "</module>";
+}
+
+const nlohmann::ordered_json& module_of(const Outcome& run, const std::string& name) {
+  for (const auto& device : run.course.report["devices"]) {
+    for (const auto& module : device["modules"]) {
+      if (module["name"] == name) return module;
+    }
+  }
+  static const nlohmann::ordered_json none;
+  return none;
+}
+
+std::vector<std::string> steps_of(const Outcome& run, const std::string& who) {
+  std::vector<std::string> steps;
+  for (const std::string& line : run.lines) {
+    if (line.find(" " + who + " ") == std::string::npos || line.find(" -> ") == std::string::npos) continue;
+    const std::string step = line.substr(line.find(" -> ") + 4);
+    steps.push_back(step.substr(0, step.find(',')));
+  }
+  return steps;
+}
+
+TEST(Simulation, OneSeedHasOneCourse) {
+  const Cell cell = Cell::demo();
+  const Options options{.seed = 7, .length = milliseconds{200}, .faults_per_second = 50};
+  const Outcome first = cell.run(options);
+  const Outcome second = cell.run(options);
+  EXPECT_GT(first.lines.size(), 1000U);
+  EXPECT_EQ(first.lines, second.lines);
+  EXPECT_EQ(first.course.report, second.course.report);
+}
+
+TEST(Simulation, AnotherSeedHasAnotherCourse) {
+  const Cell cell = Cell::demo();
+  EXPECT_NE(cell.run({.seed = 1, .length = milliseconds{50}}).lines,
+            cell.run({.seed = 2, .length = milliseconds{50}}).lines);
+}
+
+TEST(Simulation, WalksEveryRowOfTheGrid) {
+  const Outcome run = Cell::of("<device name=\"d\">" + thread("a", "1000000") + thread("b", "4000000") +
+                               program("p", "2000000") + "</device>")
+                          .run({.length = seconds{1}});
+  const auto& executor = run.course.report["devices"][0]["executors"][0];
+  // The row at the end itself is not walked: who is told to halt wakes behind the release.
+  EXPECT_EQ(1000, executor["cycles"]);
+  EXPECT_EQ(0, executor["missed"]);
+  EXPECT_EQ(1000, module_of(run, "a")["cycles"]);
+  EXPECT_EQ(250, module_of(run, "b")["cycles"]);
+  EXPECT_EQ(500, module_of(run, "p")["cycles"]);
+}
+
+TEST(Simulation, AModuleGoesThroughItsWholeLife) {
+  const Outcome run = Cell::of("<device name=\"d\">" + thread("a", "1000000") + "</device>")
+                          .run({.length = milliseconds{50}});
+  EXPECT_THAT(steps_of(run, "d.a"),
+              testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"));
+  EXPECT_THAT(run.course.failures, IsEmpty());
+}
+
+TEST(Simulation, ALateModuleCostsTheRowsThatItTakes) {
+  const Cell cell = Cell::of("<device name=\"d\">" + thread("a", "1000000") + "</device>");
+  const Outcome run = cell.run({.length = milliseconds{100}}, "at 10.5 ms d.a late 3 ms");
+  EXPECT_EQ(98, module_of(run, "a")["cycles"]);
+  EXPECT_EQ(1, module_of(run, "a")["overruns"]);
+  EXPECT_EQ(2, run.course.report["devices"][0]["executors"][0]["missed"]);
+  EXPECT_THAT(run.lines, Contains(HasSubstr("walked row 14 of +0.014000000, missed 2 before it")));
+}
+
+TEST(Simulation, AModuleBeyondItsBudgetRecovers) {
+  const Cell cell = Cell::of(
+      "<device name=\"d\">" +
+      thread("a", "1000000",
+             "<budget>100000</budget><recovery attempts=\"3\" backoff=\"2000000\" then=\"destruct\"/>") +
+      "</device>");
+  const Outcome run =
+      cell.run({.length = milliseconds{100}}, "at 20 ms d.a late 300 us\nat 20 ms d.a unmended 1");
+  EXPECT_THAT(steps_of(run, "d.a"), testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER",
+                                                         "EXECUTING", "START", "DESTRUCT"));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("d.a recovery, attempt 2 of 3")));
+  EXPECT_EQ(1, module_of(run, "a")["errors"]);
+}
+
+TEST(Simulation, AModuleThatIsNotMendedIsGivenUpAndMayTakeItsDeviceAlong) {
+  const auto with = [](const std::string& then) {
+    return Cell::of("<device name=\"d\">" +
+                    thread("a", "1000000",
+                           "<recovery attempts=\"2\" backoff=\"1000000\" then=\"" + then + "\"/>") +
+                    thread("b", "1000000") + "</device>")
+        .run({.length = milliseconds{200}}, "at 20 ms d.a fail\nat 20 ms d.a unmended 5");
+  };
+  const Outcome alone = with("destruct");
+  EXPECT_THAT(steps_of(alone, "d.a"),
+              testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"));
+  EXPECT_EQ(200, module_of(alone, "b")["cycles"]);
+  EXPECT_THAT(to_text(alone.course.failures), HasSubstr("module d.a: error: was given up"));
+  EXPECT_LT(module_of(with("stop-device"), "b")["cycles"], 100);
+}
+
+TEST(Simulation, ACrashEndsTheHostAndTheOthersComeBackWithoutTheCulprit) {
+  const Outcome run = Cell::of("<device name=\"d\">" + thread("a", "1000000") + thread("b", "1000000") +
+                               program("p", "1000000") + "</device>")
+                          .run({.length = milliseconds{300}}, "at 100 ms d.a crash");
+  EXPECT_THAT(steps_of(run, "d.a"),
+              testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"));
+  EXPECT_THAT(steps_of(run, "d.b"),
+              testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "DESTRUCT", "IDLE", "INITIALIZE",
+                                   "START", "EXECUTING", "START", "DESTRUCT"));
+  EXPECT_THAT(steps_of(run, "d.p"),
+              testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "START", "DESTRUCT"));
+  EXPECT_GT(module_of(run, "b")["cycles"], 200);
+}
+
+TEST(Simulation, AProgramThatCrashesIsStartedAgain) {
+  const Outcome run =
+      Cell::of("<device name=\"d\">" +
+               program("p", "1000000", "<recovery attempts=\"3\" backoff=\"1000000\" then=\"destruct\"/>") +
+               "</device>")
+          .run({.length = milliseconds{200}}, "at 50 ms d.p crash");
+  EXPECT_THAT(steps_of(run, "d.p"), testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER",
+                                                         "EXECUTING", "START", "DESTRUCT"));
+}
+
+TEST(Simulation, WhatNeverComesBackIsEnded) {
+  const Cell cell =
+      Cell::of("<device name=\"d\">" + thread("a", "1000000") + program("p", "1000000") + "</device>");
+  const Outcome run = cell.run({.length = seconds{3}}, "at 50 ms d.a hang\nat 60 ms d.p hang");
+  EXPECT_THAT(steps_of(run, "d.a"),
+              testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (run() did not come back")));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (the process did not come back")));
+}
+
+/// Two devices, the second with an input from the first.
+Cell pair(const std::string& connection) {
+  return Cell::of(
+      "<device name=\"a\">" + thread("w", "1000000") + "</device><device name=\"b\">" +
+      thread("r", "1000000", "<recovery attempts=\"100\" backoff=\"1000000\" then=\"destruct\"/>") +
+      "</device><connection from=\"a.w.out\" to=\"b.r.in\" " + connection + "/>");
+}
+
+TEST(Simulation, ACutLinkMakesAValueStale) {
+  const Outcome run = pair(R"(kind="latest" deadline="10000000" stale="error")")
+                          .run({.length = milliseconds{500}}, "at 100 ms link a b cut for 200 ms");
+  EXPECT_THAT(steps_of(run, "b.r"), testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER",
+                                                         "EXECUTING", "START", "DESTRUCT"));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("EXECUTING -> RECOVER, step 4, stale")));
+}
+
+TEST(Simulation, ReliableSamplesComeAfterTheCutAndOthersAreLost) {
+  const std::string cut = "at 100 ms link a b cut for 20 ms";
+  const auto lost = [](const Outcome& run) {
+    return std::count_if(run.lines.begin(), run.lines.end(),
+                         [](const std::string& line) { return line.ends_with("is lost"); });
+  };
+  const Outcome kept = pair(R"(kind="queue" depth="50")").run({.length = milliseconds{300}}, cut);
+  EXPECT_EQ(0, lost(kept));
+  EXPECT_GE(module_of(kept, "r")["ports"][0]["samples"], 298);
+  EXPECT_THAT(lost(pair(R"(kind="latest")").run({.length = milliseconds{300}}, cut)),
+              testing::AllOf(testing::Ge(19), testing::Le(21)));
+}
+
+TEST(Simulation, SamplesAreLostAndDelayedAsTheScriptSays) {
+  const Outcome run =
+      pair(R"(kind="latest")")
+          .run({.length = milliseconds{100}},
+               "at 20.5 ms connection a.w.out lose 3\nat 40.5 ms connection a.w.out late 5 ms");
+  EXPECT_EQ(3, module_of(run, "r")["ports"][0]["lost"]);
+  for (const char* number : {"22", "23", "24"})
+    EXPECT_THAT(run.lines, Contains(HasSubstr("b.r.in " + std::string{number} + " is lost")));
+  const auto when = [&run](const std::string& what) {
+    for (const std::string& line : run.lines) {
+      if (line.ends_with(what)) return std::stod(line);
+    }
+    return 0.0;
+  };
+  EXPECT_GT(when("b.r.in 42 arrived"), 0.046);
+  EXPECT_LT(when("b.r.in 48 arrived"), 0.048);
+}
+
+TEST(Simulation, AClockStepMakesValuesOldAndLeavesTheGridAlone) {
+  const Outcome run = pair(R"(kind="latest" deadline="10000000" stale="error")")
+                          .run({.length = milliseconds{200}}, "at 100 ms b clock-step 50 ms");
+  EXPECT_THAT(run.lines, Contains(HasSubstr("EXECUTING -> RECOVER, step 4, stale")));
+  EXPECT_EQ(0, run.course.report["devices"][1]["executors"][0]["missed"]);
+}
+
+TEST(Simulation, OnASharedProcessorTheLowerExecutorWaits) {
+  const std::string modules =
+      "<executor name=\"high\" priority=\"80\" cpu=\"0\"/><executor name=\"low\" priority=\"70\" cpu=\"";
+  const auto with = [&](const std::string& cpu) {
+    return Cell::of("<device name=\"d\">" + modules + cpu + "\"/>" +
+                    thread("h", "1000000", "<executor>high</executor><budget>900000</budget>") +
+                    thread("l", "1000000", "<executor>low</executor>") + "</device>")
+        .run({.length = milliseconds{200}});
+  };
+  const double apart = module_of(with("1"), "l")["run_us"]["p50"];
+  const double shared = module_of(with("0"), "l")["jitter_us"]["p99"];
+  EXPECT_LT(apart, 300);
+  EXPECT_GT(shared, 300);  // when it woke while the other was running
+}
+
+TEST(Simulation, RunTimesAreThoseOfTheProfile) {
+  const Cell cell = Cell::of("<device name=\"d\">" + thread("a", "1000000") + "</device>");
+  const auto us = [](int n) { return Nanoseconds{std::chrono::microseconds{n}}; };
+  model::Profile profile{.cell = "c", .modules = {}};
+  profile.modules["d.a"] = {
+      .runs = 100, .min = us(400), .p50 = us(450), .p99 = us(500), .p999 = us(510), .max = us(520)};
+  const Outcome run = cell.run({.length = seconds{2}, .profile = profile});
+  const auto& measured = module_of(run, "a")["run_us"];
+  EXPECT_GE(measured["min"], 400);
+  EXPECT_LE(measured["max"], 520);
+  EXPECT_NEAR(450, measured["p50"].get<double>(), 10);
+}
+
+/// Cells by chance, then the demo: what must hold, with everything going wrong that can.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::uint64_t kRandomCells = 320;  // each takes fifty times as long
+constexpr std::uint64_t kDemoCells = 16;
+#else
+constexpr std::uint64_t kRandomCells = 4000;
+constexpr std::uint64_t kDemoCells = 320;
+#endif
+constexpr std::uint64_t kParts = 16;
+class Seeds : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(Seeds, OfRandomCellsHoldWhatMustHold) {
+  for (std::uint64_t seed = GetParam(); seed < kRandomCells; seed += kParts) {
+    const RandomCell random = random_cell(seed);
+    const auto course = simulate(random.cell, random.plans, {}, random.options);
+    ASSERT_TRUE(course.ok()) << to_text(course.problems());
+    ASSERT_THAT(course->violations, IsEmpty())
+        << "see it: takt simulate --random-cell " << seed << " --trace -";
+  }
+}
+
+TEST_P(Seeds, OfTheDemoHoldWhatMustHold) {
+  auto cell = descriptor::load(TAKT_SOURCE_DIR "/deploy/palletizing.xml");
+  const auto plans = schedule::plan(*cell);
+  for (std::uint64_t seed = GetParam(); seed < kDemoCells; seed += kParts) {
+    const auto course = simulate(
+        *cell, *plans, {},
+        {.seed = seed, .length = milliseconds{200}, .faults_per_second = static_cast<double>(seed % 50)});
+    ASSERT_TRUE(course.ok()) << to_text(course.problems());
+    ASSERT_THAT(course->violations, IsEmpty())
+        << "see it: takt simulate deploy/palletizing.xml --for 0.2 --faults " << seed % 50 << " --seed "
+        << seed << " --trace -";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Simulation, Seeds, testing::Range(std::uint64_t{0}, kParts));
+
+}  // namespace
+}  // namespace takt::simulation

@@ -1,0 +1,218 @@
+// Runs a cell on virtual time, in this process alone.
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <takt/os/clock.hpp>
+#include <takt/os/files.hpp>
+#include <takt/simulation/random_cell.hpp>
+#include <takt/simulation/simulation.hpp>
+
+#include "client.hpp"
+#include "commands.hpp"
+#include "load.hpp"
+#include "run_report.hpp"
+#include "terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+/// Bytes of a script.
+constexpr std::size_t kMostScript = std::size_t{16} * 1024 * 1024;
+
+struct SimulateOptions {
+  std::string file;
+  double seconds = 10;
+  std::uint64_t seed = 1;
+  std::string script;
+  double faults = 0;
+  int cpus = 0;
+  std::string trace;
+  bool json = false;
+  std::uint64_t random_cell = 0;
+  bool is_random = false;
+};
+
+/// One line for each event.
+class Trace final : public simulation::Listener {
+ public:
+  /// "-": standard output.
+  static Result<std::unique_ptr<Trace>> open(const std::string& file, const model::Cell& cell) {
+    std::FILE* to = file == "-" ? stdout : std::fopen(file.c_str(), "w");
+    if (to == nullptr)
+      return Problem{file, std::string{"cannot be written: "} + std::strerror(errno),
+                     "give another file for the trace"};
+    return std::unique_ptr<Trace>(new Trace{to, cell});
+  }
+  ~Trace() override { close(); }
+  Trace(const Trace&) = delete;
+  Trace& operator=(const Trace&) = delete;
+
+  void hear(const simulation::Event& event) override {
+    line_ = simulation::to_text(event, cell_, simulation::kT0);
+    line_ += '\n';
+    written_ &= std::fwrite(line_.data(), 1, line_.size(), to_) == line_.size();
+  }
+  /// Whether all of it was written.
+  bool close() {
+    if (to_ == nullptr) return written_;
+    written_ &= std::fflush(to_) == 0;
+    if (to_ != stdout) written_ &= std::fclose(to_) == 0;
+    to_ = nullptr;
+    return written_;
+  }
+
+ private:
+  Trace(std::FILE* to, const model::Cell& cell) : to_(to), cell_(cell) {}
+  std::FILE* to_;
+  const model::Cell& cell_;
+  std::string line_;
+  bool written_ = true;
+};
+
+int show(const SimulateOptions& options, const model::Cell& cell,
+         const std::vector<schedule::DevicePlan>& plans, const model::CellPorts& ports,
+         simulation::Options simulated) {
+  std::unique_ptr<Trace> trace;
+  if (!options.trace.empty()) {
+    auto opened = Trace::open(options.trace, cell);
+    if (!opened) {
+      complain(opened.problems());
+      return 1;
+    }
+    trace = std::move(*opened);
+    simulated.listener = trace.get();
+  }
+  const Instant begun = os::now();
+  const auto course = simulation::simulate(cell, plans, ports, simulated);
+  const std::chrono::duration<double> took = os::now() - begun;
+  if (!course) {
+    complain(course.problems());
+    return 1;
+  }
+  if (trace && !trace->close()) {
+    complain({{options.trace, "the trace could not be written in full", "see whether the disk is full"}});
+    return 1;
+  }
+  const bool printed = print(options.json ? course->report.dump() + "\n" : run_text(course->report));
+  const double simulated_s = std::chrono::duration<double>(simulated.length).count();
+  std::fprintf(stderr, "takt: simulated %g s in %.3f s, %.0f times as fast; seed %llu\n", simulated_s,
+               took.count(), simulated_s / took.count(), static_cast<unsigned long long>(simulated.seed));
+  if (!course->failures.empty()) complain(course->failures);
+  for (const std::string& violation : course->violations)
+    std::fprintf(stderr, "takt: error: must not happen: %s\n", violation.c_str());
+  return course->failures.empty() && course->violations.empty() && printed ? 0 : 1;
+}
+
+/// What nobody has a descriptor of.
+std::string words_of(const simulation::RandomCell& random) {
+  const model::Cell& cell = random.cell;
+  std::string text;
+  for (const model::Device& device : cell.devices) {
+    for (const model::Executor& executor : device.executors) {
+      text += fmt::format("# {}.{}: executor, priority {}{}\n", device.name, executor.name, executor.priority,
+                          executor.cpu ? fmt::format(", cpu {}", *executor.cpu) : "");
+    }
+    for (const model::Module& m : device.modules) {
+      text += fmt::format("# {}.{}: {} {}{}{}{}{}, priority {}{}\n", device.name, m.name,
+                          to_text(m.operation), to_text(m.type), m.period ? " of " + to_text(*m.period) : "",
+                          m.deadline ? ", deadline " + to_text(*m.deadline) : "",
+                          m.dispatch == model::Dispatch::immediate ? ", immediate" : "",
+                          m.interarrival ? ", interarrival " + to_text(*m.interarrival) : "", m.priority,
+                          m.executor.empty() ? "" : ", executor " + m.executor);
+    }
+  }
+  for (const model::Connection& connection : cell.connections) {
+    text += fmt::format("# {} to {}: {} of {}{}{}\n", to_text(connection.from), to_text(connection.to),
+                        to_text(connection.kind), connection.depth,
+                        connection.deadline ? ", deadline " + to_text(*connection.deadline) : "",
+                        connection.stale == model::Stale::error ? ", stale is an error" : "");
+  }
+  return text + fmt::format("# {} faults a second for {}, {} processors a device\n",
+                            random.options.faults_per_second, to_text(random.options.length),
+                            random.options.cpus);
+}
+
+int simulate(const SimulateOptions& options) {
+  if (options.is_random) {
+    const simulation::RandomCell random = simulation::random_cell(options.random_cell);
+    if (!options.json && !print(words_of(random))) return 1;
+    return show(options, random.cell, random.plans, {}, random.options);
+  }
+  Problems missing;  // the components themselves are not needed
+  const auto loaded = load(options.file, &missing);
+  if (!loaded) {
+    complain(loaded.problems());
+    return 1;
+  }
+  simulation::Options simulated;
+  simulated.seed = options.seed;
+  simulated.length = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.seconds));
+  simulated.faults_per_second = options.faults;
+  simulated.cpus = options.cpus;
+  if (!options.script.empty()) {
+    const auto text = os::read_file(options.script, kMostScript);
+    if (!text || !*text) {
+      complain(text ? Problems{{options.script, "there is no such file", "one with a fault a line"}}
+                    : text.problems());
+      return 1;
+    }
+    auto faults = simulation::parse_script(**text, options.script, loaded->cell);
+    if (!faults) {
+      complain(faults.problems());
+      return 1;
+    }
+    simulated.faults = std::move(*faults);
+  }
+  return show(options, loaded->cell, loaded->plans, loaded->ports, std::move(simulated));
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<SimulateOptions>();
+  auto* command = app.add_subcommand(
+      "simulate",
+      "Run a descriptor on virtual time: the whole cell in one process, faster than it would run");
+  auto* file =
+      command->add_option("FILE", options->file, "a cell, or a module.xml; its components are not called");
+  command->add_option("--for", options->seconds, "from the first row to the end; 10 unless given")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(1e-6, 1e6).description(""));
+  command->add_option("--seed", options->seed, "what is left to chance; the same seed gives the same trace")
+      ->type_name("N");
+  command->add_option("--script", options->script, "what is to go wrong, one fault a line; see below")
+      ->type_name("FILE");
+  command->add_option("--faults", options->faults, "so many more a second, drawn from the seed")
+      ->type_name("PER_SECOND")
+      ->check(CLI::Range(0.0, 1e5).description(""));
+  command->add_option("--cpus", options->cpus, "processors of each device that executors without a cpu share")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024).description(""));
+  command
+      ->add_option("--trace", options->trace,
+                   "write everything that happens to this file, a line each; - is standard output")
+      ->type_name("FILE");
+  command->add_flag("--json", options->json, "print the closing report as one JSON object");
+  auto* random = command
+                     ->add_option("--random-cell", options->random_cell,
+                                  "a small cell by chance instead of a file, as the tests use it")
+                     ->type_name("N")
+                     ->excludes(file);
+  command->footer("A script, times from the first row on, in ns, us, ms or s:\n" + simulation::script_help());
+  command->callback([options, file, random, &chosen] {
+    if (file->count() == 0 && random->count() == 0) throw CLI::RequiredError("FILE");
+    options->is_random = random->count() != 0;
+    chosen = [options] { return simulate(*options); };
+  });
+}
+
+}  // namespace takt::tool
