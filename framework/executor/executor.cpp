@@ -111,42 +111,37 @@ std::uint32_t Executor::overrun(std::uint64_t rows) noexcept {
     const std::uint64_t end = releases_before(row_ + rows, first_rows_[i], strides_[i]);
     made_up_[i] = end;
     if (first == end || !in_tables(unit)) continue;
-    std::uint64_t missed = end - first;
+    const std::uint64_t missed = end - first;
+    add(unit.block->missed, missed);
     switch (unit.overrun.what) {
       case model::Overrun::skip:
         break;
-      case model::Overrun::catch_up: {
-        const std::uint64_t served = std::min(missed, static_cast<std::uint64_t>(unit.overrun.limit));
-        made_up_[i] = end - served;
-        missed -= served;
+      case model::Overrun::catch_up:
+        made_up_[i] = end - std::min(missed, static_cast<std::uint64_t>(unit.overrun.limit));
         break;
-      }
       case model::Overrun::error:
       case model::Overrun::stop_device:
         raise_missed(unit, first, missed);
         break;
     }
-    add(unit.block->missed, missed);
   }
-  const std::uint32_t wake = longest_catch_up_ == 0 ? 0 : catch_up(rows);
   pass(rows);
-  return wake;
+  return longest_catch_up_ == 0 ? 0 : catch_up(rows);
 }
 
+// What is made up is not missed any more; a host that dies in between has counted everything once.
 std::uint32_t Executor::catch_up(std::uint64_t rows) noexcept {
   std::uint32_t wake = 0;
   Instant time = clock_.now();
-  const std::uint64_t end = row_ + rows;
-  for (std::uint64_t row = end - std::min(rows, longest_catch_up_); row < end; ++row) {
-    const Instant release = release_ + basic_ * static_cast<std::int64_t>(row - row_);
+  for (std::uint64_t behind = std::min(rows, longest_catch_up_); behind > 0; --behind) {
+    const std::uint64_t row = row_ - behind;
+    const Instant release = release_ - basic_ * static_cast<std::int64_t>(behind);
     for (const schedule::Table::Index i : table_.row(row % rows_in_table_)) {
       const std::uint64_t number = number_at(i, row);
-      if (number < made_up_[i]) continue;
-      if (in_tables(periodic_[i])) {
-        time = serve(i, number, release, time, &wake);
-      } else {
-        add(periodic_[i].block->missed);  // taken out meanwhile
-      }
+      if (number < made_up_[i] || !in_tables(periodic_[i])) continue;
+      time = serve(i, number, release, time, &wake);
+      auto& missed = periodic_[i].block->missed;
+      missed.store(missed.load(relaxed) - 1, relaxed);
     }
   }
   return wake;

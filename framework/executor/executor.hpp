@@ -83,7 +83,7 @@ class Executor {
   void pass(std::uint64_t rows) noexcept;
   /// The same by the contracts. Returns the bits of the bell that must be rung.
   std::uint32_t overrun(std::uint64_t rows) noexcept;
-  /// Makes up what the contracts allow of the rows from row_ on, in their order.
+  /// Makes up what the contracts allow of as many rows before row_, in their order.
   std::uint32_t catch_up(std::uint64_t rows) noexcept;
   [[nodiscard]] std::uint64_t number_at(std::size_t unit, std::uint64_t row) const noexcept {
     return (row - first_rows_[unit]) / strides_[unit];

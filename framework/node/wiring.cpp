@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include <takt/channel/seat.hpp>
+#include <takt/schedule/logical_time.hpp>
 
 namespace takt::node {
 
@@ -80,15 +81,9 @@ class Planner {
             .enabled = true};
   }
 
-  /// What a link holds beside what it would: a writer with timing="let" is up to a period ahead of what may
-  /// be read, and a reader that reads as of its release, up to its own period ago, wants the newest from
-  /// before that.
   [[nodiscard]] std::uint32_t ahead(std::uint32_t writer, const model::Module* reader) const {
-    const model::Module& from = device_.modules[writer];
-    if (model::timing_of(device_, from) != model::Timing::let) return 0;
-    const Nanoseconds period = reader == nullptr ? Nanoseconds{0} : reader->period.value_or(Nanoseconds{0});
-    return static_cast<std::uint32_t>(
-        std::min<std::int64_t>(period / *from.period + 3, channel::kMaxLinkDepth));
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(
+        schedule::samples_ahead(device_, device_.modules[writer], reader), channel::kMaxLinkDepth - 1));
   }
 
   void within(const Connection& connection) {

@@ -69,6 +69,12 @@ void Device::make_members() {
     seat.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
     seat.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
     seat.interarrival_ns = member.model.interarrival.value_or(Nanoseconds{0}).count();
+    if (!member.sporadic()) {
+      seat.offset_ns = schedule::offset_of(world_.plans[index_].executors[member.executor], i).count();
+      seat.logical = member.logical ? 1 : 0;
+      if (member.contract.what == model::Overrun::catch_up)
+        seat.catch_up = static_cast<std::uint32_t>(member.contract.limit);
+    }
   }
 }
 
@@ -100,7 +106,11 @@ void Device::make_wires() {
       wakes = members_[*to]->is_thread() ? channel::kSporadicBit : channel::bell_bit(*to);
     }
     const auto add = [&](Wire::End writer, Wire::End reader, std::uint32_t wake_bits) {
-      wires_.push_back(std::make_unique<Wire>(connection, i, writer, reader, wake_bits));
+      const std::uint64_t ahead = writer
+                                      ? schedule::samples_ahead(model(), members_[*writer]->model,
+                                                                reader ? &members_[*reader]->model : nullptr)
+                                      : 0;
+      wires_.push_back(std::make_unique<Wire>(connection, i, writer, reader, wake_bits, ahead));
       Wire& wire = *wires_.back();
       if (reader)
         members_[*reader]->inputs.push_back({&wire, is_event(*members_[*reader], connection.to.port)});
@@ -130,7 +140,9 @@ executor::Unit Device::unit_of(Member& member) const {
           .budget = m.budget.value_or(Nanoseconds{0}),
           .interarrival = m.interarrival.value_or(Nanoseconds{0}),
           .immediate = m.dispatch == model::Dispatch::immediate,
-          .late_is_error = m.miss == model::Miss::error};
+          .late_is_error = m.miss == model::Miss::error,
+          .overrun = member.contract,
+          .tolerance = m.tolerance};
 }
 
 void Device::make_executors() {

@@ -22,6 +22,7 @@
 #include <takt/model/cell.hpp>
 #include <takt/model/ports.hpp>
 #include <takt/model/profile.hpp>
+#include <takt/schedule/logical_time.hpp>
 #include <takt/schedule/plan.hpp>
 #include <takt/simulation/event.hpp>
 #include <takt/simulation/fault.hpp>
@@ -95,7 +96,7 @@ class Device {
   void serve_sporadic(Row& row);
   void run_background(Member& member);
   void run_program(Member& member);
-  bool await_release(Member& member, std::uint32_t taken);
+  bool await_release(Member& member, channel::Taken& taken);
   void look_at_tables(std::uint32_t executor);
   void ring(std::uint32_t bits);
   void ring_pending() { ring(bell_->take_pending()); }
@@ -109,9 +110,11 @@ class Device {
 
   // A module's work, in run() or in the body of a program (device_work.cpp)
   void connect(Member& member);
-  executor::Outcome work(Member& member, Instant start);
+  /// Of a run or body of `release` that begins now.
+  executor::Outcome work(Member& member, Instant release, Instant begin);
   const char* stale_input(Member& member, Instant start);
-  [[nodiscard]] bool has_news(const Member& member) const;
+  /// When the first event that is there may be read; channel::kNever: there is none.
+  [[nodiscard]] std::int64_t news_at(const Member& member) const;
 
   // Supervision (device_supervision.cpp)
   void step();

@@ -137,17 +137,17 @@ void Device::run_program(Member& member) {
   channel::Seat& seat = *member.seat;
   connect(member);
   seat.phase.store(channel::SeatPhase::attached);
-  std::uint32_t taken = 0;
+  channel::Taken taken;
   while (true) {
-    seat.done.store(taken);
-    if (taken == 0) seat.phase.store(channel::SeatPhase::ready);
+    seat.done.store(taken.count);
+    if (taken.count == 0) seat.phase.store(channel::SeatPhase::ready);
     if (!await_release(member, taken)) break;
-    taken = seat.released.load();
+    taken = channel::take(seat, taken.count);
     const Instant started = now();
-    const std::int64_t release = seat.release_ns.load();
+    const std::int64_t release = taken.release_ns;
     seat.jitter.record(release - to_ns(started));
-    say({.what = What::body, .number = seat.cycle.load(), .release = from_ns(release)}, member);
-    const executor::Outcome outcome = work(member, started);
+    say({.what = What::body, .number = taken.cycle, .release = from_ns(release)}, member);
+    const executor::Outcome outcome = work(member, from_ns(release), started);
     if (!outcome.ok())
       leave(member, "the process exited with status 1");  // how a program says that it failed
     seat.run.record((now() - started).count());
@@ -172,13 +172,13 @@ void Device::leave(Member& member, const char* how) {
 }
 
 // False: it is to end.
-bool Device::await_release(Member& member, std::uint32_t taken) {
+bool Device::await_release(Member& member, channel::Taken& taken) {
   channel::Seat& seat = *member.seat;
   Kernel& kernel = world_.kernel;
-  const auto released = [&] { return seat.released.load() != taken; };
+  const auto released = [&] { return seat.released.load() != taken.count; };
   const bool immediate = seat.immediate != 0;
-  if (!immediate && taken != 0 && !released() && seat.end.load() == 0) {
-    const Instant expected = from_ns(seat.release_ns.load() + seat.period_ns);
+  if (!immediate && taken.count != 0 && !released() && seat.end.load() == 0) {
+    const Instant expected = from_ns(taken.release_ns + seat.period_ns);
     const Nanoseconds margin{seat.margin_cap_ns};
     kernel.sleep_until(expected - margin / 2);
     if (!released() && now() < expected + margin) {
@@ -189,14 +189,16 @@ bool Device::await_release(Member& member, std::uint32_t taken) {
   }
   while (!released()) {
     if (seat.end.load() != 0) return false;
-    if (immediate && has_news(member) && to_ns(now()) >= channel::not_before_ns(seat)) {
+    const std::int64_t event = immediate ? news_at(member) : channel::kNever;
+    const Instant from = from_ns(std::max(event, channel::not_before_ns(seat)));
+    if (event != channel::kNever && now() >= from) {
       if (channel::begin(seat, to_ns(now()))) return true;
-      taken = seat.released.load();  // it was shut out in between
-      seat.done.store(taken);
+      taken.count = seat.released.load();  // it was shut out in between
+      seat.done.store(taken.count);
     }
     seat.sleeping.store(1);
     Instant until = Instant::max();
-    if (immediate && has_news(member) && seat.open.load() != 0) until = from_ns(channel::not_before_ns(seat));
+    if (event != channel::kNever && seat.open.load() != 0) until = from;
     member.on_bell = true;
     if (!released() && until > now()) static_cast<void>(kernel.wait(until));
     member.on_bell = false;
@@ -214,7 +216,7 @@ void Device::look_at_tables(std::uint32_t executor) {
     if (releases != member.said_released) {
       member.said_released = releases;
       say({.what = What::released,
-           .number = member.seat->cycle.load(),
+           .number = member.seat->cycle(releases),
            .release = from_ns(member.seat->release_ns.load())},
           member);
       if (member.spins) world_.kernel.wake(*member.program, store_seen(member.draws));
@@ -257,15 +259,21 @@ void Device::ring(std::uint32_t bits) {
 
 // The gateway takes all that goes to other devices, and sleeps again.
 void Device::forward_samples() {
+  std::int64_t next = channel::kNever;
   for (const auto& wire : wires_) {
     if (wire->reader()) continue;
     channel::LinkReader reader{wire->link()};
-    while (reader.take()) {
+    while (reader.take(to_ns(now()))) {
       const std::byte* sample = wire->link().payload(reader.buffer());
       if (!is_whole(sample, wire->connection()))
         say({.what = What::read, .connection = wire->connection(), .number = number_of(sample), .count = 1});
       world_.network->send(wire->connection(), sample, wall_of(reader.info().stamp_ns));
     }
+    next = std::min(next, reader.news_at());
+  }
+  if (next != channel::kNever) {  // what is there and may not be read yet
+    world_.kernel.at(from_ns(next), [this] { forward_samples(); });
+    return;
   }
   bell_->gateway_sleeps.store(1);
   gateway_awake_ = false;

@@ -150,6 +150,12 @@ void Device::supervise(Member& member) {
     member.block.error.store(0);
     if (member.state() == State::start) apply(member, lifecycle::Event::run);  // its first row went wrong
     raise(member, static_cast<ErrorType>(type), text);
+    if (static_cast<ErrorType>(type) == ErrorType::overrun &&
+        member.contract.what == model::Overrun::stop_device) {
+      fail_device({"module " + model().name + "." + member.model.name, "overrun: " + text,
+                   "give it more time, or another <overrun> than stop-device"});
+      return;
+    }
   }
   if (member.state() == State::start && member.in_tables() && cycles_of(member) != member.seen_cycles)
     apply(member, lifecycle::Event::run);

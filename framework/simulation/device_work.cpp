@@ -26,9 +26,12 @@ void Device::connect(Member& member) {
   member.entered = 0;
 }
 
-bool Device::has_news(const Member& member) const {
-  return std::any_of(member.inputs.begin(), member.inputs.end(),
-                     [](const Member::Input& input) { return input.event && input.reader.has_news(); });
+std::int64_t Device::news_at(const Member& member) const {
+  std::int64_t first = channel::kNever;
+  for (const Member::Input& input : member.inputs) {
+    if (input.event) first = std::min(first, input.reader.news_at());
+  }
+  return first;
 }
 
 // As host::ThreadModule looks at its inputs.
@@ -52,7 +55,9 @@ const char* Device::stale_input(Member& member, Instant start) {
   return stale;
 }
 
-executor::Outcome Device::work(Member& member, Instant start) {
+executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
+  const Instant start = member.as_of(release, begin);
+  const std::int64_t valid = member.logical ? to_ns(release + *member.model.period) : 0;
   if (member.is_thread()) {
     if (const char* stale = stale_input(member, start); stale != nullptr) return {ErrorType::stale, stale};
   }
@@ -63,7 +68,7 @@ executor::Outcome Device::work(Member& member, Instant start) {
   // Of a queue all that is there is read, the last sample while time passes.
   for (Member::Input& input : member.inputs) {
     const std::uint32_t depth = input.wire->link().depth();
-    for (std::uint32_t i = 0; i < depth && input.reader.take(); ++i) {
+    for (std::uint32_t i = 0; i < depth && input.reader.take(to_ns(start)); ++i) {
       const std::byte* sample = input.wire->link().payload(input.reader.buffer());
       const std::uint32_t connection = input.wire->connection();
       say({.what = What::read,
@@ -94,7 +99,7 @@ executor::Outcome Device::work(Member& member, Instant start) {
     std::byte* const sample = output.writer.link().payload(output.writer.buffer());
     const std::uint64_t number = output.writer.next();
     write_second_half(sample, output.wire->connection(), number);
-    output.writer.publish(kSampleBytes, to_ns(start));
+    output.writer.publish(kSampleBytes, to_ns(start), valid);
     bell_->note(output.wire->link().block().wake_bits);
     say({.what = What::wrote, .connection = output.wire->connection(), .number = number});
   }
@@ -104,7 +109,7 @@ executor::Outcome Device::work(Member& member, Instant start) {
 executor::Outcome ThreadBody::run(const Cycle& cycle) noexcept {
   if (member_.scheduled()) device_.look_at_tables(member_.executor);
   device_.say({.what = What::run, .number = cycle.number, .release = cycle.time}, member_);
-  const executor::Outcome outcome = device_.work(member_, cycle.start);
+  const executor::Outcome outcome = device_.work(member_, cycle.time, cycle.start);
   device_.say(
       {.what = What::ran, .number = cycle.number, .took = device_.now() - cycle.start, .error = outcome.type},
       member_);
@@ -114,7 +119,7 @@ executor::Outcome ThreadBody::run(const Cycle& cycle) noexcept {
 executor::Outcome ThreadBody::condition(const Cycle& cycle, bool* ready) noexcept {
   const bool by_event = std::any_of(member_.inputs.begin(), member_.inputs.end(),
                                     [](const Device::Member::Input& input) { return input.event; });
-  *ready = by_event ? has_news() : member_.draws.chance(kReady);
+  *ready = by_event ? has_news(cycle.start) : member_.draws.chance(kReady);
   if (*ready)
     device_.say({.what = What::ready,
                  .number = cycle.number,
@@ -124,6 +129,6 @@ executor::Outcome ThreadBody::condition(const Cycle& cycle, bool* ready) noexcep
   return {};
 }
 
-bool ThreadBody::has_news() const noexcept { return device_.has_news(member_); }
+bool ThreadBody::has_news(Instant now) const noexcept { return device_.news_at(member_) <= to_ns(now); }
 
 }  // namespace takt::simulation

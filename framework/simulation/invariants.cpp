@@ -7,9 +7,22 @@ namespace takt::simulation {
 
 namespace {
 
-// Multiples of `stride` in [from, to).
-std::uint64_t multiples(std::uint64_t from, std::uint64_t to, std::uint64_t stride) {
-  return (to + stride - 1) / stride - (from + stride - 1) / stride;
+/// The rows that name a module: `first`, and each `stride` after it.
+struct Rows {
+  std::uint64_t first;
+  std::uint64_t stride;
+  /// How many there are in [from, to).
+  [[nodiscard]] std::uint64_t in(std::uint64_t from, std::uint64_t to) const {
+    const auto before = [this](std::uint64_t row) {
+      return row <= first ? 0 : (row - first + stride - 1) / stride;
+    };
+    return before(to) - before(from);
+  }
+};
+
+Rows rows_of(const schedule::ExecutorPlan& plan, std::uint32_t module, Nanoseconds period) {
+  return {static_cast<std::uint64_t>(schedule::offset_of(plan, module) / plan.basic_period),
+          static_cast<std::uint64_t>(period / plan.basic_period)};
 }
 
 std::string number(std::uint64_t n) { return std::to_string(n); }
@@ -53,8 +66,16 @@ void Invariants::hear(const Event& event) {
   } else if (event.what == What::host_ended) {
     for (OfExecutor& executor : device.executors) {
       // The row is cut short: it counts as missed, with what it has served and who was in it.
+      const Nanoseconds basic =
+          plans_[event.device].executors[&executor - device.executors.data()].basic_period;
       for (const Served& served : executor.served) {
-        if (executor.in_row && executor.runs != served.module) ++device.modules[served.module].twice;
+        if (!executor.in_row || executor.runs == served.module) continue;
+        // What was made up of a slot that was over is not missed any more.
+        const bool made_up = served.number && served.release + basic <= executor.woke_at;
+        if (made_up)
+          --device.modules[served.module].missed;
+        else
+          ++device.modules[served.module].twice;
       }
       executor.runs.reset();
       executor.sporadic.reset();
@@ -129,18 +150,56 @@ void Invariants::count_missed(OfDevice& device, const schedule::ExecutorPlan& pl
   for (const std::uint32_t index : plan.periodic) {
     OfModule& module = device.modules[index];
     const bool in = as_woken ? module.was_in : module.in_tables;
-    (in ? module.missed : module.out) +=
-        multiples(from, to, static_cast<std::uint64_t>(period_of(on, index) / plan.basic_period));
+    (in ? module.missed : module.out) += rows_of(plan, index, period_of(on, index)).in(from, to);
   }
+}
+
+// What was made up of rows that were missed comes first, row by row, each in the order of its row; a module
+// gets no more than its limit, and the newest. Counted as missed until then.
+std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
+    const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan) {
+  const std::vector<Served>& served = device.executors[event.executor].served;
+  const auto name = [&](std::uint32_t module) { return cell_.devices[event.device].modules[module].name; };
+  auto next = served.begin();
+  std::uint64_t last_row = 0;
+  std::size_t last_place = 0;
+  for (; next != served.end() && next->number && next->release < event.release; ++next) {
+    const model::Module& model = cell_.devices[event.device].modules[next->module];
+    const model::OverrunContract contract = model::contract_of(cell_.devices[event.device], model);
+    const Rows rows = rows_of(plan, next->module, period_of(event.device, next->module));
+    const std::uint64_t row = rows.first + *next->number * rows.stride;
+    if (contract.what != model::Overrun::catch_up) violated(event, name(next->module) + " was made up");
+    if (next->release != t0_ + plan.basic_period * static_cast<std::int64_t>(row))
+      violated(event, name(next->module) + " was told another release");
+    if (rows.in(row, event.number) > static_cast<std::uint64_t>(contract.limit))
+      violated(event, name(next->module) + " was made up beyond its limit");
+    const std::vector<std::uint32_t> of_row = plan.row(row % plan.rows());
+    const auto place =
+        static_cast<std::size_t>(std::find(of_row.begin(), of_row.end(), next->module) - of_row.begin());
+    if (row < last_row || (row == last_row && place < last_place))
+      violated(event, name(next->module) + " was made up out of turn");
+    last_row = row;
+    last_place = place;
+    --device.modules[next->module].missed;
+  }
+  return next;
+}
+
+// Several releases of such a program may be given at once, and not all of them are heard.
+bool Invariants::is_owed(std::uint32_t device, std::uint32_t module) const {
+  const model::Module& model = cell_.devices[device].modules[module];
+  return model.type == model::ModuleType::process &&
+         model::contract_of(cell_.devices[device], model).what == model::Overrun::catch_up;
 }
 
 void Invariants::check_row(const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan) {
   const OfExecutor& executor = device.executors[event.executor];
   const std::vector<std::uint32_t> row = plan.row(event.number % plan.rows());
   const auto name = [&](std::uint32_t module) { return cell_.devices[event.device].modules[module].name; };
-  auto next = executor.served.begin();
+  auto next = check_made_up(event, device, plan);
   for (const std::uint32_t index : row) {
     OfModule& module = device.modules[index];
+    if (is_owed(event.device, index)) continue;
     const bool same = module.changes == module.changes_then;
     if (next == executor.served.end() || next->module != index) {
       if (module.was_in && same) violated(event, name(index) + " was not served in its turn");
@@ -148,8 +207,9 @@ void Invariants::check_row(const Event& event, OfDevice& device, const schedule:
       continue;
     }
     if (!module.was_in && same) violated(event, name(index) + " was served and is not in the tables");
-    const auto stride = static_cast<std::uint64_t>(period_of(event.device, index) / plan.basic_period);
-    if (next->number && (*next->number != event.number / stride || next->release != event.release))
+    const Rows rows = rows_of(plan, index, period_of(event.device, index));
+    if (next->number &&
+        (*next->number != (event.number - rows.first) / rows.stride || next->release != event.release))
       violated(event, name(index) + " was told another release");
     ++next;
   }
@@ -213,7 +273,7 @@ void Invariants::hear_module(const Event& event, OfDevice& device) {
       const bool periodic = model.operation == model::Operation::periodic;
       if (event.what == What::released) ++module.cycles;
       if (event.what == What::busy) module.busy += event.count;
-      if (!periodic) break;
+      if (!periodic || is_owed(event.device, event.module)) break;
       OfExecutor& executor = device.executors[executor_of(event.device, event.module)];
       if (!executor.in_row) violated(event, "no row is walked");
       executor.served.push_back({event.module,
@@ -326,17 +386,17 @@ void Invariants::close(std::uint32_t index, const Totals& totals) {
     const std::string who = model.name + "." + model.modules[m].name;
     const Totals::OfModule& counted = totals.modules[m];
     const OfModule& happened = device.modules[m];
-    wrong(who, "releases", counted.cycles, happened.cycles);
+    const bool owed = is_owed(index, static_cast<std::uint32_t>(m));
+    if (!owed) wrong(who, "releases", counted.cycles, happened.cycles);
     wrong(who, "steps", counted.steps, happened.steps);
-    if (model.modules[m].operation == model::Operation::periodic) {
+    if (model.modules[m].operation == model::Operation::periodic && !owed) {
       wrong(who, "missed releases", counted.missed, happened.missed);
       const schedule::ExecutorPlan& plan =
           plans_[index].executors[executor_of(index, static_cast<std::uint32_t>(m))];
-      const auto stride = static_cast<std::uint64_t>(*model.modules[m].period / plan.basic_period);
+      const Rows due = rows_of(plan, static_cast<std::uint32_t>(m), *model.modules[m].period);
       const std::uint64_t rows = totals.executors[executor_of(index, static_cast<std::uint32_t>(m))].next_row;
       wrong(who, "releases, with those missed, busy or not in the tables,",
-            counted.cycles + counted.missed + happened.busy + happened.out - happened.twice,
-            multiples(0, rows, stride));
+            counted.cycles + counted.missed + happened.busy + happened.out - happened.twice, due.in(0, rows));
       if (model.modules[m].type == model::ModuleType::process)
         wrong(who, "overruns", counted.overruns, happened.busy);
     }

@@ -2,6 +2,8 @@
 //
 // - The grid is never left: every row is at T0 + n x period, and starts within its slot.
 // - Table order: a row serves each module that it names and that is in the tables once, in the table's order.
+// - Releases of rows that were missed are made up before the next row, in their order, by whose contract says
+//   so, and no more than its limit.
 // - Sporadic modules run once for each time they were ready, the earliest deadline first, and no sooner after
 //   another than their interarrival time.
 // - Every step is one of the lifecycle's table and has the next number; whoever failed is out of the tables
@@ -103,6 +105,9 @@ class Invariants final : public Listener {
   void violated(const Event& event, const std::string& what);
   void hear_row(const Event& event, OfDevice& device);
   void check_row(const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan);
+  std::vector<Served>::const_iterator check_made_up(const Event& event, OfDevice& device,
+                                                    const schedule::ExecutorPlan& plan);
+  [[nodiscard]] bool is_owed(std::uint32_t device, std::uint32_t module) const;
   void hear_module(const Event& event, OfDevice& device);
   void hear_run(const Event& event, OfDevice& device);
   void hear_step(const Event& event, OfModule& module);

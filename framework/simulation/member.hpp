@@ -18,7 +18,7 @@ class ThreadBody final : public executor::Body {
   ThreadBody(Device& device, Device::Member& member) : device_(device), member_(member) {}
   executor::Outcome run(const Cycle& cycle) noexcept override;
   executor::Outcome condition(const Cycle& cycle, bool* ready) noexcept override;
-  [[nodiscard]] bool has_news() const noexcept override;
+  [[nodiscard]] bool has_news(Instant now) const noexcept override;
 
  private:
   Device& device_;
@@ -34,6 +34,8 @@ struct Device::Member {
         recovery({.attempts = model.recovery.attempts, .backoff = model.recovery.backoff}),
         draws(world.seed, on.name + "." + model.name),
         run_time(world.cell, on, model, world.profile),
+        contract(model::contract_of(on, model)),
+        logical(model::timing_of(on, model) == model::Timing::let),
         body(device, *this) {}
 
   [[nodiscard]] bool is_thread() const noexcept { return model.type == model::ModuleType::thread; }
@@ -42,6 +44,10 @@ struct Device::Member {
   [[nodiscard]] bool sporadic() const noexcept { return model.operation == model::Operation::sporadic; }
   [[nodiscard]] lifecycle::State state() const noexcept { return machine.state(); }
   [[nodiscard]] bool in_tables() const noexcept { return block.in_tables.load() != 0; }
+  /// What a run that was released then reads is as of this instant, and has it as its stamp.
+  [[nodiscard]] Instant as_of(Instant release, Instant start) const noexcept {
+    return logical ? release : start;
+  }
 
   const model::Module& model;
   std::uint32_t index;
@@ -52,6 +58,8 @@ struct Device::Member {
   channel::Departure departure;
   Draws draws;
   RunTime run_time;
+  model::OverrunContract contract;
+  bool logical;  ///< timing="let"
   ThreadBody body;
 
   // As its supervisor sees it.

@@ -47,6 +47,9 @@ class Maker {
       executor.name = "e" + std::to_string(e);
       executor.priority = 80 - static_cast<int>(10 * e);
       if (share) executor.cpu = 1;
+      executor.rate_monotonic = draws_.chance(0.2);
+      if (draws_.chance(0.3)) executor.offsets = model::Offsets::automatic;
+      if (draws_.chance(0.2)) executor.timing = model::Timing::let;
       device.executors.push_back(executor);
     }
     const std::uint64_t modules = 1 + draws_.below(5);
@@ -78,6 +81,12 @@ class Maker {
       // Those of a device fit any row.
       if (draws_.chance(0.3))
         module.budget = kPeriods.front() / draws_.between(std::int64_t{6}, std::int64_t{30});
+      if (module.budget && draws_.chance(0.3))
+        module.tolerance.in_a_row = static_cast<int>(1 + draws_.below(3));
+      if (draws_.chance(0.2))
+        module.offset = kPeriods.front() * static_cast<std::int64_t>(draws_.below(static_cast<std::uint64_t>(
+                                               *module.period / kPeriods.front())));
+      if (draws_.chance(0.4)) module.overrun = contract(is_process);
       return module;
     }
     module.operation = model::Operation::sporadic;
@@ -87,6 +96,13 @@ class Maker {
       module.interarrival = draws_.between(Nanoseconds{microseconds{100}}, Nanoseconds{milliseconds{5}});
     if (draws_.chance(0.5)) module.dispatch = model::Dispatch::immediate;
     return module;
+  }
+
+  model::OverrunContract contract(bool is_process) {
+    const double kind = draws_.share();
+    if (kind < 0.1) return {.what = model::Overrun::stop_device};
+    if (kind < 0.4 || is_process) return {.what = model::Overrun::error};
+    return {.what = model::Overrun::catch_up, .limit = static_cast<int>(1 + draws_.below(5))};
   }
 
   // Every module may write and read; a latest value has one connection an input, as its own port.

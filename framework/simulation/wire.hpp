@@ -26,8 +26,9 @@ class Wire {
   /// Whose end it is: a module of the device, or the gateway.
   using End = std::optional<std::uint32_t>;
 
+  /// `ahead`: places beside those that the connection has, see schedule::samples_ahead().
   Wire(const model::Connection& connection, std::uint32_t index, End writer, End reader,
-       std::uint32_t wake_bits);
+       std::uint32_t wake_bits, std::uint64_t ahead);
 
   [[nodiscard]] const model::Connection& model() const noexcept { return *model_; }
   [[nodiscard]] std::uint32_t connection() const noexcept { return connection_; }
