@@ -379,7 +379,7 @@ TEST(CheckText, SaysHowLongEachModuleMayTake) {
     s       1    400 us       800 us    1 ms      200 us  kept
 )"));
   EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, {300us, 700us, std::nullopt})), HasSubstr(R"(
-    s       1    700 us       -         1 ms      -       NOT KEPT
+    s       1    700 us       1.5 ms    1 ms      -500 us  NOT KEPT
 )"));
 }
 
@@ -396,7 +396,7 @@ TEST(CheckText, LeavesOutOfALongListOnlyWhatIsKept) {
 }
 
 TEST(CheckJson, SaysHowLongEachModuleMayTake) {
-  const model::Cell cell = cells::cell("c", {device("d", {periodic("a", 1ms), sporadic("s", 1ms)})});
+  const model::Cell cell = cells::cell("c", {device("d", {periodic("a", 1ms), at_once(sporadic("s", 1ms))})});
   auto proof = proof_of(cell, {300us, 700us});
   proof.of_profile = true;
   proof.factor = 1.5;
@@ -405,7 +405,7 @@ TEST(CheckJson, SaysHowLongEachModuleMayTake) {
             R"({"name":"a","cpus":[1],"run_ns":300000,"response_ns":300000,"deadline_ns":1000000,)"
             R"("slack_ns":700000,"kept":true},)"
             R"({"name":"s","cpus":[1],"run_ns":700000,"response_ns":null,"deadline_ns":1000000,)"
-            R"("slack_ns":null,"kept":false,"why":"there is more to do than there is time for"}]})");
+            R"("slack_ns":null,"kept":false,"why":"nothing says how soon it may be released again"}]})");
 }
 
 TEST(CheckJson, HasEveryRowOfALongTable) {

@@ -319,6 +319,15 @@ TEST(WorstCase, OfASporadicProgramThatRunsLongerThanARowIsItsOwn) {
   EXPECT_THAT(cells.responses(2), ElementsAre(10us, 3010us));
 }
 
+// Released again by the row that comes just when it is done, the other one need never sleep.
+TEST(WorstCase, BesideAnEqualProgramThatMayAlwaysRunHasNoBound) {
+  Cells cells;
+  cells.periodic("row", 100us, 10us);
+  process(cells.sporadic("vision", 10ms, 3ms));
+  process(cells.sporadic("radar", 10ms, 1us));
+  EXPECT_THAT(cells.responses(2).back(), -1us);
+}
+
 TEST(WorstCase, BelowAProgramThatMayAlwaysRunHasNoBound) {
   Cells cells{2};
   cells.periodic("row", 100us, 10us);
