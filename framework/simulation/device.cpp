@@ -181,10 +181,11 @@ void Device::make_executors() {
 
 // Executors that name the same processor share it; those that name none have their own, or share as many as
 // the device has.
-Kernel::Place Device::place_of(const model::Executor& executor, std::size_t index, int below) {
-  const int priority = executor.priority - below;
-  if (world_.cpus == 0 && !executor.cpu) return {.processor = nullptr, .priority = priority};
-  int cpu = executor.cpu.value_or(static_cast<int>(index));
+Kernel::Place Device::place_of(std::uint32_t executor, std::optional<int> wanted, std::size_t index,
+                               int below) {
+  const int priority = world_.plans[index_].executors[executor].priority - below;
+  if (world_.cpus == 0 && !wanted) return {.processor = nullptr, .priority = priority};
+  int cpu = wanted.value_or(static_cast<int>(index));
   if (world_.cpus != 0) cpu %= world_.cpus;
   return {.processor = &processors_[cpu], .priority = priority};
 }
@@ -192,9 +193,7 @@ Kernel::Place Device::place_of(const model::Executor& executor, std::size_t inde
 // Programs keep away from the processors of executors where there are others.
 Kernel::Place Device::place_of(const Member& member) {
   if (!member.scheduled()) return {.processor = nullptr, .priority = 0};
-  model::Executor beside = model().executors[member.executor];
-  beside.cpu.reset();
-  return place_of(beside, member.index, kProgramBelow);
+  return place_of(member.executor, std::nullopt, member.index, kProgramBelow);
 }
 
 void Device::say(Event event) {

@@ -85,7 +85,8 @@ class Device {
   void make_wires();
   void make_executors();
   [[nodiscard]] executor::Unit unit_of(Member& member) const;
-  Kernel::Place place_of(const model::Executor& executor, std::size_t index, int below);
+  /// `wanted`: the processor that is asked for; none: that of `index`, where there are several.
+  Kernel::Place place_of(std::uint32_t executor, std::optional<int> wanted, std::size_t index, int below);
   Kernel::Place place_of(const Member& member);
 
   [[nodiscard]] static std::uint64_t cycles(const Member& member);

@@ -40,11 +40,12 @@ void Device::begin_strands() {
     row.halted = false;
     const model::Executor& executor = model().executors[row.index];
     // As executors that name a processor share it, so do those that name the same one.
-    row.rows = &world_.kernel.spawn(place_of(executor, row.index, 0), [this, &row] { walk_rows(row); });
+    row.rows = &world_.kernel.spawn(place_of(row.index, executor.cpu, row.index, 0),
+                                    [this, &row] { walk_rows(row); });
     host_strands_.push_back(row.rows);
     if (row.plan.sporadic.empty()) continue;
-    row.sporadic =
-        &world_.kernel.spawn(place_of(executor, row.index, 1), [this, &row] { serve_sporadic(row); });
+    row.sporadic = &world_.kernel.spawn(place_of(row.index, executor.cpu, row.index, 1),
+                                        [this, &row] { serve_sporadic(row); });
     host_strands_.push_back(row.sporadic);
   }
 }
