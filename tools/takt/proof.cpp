@@ -15,12 +15,16 @@ namespace {
 /// A million modules would not fill it.
 constexpr std::size_t kLargestProfile = std::size_t{256} << 20U;
 
+}  // namespace
+
 Result<model::Profile> read_profile(const std::string& file) {
   const auto text = os::read_file(file, kLargestProfile);
   if (!text) return Problem{file, in_words(text.problems()), ""};
   if (!*text) return Problem{file, "there is no such file", "takt run --profile FILE writes one"};
   return model::parse_profile(**text, file);
 }
+
+namespace {
 
 std::vector<int> processors(const std::optional<int>& count) {
   if (!count) return os::allowed_cpus();

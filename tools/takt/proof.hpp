@@ -13,6 +13,9 @@
 
 namespace takt::tool {
 
+/// Fails where there is no such file, or it is no profile, with every mistake at its line.
+Result<model::Profile> read_profile(const std::string& file);
+
 /// With what to reckon.
 struct ProofOptions {
   std::string profile;            ///< the file of a profile; empty: the modules' budgets

@@ -18,6 +18,7 @@
 #include "client.hpp"
 #include "commands.hpp"
 #include "load.hpp"
+#include "proof.hpp"
 #include "run_report.hpp"
 #include "terminal.hpp"
 
@@ -33,6 +34,7 @@ struct SimulateOptions {
   double seconds = 10;
   std::uint64_t seed = 1;
   std::string script;
+  std::string profile;
   double faults = 0;
   int cpus = 0;
   std::string trace;
@@ -158,6 +160,14 @@ int simulate(const SimulateOptions& options) {
   simulated.length = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.seconds));
   simulated.faults_per_second = options.faults;
   simulated.cpus = options.cpus;
+  if (!options.profile.empty()) {
+    auto profile = read_profile(options.profile);
+    if (!profile) {
+      complain(profile.problems());
+      return 1;
+    }
+    simulated.profile = std::move(*profile);
+  }
   if (!options.script.empty()) {
     const auto text = os::read_file(options.script, kMostScript);
     if (!text || !*text) {
@@ -190,6 +200,10 @@ void add_simulate(CLI::App& app, Chosen& chosen) {
   command->add_option("--seed", options->seed, "what is left to chance; the same seed gives the same trace")
       ->type_name("N");
   command->add_option("--script", options->script, "what is to go wrong, one fault a line; see below")
+      ->type_name("FILE");
+  command
+      ->add_option("--profile", options->profile,
+                   "how long modules run, as takt run --profile wrote it; else by their budgets")
       ->type_name("FILE");
   command->add_option("--faults", options->faults, "so many more a second, drawn from the seed")
       ->type_name("PER_SECOND")
