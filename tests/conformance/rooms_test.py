@@ -23,6 +23,7 @@ CASES = {
     "descriptor": (["takt/model/cell.hpp", "tinyxml2.h"], ["takt/os/fd.hpp", "takt/host/inspect.hpp", "unistd.h"]),
     "os": (["sys/mman.h", "linux/futex.h", "takt/model/cell.hpp"], ["takt/channel/seat.hpp", "takt/executor/executor.hpp", "tinyxml2.h"]),
     "channel": (["takt/os/shared_memory.hpp"], ["takt/executor/executor.hpp", "takt/host/host.hpp", "sys/mman.h"]),
+    "check": (["takt/channel/violations.hpp", "sys/mman.h"], ["takt/component/component.hpp", "takt/executor/executor.hpp", "takt/host/host.hpp"]),
     "component": (["takt/core/result.hpp", "takt/channel/link.hpp"], ["takt/executor/body.hpp", "takt/host/host.hpp", "unistd.h"]),
     "executor": (["takt/schedule/plan.hpp", "takt/channel/seat.hpp"], ["takt/host/host.hpp", "takt/node/supervisor.hpp", "sys/syscall.h"]),
     "simulation": (["takt/executor/executor.hpp", "takt/lifecycle/machine.hpp", "takt/os/fiber.hpp"],

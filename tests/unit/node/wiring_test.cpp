@@ -171,9 +171,10 @@ TEST_F(WiringPlanned, AWriterThatIsAheadHasRoomForThat) {
   model::Device& here = cell.devices[0];
   here.executors[0].timing = model::Timing::let;
   for (model::Module& module : here.modules) {
-    if (module.operation == model::Operation::periodic) module.executor = here.executors[0].name;
+    if (module.operation != model::Operation::periodic) continue;
+    module.executor = here.executors[0].name;
+    module.period = milliseconds{2};
   }
-  here.modules[0].period = milliseconds{2};
   here.modules[1].period = milliseconds{7};
   connect(end("here", "a", "out"), end("here", "b", "in"));
   connect(end("here", "b", "out"), end("here", "a", "in"));
