@@ -160,10 +160,12 @@ json Supervisor::report() const {
     executors.push_back({{"name", device().executors[e].name},
                          {"cycles", block.cycles.load(relaxed)},
                          {"missed", block.missed.load(relaxed)},
-                         {"late", block.late.load(relaxed)},
                          {"margin_us", static_cast<double>(block.margin_ns.load(relaxed)) / 1e3},
                          {"jitter_us", in_microseconds(block.jitter.read())}});
   }
+  const bool contracts = std::any_of(members_.begin(), members_.end(), [this](const auto& member) {
+    return model::contract_of(device(), member->model).what != model::Overrun::skip;
+  });
   json modules = json::array();
   for (const auto& member : members_) {
     const channel::ModuleBlock& block = member->block;
@@ -172,15 +174,17 @@ json Supervisor::report() const {
                        {"operation", model::to_text(member->model.operation)},
                        {"state", lifecycle::to_text(member->state())},
                        {"cycles", releases_of(*member)},
-                       {"missed", block.missed.load(relaxed)},
                        {"overruns", overruns_of(*member)},
-                       {"over_budget", block.over_budget.load(relaxed)},
                        {"errors", block.errors.load(relaxed) + member->errors},
                        {"jitter_us", in_microseconds(jitter_of(*member).read())},
                        {"run_us", in_microseconds(run_of(*member).read())},
                        {"pid", member->is_thread() ? host_.pid() : member->last_pid}});
-    // Beside what every report has: why it is in a state where it should not be, and the health of its ports.
+    // Beside what every report has: why it is in a state where it should not be, what its device's overrun
+    // contracts and its budget are about, and the health of its ports.
     if (is_astray(*member) && !member->why.empty()) modules.back()["text"] = member->why;
+    if (contracts) modules.back()["missed"] = block.missed.load(relaxed);
+    if (member->model.tolerance.times || member->model.tolerance.in_a_row)
+      modules.back()["over_budget"] = block.over_budget.load(relaxed);
     const model::ModulePorts& ports = options_.ports.at(member->index);
     if (!ports || ports->empty()) continue;
     json& list = modules.back()["ports"] = json::array();

@@ -327,7 +327,7 @@ int run(const RunOptions& options) {
     const auto written = write_profile(options.profile, report);
     if (!written) problems.insert(problems.end(), written.problems().begin(), written.problems().end());
   }
-  const bool printed = print(options.json ? report.dump() + "\n"
+  const bool printed = print(options.json ? run_json(report)
                              : run.went() ? run_text(report) + violations_text(report)
                                           : "");
   if (!problems.empty()) complain(problems);

@@ -118,4 +118,11 @@ std::string run_text(const json& status) {
          "  dropped: from a full queue. late: times that the newest value was older than its deadline.\n";
 }
 
+std::string run_json(json status) {
+  for (json& device : status["devices"]) {
+    for (json& executor : device["executors"]) executor.erase("margin_us");
+  }
+  return status.dump() + "\n";
+}
+
 }  // namespace takt::tool

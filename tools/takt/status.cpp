@@ -29,7 +29,7 @@ int status(const StatusOptions& options) {
     complain(report.problems());
     return 1;
   }
-  return print(options.json ? report->dump() + "\n" : run_text(*report)) ? 0 : 1;
+  return print(options.json ? run_json(*report) : run_text(*report)) ? 0 : 1;
 }
 
 }  // namespace

@@ -51,6 +51,14 @@ TEST(RunText, HasALineForEachModuleAndEachPortThatIsConnected) {
   EXPECT_THAT(text, Not(HasSubstr("unused")));
 }
 
+TEST(RunJson, HasNoMoreOfAnExecutorThanTheContract) {
+  const json report = json::parse(run_json(cell()));
+  std::vector<std::string> keys;
+  for (const auto& entry : report["devices"][0]["executors"][0].items()) keys.push_back(entry.key());
+  EXPECT_EQ(keys, (std::vector<std::string>{"name", "cycles", "missed", "jitter_us"}));
+  EXPECT_EQ(report["devices"][0]["modules"], cell()["devices"][0]["modules"]);
+}
+
 TEST(RunText, NamesWhatKeepsAPortFromMatching) {
   json status = cell();
   status["devices"][0]["modules"][0]["ports"][0]["incompatible"] = "reliability";
