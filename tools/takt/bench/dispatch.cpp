@@ -171,7 +171,7 @@ struct Seen {
 
 Loop walk_table(Table& table, const Grid& grid, std::vector<std::int64_t>& taken) {
   const std::atomic<std::uint32_t> stop{0};
-  os::Waker waker{model::Wakeup::hybrid, grid.period, stop};
+  os::Waker waker{model::Wakeup::hybrid, os::margin_cap(grid.period, model::Executor{}.spin_share), stop};
   executor::Executor& executor = table.executor();
   executor.join_grid(grid.first, os::now());
   Instant began{};
@@ -185,7 +185,7 @@ Loop walk_table(Table& table, const Grid& grid, std::vector<std::int64_t>& taken
 
 Loop call_bare(Table& table, const Grid& grid, std::vector<std::int64_t>& taken) {
   const std::atomic<std::uint32_t> stop{0};
-  os::Waker waker{model::Wakeup::hybrid, grid.period, stop};
+  os::Waker waker{model::Wakeup::hybrid, os::margin_cap(grid.period, model::Executor{}.spin_share), stop};
   Instant began{};
   return loop_on_grid(
       grid, [&](Instant release) { return began = waker.wait_until(release); },

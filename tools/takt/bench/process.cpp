@@ -39,7 +39,7 @@ Result<Seen> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nanosecon
   Seen seen;
   const auto loop = run_at(place, [&] {
     const std::atomic<std::uint32_t> stop{0};
-    os::Waker waker{model::Wakeup::hybrid, period, stop};
+    os::Waker waker{model::Wakeup::hybrid, os::margin_cap(period, model::Executor{}.spin_share), stop};
     return loop_on_grid(
         Grid::from_now(period, length), [&waker](Instant release) { return waker.wait_until(release); },
         [&](Instant release) {

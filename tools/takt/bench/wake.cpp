@@ -20,7 +20,7 @@ constexpr int kTurns = 5;
 
 Loop wait_by(Wakeup strategy, Nanoseconds period, Nanoseconds length) {
   const std::atomic<std::uint32_t> stop{0};
-  os::Waker waker{strategy, period, stop};
+  os::Waker waker{strategy, os::margin_cap(period, model::Executor{}.spin_share), stop};
   return loop_on_grid(Grid::from_now(period, length),
                       [&waker](Instant release) { return waker.wait_until(release); });
 }
