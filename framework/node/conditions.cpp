@@ -21,6 +21,9 @@ Nanoseconds allowed_delay(const model::Executor& executor, Nanoseconds basic_per
   return Nanoseconds::max();
 }
 
+// Below this no row is over when the next is due.
+constexpr Nanoseconds kShortest = std::chrono::microseconds{1};
+
 std::string kept_of(const os::Throttling& throttling) {
   const std::string of =
       throttling.period == std::chrono::seconds{1} ? "each second" : "each " + to_text(throttling.period);
@@ -60,7 +63,12 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
                          "; use wakeup=\"hybrid\", or: " + throttling_cure(*throttling));
     }
     if (executor.wakeup == model::Wakeup::spin) continue;
-    if (conditions.timer_resolution >= basic) {
+    if (basic < kShortest) {
+      warnings.push_back(
+          "executor " + executor.name + " has a basic period of " + to_text(basic) +
+          ", the greatest common divisor of its periods and offsets: no machine walks rows that "
+          "often, and most will be missed; choose periods and offsets that have more in common");
+    } else if (conditions.timer_resolution >= basic) {
       warnings.push_back("the kernel's timers have no high resolution: executor " + executor.name +
                          " has a period of " + to_text(basic) + " and is woken each " +
                          to_text(conditions.timer_resolution) +

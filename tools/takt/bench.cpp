@@ -1,5 +1,6 @@
 // takt bench: how fast and how punctual Takt is on this machine, each time beside what it is measured
 // against.
+#include <algorithm>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "bench/table1_report.hpp"
 #include "commands.hpp"
 #include "load.hpp"
+#include "ranges.hpp"
 #include "terminal.hpp"
 
 namespace takt::tool {
@@ -105,7 +107,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
     auto* command = bench->add_subcommand(name, what);
     command->add_option("--for", options->settings.seconds, "the length of each measurement")
         ->type_name("SECONDS")
-        ->check(CLI::Range(0.01, 86400.0));
+        ->check(within(0.01, 86400.0));
     command
         ->add_option("--cpu", options->settings.cpu,
                      "the processor of the real-time threads; else the last one")
@@ -125,6 +127,13 @@ void add_bench(CLI::App& app, Chosen& chosen) {
           return 1;
         }
         options->settings.domain = *domain;
+        const std::vector<int> cpus = os::allowed_cpus();
+        if (const auto& cpu = options->settings.cpu;
+            cpu && std::find(cpus.begin(), cpus.end(), *cpu) == cpus.end()) {
+          complain({{"--cpu", fmt::format("this program may not use processor {}", *cpu),
+                     fmt::format("one of {}", fmt::join(cpus, ", "))}});
+          return 1;
+        }
         return run(*options);
       };
     });
@@ -137,7 +146,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   const auto with_period = [](const auto& added) {
     added.first->add_option("--period", added.second->period_us, "in place of the benchmark's own")
         ->type_name("MICROSECONDS")
-        ->check(CLI::Range(20.0, 1e6));
+        ->check(within(20.0, 1e6));
   };
   const auto with_domain = [](const auto& added) {
     added.first

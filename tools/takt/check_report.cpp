@@ -46,6 +46,9 @@ std::string percent(Nanoseconds part, Nanoseconds whole) {
                      100.0 * static_cast<double>(part.count()) / static_cast<double>(whole.count()));
 }
 
+/// Below this no row is over when the next is due.
+constexpr Nanoseconds kShortest = std::chrono::microseconds{1};
+
 std::string in_words(const model::OverrunContract& contract) {
   const std::string word = model::to_text(contract.what);
   return contract.what == model::Overrun::catch_up ? fmt::format("{} {}", word, contract.limit) : word;
@@ -293,6 +296,12 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
         fmt::format("basic period {}, macro period {}, {}, {}", to_text(plan.basic_period),
                     to_text(plan.macro_period), count(plan.rows(), "row"),
                     plan.table.entries() == 1 ? "1 entry" : fmt::format("{} entries", plan.table.entries())));
+    if (plan.basic_period < kShortest) {
+      page.line(
+          kIndent,
+          page.warning("no machine walks rows as often as that: choose periods and offsets that have more in "
+                       "common"));
+    }
     flattened(page, device, plan);
     contracts(page, device, plan);
     page.blank();

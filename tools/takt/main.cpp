@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "ranges.hpp"
 
 #ifndef TAKT_VERSION
 #define TAKT_VERSION "unknown"
@@ -23,14 +24,6 @@ std::string positive_seconds(const std::string& text) {
   return number && value > 0 && value <= kLongest
              ? ""
              : "'" + text + "' is no number of seconds above 0 and up to 1e9";
-}
-
-// CLI::Range takes nan.
-std::string factor(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool number = end != text.c_str() && *end == '\0';
-  return number && value >= 1 && value <= 1000 ? "" : "'" + text + "' is no number from 1 to 1000";
 }
 
 int serve(int argc, char** argv) {
@@ -54,10 +47,12 @@ int serve(int argc, char** argv) {
                    "say whether every deadline is kept, with the run times that takt run --profile wrote")
       ->type_name("FILE");
   check_command
-      ->add_option("--factor", check_options.proof.factor,
-                   "the longest run is this much longer than the file, or the budget, says (else 1)")
+      ->add_option(
+          "--factor", check_options.proof.factor,
+          "the longest run is this much longer than the file, or the budget, says: 1 (unless given) to "
+          "1000")
       ->type_name("X")
-      ->check(factor);
+      ->check(within(1, 1000));
   check_command
       ->add_option("--cpus", check_options.proof.processors,
                    "a device has this many processors (else as many as this machine)")

@@ -12,6 +12,7 @@
 
 #include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
+#include <takt/schedule/longest_runs.hpp>
 #include <takt/simulation/random_cell.hpp>
 #include <takt/simulation/simulation.hpp>
 
@@ -19,6 +20,7 @@
 #include "commands.hpp"
 #include "load.hpp"
 #include "proof.hpp"
+#include "ranges.hpp"
 #include "run_report.hpp"
 #include "terminal.hpp"
 
@@ -143,6 +145,18 @@ std::string words_of(const simulation::RandomCell& random) {
                             random.options.cpus);
 }
 
+/// Names of modules that are scheduled and state no budget.
+std::string without_budget(const model::Cell& cell) {
+  std::string names;
+  for (const model::Device& device : cell.devices) {
+    for (const model::Module& m : device.modules) {
+      if (m.budget || m.operation == model::Operation::non_real) continue;
+      names += (names.empty() ? "" : ", ") + device.name + "." + m.name;
+    }
+  }
+  return names;
+}
+
 int simulate(const SimulateOptions& options) {
   if (options.is_random) {
     const simulation::RandomCell random = simulation::random_cell(options.random_cell);
@@ -166,6 +180,11 @@ int simulate(const SimulateOptions& options) {
       complain(profile.problems());
       return 1;
     }
+    // Refused as `takt check` does: a profile that says nothing of a module would be a guess.
+    if (const auto runs = schedule::longest_runs(loaded->cell, &*profile, 1); !runs) {
+      complain(runs.problems());
+      return 1;
+    }
     simulated.profile = std::move(*profile);
   }
   if (!options.script.empty()) {
@@ -182,6 +201,13 @@ int simulate(const SimulateOptions& options) {
     }
     simulated.faults = std::move(*faults);
   }
+  if (const std::string guessed = without_budget(loaded->cell); options.profile.empty() && !guessed.empty()) {
+    std::fprintf(
+        stderr,
+        "takt: warning: nothing is known of how long these run, so they are given 5 %% of their period or "
+        "deadline: %s; state their budgets, or measure them: takt run --profile\n",
+        guessed.c_str());
+  }
   return show(options, loaded->cell, loaded->plans, loaded->ports, std::move(simulated));
 }
 
@@ -194,36 +220,55 @@ void add_simulate(CLI::App& app, Chosen& chosen) {
       "Run a descriptor on virtual time: the whole cell in one process, faster than it would run");
   auto* file =
       command->add_option("FILE", options->file, "a cell, or a module.xml; its components are not called");
-  command->add_option("--for", options->seconds, "from the first row to the end; 10 unless given")
-      ->type_name("SECONDS")
-      ->check(CLI::Range(1e-6, 1e6).description(""));
-  command->add_option("--seed", options->seed, "what is left to chance; the same seed gives the same trace")
-      ->type_name("N");
-  command->add_option("--script", options->script, "what is to go wrong, one fault a line; see below")
-      ->type_name("FILE");
-  command
-      ->add_option("--profile", options->profile,
-                   "how long modules run, as takt run --profile wrote it; else by their budgets")
-      ->type_name("FILE");
-  command->add_option("--faults", options->faults, "so many more a second, drawn from the seed")
-      ->type_name("PER_SECOND")
-      ->check(CLI::Range(0.0, 1e5).description(""));
-  command->add_option("--cpus", options->cpus, "processors of each device that executors without a cpu share")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024).description(""));
+  auto* length =
+      command->add_option("--for", options->seconds, "from the first row to the end; 10 unless given")
+          ->type_name("SECONDS")
+          ->check(within(1e-6, 1e6));
+  auto* seed =
+      command
+          ->add_option("--seed", options->seed, "what is left to chance; the same seed gives the same trace")
+          ->type_name("N")
+          ->check(whole_number());
+  auto* script =
+      command->add_option("--script", options->script, "what is to go wrong, one fault a line; see below")
+          ->type_name("FILE");
+  auto* profile =
+      command
+          ->add_option("--profile", options->profile,
+                       "how long modules run, as takt run --profile wrote it; else by their budgets")
+          ->type_name("FILE");
+  auto* faults =
+      command->add_option("--faults", options->faults, "so many more a second, drawn from the seed")
+          ->type_name("PER_SECOND")
+          ->check(within(0.0, 1e5));
+  auto* cpus = command
+                   ->add_option("--cpus", options->cpus,
+                                "processors of each device that executors without a cpu share")
+                   ->type_name("N")
+                   ->check(CLI::Range(1, 1024).description(""));
   command
       ->add_option("--trace", options->trace,
                    "write everything that happens to this file, a line each; - is standard output")
       ->type_name("FILE");
-  command->add_flag("--json", options->json, "print the closing report as one JSON object");
+  auto* json = command->add_flag("--json", options->json, "print the closing report as one JSON object");
   auto* random = command
                      ->add_option("--random-cell", options->random_cell,
                                   "a small cell by chance instead of a file, as the tests use it")
                      ->type_name("N")
+                     ->check(whole_number())
                      ->excludes(file);
-  command->footer("A script, times from the first row on, in ns, us, ms or s:\n" + simulation::script_help());
-  command->callback([options, file, random, &chosen] {
+  for (auto* fixed : {length, seed, script, profile, faults, cpus}) random->excludes(fixed);  // by N
+  command->footer(
+      "Status: 0 when the cell ended in order, 1 when a module or device was given up or something happened "
+      "that must\n"
+      "not, whatever the faults. A module without a budget, and without a profile, takes 5 % of its period "
+      "or deadline.\n\n"
+      "A script, times from the first row on, in ns, us, ms or s:\n" +
+      simulation::script_help());
+  command->callback([options, file, random, json, &chosen] {
     if (file->count() == 0 && random->count() == 0) throw CLI::RequiredError("FILE");
+    if (options->trace == "-" && json->count() != 0)
+      throw CLI::ValidationError("--trace", "- and --json both want standard output");
     options->is_random = random->count() != 0;
     chosen = [options] { return simulate(*options); };
   });

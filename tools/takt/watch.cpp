@@ -18,6 +18,7 @@
 #include "client.hpp"
 #include "commands.hpp"
 #include "load.hpp"
+#include "ranges.hpp"
 #include "terminal.hpp"
 #include "watch_report.hpp"
 
@@ -217,7 +218,7 @@ void add_watch(CLI::App& app, Chosen& chosen) {
                                      "transition");
   command->add_option("--for", options->seconds, "end after this long")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, 1e9));
+      ->check(within(0.0, 1e9));
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return watch(*options); }; });
 }

@@ -1,3 +1,4 @@
+import json
 import os
 import re
 import sys
@@ -86,7 +87,9 @@ class Simulate(takt_system.Case):
 
     def test_wrong_usage(self):
         for arguments in ([], [DEMO, "--for", "0"], [DEMO, "--for", "soon"], [DEMO, "--cpus", "0"], [DEMO, "--random-cell", "1"],
-                          [DEMO, "--faults", "-1"], [DEMO, "--seed", "x"]):
+                          [DEMO, "--faults", "-1"], [DEMO, "--faults", "nan"], [DEMO, "--for", "nan"], [DEMO, "--seed", "x"],
+                          [DEMO, "--seed", "-1"], [DEMO, "--seed", "99999999999999999999"], [DEMO, "--trace", "-", "--json"],
+                          ["--random-cell", "-1"], ["--random-cell", "1", "--for", "1"], ["--random-cell", "1", "--seed", "2"]):
             with self.subTest(arguments=arguments):
                 run = self.takt("simulate", *arguments)
                 self.assertEqual((2, ""), (run.status, run.out), run.err)
@@ -94,6 +97,23 @@ class Simulate(takt_system.Case):
         nowhere = self.takt("simulate", DEMO, "--trace", os.path.join(self.folder, "no", "trace.txt"))
         self.assertEqual((1, ""), (nowhere.status, nowhere.out))
         self.assertIn("cannot be written", nowhere.err)
+
+    def test_run_times_that_nobody_knows_are_not_taken_in_silence(self):
+        guessed = self.takt("simulate", DEMO, "--for", "0.1")
+        self.assertRegex(guessed.err, r"warning: nothing is known of how long these run.*robot\.trajectory.*line\.conveyor")
+        times = '{"runs": 9, "min_ns": 1000, "p50_ns": 2000, "p99_ns": 3000, "p999_ns": 4000, "max_ns": 5000}'
+        cell = json.loads(self.takt("check", DEMO, "--json").out)
+        names = [d["name"] + "." + m for d in cell["devices"] for e in d["executors"] for m in set(sum(e["rows"], [])) | set(e["sporadic"])]
+        profile = '{"cell": "palletizing", "machine": {}, "modules": {%s}}' % ", ".join('"%s": %s' % (n, times) for n in names)
+        known = self.takt("simulate", DEMO, "--for", "1", "--json", "--profile", self.write("times.json", profile))
+        self.assertEqual(0, known.status, known.err)
+        self.assertNotIn("nothing is known", known.err)
+        for m in known.report["devices"][0]["modules"]:
+            self.assertLessEqual(m["run_us"]["max"], 5.5, m["name"])
+        for broken in (profile.replace("palletizing", "other"), profile.replace("line.conveyor", "line.ghost"), "{"):
+            refused = self.takt("simulate", DEMO, "--for", "1", "--profile", self.write("broken.json", broken))
+            self.assertEqual((1, ""), (refused.status, refused.out))
+            self.assertIn("error: ", refused.err)
 
     def test_it_is_faster_than_real_time(self):
         run = self.takt("simulate", DEMO, "--for", "100")

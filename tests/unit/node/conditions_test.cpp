@@ -58,6 +58,12 @@ TEST(Conditions, TimersMustBeFinerThanThePeriod) {
   EXPECT_THAT(warnings(device(model::Wakeup::spin, milliseconds{1}), ticks), IsEmpty());
 }
 
+TEST(Conditions, RowsOfNanosecondsAreNobodysToWalk) {
+  EXPECT_THAT(warnings(device(model::Wakeup::hybrid, Nanoseconds{1}), {}),
+              ElementsAre(AllOf(HasSubstr("basic period of 1 ns"), HasSubstr("in common"))));
+  EXPECT_THAT(warnings(device(model::Wakeup::hybrid, microseconds{1}), {}), IsEmpty());
+}
+
 TEST(Conditions, TheWakeUpMustFitItsMargin) {
   const Conditions slow{.wake_ups = {20, microseconds{41}, microseconds{90}, microseconds{90}}};
   EXPECT_THAT(warnings(device(model::Wakeup::hybrid, microseconds{100}), slow),

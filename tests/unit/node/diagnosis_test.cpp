@@ -175,11 +175,11 @@ TEST(Diagnosis, IdleStatesThatTaktHoldsOffAreNoHarm) {
   EXPECT_EQ(finding("idle states", machine, trial).severity, Severity::good);
 }
 
-TEST(Diagnosis, TimeThatIsStolenNowOrEverSpoils) {
+TEST(Diagnosis, TimeThatIsStolenSpoilsByWhatItWasAllAlong) {
   os::Machine machine = good_machine();
   os::Trial trial = good_trial();
   trial.stolen_share = 0.02;
-  EXPECT_EQ(finding("stolen time", machine, trial).severity, Severity::spoils);
+  EXPECT_EQ(finding("stolen time", machine, trial).severity, Severity::note) << "the next second may be another";
   EXPECT_THAT(finding("stolen time", machine, trial).mend_on, HasSubstr("host"));
   machine.time = os::ProcessorTime{100000, 200};
   EXPECT_EQ(finding("stolen time", machine).severity, Severity::note);
