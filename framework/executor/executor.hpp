@@ -19,8 +19,9 @@
 
 namespace takt::executor {
 
-/// A module in the tables: what to call or release, and where to keep count.
-struct Unit {
+/// A module in the tables: what to call or release, and where to keep count. What each release needs is in the
+/// first cache line.
+struct alignas(64) Unit {
   std::uint32_t index = 0;                ///< of the module on its device
   Body* body = nullptr;                   ///< of a thread module
   channel::Seat* seat = nullptr;          ///< of a process module

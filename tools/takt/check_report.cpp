@@ -63,38 +63,76 @@ void executor_heading(Page& page, const model::Executor& executor, int priority)
   page.heading(2, "executor " + executor.name, text);
 }
 
-/// How full the fullest row is, by modules and by budget.
-std::string fullest(const Device& device, const ExecutorPlan& plan) {
+/// How full a row is, by modules and by the budgets of its threads.
+struct RowLoad {
   std::size_t modules = 0;
-  Nanoseconds most{};
+  Nanoseconds budget{};
   bool complete = true;
-  for (std::size_t row = 0; row < plan.rows(); ++row) {
-    modules = std::max(modules, plan.table.row(row).size());
-    const auto load = plan.load(device, row);
-    most = std::max(most, load.budget);
-    complete &= load.complete;
+};
+
+RowLoad load_of(const Device& device, const ExecutorPlan& plan, const schedule::Table& table,
+                std::size_t row) {
+  RowLoad load;
+  for (const auto task : table.row(row)) {
+    const Module& module = device.modules[plan.periodic[task]];
+    ++load.modules;
+    if (module.type != ModuleType::thread) continue;
+    if (!module.budget) {
+      load.complete = false;
+    } else {  // budgets are any 64-bit number
+      load.budget = load.budget > Nanoseconds::max() - *module.budget ? Nanoseconds::max()
+                                                                      : load.budget + *module.budget;
+    }
   }
-  std::string text = count(modules, "module");
-  if (most > Nanoseconds{})
-    text += fmt::format(", {}{}", complete ? "" : "at least ", percent(most, plan.basic_period));
-  return text;
+  return load;
+}
+
+std::string share_of(const RowLoad& load, Nanoseconds basic) {
+  if (!load.complete && load.budget == Nanoseconds{}) return "-";
+  return (load.complete ? "" : ">= ") + percent(load.budget, basic);
+}
+
+/// The table as it would be without the offsets that were found; none where none were.
+std::optional<schedule::Table> unshifted(const Device& device, const ExecutorPlan& plan) {
+  if (device.executors[plan.executor].offsets != model::Offsets::automatic) return std::nullopt;
+  std::vector<schedule::Task> tasks;
+  bool same = true;
+  for (std::size_t i = 0; i < plan.periodic.size(); ++i) {
+    const Module& module = device.modules[plan.periodic[i]];
+    const Nanoseconds offset = module.offset.value_or(Nanoseconds{});
+    same &= offset == plan.offsets[i];
+    tasks.push_back({.period = *module.period, .priority = module.priority, .name = {}, .offset = offset});
+  }
+  if (same) return std::nullopt;
+  auto table = schedule::Table::build(tasks);
+  return table ? std::optional{std::move(table).value()} : std::nullopt;
+}
+
+std::string fullest(const Device& device, const ExecutorPlan& plan, const schedule::Table& table) {
+  std::size_t modules = 0;
+  RowLoad most;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const RowLoad load = load_of(device, plan, table, row);
+    modules = std::max(modules, load.modules);
+    most.budget = std::max(most.budget, load.budget);
+    most.complete &= load.complete;
+  }
+  const std::string share = share_of(most, plan.basic_period);
+  return count(modules, "module") + (share == "-" || most.budget == Nanoseconds{} ? "" : ", " + share);
 }
 
 /// What offsets="auto" has made of the table.
 void flattened(Page& page, const Device& device, const ExecutorPlan& plan) {
-  if (device.executors[plan.executor].offsets != model::Offsets::automatic || plan.periodic.empty()) return;
-  Device before = device;
-  before.executors[plan.executor].offsets = model::Offsets::given;
-  const auto plans = schedule::plan(model::Cell{}, before);
-  // Without a shift it may not fit, which is why there is one.
-  const std::string was = plans ? fullest(before, plans->executors[plan.executor]) : "more than fits";
-  page.sentence(kIndent, "offsets: the fullest row has " + fullest(device, plan) + "; without them " + was);
+  const auto before = unshifted(device, plan);
+  if (!before) return;
+  page.sentence(kIndent, "offsets: the fullest row has " + fullest(device, plan, plan.table) +
+                             "; without them " + fullest(device, plan, *before));
   Words shifted;
   for (std::size_t i = 0; i < plan.periodic.size(); ++i) {
     if (plan.offsets[i] == Nanoseconds{}) continue;
     shifted.push_back(device.modules[plan.periodic[i]].name + " by " + to_text(plan.offsets[i]));
   }
-  if (!shifted.empty()) page.words(kIndent, "shifted: ", shifted);
+  page.words(kIndent, "shifted: ", shifted);
 }
 
 /// Modules that do not go by their executor's contract.
@@ -110,21 +148,27 @@ void contracts(Page& page, const Device& device, const ExecutorPlan& plan) {
 /// Figure 3 of the paper, with equal neighbours in one line.
 void periodic_table(Page& page, const Device& device, const ExecutorPlan& plan) {
   const bool budgets = states_budget(device, plan);
+  const auto before = unshifted(device, plan);
+  const auto was = [&](std::size_t row) {
+    const RowLoad load = load_of(device, plan, *before, row);
+    return budgets ? share_of(load, plan.basic_period) : fmt::format("{}", load.modules);
+  };
   std::vector<Words> heads{{"row", "offset"}};
   if (budgets) heads.front().emplace_back("load");
+  if (before && !budgets) heads.front().emplace_back("modules");
+  if (before) heads.front().emplace_back("before");
   std::vector<Words> modules;
   std::size_t row = 0;
   while (row < plan.rows() && modules.size() < kTextRows) {
     const auto due = plan.row(row);
     std::size_t end = row + 1;
-    while (end < plan.rows() && plan.row(end) == due) ++end;
+    while (end < plan.rows() && plan.row(end) == due && (!before || was(end) == was(row))) ++end;
     Words head{end - row == 1 ? fmt::format("{}", row) : fmt::format("{}-{}", row, end - 1),
                to_text(plan.basic_period * static_cast<std::int64_t>(row))};
-    if (budgets) {
-      const auto load = plan.load(device, row);
-      const bool unknown = !load.complete && load.budget == Nanoseconds{};
-      head.push_back(unknown ? "-" : (load.complete ? "" : ">= ") + percent(load.budget, plan.basic_period));
-    }
+    const RowLoad load = load_of(device, plan, plan.table, row);
+    if (budgets) head.push_back(share_of(load, plan.basic_period));
+    if (before && !budgets) head.push_back(fmt::format("{}", load.modules));
+    if (before) head.push_back(was(row));
     heads.push_back(std::move(head));
     modules.push_back(due.empty() ? Words{"-"} : called(device, due));
     row = end;

@@ -42,9 +42,10 @@ class Recovery(takt_system.Case):
         }
         for module, (reason, number) in reasons.items():
             diary = self.diary(module)
-            errors = modules[module]["errors"]
+            # One that came when the device was already being stopped is counted, and the module ends as all do.
+            errors = diary.count("error %d" % number)
             self.assertGreaterEqual(errors, 1, module)
-            self.assertEqual(errors, diary.count("error %d" % number), module)
+            self.assertIn(modules[module]["errors"], (errors, errors + 1), module)
             recovered = diary.count("recover")
             self.assertEqual(["initialize", "start"] + ["error %d" % number, "recover"] * recovered +
                              ["error %d" % number] * (errors - recovered) + ["destruct"], diary)

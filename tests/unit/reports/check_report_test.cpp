@@ -104,6 +104,27 @@ TEST(CheckText, PredictsTheLoadFromBudgets) {
                  Not(HasSubstr("without a budget"))));
 }
 
+TEST(CheckText, ShowsEachRowBeforeAndAfterItWasShifted) {
+  model::Cell shifted = figure1();
+  shifted.devices[0].executors[0].offsets = model::Offsets::automatic;
+  EXPECT_THAT(text(shifted),
+              AllOf(HasSubstr("offsets: the fullest row has 3 modules; without them 4 modules\n"),
+                    HasSubstr("shifted: controller1 by 100 us\n"),
+                    HasSubstr("row  offset  modules  before  modules, in the order"),
+                    HasSubstr("0    0 ns    3        4       control3, control2, control4 (process)\n"),
+                    HasSubstr("1    100 us  3        2       control3, control2, controller1\n"),
+                    HasSubstr("4-5  400 us  2        2       control3, control2\n")));
+  EXPECT_THAT(text(figure1()), AllOf(Not(HasSubstr("before")), Not(HasSubstr("shifted"))));
+
+  model::Cell full =
+      cell("c", {device("d", {with_budget(periodic("a", 2ms), 900us), with_budget(periodic("b", 2ms), 600us),
+                              with_budget(periodic("c", 1ms), 50us)})});
+  full.devices[0].executors[0].offsets = model::Offsets::automatic;
+  EXPECT_THAT(text(full),
+              AllOf(HasSubstr("has 2 modules, 95 %; without them 3 modules, 155 %\n"),
+                    HasSubstr("row  offset  load  before  modules"), HasSubstr("155 %"), HasSubstr("5 %")));
+}
+
 TEST(CheckText, SaysWhichModulesMakeTheLoadUncertain) {
   const std::string some = text(cell("c", {device("d", {with_budget(periodic("a", 1ms), 300us),
                                                         periodic("b", 2ms), process(periodic("p", 1ms))})}));
