@@ -193,8 +193,11 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
     for (std::size_t place = 0; place < row.size(); ++place) {
       if (place + 1 < row.size()) prefetch(periodic_[row[place + 1]]);
       const schedule::Table::Index i = row[place];
-      if (!in_tables(periodic_[i])) continue;
-      time = serve(i, number_at(i, row_), release, time, &wake);
+      const Unit& unit = periodic_[i];
+      if (!in_tables(unit)) continue;
+      const std::uint64_t number = number_at(i, row_);
+      time = unit.seat == nullptr ? call(unit, block_.row, number, release, unit.period, time)
+                                  : serve(i, number, release, time, &wake);
     }
   }
   if (sporadic_count_ != 0) wake |= check_conditions(release, time);
