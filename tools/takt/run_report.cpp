@@ -113,9 +113,10 @@ std::string run_text(const json& status) {
          "  whose time passed because the row before, or the wake-up, was too late. margin: awake so long "
          "before a\n"
          "  release. overruns: not done by the next release or by the deadline. matched: connections with "
-         "somebody at the other end, of all. lost: on the "
-         "way;\n"
-         "  dropped: from a full queue. late: times that the newest value was older than its deadline.\n";
+         "somebody\n"
+         "  at the other end, of all. lost: on the way; dropped: from a full queue. late: times that the "
+         "newest\n"
+         "  value was older than its deadline.\n";
 }
 
 std::string run_json(json status) {
