@@ -19,7 +19,7 @@
 
 #include "bare_loop.hpp"
 #include "benchmarks.hpp"
-#include "modules/work.hpp"
+#include "modules/filter_step.hpp"
 #include "timed.hpp"
 
 namespace takt::bench {

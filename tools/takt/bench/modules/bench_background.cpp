@@ -2,7 +2,7 @@
 #include <chrono>
 #include <thread>
 
-#include "work.hpp"
+#include "filter_step.hpp"
 
 int main() {
   using Clock = std::chrono::steady_clock;

@@ -2,7 +2,7 @@
 #include <takt/component.hpp>
 
 #include "recording.hpp"
-#include "work.hpp"
+#include "filter_step.hpp"
 
 class BenchPeriodic : public takt::Component {
   takt::Property<std::string> file{

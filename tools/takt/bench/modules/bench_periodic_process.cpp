@@ -7,7 +7,7 @@
 #include <takt/process.hpp>
 
 #include "recording.hpp"
-#include "work.hpp"
+#include "filter_step.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // A sporadic thread module for `takt bench`: has an event each `every` rows.
 #include <takt/component.hpp>
 
-#include "work.hpp"
+#include "filter_step.hpp"
 
 class BenchSporadic : public takt::Component {
   takt::Property<std::int64_t> every{*this, "every", 10, {.min = 1, .text = "Rows from event to event."}};

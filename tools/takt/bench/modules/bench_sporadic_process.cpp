@@ -2,7 +2,7 @@
 // and every tenth time its condition holds.
 #include <takt/process.h>
 
-#include "work.hpp"
+#include "filter_step.hpp"
 
 namespace {
 
