@@ -4,8 +4,8 @@ namespace takt::schedule {
 
 std::uint64_t samples_ahead(const model::Device& device, const model::Module& writer,
                             const model::Module* reader) {
-  constexpr std::uint64_t kSpare =
-      3;  // of the period that runs, of the one before, and one that comes meanwhile
+  // Of the period that runs, of the one before, and one that comes meanwhile.
+  constexpr std::uint64_t kSpare = 3;
   if (model::timing_of(device, writer) != model::Timing::let) return 0;
   const Nanoseconds period = reader == nullptr ? Nanoseconds{0} : reader->period.value_or(Nanoseconds{0});
   return static_cast<std::uint64_t>(period / *writer.period) + kSpare;
