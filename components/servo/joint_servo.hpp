@@ -38,7 +38,8 @@ class JointServo {
   bool acceleration = true;  ///< that of the set points is fed forward, with the friction that goes with it
   static constexpr double kDryBand = 0.05;  ///< rad/s, within which dry friction is not fed forward in full
 
-  /// N m, within what the drives give. `last` is the set point of `dt` ago.
+  /// N m, within what the drives give. `last` is the set point of `dt` ago: what is measured now is where
+  /// that has led to, so it is compared with that.
   [[nodiscard]] Joints torque(const Motion& wanted, const Motion& last, const Motion& is,
                               double dt) noexcept {
     const double spring = std::pow(2 * std::numbers::pi * bandwidth, 2);
@@ -50,8 +51,8 @@ class JointServo {
           acceleration ? std::clamp((wanted.velocity[i] - last.velocity[i]) / dt, -most, most) : 0;
       position_(row) = is.position[i];
       velocity_(row) = is.velocity[i];
-      acceleration_(row) = forward + spring * (wanted.position[i] - is.position[i]) +
-                           damper * (wanted.velocity[i] - is.velocity[i]);
+      acceleration_(row) = forward + spring * (last.position[i] - is.position[i]) +
+                           damper * (last.velocity[i] - is.velocity[i]);
     }
     solver_.CartToJnt(position_, velocity_, acceleration_, no_forces_, torque_);
     if (!gravity) {

@@ -30,7 +30,7 @@ class Line {
   static constexpr int kNewtonSteps = 5;           ///< at most, a knot; two or three do
   static constexpr double kTolerance = 1e-10;      ///< m and rad, of the tool at a knot
   static constexpr double kFarthest = 0.3;         ///< rad from knot to knot
-  static constexpr double kLeastDexterity = 0.03;  ///< m, see Kinematics::dexterity()
+  static constexpr double kLeastDexterity = 0.02;  ///< m, see Kinematics::dexterity()
 
   enum class State { building, done, joint_limit, singular };
 
