@@ -36,23 +36,23 @@ const char* name_of(vision::Kind kind) { return kind == vision::Kind::box ? "box
 
 std::vector<vision::PlacedPart> before_the_camera(const line::Scene& now) {
   std::vector<vision::PlacedPart> parts;
-  for (const line::Part& part : now.parts()) {
-    parts.push_back({.kind = part.kind() == "bottle" ? vision::Kind::bottle : vision::Kind::box,
-                     .x = part.x(),
-                     .y = part.y(),
-                     .angle = part.angle()});
+  for (const line::Part& one : now.parts()) {
+    parts.push_back({.kind = one.kind() == "bottle" ? vision::Kind::bottle : vision::Kind::box,
+                     .x = one.x(),
+                     .y = one.y(),
+                     .angle = one.angle()});
   }
   return parts;
 }
 
 line::Part told_of(const vision::PlacedPart& found, std::uint32_t number) {
-  line::Part part;
-  part.number(number);
-  part.kind(name_of(found.kind));
-  part.x(found.x);
-  part.y(found.y);
-  part.angle(found.angle);
-  return part;
+  line::Part result;
+  result.number(number);
+  result.kind(name_of(found.kind));
+  result.x(found.x);
+  result.y(found.y);
+  result.angle(found.angle);
+  return result;
 }
 
 /// The one nearest to the barrier, and near enough to be what it holds; null: there is none.
