@@ -26,13 +26,13 @@ class RigidArm {
   static constexpr double kMostFriction = 1500;
 
   explicit RigidArm(const arm_model::Parameters& parameters)
-      : parameters_(parameters), chain_(arm_model::chain(parameters)) {
-    for (std::size_t i = 0; i < kAxes; ++i) position[i] = parameters[i].home;
-  }
+      : position(arm_model::home(parameters)),
+        parameters_(parameters),
+        chain_(arm_model::chain(parameters)) {}
   RigidArm(const RigidArm&) = delete;
   RigidArm& operator=(const RigidArm&) = delete;
 
-  Joints position{};    ///< rad; at home
+  Joints position;      ///< rad; at home
   Joints velocity{};    ///< rad/s
   double friction = 1;  ///< share of the parameters' friction
 

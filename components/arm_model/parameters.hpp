@@ -37,6 +37,13 @@ struct Axis {
 
 using Parameters = std::array<Axis, kAxes>;
 
+/// Where the arm waits.
+inline Joints home(const Parameters& parameters) noexcept {
+  Joints joints{};
+  for (std::size_t i = 0; i < kAxes; ++i) joints[i] = parameters[i].home;
+  return joints;
+}
+
 /// The arm that is built in: made up, with the proportions of an industrial arm for 10 kg that reaches 1.4 m.
 /// The tool, 0.15 m long, is part of the last link.
 const Parameters& built_in();

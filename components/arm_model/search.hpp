@@ -19,7 +19,7 @@ class Search {
  public:
   static constexpr std::size_t kStarts = 60;  ///< starting points that are tried
   static constexpr int kStepsPerStart = 60;   ///< at most
-  static constexpr int kStalled = 8;             ///< steps in a row that hardly help end one
+  static constexpr int kStalled = 8;          ///< steps in a row that hardly help end one
   static constexpr double kTolerance = 1e-9;  ///< m and rad, of what is found
 
   explicit Search(Kinematics& kinematics) noexcept : kinematics_(kinematics) {}

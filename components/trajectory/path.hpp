@@ -18,6 +18,22 @@ class Path {
   static constexpr double kPlanShare = 0.8;
   static constexpr double kHoldShare = 0.97;
 
+  /// Of plans for this arm, at `speed` (a share) and with the tool at `tool` m/s at most on straight lines.
+  static Limits limits(const arm_model::Parameters& arm, double speed, double tool) noexcept {
+    Limits limits{.tool = tool};
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      limits.velocity[i] = kVelocityShare * arm[i].velocity * speed;
+      limits.acceleration[i] = kPlanShare * arm[i].acceleration * speed * speed;
+    }
+    return limits;
+  }
+  /// For advance().
+  static Joints most_acceleration(const arm_model::Parameters& arm) noexcept {
+    Joints most{};
+    for (std::size_t i = 0; i < kAxes; ++i) most[i] = kHoldShare * arm[i].acceleration;
+    return most;
+  }
+
   /// At rest there.
   explicit Path(const Joints& rest = {}) noexcept : at_{rest, {}, {}} {}
 

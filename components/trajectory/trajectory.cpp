@@ -61,10 +61,8 @@ class Trajectory : public takt::Component {
     if (const auto* problem = std::get_if<std::string>(&read))
       return takt::fail(*problem, "name another file in the property 'model', or mend this one");
     arm_ = std::get<arm_model::Parameters>(read);
-    for (std::size_t i = 0; i < arm_model::kAxes; ++i) {
-      home_[i] = arm_[i].home;
-      most_acceleration_[i] = trajectory::Path::kHoldShare * arm_[i].acceleration;
-    }
+    home_ = arm_model::home(arm_);
+    most_acceleration_ = trajectory::Path::most_acceleration(arm_);
     path_ = trajectory::Path{home_};
     planner_.emplace(arm_);
     report_.result(motion::PICK_REFUSED);  // nothing was placed
@@ -100,12 +98,7 @@ class Trajectory : public takt::Component {
   }
 
   [[nodiscard]] trajectory::Limits limits() const noexcept {
-    trajectory::Limits limits{.tool = line_speed};
-    for (std::size_t i = 0; i < arm_model::kAxes; ++i) {
-      limits.velocity[i] = trajectory::Path::kVelocityShare * arm_[i].velocity * speed;
-      limits.acceleration[i] = trajectory::Path::kPlanShare * arm_[i].acceleration * speed * speed;
-    }
-    return limits;
+    return trajectory::Path::limits(arm_, speed, line_speed);
   }
 
   static std::optional<KDL::Frame> frame(const motion::Pose& pose) noexcept {

@@ -1,4 +1,4 @@
-#include <components/arm_model/search.hpp>
+#include "arm_model/search.hpp"
 
 #include <cmath>
 #include <fstream>
@@ -7,6 +7,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
+
+#include <motion.hpp>
 
 namespace {
 
@@ -18,11 +22,7 @@ using arm_model::Search;
 
 constexpr double kPi = std::numbers::pi;
 
-Joints home() {
-  Joints joints{};
-  for (std::size_t i = 0; i < kAxes; ++i) joints[i] = arm_model::built_in()[i].home;
-  return joints;
-}
+Joints home() { return arm_model::home(arm_model::built_in()); }
 
 double distance(const KDL::Frame& one, const KDL::Frame& other) {
   const KDL::Twist twist = KDL::diff(one, other);
@@ -184,6 +184,28 @@ TEST(Parameters, SayWhatIsWrongAndWhere) {
   EXPECT_THAT(problem(axes(R"(,"home":4)")), HasSubstr("axes[5].home"));
   EXPECT_THAT(problem(axes(R"(,"centre":[1,2])")), HasSubstr("axes[5].centre: must be three numbers"));
   EXPECT_THAT(problem(R"({"axes":[{},{},{},{},{},{}]})"), HasSubstr("axes[0].a: is missing"));
+}
+
+TEST(KinematicsModule, SaysWhereTheToolIsWhenAxesCome) {
+  takt::testing::Module module;
+  auto& joints = module.in<motion::JointState>("joints");
+  auto& pose = module.out<motion::Pose>("pose");
+  ASSERT_TRUE(module.start());
+  module.step(3);
+  EXPECT_EQ(pose.count(), 0U);
+  motion::JointState state;
+  state.position() = home();
+  joints.write(state);
+  module.step(3);
+  ASSERT_EQ(pose.count(), 1U);
+  EXPECT_NEAR(pose.value().x(), 0.8, 1e-12);
+  EXPECT_NEAR(pose.value().z(), 0.92, 1e-12);
+}
+
+TEST(KinematicsModule, RefusesAFileThatIsNotThere) {
+  takt::testing::Module module;
+  ASSERT_TRUE(module.set("model", "no_such_arm.json"));
+  EXPECT_THAT(module.start().text(), testing::HasSubstr("no_such_arm.json: cannot be read"));
 }
 
 }  // namespace
