@@ -14,7 +14,7 @@
 class Trajectory : public takt::Component {
   takt::InPort<motion::PickRequest> request{*this, "request", {.text = "Parts to be taken away, in turn."}};
   takt::InPort<motion::JointState> measured{
-      *this, "measured", {.text = "Where the arm is when it begins; not connected: at home."}};
+      *this, "measured", {.text = "Where the arm is; not connected: at home, then at the set points."}};
   takt::InPort<basic::Flag> enable{
       *this, "enable", {.text = "False: come to rest on the path and wait. Before the first: true."}};
   takt::InPort<basic::Flag> holding{
@@ -40,6 +40,13 @@ class Trajectory : public takt::Component {
       {.unit = "m", .min = 0.01, .max = 1, .text = "Of the straight lines to the part and to its place."}};
   takt::Property<double> grip_time{
       *this, "grip_time", 0.3, {.unit = "s", .min = 0, .max = 10, .text = "To close or open the gripper."}};
+  takt::Property<double> following{*this,
+                                   "following",
+                                   0.08,
+                                   {.unit = "rad",
+                                    .min = 0.001,
+                                    .max = 3,
+                                    .text = "An arm that is farther off the path is brought home."}};
 
   arm_model::Parameters arm_;
   arm_model::Joints home_{};
@@ -50,6 +57,7 @@ class Trajectory : public takt::Component {
   bool began_ = false;
   bool planning_ = false;
   bool lost_ = false;
+  bool answered_ = true;
   double asked_ = 0;  // s since the request
   motion::JointState state_;
   basic::Flag closed_;
@@ -71,7 +79,9 @@ class Trajectory : public takt::Component {
   }
 
   void run(const takt::Cycle& cycle) noexcept override {
-    if (!began_ && !begin()) return;
+    if (measured.read() && (!began_ || is_off_the_path())) go_home_from(measured.value().position());
+    if (!began_ && measured.connected()) return;  // nobody has said yet where the arm is
+    began_ = true;
     enable.read();
     holding.read();
     if (!path_.busy() && !planning_ && request.read()) take_on(request.value());
@@ -86,15 +96,22 @@ class Trajectory : public takt::Component {
     grip.write(closed_);
   }
 
-  // From where the arm is it goes home first. False: nobody has said yet where that is.
-  bool begin() noexcept {
-    if (measured.connected()) {
-      if (!measured.read()) return false;
-      path_ = trajectory::Path{measured.value().position()};
-      plan_.leg(trajectory::Step::home) = trajectory::Leg::turn(measured.value().position(), home_, limits());
-      path_.begin(plan_, trajectory::Step::home);
-    }
-    return began_ = true;
+  [[nodiscard]] bool is_off_the_path() const noexcept {
+    for (std::size_t i = 0; i < arm_model::kAxes; ++i)
+      if (!(std::abs(measured.value().position()[i] - path_.position()[i]) <= following)) return true;
+    return false;
+  }
+
+  // When it begins, and when something else than the path has moved or held the arm.
+  void go_home_from(const arm_model::Joints& position) noexcept {
+    for (const double joint : position)
+      if (!std::isfinite(joint)) return fail("where the arm is is not a number");
+    planning_ = false;
+    path_ = trajectory::Path{position};
+    plan_.leg(trajectory::Step::home) = trajectory::Leg::turn(position, home_, limits());
+    path_.begin(plan_, trajectory::Step::home);
+    began_ = true;
+    if (!answered_) finish(motion::PICK_LOST, motion::REFUSAL_NONE);
   }
 
   [[nodiscard]] trajectory::Limits limits() const noexcept {
@@ -115,7 +132,7 @@ class Trajectory : public takt::Component {
     }
     report_.number(part.number());
     asked_ = 0;
-    lost_ = false;
+    lost_ = answered_ = false;
     const auto pick = frame(part.pick());
     const auto place = frame(part.place());
     if (!pick || !place) {
@@ -157,7 +174,8 @@ class Trajectory : public takt::Component {
   void end_leg(trajectory::Step step) noexcept {
     using trajectory::Step;
     if (step == Step::down) closed_.value(true);
-    if (step == Step::lower || (step == Step::up && path_.step() == Step::give_up)) closed_.value(false);
+    if (step == Step::lower || step == Step::home || (step == Step::up && path_.step() == Step::give_up))
+      closed_.value(false);
     if (step == Step::release) finish(lost_ ? motion::PICK_LOST : motion::PICK_PLACED, motion::REFUSAL_NONE);
     if (step == Step::give_up) finish(motion::PICK_LOST, motion::REFUSAL_NONE);
   }
@@ -167,6 +185,7 @@ class Trajectory : public takt::Component {
     report_.refusal(refusal);
     report_.duration(asked_);
     done.write(report_);
+    answered_ = true;
   }
 };
 TAKT_COMPONENT(Trajectory)

@@ -145,7 +145,7 @@ TEST(Path, ComesToRestOnThePathAndGoesOnWithinTheLimits) {
   // Held at every fortieth period of the cycle, for half a second.
   const int whole = static_cast<int>(planned.plan->until(Step::home) / kPeriod);
   int slowest = 0;
-  for (int at = 1; at < whole; at += 40) {
+  for (int at = 1; at + 400 < whole; at += 40) {
     int held = 0;
     int rested = 0;
     const Extremes extremes = run(
@@ -401,6 +401,35 @@ TEST_F(Trajectory, BeginsWhereTheArmIs) {
   EXPECT_NEAR(setpoint.value().position()[0], -1, 1e-3);
   module.step(3000);
   EXPECT_EQ(setpoint.value().position(), home());
+}
+
+TEST_F(Trajectory, ComesHomeFromWhereTheArmWasHeldUpAndTakesTheNextPart) {
+  auto& measured = module.in<motion::JointState>("measured");
+  motion::JointState state;
+  state.position() = home();
+  measured.write(state);
+  ASSERT_TRUE(module.start());
+  const auto follow = [&] {  // as an arm does, a period later
+    state = setpoint.value();
+    measured.write(state);
+    return done.count() > 0;
+  };
+  request.write(from_here_to_there(1));
+  module.step_until(follow, 500);
+  ASSERT_EQ(done.count(), 0U);
+  const auto stand = [&] {
+    measured.write(state);
+    return done.count() > 0;
+  };
+  ASSERT_TRUE(module.step_until(stand, 400));
+  EXPECT_EQ(done.value().result(), motion::PICK_LOST);
+  for (std::size_t i = 0; i < kAxes; ++i)
+    EXPECT_LT(std::abs(setpoint.value().position()[i] - state.position()[i]), 0.1) << "axis " << i;
+  EXPECT_FALSE(module.step_until([&] { return follow() && done.count() > 1; }, 3000));
+  EXPECT_EQ(setpoint.value().position(), home());
+  request.write(from_here_to_there(1));
+  EXPECT_TRUE(module.step_until([&] { return follow() && done.count() > 1; }, 8000));
+  EXPECT_EQ(done.value().result(), motion::PICK_PLACED);
 }
 
 TEST_F(Trajectory, TakesLongerWhenItIsToldToGoSlowly) {
