@@ -32,6 +32,8 @@ std::string environment(const char* name) {
   return value == nullptr ? "" : value;
 }
 
+void set_environment(const char* name, const std::string& value) { ::setenv(name, value.c_str(), 1); }
+
 std::string host_name() {
   std::array<char, 256> name{};
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";

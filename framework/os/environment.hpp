@@ -19,6 +19,8 @@ std::string take_from_environment(const char* name);
 
 /// The value of an environment variable; empty when it is not set.
 std::string environment(const char* name);
+/// For this program and those that it starts. While there is one thread.
+void set_environment(const char* name, const std::string& value);
 
 /// The name of this machine.
 std::string host_name();

@@ -53,6 +53,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   options.domain = *domain;
+  // A program of the cell that speaks DDS itself, as the recorder does, finds the cell's domain.
+  takt::os::set_environment("TAKT_DOMAIN", std::to_string(*domain));
   options.discovery = takt::tool::discovery_of(network);
   options.interfaces = takt::tool::interfaces();
   if (port != 0) {
