@@ -90,6 +90,9 @@ int serve(int argc, char** argv) {
   add_orders(app, chosen);
   add_properties(app, chosen);
   add_echo(app, chosen);
+  add_record(app, chosen);
+  add_play(app, chosen);
+  add_plot(app, chosen);
   add_doctor(app, chosen);
   add_bench(app, chosen);
 
