@@ -1,0 +1,188 @@
+import csv
+import json
+import os
+import random
+import signal
+import sqlite3
+import sys
+import time
+import xml.etree.ElementTree
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import wait_until
+
+
+class Recording(takt_system.Case):
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def rows(self, sql, file="a.takt"):
+        database = sqlite3.connect("file:%s?mode=ro" % self.path(file), uri=True)
+        try:
+            return database.execute(sql).fetchall()
+        finally:
+            database.close()
+
+    def count(self, file="a.takt"):
+        """0 as long as there is no table."""
+        try:
+            return self.rows("select count(*) from sample", file)[0][0]
+        except sqlite3.OperationalError:
+            return 0
+
+    def numbers(self, file="a.takt"):
+        """What the source wrote, in the order of the file: the counter after the encapsulation."""
+        return [int.from_bytes(data[4:12], "little") for (data,) in self.rows("select bytes from sample order by id", file)]
+
+    def record(self, seconds, cell, *options, file="a.takt"):
+        """Of a cell that starts after the recorder has."""
+        recorder = self.start("record", "d.source.out", "--out", file, "--for", str(seconds), *options)
+        recorder.wait_for_line("waits for d.source.out: device d is not there")
+        run = self.start("run", cell)
+        recorder.wait(90)
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait(20).status, run.err)
+        return recorder
+
+    def test_what_was_written_is_recorded_played_and_plotted(self):
+        recorder = self.record(6, "source.xml")
+        self.assertEqual(0, recorder.status, recorder.err)
+        self.assertRegex(recorder.err, r"records d\.source\.out \(samples::Count\)")
+        self.assertRegex(recorder.err, r"takt record: \d+ samples of 1 ports in 6\.\d s")
+
+        # The file
+        self.assertEqual(["a.takt"], [f for f in os.listdir(self.folder) if f.startswith("a.takt")])
+        self.assertEqual([("source",)], self.rows("select value from meta where name = 'cell'"))
+        self.assertEqual([("d.source.out", "takt/source/d/source/out", "samples::Count")],
+                         self.rows("select path, topic, type_name from port"))
+        numbers = self.numbers()
+        self.assertGreater(len(numbers), 50)
+        self.assertEqual(sorted(set(numbers)), numbers, "in order, none twice")
+        times = [t for (t,) in self.rows("select time_ns from sample order by id")]
+        self.assertLess(abs(times[-1] / 1e9 - time.time()), 60)
+        # The stamps are the module's own: a sample for each period.
+        for (a, at), (b, bt) in zip(list(zip(numbers, times)), list(zip(numbers, times))[1:]):
+            self.assertAlmostEqual((b - a) * 0.01, (bt - at) / 1e9, delta=0.5)
+
+        # CSV
+        run = self.takt("plot", "a.takt", "d.source.out", "--csv", "a.csv", "--svg", "a.svg")
+        self.assertEqual(0, run.status, run.err)
+        with open(self.path("a.csv"), newline="") as file:
+            table = list(csv.DictReader(file))
+        self.assertEqual(numbers, [int(row["d.source.out.number"]) for row in table])
+        self.assertEqual(times, [int(row["time_ns"]) for row in table])
+        for row in table:
+            self.assertEqual(float(row["d.source.out.number"]), float(row["d.source.out.same[5]"]))
+            few = [row["d.source.out.few[%d]" % i] for i in range(4)]
+            self.assertEqual(int(row["d.source.out.number"]) % 5, sum(text != "" for text in few))
+        self.assertIn("svg", xml.etree.ElementTree.parse(self.path("a.svg")).getroot().tag)
+        run = self.takt("plot", "a.takt", "d.source.out.number")
+        self.assertRegex(run.out, r"d\.source\.out\.number +%d +%d +\S+ +%d " % (len(numbers), numbers[0], numbers[-1]))
+        listed = self.takt("play", "a.takt", "--list")
+        self.assertRegex(listed.out, r"d\.source\.out +samples::Count +%d +0\.000" % len(numbers))
+
+        # Into another cell, and a part of it.
+        for options, expected in ([], numbers), (["--from", "0.5", "--to", "1.5", "--speed", "2"],
+                                                [n for n, t in zip(numbers, times) if 5e8 <= t - times[0] <= 15e8]):
+            sink = self.start("run", "sink.xml")
+            sink.wait_for_state("sink", "EXECUTING")
+            began = time.monotonic()
+            play = self.takt("play", "a.takt", "--port", "d.source.out=replay/out", *options)
+            took = time.monotonic() - began
+            self.assertEqual(0, play.status, play.err)
+            self.assertNotIn("nobody reads", play.err)
+            self.assertRegex(play.err, r"takt play: %d samples of 1 ports" % len(expected))
+            if not options:
+                self.assertGreater(took, (times[-1] - times[0]) / 1e9)
+            time.sleep(0.5)
+            sink.signal(signal.SIGINT)
+            sink.wait(20)
+            seen = json.loads(self.read("seen"))
+            self.assertEqual((len(expected), expected[0], expected[-1], 0),
+                             (seen["read"], seen["first"], seen["last"], seen["wrong"]))
+
+        # Not beside the module that writes the topic.
+        run = self.start("run", "source.xml")
+        run.wait_for_state("source", "EXECUTING")
+        self.refused({"play a.takt": r"port d\.source\.out: error: d\.source runs and writes it itself; .*--port d\.source\.out=TOPIC"})
+        run.signal(signal.SIGINT)
+        run.wait(20)
+
+    def test_a_recorder_that_is_killed_leaves_a_file_and_goes_on_in_it(self):
+        run = self.start("run", "component.xml")
+        run.wait_for_state("source", "EXECUTING")
+        wait_until(lambda: self.count() > 50, 40, "samples in the file")
+        begun = len(run.raw)
+        os.kill(run.one("recorder.exe").pid, signal.SIGKILL)
+        run.wait_for_line(r"\.recorder: \w+ -> RECOVER", after=begun)
+        before = self.count()
+        listed = self.takt("play", "a.takt", "--list")
+        self.assertEqual(0, listed.status, listed.err)
+        self.assertIn("d.source.out", listed.out)
+        run.wait_for_line(r"recorder: records d\.source\.out", 40, after=begun)
+        wait_until(lambda: self.count() > before + 50, 40, "more samples in the file")
+        run.signal(signal.SIGINT)
+        run.wait(20)
+        self.assertRegex("\n".join(run.printed("recorder")), r"recorder: \d+ samples of 1 ports .* in a\.takt; \d+ lost")
+        numbers = self.numbers()
+        self.assertEqual(sorted(set(numbers)), numbers)
+        self.assertEqual(1, len(self.rows("select * from port")))
+
+    def test_a_bound_is_kept(self):
+        stopped = self.record(60, "fast.xml", "--max-size", "1")
+        self.assertEqual(0, stopped.status, stopped.err)
+        self.assertRegex(stopped.err, r"a\.takt is full at 1\.0 MB, so it ended")
+        self.assertLessEqual(os.path.getsize(self.path("a.takt")), 1000000)
+        self.assertGreater(os.path.getsize(self.path("a.takt")), 500000)
+
+        dropped = self.record(10, "fast.xml", "--max-size", "1", "--full", "oldest", file="b.takt")
+        self.assertEqual(0, dropped.status, dropped.err)
+        self.assertRegex(dropped.err, r"lost, \d+ of the oldest dropped")
+        self.assertLessEqual(os.path.getsize(self.path("b.takt")), 1000000)
+        self.assertGreater(self.numbers("b.takt")[0], 1000)
+
+    def test_what_is_wrong_is_said(self):
+        self.write("text.takt", "This is a text of more than a few words, and no recording whatever it is called.\n" * 50)
+        self.refused({
+            "record d --out x.takt": r"'d' names no port; say DEVICE\.MODULE\.PORT",
+            "record d.m.p --out no/x.takt": r"no/x\.takt: error: cannot be opened",
+            "record d.m.p --out text.takt": r"text\.takt: error: is there already",
+            "record d.m.p --out text.takt --append": r"text\.takt: error: is no recording",
+            "record d.m.p --out y.takt --max-size 0.5": r"1 MB is the least",
+            "play none.takt": r"none\.takt: error: is not there",
+            "play text.takt": r"text\.takt: error: is no recording",
+            "plot text.takt d.m.p.x": r"text\.takt: error: is no recording",
+        })
+        usage = self.at_once("record --out x.takt", "record d.m.p", "play a --speed 0", "plot a", "record d.m.p --out x --full no")
+        self.assertEqual([2] * len(usage), [run.status for run in usage])
+        nobody = self.takt("record", "d.m.p", "--out", "z.takt", "--for", "1")
+        self.assertEqual(1, nobody.status)
+        self.assertRegex(nobody.err, r"waits for d\.m\.p: device d is not there\n.*0 samples of 0 ports")
+        self.refused({"play z.takt": r"no sample is in that time"})
+
+        run = self.takt("run", "wrong.xml", "--for", "2")
+        self.assertRegex(run.err, r"\| property max_size: error: cannot be 'much'; write a number from 0 to")
+        self.assertRegex(run.err, r"\| error: there is no property 'fiel'; did you mean file\?")
+        self.assertRegex(run.err, r"\| property file: error: is missing")
+
+    def test_wrong_names_and_damage(self):
+        self.assertEqual(0, self.record(5, "source.xml").status)
+        self.refused({
+            "plot a.takt d.source.uot.number": r"no port 'd\.source\.uot' is in it; did you mean d\.source\.out\?",
+            "plot a.takt d.source.out.numbr": r"port d\.source\.out has no field 'numbr'; did you mean number\?",
+            "plot a.takt d.source.out --from 1000": r"no sample is in that time",
+            "plot a.takt d.source.out --svg no/a.svg": r"no/a\.svg: error: cannot be written",
+            "play a.takt --port d.source.uot": r"no port 'd\.source\.uot' is in it",
+            "play a.takt --port d.source.out=": r"names no topic",
+            "play a.takt --from 2 --to 1": r"--from lies after --to",
+        })
+        size = os.path.getsize(self.path("a.takt"))
+        with open(self.path("a.takt"), "r+b") as file:
+            file.seek(size // 2)
+            file.write(random.Random(1).randbytes(size // 2))
+        self.refused({"plot a.takt d.source.out.number": r"a\.takt: error: is damaged"})
+
+
+if __name__ == "__main__":
+    takt_system.main()
