@@ -63,7 +63,8 @@ class Ports(takt_system.Case):
         self.assertRegex(run.err, r"wrong.xml:13: error: module second: property 'ports' is missing; name the ports")
         self.assertRegex(run.err, r"wrong.xml:10: error: module second: there is nothing to do\n")
         self.assertRegex(run.err, r"wrong.xml:21: error: .*first has no port")
-        self.refused({"describe port_named.exe ports=": r"property 'ports' is missing; name the ports",
+        self.refused({"describe port_named.exe": r"property 'ports' is missing; name the ports",
+                      "describe port_named.exe ports=": r"property 'ports' is missing; name the ports",
                       "describe port_named.exe ports=a,a": r"there are two ports 'a'",
                       "describe port_sink.so file=x": r"do not depend on properties"})
 
