@@ -63,8 +63,10 @@ Problems said_by(const std::string& text) {
   return problems;
 }
 
-/// What a program with these arguments says of its ports when it is told to say them and end.
-Result<std::vector<model::Port>> ports_of_program(const std::string& path, const Arguments& arguments) {
+/// What a program with these arguments says of its ports when it is told to say them and end. `refused`: it
+/// ended with words of its own about what it was given, which are the problems.
+Result<std::vector<model::Port>> ports_of_program(const std::string& path, const Arguments& arguments,
+                                                  bool* refused = nullptr) {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   os::MessageSocket& ours = sockets->first;
@@ -92,6 +94,7 @@ Result<std::vector<model::Port>> ports_of_program(const std::string& path, const
   if (const auto text = ours.receive()) return model::parse_ports(*text);
   if (ended && !ended->signalled && ended->code != 0) {
     Problems said = said_by(words);
+    if (refused != nullptr) *refused = !said.empty();
     if (!said.empty()) return said;
   }
   return fail(path + " did not say which ports it has" + (ended ? ": it " + ended->text() : ""),
@@ -183,8 +186,9 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
   if (!os::is_shared_object(path)) {
     if (!os::is_executable(path))
       return fail(path + " is neither a shared object nor a program", "name a component's file");
-    auto ports = ports_of_program(path, arguments);
-    if (!ports && !arguments.empty()) return ports.problems();
+    bool refused = false;
+    auto ports = ports_of_program(path, arguments, &refused);
+    if (!ports && (refused || !arguments.empty())) return ports.problems();
     return Description{std::filesystem::path{path}.stem().string(),
                        "process",
                        {},
