@@ -3,6 +3,7 @@
 #include <takt/component.hpp>
 
 #include <algorithm>
+#include <chrono>
 
 #include <basic.hpp>
 #include <line.hpp>
@@ -16,7 +17,7 @@ class Conveyor : public takt::Component {
       *this, "enable", {.text = "The belt may run; false stops it. It may where nobody says anything."}};
   takt::InPort<motion::PickDone> taken{*this, "taken", {.text = "Parts that were taken away."}};
   takt::OutPort<line::BeltState> state{*this, "state", {.text = "What the belt does."}};
-  takt::OutPort<line::PartSeen> part{*this, "part", {.text = "A part has come to the light barrier."}};
+  takt::OutPort<line::Part> part{*this, "part", {.text = "A part has come to the light barrier."}};
   takt::OutPort<basic::Flag> barrier{*this, "barrier", {.text = "A part is at the light barrier."}};
   takt::OutPort<line::Scene> scene{*this, "scene", {.text = "The parts near the light barrier."}};
   takt::Property<double> acceleration{
@@ -28,6 +29,14 @@ class Conveyor : public takt::Component {
       "view",
       0.5,
       {.unit = "m", .min = 0, .max = 10, .text = "How far before the light barrier parts are in the scene."}};
+  takt::Property<double> enable_timeout{
+      *this,
+      "enable_timeout",
+      0,
+      {.unit = "s",
+       .min = 0,
+       .max = 3600,
+       .text = "An older `enable`, or none yet, counts as false; 0: it holds for ever."}};
   takt::Property<double> repeat{
       *this,
       "repeat",
@@ -37,7 +46,6 @@ class Conveyor : public takt::Component {
   conveyor::Belt belt_;
   double waited_ = 0;  // s, since the part was told
   line::BeltState state_;
-  line::PartSeen seen_;
   line::Scene scene_;
   basic::Flag barrier_;
 
@@ -51,25 +59,38 @@ class Conveyor : public takt::Component {
     belt_.spacing = spacing;
     command.read();
     enable.read();
-    while (taken.read()) belt_.taken(taken.value().number());
+    while (taken.read()) {
+      if (taken.value().result() != motion::PICK_REFUSED) belt_.taken(taken.value().number());
+    }
     waited_ += cycle.seconds();
-    const bool enabled = !enable.has_value() || enable.value().value();
-    const bool came = belt_.step(enabled ? command.value().speed() : 0, cycle.seconds());
+    const bool came = belt_.step(is_enabled() ? command.value().speed() : 0, cycle.seconds());
     if (came || (belt_.holding && waited_ >= repeat)) tell_part();
     tell_state();
     tell_scene();
+  }
+
+  [[nodiscard]] bool is_enabled() const noexcept {
+    const bool heard =
+        enable_timeout <= 0 || enable.age() <= std::chrono::duration<double>(enable_timeout.value());
+    return heard && (!enable.has_value() || enable.value().value());
   }
 
   // The one thing a belt must do when nobody tells it how fast to run.
   void error(takt::ErrorType) override { belt_.speed = 0; }
 
   void tell_part() noexcept {
-    const conveyor::Laid laid = belt_.laid(belt_.parts);
     waited_ = 0;
-    seen_.number(laid.number);
-    seen_.kind(laid.kind);
-    seen_.offset(laid.y);
-    part.write(seen_);
+    line::Part told;
+    set(told, belt_.laid(belt_.parts));
+    part.write(told);
+  }
+
+  static void set(line::Part& part, const conveyor::Laid& laid) noexcept {
+    part.number(laid.number);
+    part.kind(laid.kind);
+    part.x(laid.x);
+    part.y(laid.y);
+    part.angle(laid.angle);
   }
 
   void tell_state() noexcept {
@@ -91,12 +112,7 @@ class Conveyor : public takt::Component {
       const conveyor::Laid laid = belt_.laid(number);
       if (laid.x > view) break;
       scene_.parts().emplace_back();
-      line::Part& one = scene_.parts().back();
-      one.number(laid.number);
-      one.kind(laid.kind);
-      one.x(laid.x);
-      one.y(laid.y);
-      one.angle(laid.angle);
+      set(scene_.parts().back(), laid);
     }
     scene.write(scene_);
   }

@@ -142,7 +142,7 @@ TEST(Conveyor, TellsOfEachPartAndGoesOnWhenItWasTaken) {
   ASSERT_TRUE(module.set("spacing", "0.5"));
   auto& command = module.in<line::BeltCommand>("command");
   auto& taken = module.in<motion::PickDone>("taken", {.queue = 8});
-  auto& part = module.out<line::PartSeen>("part");
+  auto& part = module.out<line::Part>("part");
   auto& state = module.out<line::BeltState>("state");
   ASSERT_TRUE(module.start());
 
@@ -162,7 +162,7 @@ TEST(Conveyor, SaysAPartThatWaitsAgainAndAgain) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("repeat", "0.1"));
   auto& command = module.in<line::BeltCommand>("command");
-  auto& part = module.out<line::PartSeen>("part");
+  auto& part = module.out<line::Part>("part");
   ASSERT_TRUE(module.start());
   command.write(speed(0.5));
   ASSERT_TRUE(module.step_until([&] { return part.count() == 1; }, 1000));
@@ -227,7 +227,7 @@ TEST(Conveyor, ShowsACameraThePartsBeforeTheBarrier) {
   auto& taken = module.in<motion::PickDone>("taken", {.queue = 8});
   auto& scene = module.out<line::Scene>("scene");
   auto& barrier = module.out<basic::Flag>("barrier");
-  auto& part = module.out<line::PartSeen>("part");
+  auto& part = module.out<line::Part>("part");
   ASSERT_TRUE(module.start());
   module.step();
   ASSERT_EQ(scene.value().parts().size(), 2U);  // at 0.3 and 0.6 m
@@ -240,7 +240,7 @@ TEST(Conveyor, ShowsACameraThePartsBeforeTheBarrier) {
   ASSERT_EQ(scene.value().parts().size(), 3U);
   EXPECT_EQ(scene.value().parts()[0].number(), 1U);
   EXPECT_NEAR(scene.value().parts()[0].x(), 0, 1e-3);
-  EXPECT_EQ(scene.value().parts()[0].y(), part.value().offset());
+  EXPECT_EQ(scene.value().parts()[0].y(), part.value().y());
   EXPECT_EQ(scene.value().parts()[0].kind(), part.value().kind());
 
   taken.write(done(1));
@@ -265,6 +265,52 @@ TEST(Conveyor, RefusesWhatNoBeltCanDo) {
   EXPECT_EQ(module.set("spacing", "0").text(),
             "property 'spacing' cannot be '0'; it takes a number, 0.05 to 10, in m");
   EXPECT_FALSE(module.set("acceleration", "fast"));
+}
+
+TEST(Conveyor, StopsWhenTheOneWhoEnablesItFallsSilent) {
+  takt::testing::Module module{{.period = 2ms}};
+  ASSERT_TRUE(module.set("enable_timeout", "0.1"));
+  auto& command = module.in<line::BeltCommand>("command");
+  auto& enable = module.in<basic::Flag>("enable");
+  auto& state = module.out<line::BeltState>("state");
+  ASSERT_TRUE(module.start());
+  line::BeltCommand fast;
+  fast.speed(0.5);
+  command.write(fast);
+  module.step(100);
+  EXPECT_EQ(state.value().speed(), 0) << "nobody has said yet that it may run";
+  basic::Flag yes;
+  yes.value(true);
+  for (int i = 0; i < 100; ++i) {
+    enable.write(yes);
+    module.step();
+  }
+  EXPECT_GT(state.value().speed(), 0.1);
+  module.step(400);  // 0.1 s of silence, then it brakes
+  EXPECT_EQ(state.value().speed(), 0);
+}
+
+TEST(Conveyor, KeepsAPartThatTheRobotRefused) {
+  takt::testing::Module module{{.period = 2ms}};
+  auto& command = module.in<line::BeltCommand>("command");
+  auto& taken = module.in<motion::PickDone>("taken", {.queue = 8});
+  auto& state = module.out<line::BeltState>("state");
+  ASSERT_TRUE(module.start());
+  line::BeltCommand fast;
+  fast.speed(0.5);
+  command.write(fast);
+  module.step(1000);
+  ASSERT_EQ(state.value().mode(), line::BELT_HOLDING);
+  motion::PickDone done;
+  done.number(1);
+  done.result(motion::PICK_REFUSED);
+  taken.write(done);
+  module.step(2);
+  EXPECT_EQ(state.value().mode(), line::BELT_HOLDING);
+  done.result(motion::PICK_PLACED);
+  taken.write(done);
+  module.step(2);
+  EXPECT_EQ(state.value().mode(), line::BELT_RUNNING);
 }
 
 }  // namespace
