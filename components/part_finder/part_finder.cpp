@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -31,7 +31,6 @@ takt::OutPort<line::Part> part{"part", {.text = "A part waits at the light barri
 /// What the body gives to the thread that looks, and gets back: looking allocates and takes milliseconds, and
 /// a body is released on time.
 struct Shutter {
-  std::uint64_t number = 0;   ///< of the picture, from 1
   std::uint32_t waiting = 0;  ///< the number of the part that the belt holds; 0: none
   double position = 0;        ///< m, of the belt
   std::array<vision::PlacedPart, line::MAX_PARTS> parts{};
@@ -44,25 +43,21 @@ struct Sight {
 };
 Latest<Shutter> shutter;
 Latest<Sight> sight;
-std::atomic<std::uint64_t> taken_pictures{0};  // that were asked for: the looking thread waits for the next
-
+std::uint64_t pictures = 0;
 std::uint64_t told = 0;
 std::uint64_t searched = 0;  // pictures in which a part should have been at the barrier, and was not found
 
 void say_goodbye() {
   std::printf("part_finder: %llu pictures, %llu parts told, %llu searched in vain\n",
-              static_cast<unsigned long long>(taken_pictures), static_cast<unsigned long long>(told),
+              static_cast<unsigned long long>(pictures), static_cast<unsigned long long>(told),
               static_cast<unsigned long long>(searched));
 }
 
 void look(vision::Camera::Settings camera_settings, vision::FinderSettings finder_settings) {
   cv::setNumThreads(1);  // the device's other processors are not ours
   vision::Camera camera{camera_settings};
-  std::uint64_t looked = 0;
   while (true) {
-    taken_pictures.wait(looked);
-    looked = taken_pictures;
-    if (!shutter.take()) continue;
+    while (!shutter.take()) std::this_thread::sleep_for(std::chrono::milliseconds{2});
     const Shutter& now = shutter.taken();
     const cv::Mat picture = camera.take(std::span{now.parts.data(), now.count}, now.position);
     const std::vector<vision::PlacedPart> found = vision::find_parts(picture, finder_settings);
@@ -74,9 +69,9 @@ void look(vision::Camera::Settings camera_settings, vision::FinderSettings finde
   }
 }
 
-void press(std::uint64_t number) {
+void press() {
+  ++pictures;
   Shutter& next = shutter.writing();
-  next.number = number;
   next.waiting = belt.value().mode() == line::BELT_HOLDING ? belt.value().parts() : 0;
   next.position = scene.value().position();
   next.count = 0;
@@ -87,8 +82,6 @@ void press(std::uint64_t number) {
                                 .angle = one.angle()};
   }
   shutter.publish();
-  taken_pictures = number;
-  taken_pictures.notify_one();
 }
 
 line::Part told_of(const vision::PlacedPart& found, std::uint32_t number) {
@@ -138,7 +131,7 @@ int main(int argc, char* argv[]) {
     scene.read();
     belt.read();
     waited += static_cast<double>(takt_period_ns()) * 1e-9;
-    if (scene.has_value()) press(++pictures);
+    if (scene.has_value()) press();
     if (!sight.take()) continue;
 
     const Sight& now = sight.taken();
