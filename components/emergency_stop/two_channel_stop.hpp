@@ -22,6 +22,7 @@ class TwoChannelStop {
     bool fresh = false;         ///< both were heard lately
     bool reset = false;         ///< the button
     bool reset_fresh = false;   ///< was heard lately
+    bool start_reset = false;   ///< the first time needs none
   };
 
   /// Times in nanoseconds: since the last step; within which one channel follows the other.
@@ -46,7 +47,8 @@ class TwoChannelStop {
     } else if (!in.a || !in.b || waits_) {
       state_ = State::stopped;
     } else if (state_ != State::permitted) {
-      state_ = edge ? State::permitted : State::wait_reset;
+      state_ = edge || (in.start_reset && !was_permitted_) ? State::permitted : State::wait_reset;
+      was_permitted_ |= state_ == State::permitted;
     }
     return state_;
   }
@@ -59,6 +61,7 @@ class TwoChannelStop {
 
  private:
   State state_ = State::stopped;
+  bool was_permitted_ = false;
   bool fault_ = false;
   bool agreed_ = false;    // what both channels were when they last agreed
   bool waits_ = false;     // one channel has changed, and the other has not followed yet
