@@ -14,7 +14,8 @@ enum class State : std::uint8_t {
 };
 
 /// Closed (true) channels mean that nobody asks for a stop. After PLCopen Safety: SF_Equivalent for the two
-/// channels, SF_EmergencyStop with a manual reset, also after the start, for the rest.
+/// channels, SF_EmergencyStop for the rest: with a manual reset, also after the start
+/// unless start_reset.
 class TwoChannelStop {
  public:
   struct Inputs {
