@@ -119,7 +119,6 @@ int main(int argc, char* argv[]) {
 
   std::atexit(say_goodbye);
   std::thread{look, camera_settings, finder_settings}.detach();  // until the program ends
-  std::uint64_t pictures = 0;
   std::uint32_t number = 0;  // of the part that was told last
   double waited = 0;         // s, since then
   line::Scene all;
