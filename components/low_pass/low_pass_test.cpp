@@ -132,7 +132,7 @@ TEST(LowPass, RefusesACutoffThatItsPeriodCannotHave) {
   const auto refused = module.start();
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.text(),
-            "property 'cutoff' cannot be '50'; it takes a number, 0.0001 to 49 at a period of 10 ms, in Hz");
+            "property 'cutoff' cannot be '50'; it takes a number, 1e-04 to 49 at a period of 10 ms, in Hz");
 }
 
 TEST(LowPass, RefusesSuchACutoffWhileItRuns) {

@@ -1,12 +1,13 @@
 // A process module in C++: the master of a Modbus TCP device. Its ports are the points of the property `map`.
 #include <takt/process.hpp>
 
-#include <cmath>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <basic.hpp>
@@ -50,7 +51,7 @@ modbus::Settings settings_from(int argc, char* argv[]) {
 }  // namespace
 
 int main(int argc, char* argv[]) {
-  const modbus::Settings settings = settings_from(argc, argv);
+  modbus::Settings settings = settings_from(argc, argv);
   const std::vector<modbus::Point> points = modbus::points_or_end(argument_text(argc, argv, "map", nullptr));
   // By the place of their point; the ones of the other direction are empty.
   std::vector<std::unique_ptr<modbus::PointInput>> to_device(points.size());
@@ -62,6 +63,9 @@ int main(int argc, char* argv[]) {
       from_device[i] = std::make_unique<modbus::PointOutput>(points[i]);
   }
   initPeriodExe();
+  // A body that is released seldom is not one that stands still.
+  settings.watchdog =
+      std::max(settings.watchdog, modbus::Seconds{3e-9 * static_cast<double>(takt_period_ns())});
 
   const std::string who = settings.host + ":" + std::to_string(settings.port);
   exchange = new modbus::Exchange{points, settings, [who](const std::string& what) {

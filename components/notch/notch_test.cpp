@@ -102,7 +102,7 @@ TEST(Notch, RefusesAFrequencyAboveHalfTheRate) {
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(
       refused.text(),
-      "property 'frequency' cannot be '50'; it takes a number, 0.0001 to 49 at a period of 10 ms, in Hz");
+      "property 'frequency' cannot be '50'; it takes a number, 1e-04 to 49 at a period of 10 ms, in Hz");
 }
 
 TEST(Notch, TakesWhatIsNoNumberForAnError) {
