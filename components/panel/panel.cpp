@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <thread>
+#include <utility>
 
 #include <basic.hpp>
 #include <line.hpp>
@@ -51,16 +52,16 @@ void show(std::chrono::duration<double> every) {
   while (true) {
     std::this_thread::sleep_for(every);
     if (!shown.any) continue;
-    std::printf("%sbelt %s at %.2f m/s, %u parts placed, %.1f a minute; axis 1 at %.2f rad%s\n",
+    std::printf("%sbelt %s at %.2f m/s, %.1f parts a minute, %u placed; axis 1 at %.2f rad%s\n",
                 shown.permitted ? "" : "EMERGENCY STOP; ", word(shown.mode), shown.speed.load(),
-                shown.placed.load(), shown.per_minute.load(), shown.axis.load(),
+                shown.per_minute.load(), shown.placed.load(), shown.axis.load(),
                 shown.heard ? "" : " (nothing heard of the line)");
   }
 }
 
 /// Of the whole time; the body runs no more then.
 void say_goodbye() {
-  std::printf("%u parts placed", shown.placed.load());
+  std::printf("parts placed: %u", shown.placed.load());
   if (expected.part_time() > 0) {
     std::printf("; its timing predicts %u: one every %.2f s, of which the arm takes %.2f s, in %.1f s",
                 expected.parts(), expected.part_time(), expected.arm_time(), expected.running());
@@ -79,6 +80,7 @@ int main(int argc, char* argv[]) {
   line::BeltCommand order;
   order.speed(speed);
   basic::Number count;
+  std::uint32_t last_done = 0;
 
   std::atexit(say_goodbye);
   std::thread{show, std::chrono::duration<double>{every}}.detach();  // until the program ends
@@ -94,7 +96,11 @@ int main(int argc, char* argv[]) {
       const motion::PickPlan& told = plan.value();
       expected.planned({.number = told.number(), .placed = told.placed(), .ended = told.ended()});
     }
-    while (done.read()) ++(done.value().result() == motion::PICK_PLACED ? shown.placed : shown.failed);
+    while (done.read()) {
+      // A part that was asked for twice is told of twice.
+      if (std::exchange(last_done, done.value().number()) == done.value().number()) continue;
+      ++(done.value().result() == motion::PICK_PLACED ? shown.placed : shown.failed);
+    }
     shown.heard = belt.connected() && belt.has_value();
     shown.permitted =
         !run_permitted.connected() || (run_permitted.has_value() && run_permitted.value().value());
