@@ -274,7 +274,7 @@ class ProgramSubject final : public Subject {
 
   void enter(executor::Unit& unit) override { unit.seat = &life_->seat; }
   void serve(channel::ModuleBlock& block) override {
-    if (!life_->seat.in_body()) return;
+    if (ended() || !life_->seat.in_body()) return;
     life_->course.go_on();
     if (!ended()) return;
     block.in_tables = 0;
