@@ -137,6 +137,8 @@ struct Connection {
   Stale stale = Stale::hold;
   std::string topic;          ///< empty: takt/<cell>/<device>/<module>/<port> of the writer
   std::optional<int> domain;  ///< of the topic; none: the cell's
+  bool ros2 =
+      false;  ///< the topic is one of ROS 2: it begins with kRos2Topics, its type is a message of ROS 2
   int line = 0;
 };
 
@@ -171,6 +173,10 @@ struct Cell {
 
 /// What the names of Takt's own topics begin with.
 inline constexpr const char* kOwnTopics = "takt/";
+
+/// What the names of ROS 2's topics begin with on DDS (its design article "Topic and Service name mapping to
+/// DDS").
+inline constexpr const char* kRos2Topics = "rt/";
 
 /// "robot.servo.setpoint"; without the dots of parts that are missing.
 std::string to_text(const Endpoint& end);
