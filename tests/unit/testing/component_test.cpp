@@ -182,6 +182,7 @@ TEST(TestedComponent, CallsTheHooksInTheOrderOfItsLife) {
   EXPECT_EQ(module.step(5), 0U);
   ASSERT_TRUE(module.reset());
   EXPECT_EQ(module.state(), State::idle);
+  EXPECT_THROW(module.step(), Error);
   ASSERT_TRUE(module.start());
   EXPECT_EQ(module.step(), 1U);
 }
