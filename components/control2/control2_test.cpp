@@ -1,6 +1,11 @@
-#include <components/control2/velocity_loop.hpp>
+#include "velocity_loop.hpp"
+
+#include <cstdio>
+#include <string>
 
 #include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
 
 namespace control2 {
 namespace {
@@ -68,6 +73,48 @@ TEST(ErrorMeter, ComesToTheMeanSquareOfASteadyError) {
   ErrorMeter meter;
   for (int i = 0; i < 100000; ++i) meter.step(i % 2 == 0 ? 2 : -2, kPeriod);
   EXPECT_NEAR(std::sqrt(meter.mean_square), 2, 0.001);
+}
+
+using namespace std::chrono_literals;
+
+/// The root mean square of the speed's error over two seconds.
+double error_of(const char* gain, const char* integral) {
+  takt::testing::Module module{{.period = 100us}};
+  EXPECT_TRUE(module.set("gain", gain));
+  EXPECT_TRUE(module.set("integral", integral));
+  EXPECT_TRUE(module.start());
+  EXPECT_EQ(module.step(20'000), 20'000U);
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(module.destruct());
+  double error = -1;
+  EXPECT_EQ(
+      std::sscanf(testing::internal::GetCapturedStderr().c_str(), "control2: speed error %lf rad/s", &error),
+      1);
+  return error;
+}
+
+TEST(Control2, FollowsItsSetPointTheBetterForItsGains) {
+  const double loose = error_of("0", "0");
+  const double tight = error_of("0.2", "10");
+  EXPECT_GT(loose, 50);
+  EXPECT_GT(tight, 0);
+  EXPECT_LT(tight, loose / 10);
+}
+
+TEST(Control2, GoesOnFromStandstillAfterAnError) {
+  takt::testing::Module module{{.period = 100us}};
+  ASSERT_TRUE(module.start());
+  module.step(1000);
+  ASSERT_TRUE(module.error(takt::ErrorType::budget));
+  ASSERT_TRUE(module.recover());
+  EXPECT_EQ(module.step(1000), 1000U);
+}
+
+TEST(Control2, RefusesGainsThatNoLoopHas) {
+  takt::testing::Module module;
+  EXPECT_FALSE(module.set("gain", "-1"));
+  EXPECT_FALSE(module.set("voltage", "0"));
+  EXPECT_TRUE(module.set("gain", "10"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include <components/monitoring/machine.h>
+#include "machine.h"
 
 #include <gtest/gtest.h>
 

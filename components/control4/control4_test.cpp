@@ -1,6 +1,11 @@
-#include <components/control4/temperature_loop.h>
+#include "temperature_loop.h"
+
+#include <cstdio>
+#include <string>
 
 #include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
 
 namespace {
 
@@ -50,6 +55,36 @@ TEST(HeaterLoop, HoldsItsIntegralWhileBounded) {
   EXPECT_EQ(loop.integral, 50);
   for (int i = 0; i < 100000; ++i) heater_loop_step(&loop, 20, 200, kPeriod);
   EXPECT_EQ(loop.integral, 50);
+}
+
+using namespace std::chrono_literals;
+
+TEST(Control4, HoldsItsZoneAtTheTemperature) {
+  takt::testing::Module module{{.period = 300us}};
+  ASSERT_TRUE(module.set("high_c", "70"));
+  ASSERT_TRUE(module.set("hold_s", "3600"));
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(200'000), 200'000U);  // a minute
+  testing::internal::CaptureStdout();
+  ASSERT_TRUE(module.destruct());
+  unsigned long long releases = 0;
+  double is = 0, wanted = 0;
+  ASSERT_EQ(std::sscanf(testing::internal::GetCapturedStdout().c_str(),
+                        "control4: %llu releases, %lf C of %lf C", &releases, &is, &wanted),
+            3);
+  EXPECT_EQ(releases, 200'000U);
+  EXPECT_EQ(wanted, 70);
+  EXPECT_NEAR(is, 70, 0.1);
+}
+
+TEST(Control4, RefusesATemperatureBelowThatOfTheRoom) {
+  takt::testing::Module module;
+  ASSERT_TRUE(module.set("low_c", "10"));
+  testing::internal::CaptureStderr();
+  const auto started = module.start();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "property 'low_c' cannot be '10'; it takes a number, 30 to 300\n");
+  EXPECT_NE(started.text().find("it called exit(1)"), std::string::npos) << started.text();
 }
 
 }  // namespace

@@ -1,6 +1,11 @@
-#include <components/vision/blob.hpp>
+#include "blob.hpp"
+
+#include <cstdio>
+#include <string>
 
 #include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
 
 namespace vision {
 namespace {
@@ -62,6 +67,33 @@ TEST(Noise, IsWithinOneAndAveragesToNothing) {
     sum += value;
   }
   EXPECT_NEAR(sum / 100000, 0, 0.01);
+}
+
+using namespace std::chrono_literals;
+
+TEST(Vision, FindsThePartInEveryPicture) {
+  takt::testing::Module module{{.period = 1ms, .sporadic = true}};
+  ASSERT_TRUE(module.set("every", "10"));
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(4000), 4000U);
+  testing::internal::CaptureStdout();
+  ASSERT_TRUE(module.destruct());
+  unsigned frames = 0, releases = 0, lost = 1;
+  double error = 0;
+  ASSERT_EQ(std::sscanf(testing::internal::GetCapturedStdout().c_str(),
+                        "vision: %u frames in %u releases, largest error %lf px, lost %u", &frames, &releases,
+                        &error, &lost),
+            4);
+  EXPECT_EQ(frames, 400U);
+  EXPECT_EQ(releases, 4000U);
+  EXPECT_GT(error, 0);
+  EXPECT_LT(error, 0.2);
+  EXPECT_EQ(lost, 0U);
+}
+
+TEST(Vision, IsSporadic) {
+  takt::testing::Module module;
+  EXPECT_FALSE(module.start());
 }
 
 }  // namespace

@@ -1,8 +1,13 @@
-#include <components/emergency/limit.hpp>
+#include "limit.hpp"
 
 #include <cmath>
 
+#include <cstdio>
+#include <string>
+
 #include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
 
 namespace emergency {
 namespace {
@@ -64,6 +69,36 @@ TEST(Drive, NeverTripsAtACurrentItStands) {
   Drive drive;
   drive.current = 7;  // 73.5 K in the end
   for (int i = 0; i < 100000; ++i) ASSERT_FALSE(drive.condition(kCheck));
+}
+
+using namespace std::chrono_literals;
+
+std::uint64_t runs_in_a_second(const char* current) {
+  takt::testing::Module module{{.period = 100us, .sporadic = true}};
+  EXPECT_TRUE(module.set("current_a", current));
+  EXPECT_TRUE(module.start());
+  return module.step(10'000);
+}
+
+TEST(Emergency, TripsAboutThreeTimesASecond) {
+  EXPECT_GE(runs_in_a_second("10"), 4U);  // off and on again
+  EXPECT_LE(runs_in_a_second("10"), 8U);
+}
+TEST(Emergency, DoesNotRunWhileTheWindingIsCool) { EXPECT_EQ(runs_in_a_second("5"), 0U); }
+
+TEST(Emergency, IsColdAgainAfterARecovery) {
+  takt::testing::Module module{{.period = 100us, .sporadic = true}};
+  ASSERT_TRUE(module.start());
+  ASSERT_TRUE(module.step_until([&] { return module.runs() == 1; }, 10'000));
+  ASSERT_TRUE(module.error(takt::ErrorType::deadline));
+  ASSERT_TRUE(module.recover());
+  EXPECT_EQ(module.step(1000), 0U);
+}
+
+TEST(Emergency, RefusesALimitThatWouldNeverClear) {
+  takt::testing::Module module{{.sporadic = true}};
+  ASSERT_TRUE(module.set("clear_k", "95"));
+  EXPECT_EQ(module.start().text(), "threw: property 'clear_k' must be below 'trip_k'");
 }
 
 }  // namespace

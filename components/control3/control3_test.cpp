@@ -1,6 +1,11 @@
-#include <components/control3/filter.hpp>
+#include "filter.hpp"
+
+#include <cstdio>
+#include <string>
 
 #include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
 
 namespace control3 {
 namespace {
@@ -61,6 +66,29 @@ TEST(Detector, FindsOneSineBesideAnother) {
     detector.step(signal, fast);
   }
   EXPECT_NEAR(detector.amplitude, 2, 0.01);
+}
+
+using namespace std::chrono_literals;
+
+TEST(Control3, KeepsTheResonanceOutOfTheTorque) {
+  takt::testing::Module module{{.period = 100us}};
+  ASSERT_TRUE(module.start());
+  module.step(20'000);
+  testing::internal::CaptureStderr();
+  ASSERT_TRUE(module.destruct());
+  double before = 0, after = -1;
+  ASSERT_EQ(std::sscanf(testing::internal::GetCapturedStderr().c_str(),
+                        "control3: resonance %lf N m before the filters, %lf N m behind", &before, &after),
+            2);
+  EXPECT_NEAR(before, 2, 0.01);
+  EXPECT_GE(after, 0);
+  EXPECT_LT(after, 0.05);
+}
+
+TEST(Control3, RefusesAFrequencyThatItsRateCannotHold) {
+  takt::testing::Module module{{.period = 100us}};
+  ASSERT_TRUE(module.set("notch_hz", "5000"));
+  EXPECT_EQ(module.start().text(), "threw: property 'notch_hz' is '5000'; it takes 1 to 4999");
 }
 
 }  // namespace

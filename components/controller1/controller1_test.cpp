@@ -1,6 +1,11 @@
-#include <components/controller1/position_loop.hpp>
+#include "position_loop.hpp"
+
+#include <cstdio>
+#include <string>
 
 #include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
 
 namespace controller1 {
 namespace {
@@ -98,6 +103,46 @@ TEST(Shuttle, SettlesNoSoonerForALargerCounter) {
     settling[which] = shuttle.settling;
   }
   EXPECT_NEAR(settling[1] - settling[0], 100 * kPeriod, 1e-9);
+}
+
+using namespace std::chrono_literals;
+
+std::string end_of(takt::testing::Module& module) {
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(module.destruct());
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Controller1, MovesToAndFroAtThePeriodOfItsDescriptor) {
+  takt::testing::Module module{{.period = 600us}};
+  ASSERT_TRUE(module.set("stroke_mm", "200"));
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(10'000), 10'000U);  // 6 s
+  unsigned long long moves = 0;
+  double stroke = 0, error = 0;
+  ASSERT_EQ(
+      std::sscanf(end_of(module).c_str(), "controller1: %llu moves of %lf mm, following error at most %lf mm",
+                  &moves, &stroke, &error),
+      3);
+  EXPECT_NEAR(static_cast<double>(moves), 6 / 0.75, 2);  // half a second and a rest each
+  EXPECT_EQ(stroke, 200);
+  EXPECT_LT(error, 5);
+}
+
+TEST(Controller1, BeginsAtItsOriginAgainAfterAnError) {
+  takt::testing::Module module{{.period = 600us}};
+  ASSERT_TRUE(module.start());
+  module.step(100);
+  ASSERT_TRUE(module.error(takt::ErrorType::overrun));
+  ASSERT_TRUE(module.recover());
+  EXPECT_EQ(module.step(100), 100U);
+  EXPECT_NE(end_of(module).find("1 errors"), std::string::npos);
+}
+
+TEST(Controller1, RefusesWhatItCannotCountTo) {
+  takt::testing::Module module;
+  ASSERT_TRUE(module.set("counter", "0"));
+  EXPECT_EQ(module.start().text(), "threw: property 'counter' is '0'; it takes 1 to 1000000");
 }
 
 }  // namespace
