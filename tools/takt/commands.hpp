@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "network.hpp"
 #include "proof.hpp"
@@ -34,6 +35,7 @@ int run(const RunOptions& options);
 
 struct DescribeOptions {
   std::string file;
+  std::vector<std::string> arguments;  ///< "name=value" each, for a program
   bool json = false;
   bool xml = false;  ///< a <module> element to paste into a descriptor
 };
