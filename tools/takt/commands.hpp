@@ -44,6 +44,7 @@ int describe(const DescribeOptions& options);
 /// What the command line asks for, once it was read.
 using Chosen = std::function<int()>;
 /// Each adds its command, which sets `chosen`. Both outlive the parsing.
+void add_new(CLI::App& app, Chosen& chosen);
 void add_graph(CLI::App& app, Chosen& chosen);
 void add_simulate(CLI::App& app, Chosen& chosen);
 void add_deploy(CLI::App& app, Chosen& chosen);

@@ -82,6 +82,7 @@ int serve(int argc, char** argv) {
   run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
   add_network_options(*run_command, run_options.network);
 
+  add_new(app, chosen);
   add_simulate(app, chosen);
   add_deploy(app, chosen);
   add_undeploy(app, chosen);
