@@ -7,7 +7,7 @@ Usage: pages_test.py PREFIX PAGE.md ...      PREFIX: where Takt is installed
 In a page:
 
   <!-- file: NAME -->        before a fenced block: the block is that file
-  ```console                 lines that begin with "$ " are commands, those below them what is printed: these lines in this order,
+  ```console                 lines that begin with "$ " are commands ("> ": and go on), those below them what is printed: these lines in this order,
                              others between them; a number stands for any number, "..." for anything. "$ command  # exit status 1"
                              says how it ends, 0 unless said
   <!-- not run: why -->      before a block that cannot be run here
@@ -114,8 +114,8 @@ def commands_of(text):
             status = re.search(r"\s+# exit status (\d+)$", line)
             command = line[2:status.start()] if status else line[2:]
             found.append([command, int(status.group(1)) if status else 0, []])
-        elif found and found[-1][0].endswith("\\"):
-            found[-1][0] += "\n" + line
+        elif found and line.startswith("> "):  # the command goes on
+            found[-1][0] += "\n" + line[2:]
         elif found:
             found[-1][2].append(line)
         else:
