@@ -1,12 +1,14 @@
 // takt new: a component that builds, passes its tests and runs as it is; or a cell of two devices.
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "load.hpp"
 #include "scaffold.hpp"
 #include "terminal.hpp"
 
