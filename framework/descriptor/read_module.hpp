@@ -4,11 +4,8 @@
 #include <vector>
 
 #include <takt/descriptor/report.hpp>
+#include <takt/descriptor/tree.hpp>
 #include <takt/model/cell.hpp>
-
-namespace tinyxml2 {
-class XMLElement;
-}
 
 namespace takt::descriptor {
 
@@ -18,7 +15,6 @@ struct ModuleReading {
 };
 
 /// `executors` are those of its device, never empty: a module that names none belongs to the only one.
-ModuleReading read_module(const tinyxml2::XMLElement& xml, const std::vector<model::Executor>& executors,
-                          Report& report);
+ModuleReading read_module(const Node& xml, const std::vector<model::Executor>& executors, Report& report);
 
 }  // namespace takt::descriptor
