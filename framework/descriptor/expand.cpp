@@ -268,8 +268,14 @@ void Expansion::make(const Template& used, const Values& values, std::uint32_t i
     if (copy.name == "module") {
       if (used.alone) {
         set_name(copy, place.prefix, insertions_[insertion - 1].at);
-      } else {
+      } else if (copy.child("name") != nullptr) {
         inner.push_back(name_of(copy));
+        if (!model::is_valid_name(inner.back())) {
+          report_.add(copy.child("name")->line, in_quotes(inner.back()) + " is not a valid module name",
+                      model::kNameRule);
+          place.parent.incomplete = true;
+          continue;
+        }
         set_name(copy, joined(place.prefix, inner.back()), copy.line);
       }
       place.parent.children.push_back(std::move(copy));

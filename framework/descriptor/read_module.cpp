@@ -1,5 +1,6 @@
 #include <takt/descriptor/read_module.hpp>
 
+#include <algorithm>
 #include <limits>
 
 #include <takt/core/words.hpp>
@@ -242,6 +243,10 @@ class ModuleReader {
 
 ModuleReading read_module(const Node& xml, const std::vector<model::Executor>& executors, Report& report) {
   return ModuleReader{xml, report}.read(executors);
+}
+
+bool is_of_module(std::string_view name) {
+  return std::find(kModule.once.begin(), kModule.once.end(), name) != kModule.once.end();
 }
 
 }  // namespace takt::descriptor

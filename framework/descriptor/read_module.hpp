@@ -1,6 +1,7 @@
 // What a module looks like in XML.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include <takt/descriptor/report.hpp>
@@ -16,5 +17,8 @@ struct ModuleReading {
 
 /// `executors` are those of its device, never empty: a module that names none belongs to the only one.
 ModuleReading read_module(const Node& xml, const std::vector<model::Executor>& executors, Report& report);
+
+/// Whether an element of this name may stand in a module.
+bool is_of_module(std::string_view name);
 
 }  // namespace takt::descriptor

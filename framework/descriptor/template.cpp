@@ -5,6 +5,7 @@
 #include <takt/core/words.hpp>
 #include <takt/descriptor/element.hpp>
 #include <takt/descriptor/parameters.hpp>
+#include <takt/descriptor/read_module.hpp>
 #include <takt/model/findings.hpp>
 #include <takt/model/validate.hpp>
 
@@ -54,8 +55,9 @@ void Templates::take_out(Node& parent) {
     const auto [known, is_new] =
         all_.try_emplace(name->trimmed(), Template{name->trimmed(), std::move(child)});
     // A file that two others include is there twice, and means the same.
-    const auto place_of = [&](model::Line at) { return report_.place(at); };
-    if (is_new || place_of(known->second.node.line) == place_of(line)) continue;
+    const auto first = known->second.node.line;
+    const bool again = first.insertion != line.insertion && report_.place(first) == report_.place(line);
+    if (is_new || again) continue;
     report_.add(
         line, "duplicate template " + in_quotes(known->first),
         "the first is " + report_.whereabouts(known->second.node.line) + "; give one of them another name");
@@ -89,6 +91,12 @@ void Templates::read(Template& one) {
     if (child.name != "module" || child.child("name") != nullptr) continue;
     one.alone = members == 1;
     if (one.alone) continue;
+    // Something that is told of when it is made may have been meant to be the name.
+    if (std::any_of(child.children.begin(), child.children.end(),
+                    [](const Node& c) { return !is_of_module(c.name); })) {
+      one.node.incomplete = true;
+      continue;
+    }
     report_.add(child.line,
                 "a module without a <name> in template " + in_quotes(one.name) + ", which holds several",
                 "give it a <name>: only a module that is alone is called as the use");

@@ -13,10 +13,18 @@ Node node_of(const tinyxml2::XMLElement& xml, std::uint32_t insertion) {
   Node node{.name = xml.Name(), .line = {xml.GetLineNum(), insertion}};
   for (const auto* one = xml.FirstAttribute(); one != nullptr; one = one->Next())
     node.attributes.push_back({one->Name(), one->Value(), {one->GetLineNum(), insertion}});
+  bool continued = false;  // a comment or CDATA divides a text, and it is one all the same
   for (const auto* one = xml.FirstChild(); one != nullptr; one = one->NextSibling()) {
-    if (const auto* element = one->ToElement()) node.children.push_back(node_of(*element, insertion));
-    if (const auto* text = one->ToText())
-      node.texts.push_back({text->Value(), {text->GetLineNum(), insertion}});
+    if (const auto* element = one->ToElement()) {
+      node.children.push_back(node_of(*element, insertion));
+      continued = false;
+    } else if (const auto* text = one->ToText()) {
+      if (continued)
+        node.texts.back().text += text->Value();
+      else
+        node.texts.push_back({text->Value(), {text->GetLineNum(), insertion}});
+      continued = true;
+    }
   }
   return node;
 }
