@@ -124,8 +124,10 @@ void Expansion::expand_use(const Node& use, Place place) {
   if (!template_name || !given_name) return give_up();
   const std::string own = given_name->trimmed();
   const std::string name = joined(place.prefix, own);
-  if (!model::is_valid_name(name)) {
-    report_.add(given_name->line, in_quotes(name) + " is not a valid name of a use", model::kNameRule);
+  if (!model::is_valid_name(own) || !model::is_valid_name(name)) {
+    report_.add(given_name->line,
+                in_quotes(model::is_valid_name(own) ? name : own) + " is not a valid name of a use",
+                model::kNameRule);
     return give_up();
   }
   const Template* used = templates_.find(template_name->trimmed());
@@ -301,7 +303,8 @@ bool Expansion::check_inner(const std::string& inner, const Given& given, const 
                             const Place& place) {
   const std::vector<std::string>& names = inner_[{place.device, place.prefix}];
   if (std::find(names.begin(), names.end(), inner) != names.end()) return true;
-  if (used.node.incomplete) return false;
+  // What has no name that can be read may be the one.
+  if (used.node.incomplete || !std::all_of(names.begin(), names.end(), model::is_valid_name)) return false;
   const std::vector<std::string_view> choices{names.begin(), names.end()};
   report_.add(
       given.line,
