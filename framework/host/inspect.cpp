@@ -150,19 +150,15 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
   return answer;
 }
 
-Problem at(const model::Cell& cell, int line, Problem problem) {
-  problem.where = cell.file + ":" + std::to_string(line);
-  return problem;
-}
-
 // Each problem at the line of the property that it names, else at the module's.
 void add_at(const model::Cell& cell, const model::Module& module, const Problems& found, Problems& problems) {
   for (const Problem& problem : found) {
-    int line = module.line;
+    model::Line line = module.line;
     for (const model::PropertyValue& property : module.properties) {
       if (problem.what.find("'" + property.name + "'") != std::string::npos) line = property.line;
     }
-    problems.push_back(at(cell, line, {{}, "module " + module.name + ": " + problem.what, problem.fix}));
+    problems.push_back(
+        model::problem_at(cell.texts(), line, "module " + module.name + ": " + problem.what, problem.fix));
   }
 }
 

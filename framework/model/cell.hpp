@@ -9,6 +9,7 @@
 
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
+#include <takt/model/line.hpp>
 
 namespace takt::model {
 
@@ -42,7 +43,7 @@ const char* to_text(Timing timing);
 struct PropertyValue {
   std::string name;
   std::string value;
-  int line = 0;
+  Line line{};
 };
 
 /// What is tried when a module is in RECOVER.
@@ -65,21 +66,21 @@ struct BudgetTolerance {
   std::optional<int> in_a_row;  ///< this many excesses in a row are one; 1 to 1000
 };
 
-/// Where in Cell::file the elements of a module stand; 0 for one that is not there.
+/// Where the elements of a module stand; none for one that is not there.
 struct ModuleLines {
-  int name = 0;
-  int filename = 0;
-  int period = 0;
-  int deadline = 0;
-  int executor = 0;
-  int budget = 0;
-  int offset = 0;
-  int overrun = 0;
-  int dispatch = 0;
-  int interarrival = 0;
+  Line name{};
+  Line filename{};
+  Line period{};
+  Line deadline{};
+  Line executor{};
+  Line budget{};
+  Line offset{};
+  Line overrun{};
+  Line dispatch{};
+  Line interarrival{};
 };
 
-/// `line` is the element's line in Cell::file, here and below.
+/// `line` is the element's, here and below.
 struct Module {
   std::string name;      ///< unique on its device
   std::string filename;  ///< as written; a relative one is looked up beside the descriptor, then on the
@@ -99,7 +100,7 @@ struct Module {
   std::optional<OverrunContract> overrun;  ///< periodic; none: its executor's
   Recovery recovery;
   std::vector<PropertyValue> properties;
-  int line = 0;
+  Line line{};
   ModuleLines lines{};
 };
 
@@ -113,7 +114,7 @@ struct Executor {
   OverrunContract overrun;  ///< of its modules that do not say
   Offsets offsets = Offsets::given;  ///< automatic: those that are not given flatten the table
   Timing timing = Timing::direct;    ///< let: inputs as of the release, outputs at the end of the period
-  int line = 0;
+  Line line{};
 };
 
 struct Endpoint {
@@ -137,9 +138,9 @@ struct Connection {
   Stale stale = Stale::hold;
   std::string topic;          ///< empty: takt/<cell>/<device>/<module>/<port> of the writer
   std::optional<int> domain;  ///< of the topic; none: the cell's
-  bool ros2 =
-      false;  ///< the topic is one of ROS 2: it begins with kRos2Topics, its type is a message of ROS 2
-  int line = 0;
+  /// The topic is one of ROS 2: it begins with kRos2Topics, its type is a message of ROS 2.
+  bool ros2 = false;
+  Line line{};
 };
 
 /// How the nodes of a cell find each other.
@@ -156,19 +157,22 @@ struct Device {
   std::string name;
   std::vector<Executor> executors;  ///< never empty
   std::vector<Module> modules;
-  int line = 0;
+  Line line{};
 };
 
 struct Cell {
   std::string name;
   std::string file;  ///< the descriptor's path as it was given, for messages; empty if there is none
-  int domain = 0;    ///< DDS domain, 0 to 232
+  std::vector<Insertion> insertions;  ///< what was put into it from elsewhere
+  int domain = 0;                     ///< DDS domain, 0 to 232
   bool domain_given = false;
   std::vector<Device> devices;
   std::vector<Connection> connections;
   Discovery discovery;
   std::string server_device;  ///< whose node starts the discovery server; empty: somebody else runs it
-  int line = 0;
+  Line line{};
+
+  [[nodiscard]] Texts texts() const { return {file, insertions}; }
 };
 
 /// What the names of Takt's own topics begin with.

@@ -83,12 +83,13 @@ class Check {
   }
 
  private:
-  void add(int line, std::string what, std::string fix) {
-    problems_.push_back({cell_.file.empty() ? "cell " + cell_.name : cell_.file + ":" + std::to_string(line),
-                         std::move(what), std::move(fix)});
+  void add(Line line, std::string what, std::string fix) {
+    Problem problem = problem_at(cell_.texts(), line, std::move(what), std::move(fix));
+    if (cell_.file.empty()) problem.where = "cell " + cell_.name;
+    problems_.push_back(std::move(problem));
   }
 
-  const Port* check_end(const Endpoint& end, bool output, int line) {
+  const Port* check_end(const Endpoint& end, bool output, Line line) {
     const auto place = find(cell_, end);
     if (!place) return nullptr;
     const std::vector<Port>* ports = known(ports_, *place);
@@ -138,7 +139,7 @@ class Check {
     }
   }
 
-  void check_message(const Endpoint& end, const Port& port, int line) {
+  void check_message(const Endpoint& end, const Port& port, const Line& line) {
     if (is_ros2_message(port.type.name)) return;
     add(line, "port " + written(end) + " is of type " + port.type.name + ", which no program of ROS 2 knows",
         "give the port a message of ROS 2, as those of idl/ros2: in IDL it is called "
@@ -152,7 +153,7 @@ class Check {
         const auto place = find(cell_, {device.name, module.name, {}});
         const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
         if (ports == nullptr) continue;
-        const int line = module.lines.dispatch != 0 ? module.lines.dispatch : module.line;
+        const Line line = module.lines.dispatch.given() ? module.lines.dispatch : module.line;
         const bool has_event = std::any_of(ports->begin(), ports->end(),
                                            [](const Port& p) { return p.direction == Direction::event; });
         if (!has_event) {

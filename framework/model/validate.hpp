@@ -33,6 +33,8 @@ inline constexpr std::size_t kMaxTopic = 255;           ///< bytes; Fast DDS cut
 inline constexpr std::size_t kMaxPeers = 256;
 inline constexpr std::size_t kMaxHost = 253;  ///< bytes
 
+class Findings;
+
 /// A name of a cell, device, executor, module, port or property: a letter or '_', then letters, digits, '_'
 /// and '-', at most kMaxNameLength bytes. No dot: `device.module.port` must have one reading.
 bool is_valid_name(std::string_view name);
@@ -63,6 +65,8 @@ struct Gaps {
 /// Where there is neither file nor line, `where` is "cell NAME".
 Problems validate(const Cell& cell);
 Problems validate(const Cell& cell, const Gaps& gaps);
+/// The same, into findings of the cell.
+void validate(const Cell& cell, const Gaps& gaps, Findings& findings);
 
 /// The name of a module that has no <name>: "build/controller1.so" is "controller1".
 std::string file_stem(std::string_view filename);

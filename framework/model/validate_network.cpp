@@ -56,7 +56,7 @@ class Network {
     std::set<std::string_view> sorted{};
   };
 
-  void add(int line, std::string what, std::string fix) {
+  void add(Line line, std::string what, std::string fix) {
     findings_.add(line, std::move(what), std::move(fix));
   }
   [[nodiscard]] bool full() const { return findings_.full(); }
@@ -70,7 +70,7 @@ class Network {
   void check_topic(const Connection& connection);
   void check_ros2_topic(const Connection& connection);
   bool check_ends(const Connection& connection);
-  bool check_endpoint(const Endpoint& endpoint, const char* side, int line);
+  bool check_endpoint(const Endpoint& endpoint, const char* side, Line line);
   void check_writers(const Connections& connections);
   void check_waiting(const Connections& connections);
   void check_shared_topics(const Connections& connections);
@@ -142,7 +142,7 @@ void Network::check_server() {
 }
 
 /// False when the endpoint cannot be compared with others.
-bool Network::check_endpoint(const Endpoint& endpoint, const char* side, int line) {
+bool Network::check_endpoint(const Endpoint& endpoint, const char* side, Line line) {
   if (!is_valid_name(endpoint.device) || !is_valid_name(endpoint.module) || !is_valid_name(endpoint.port)) {
     add(line, std::string{side} + " is " + in_quotes(to_text(endpoint)),
         std::string{"it is device.module.port; "} + kNameRule);
@@ -280,7 +280,7 @@ void Network::check_writers(const Connections& connections) {
       add(connection->line,
           "duplicate connection" + named(" from ", connection->from) + named(" to ", connection->to) +
               (both ? "" : ", topic " + in_quotes(connection->topic)),
-          "remove it; the first is on line " + std::to_string(twin->second->line));
+          "remove it; the first is " + findings_.whereabouts(twin->second->line));
       continue;
     }
     if (is_missing(connection->to)) continue;
@@ -291,7 +291,7 @@ void Network::check_writers(const Connections& connections) {
     if (both_queues) continue;
     add(connection->line,
         "two writers of " + in_quotes(to_text(connection->to)) + ", which holds one latest value",
-        "remove one; the first is on line " + std::to_string(other->second->line) +
+        "remove one; the first is " + findings_.whereabouts(other->second->line) +
             ", or make every connection to it kind=\"queue\"");
   }
 }

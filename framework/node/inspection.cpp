@@ -143,10 +143,9 @@ json inspect_here(const InspectionRequest& request) {
         module.filename = *path;
         found.push_back(module);
       } else {
-        for (Problem problem : path.problems()) {
-          problem.where = request.file + ":" + std::to_string(module.line);
-          problem.what = "module " + module.name + ": " + problem.what;
-          problems.push_back(std::move(problem));
+        for (const Problem& problem : path.problems()) {
+          problems.push_back(model::problem_at(cell->texts(), module.line,
+                                               "module " + module.name + ": " + problem.what, problem.fix));
         }
       }
     }

@@ -15,8 +15,9 @@ namespace takt::tool {
 struct CheckOptions {
   std::string file;
   bool json = false;
-  std::string svg;      ///< where to write the picture; empty: nowhere
-  bool remote = false;  ///< components that are not on this machine are warnings
+  std::string svg;        ///< where to write the picture; empty: nowhere
+  bool expanded = false;  ///< print the descriptor without includes and templates instead
+  bool remote = false;    ///< components that are not on this machine are warnings
   ProofOptions proof;
 };
 int check(const CheckOptions& options);

@@ -40,6 +40,8 @@ int serve(int argc, char** argv) {
   check_command->add_flag("--json", check_options.json, "print one JSON object");
   check_command->add_option("--svg", check_options.svg, "write the tables as a picture to this file")
       ->type_name("OUT");
+  check_command->add_flag("--expanded", check_options.expanded,
+                          "print the descriptor as it is without includes and templates, and no tables");
   check_command->add_flag("--remote", check_options.remote,
                           "a component that is not on this machine is a warning, no error");
   check_command
