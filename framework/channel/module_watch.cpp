@@ -17,7 +17,7 @@ Result<ModuleWatch> ModuleWatch::find() {
   if (!os::environment(kCheckFd).empty() || (watch.enter_ == nullptr) != (watch.leave_ == nullptr)) {
     return fail(
         "the loader did not take libtakt_check.so",
-        "it must lie beside takt-node, and takt-host must have no capabilities of its own (setcap -r)");
+        "it must lie beside takt-host, which must have no capabilities of its own (setcap -r)");
   }
   return watch;
 }
