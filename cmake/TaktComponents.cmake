@@ -3,7 +3,9 @@
 #   takt_add_component(servo servo.cpp ... [TYPES types ...])   a thread module: servo.so
 #   takt_add_process(vision vision.cpp ... [TYPES types ...])   a process module: vision.exe
 #
-# Both are built into ${TAKT_COMPONENT_DIR}, by default the folder `components` of the build tree. The types of their ports are
+#   takt_add_component_test(servo servo_test.cpp ...)           tests of one of these, with GoogleTest and <takt/testing.hpp>
+#
+# Components are built into ${TAKT_COMPONENT_DIR}, by default the folder `components` of the build tree. The types of their ports are
 # libraries of takt_add_idl().
 
 set(TAKT_COMPONENT_DIR ${CMAKE_BINARY_DIR}/components CACHE PATH "Where components are built to")
@@ -22,4 +24,46 @@ function(takt_add_process name)
   add_executable(${name} ${MODULE_UNPARSED_ARGUMENTS})
   target_link_libraries(${name} PRIVATE takt_process ${MODULE_TYPES})
   set_target_properties(${name} PROPERTIES SUFFIX ".exe" RUNTIME_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR})
+endfunction()
+
+# The tests are named servo.SUITE.TEST in CTest. A program is compiled a second time for them, as a library whose main() they call.
+# After all that is said of the component itself. Without GoogleTest (Debian: libgtest-dev) nothing is built.
+function(takt_add_component_test name)
+  if(NOT TARGET ${name})
+    message(FATAL_ERROR "takt_add_component_test(${name}): no takt_add_component() or takt_add_process() of that name comes before it")
+  endif()
+  find_package(GTest QUIET)
+  if(NOT GTest_FOUND)
+    message(STATUS "GoogleTest is not installed: the tests of ${name} are not built")
+    return()
+  endif()
+  include(GoogleTest)
+
+  set(libraries "$<FILTER:$<TARGET_PROPERTY:${name},LINK_LIBRARIES>,EXCLUDE,takt_(component|process)$>")
+  set(tested ${name})
+  get_target_property(type ${name} TYPE)
+  if(type STREQUAL "EXECUTABLE")
+    set(tested ${name}_as_library)
+    get_target_property(sources ${name} SOURCES)
+    add_library(${tested} MODULE ${sources})
+    set_target_properties(${tested} PROPERTIES PREFIX "" OUTPUT_NAME ${name} SUFFIX ".exe.so"
+                          LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+    foreach(property COMPILE_OPTIONS COMPILE_DEFINITIONS COMPILE_FEATURES INCLUDE_DIRECTORIES)
+      set_target_properties(${tested} PROPERTIES ${property} "$<TARGET_PROPERTY:${name},${property}>")
+    endforeach()
+    target_compile_options(${tested} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
+    # Its end is that of the program, not of the test.
+    target_link_options(${tested} PRIVATE -Wl,--wrap=exit,--wrap=atexit)
+    target_link_libraries(${tested} PRIVATE takt_testing ${libraries})
+  endif()
+
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_tested.cpp)
+  file(GENERATE OUTPUT ${file} CONTENT "#include <takt/testing.hpp>
+namespace { const takt::testing::detail::TestedFile file{\"$<TARGET_FILE:${tested}>\"}; }
+")
+  add_executable(${name}_test ${ARGN} ${file})
+  add_dependencies(${name}_test ${tested})
+  target_link_libraries(${name}_test PRIVATE takt_testing ${libraries} GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST TEST_PREFIX ${name}. PROPERTIES TIMEOUT 120)
+  set_property(GLOBAL APPEND PROPERTY TAKT_COMPONENT_TESTS ${name}_test)
 endfunction()

@@ -17,38 +17,16 @@ namespace {
 /// A hook is served no release, but what it writes to a port is stamped with the time of its call.
 class InHook {
  public:
-  InHook() noexcept { serve_cycle(&cycle_); }
+  explicit InHook(Instant now) noexcept : cycle_{.number = 0, .time = {}, .period = {}, .start = now} {
+    serve_cycle(&cycle_);
+  }
   ~InHook() { serve_cycle(nullptr); }
   InHook(const InHook&) = delete;
   InHook& operator=(const InHook&) = delete;
 
  private:
-  Cycle cycle_{.number = 0, .time = {}, .period = {}, .start = os::now()};
+  Cycle cycle_;
 };
-
-// Calls a hook of foreign code: whatever it throws or says becomes its Result.
-template <class Call>
-Result<void> guarded(Call&& call) {
-  static_cast<void>(take_failure());
-  const InHook in_hook;
-  try {
-    if (Result<void> result = std::forward<Call>(call)(); !result) return result;
-  } catch (const std::exception& exception) {
-    return fail(std::string{"threw: "} + exception.what());
-  } catch (...) {
-    return fail("threw something that is no std::exception");
-  }
-  if (const char* text = take_failure(); text != nullptr) return fail(text);
-  return {};
-}
-
-template <class Function, class... Arguments>
-Result<void> call(Function function, Arguments&&... arguments) {
-  return guarded([&]() -> Result<void> {
-    if (function != nullptr) function(std::forward<Arguments>(arguments)...);
-    return {};
-  });
-}
 
 /// A value that nobody could give the property is none that it may begin with.
 Result<void> check_defaults(const std::string& path, const Component& component) {
@@ -66,6 +44,32 @@ Result<void> check_defaults(const std::string& path, const Component& component)
 }
 
 }  // namespace
+
+Instant ThreadModule::now() const noexcept { return clock_ == nullptr ? os::now() : clock_->now(); }
+
+// Calls a hook of foreign code: whatever it throws or says becomes its Result.
+template <class Call>
+Result<void> ThreadModule::guarded(Call&& call) {
+  static_cast<void>(take_failure());
+  const InHook in_hook{now()};
+  try {
+    if (Result<void> result = std::forward<Call>(call)(); !result) return result;
+  } catch (const std::exception& exception) {
+    return fail(std::string{"threw: "} + exception.what());
+  } catch (...) {
+    return fail("threw something that is no std::exception");
+  }
+  if (const char* text = take_failure(); text != nullptr) return fail(text);
+  return {};
+}
+
+template <class Function, class... Arguments>
+Result<void> ThreadModule::call(Function function, Arguments&&... arguments) {
+  return guarded([&]() -> Result<void> {
+    if (function != nullptr) function(std::forward<Arguments>(arguments)...);
+    return {};
+  });
+}
 
 ThreadModule::~ThreadModule() { unload(); }
 
@@ -190,7 +194,7 @@ const char* ThreadModule::look_at_inputs(Instant start) noexcept {
 }
 
 void ThreadModule::begin_hook() noexcept {
-  context_.start_ns = to_ns(os::now());
+  context_.start_ns = to_ns(now());
   context_.valid_ns = 0;
   live_.take_over();
 }

@@ -9,6 +9,7 @@
 #include <takt/channel/link.hpp>
 #include <takt/component/component.hpp>
 #include <takt/component/port.hpp>
+#include <takt/core/clock.hpp>
 #include <takt/core/result.hpp>
 #include <takt/executor/body.hpp>
 #include <takt/host/live_properties.hpp>
@@ -72,6 +73,8 @@ class ThreadModule final : public executor::Body {
     block_ = block;
     logical_ = timing == model::Timing::let;
   }
+  /// What hooks write is stamped by this clock, not by the machine's. Outlives the module.
+  void keep_time_by(Clock& clock) noexcept { clock_ = &clock; }
   /// Before each run() it is looked whether this input's newest value is older than the link's deadline,
   /// counted from the module's first release in the tables on. It is late then, which is counted; where it is
   /// an error, run() is not called.
@@ -86,6 +89,11 @@ class ThreadModule final : public executor::Body {
   [[nodiscard]] bool may_be_ready() const noexcept;
   /// What a hook writes has the time at which it was called; it sees what was set until then.
   void begin_hook() noexcept;
+  template <class Call>
+  Result<void> guarded(Call&& call);
+  template <class Function, class... Arguments>
+  Result<void> call(Function function, Arguments&&... arguments);
+  [[nodiscard]] Instant now() const noexcept;
 
   os::Library library_;
   const ComponentFactory* factory_ = nullptr;
@@ -105,6 +113,7 @@ class ThreadModule final : public executor::Body {
 
   std::vector<PortBase*> ports_;
   PortContext context_;
+  Clock* clock_ = nullptr;  // null: the machine's
   std::vector<Watched> watched_;
   const channel::ModuleBlock* block_ = nullptr;
   bool logical_ = false;               // inputs as of the release, outputs at the end of the period

@@ -1,0 +1,96 @@
+// Finds parts in a grey picture of a belt: what part_finder does with every frame, without the program around
+// it. Allocates, as OpenCV does: for a process module, whose memory is its own.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "camera.hpp"
+
+namespace vision {
+
+struct FinderSettings {
+  Optics optics{};
+  double contrast = 50;  ///< how much brighter than the belt around it a part is at least, of 255
+};
+
+/// The belt's brightness, as a plane over the picture: light falls on it from one side. Fitted to the pixels
+/// of the upper and lower edge, where no part lies.
+inline cv::Mat background(const cv::Mat& picture) {
+  const int edge = std::max(2, picture.rows / 24);
+  cv::Matx33d normal = cv::Matx33d::zeros();
+  cv::Vec3d right(0, 0, 0);
+  for (int v = 0; v < picture.rows; ++v) {
+    if (v == edge) v = picture.rows - edge;
+    const auto* row = picture.ptr<std::uint8_t>(v);
+    for (int u = 0; u < picture.cols; ++u) {
+      const cv::Vec3d at(1, u, v);
+      normal += at * at.t();
+      right += at * static_cast<double>(row[u]);
+    }
+  }
+  const cv::Vec3d plane = normal.solve(right, cv::DECOMP_CHOLESKY);
+  cv::Mat result(picture.size(), CV_32FC1);
+  for (int v = 0; v < picture.rows; ++v) {
+    auto* row = result.ptr<float>(v);
+    for (int u = 0; u < picture.cols; ++u)
+      row[u] = static_cast<float>(plane[0] + plane[1] * u + plane[2] * v);
+  }
+  return result;
+}
+
+/// What is brighter than the belt: 255, else 0; without what is smaller than noise is.
+inline cv::Mat bright(const cv::Mat& picture, double contrast) {
+  cv::Mat smooth;
+  cv::GaussianBlur(picture, smooth, {5, 5}, 0);
+  cv::Mat above;
+  cv::subtract(smooth, background(picture), above, cv::noArray(), CV_32FC1);
+  cv::Mat mask = above > contrast;
+  cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
+  return mask;
+}
+
+/// The parts that lie wholly in the picture, from the one farthest along the belt to the last. What is
+/// neither a box nor a bottle is none: two that touch, a shadow.
+inline std::vector<PlacedPart> find_parts(const cv::Mat& picture, const FinderSettings& settings) {
+  const Optics& optics = settings.optics;
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(bright(picture, settings.contrast), outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+
+  std::vector<PlacedPart> parts;
+  for (const auto& outline : outlines) {
+    const cv::Rect around = cv::boundingRect(outline);
+    if (around.x <= 1 || around.y <= 1 || around.br().x >= picture.cols - 1 ||
+        around.br().y >= picture.rows - 1)
+      continue;  // partly out of the picture
+    // Of the pixels, not of the polygon through their middles, which is half a pixel smaller all around.
+    cv::Mat inside = cv::Mat::zeros(around.size(), CV_8UC1);
+    cv::drawContours(inside, std::vector<std::vector<cv::Point>>{outline}, 0, cv::Scalar(1), cv::FILLED,
+                     cv::LINE_8, cv::noArray(), 0, -around.tl());
+    const cv::Moments moments = cv::moments(inside, true);
+    const cv::RotatedRect box = cv::minAreaRect(outline);
+    const double length = (std::max(box.size.width, box.size.height) + 1) / optics.scale;
+    const double width = (std::min(box.size.width, box.size.height) + 1) / optics.scale;
+    const double full = moments.m00 / (optics.scale * optics.scale) / (length * width);
+
+    const auto is_about = [](double value, double wanted) { return std::abs(value / wanted - 1) < 0.15; };
+    PlacedPart part;
+    if (is_about(length, kBoxLength) && is_about(width, kBoxWidth) && full > 0.9)
+      part.kind = Kind::box;
+    else if (is_about(length, kBodyLength + kNeckLength) && is_about(width, kBodyWidth) && full < 0.9)
+      part.kind = Kind::bottle;
+    else
+      continue;
+    part.x = (optics.width / 2.0 - (around.x + moments.m10 / moments.m00 + 0.5)) / optics.scale;
+    part.y = ((around.y + moments.m01 / moments.m00 + 0.5) - optics.height / 2.0) / optics.scale;
+    part.angle = 0.5 * std::atan2(2 * moments.mu11, moments.mu20 - moments.mu02);
+    parts.push_back(part);
+  }
+  std::sort(parts.begin(), parts.end(), [](const PlacedPart& a, const PlacedPart& b) { return a.x < b.x; });
+  return parts;
+}
+
+}  // namespace vision
