@@ -16,14 +16,13 @@ set(private ${lib}/takt)
 set(package ${lib}/cmake/takt)
 set(share ${CMAKE_INSTALL_DATADIR}/takt)
 
-# The folders of a directory and of those below it that have targets; of them, what a descriptor can name.
+# The targets of a folder and of those below it that a descriptor can name.
 function(takt_modules_of directory out)
   set(modules)
   get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
   foreach(target IN LISTS targets)
-    get_target_property(type ${target} TYPE)
     get_target_property(suffix ${target} SUFFIX)
-    if(type STREQUAL "MODULE_LIBRARY" OR suffix STREQUAL ".exe")
+    if(suffix MATCHES "^\\.(so|exe)$")
       list(APPEND modules ${target})
     endif()
   endforeach()
@@ -41,7 +40,8 @@ list(APPEND modules ${of_bench})
 # From where a program lies to the libraries.
 function(takt_finds_libraries_from folder)
   file(RELATIVE_PATH path /${folder} /${lib})
-  set_target_properties(${ARGN} PROPERTIES INSTALL_RPATH "$ORIGIN/${path}")
+  string(REGEX REPLACE "/$" "" path "$ORIGIN/${path}")
+  set_target_properties(${ARGN} PROPERTIES INSTALL_RPATH "${path}")
 endfunction()
 takt_finds_libraries_from(${CMAKE_INSTALL_BINDIR} takt takt-node)
 takt_finds_libraries_from(${private} takt-host)
@@ -56,6 +56,8 @@ install(TARGETS takt_component takt_process LIBRARY COMPONENT runtime NAMELINK_C
 install(FILES config/takt.xsd DESTINATION ${share} COMPONENT runtime)
 install(DIRECTORY deploy DESTINATION ${share} COMPONENT runtime)
 
+install(DIRECTORY ${TAKT_PAGES}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime)
+install(DIRECTORY ${TAKT_PAGES}/completions DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion COMPONENT runtime)
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime PATTERN reports EXCLUDE)
 file(GLOB pages RELATIVE ${CMAKE_SOURCE_DIR}/components CONFIGURE_DEPENDS components/*/README.md)
@@ -64,8 +66,19 @@ foreach(page IN LISTS pages)
   install(FILES components/${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/components RENAME ${component}.md COMPONENT runtime)
 endforeach()
 
+# The unit names the program by the prefix that is chosen when it is installed.
+install(CODE "
+  set(CMAKE_INSTALL_BINDIR ${CMAKE_INSTALL_BINDIR})
+  file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/systemd/system\")
+  configure_file(\"${CMAKE_SOURCE_DIR}/config/takt-node@.service.in\"
+                 \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/systemd/system/takt-node@.service\" @ONLY)" COMPONENT runtime)
+
 # For authors. What <takt/NAME> includes is a part of its room; a link would name the source tree.
-install(TARGETS takt_core ARCHIVE COMPONENT dev)
+install(TARGETS takt_core takt_lifecycle ARCHIVE COMPONENT dev)
+install(TARGETS takt_testing LIBRARY COMPONENT dev)
+takt_finds_libraries_from(${lib} takt_testing)
+install(FILES framework/lifecycle/table.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/lifecycle COMPONENT dev)
+install(FILES framework/testing/testing.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/testing COMPONENT dev)
 install(DIRECTORY framework/core framework/component DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt COMPONENT dev
         FILES_MATCHING PATTERN *.hpp PATTERN *.h)
 list(TRANSFORM TAKT_CHANNEL_FOR_AUTHORS PREPEND framework/channel/)
@@ -86,4 +99,6 @@ install(FILES ${CMAKE_BINARY_DIR}/takt-config.cmake ${CMAKE_BINARY_DIR}/takt-con
 install(PROGRAMS cmake/takt_idl.py DESTINATION ${package} COMPONENT dev)
 install(DIRECTORY cmake/idl DESTINATION ${package} COMPONENT dev FILES_MATCHING PATTERN *.py)
 
-add_custom_target(installable DEPENDS takt takt-node takt-host takt_check takt_component takt_process takt_core ${modules})
+add_custom_target(installable DEPENDS takt_pages takt takt-node takt-host takt_check takt_component takt_process takt_testing takt_core takt_lifecycle ${modules})
+
+include(TaktPackages)

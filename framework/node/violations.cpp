@@ -23,8 +23,7 @@ Result<Violations> Violations::create() {
   Violations violations;
   violations.library_ = os::private_directory() + "/libtakt_check.so";
   if (!os::is_shared_object(violations.library_)) {
-    return fail("there is no " + violations.library_,
-                "install it there, or run without --check-realtime");
+    return fail("there is no " + violations.library_, "install it there, or run without --check-realtime");
   }
   auto memory = os::SharedMemory::create("takt-check", sizeof(ViolationLog));
   if (!memory) return memory.problems();
