@@ -17,9 +17,10 @@ std::vector<std::string> component_folders() {
     if (colon != 0) folders.push_back(path.substr(0, colon));
     path = colon == std::string::npos ? "" : path.substr(colon + 1);
   }
-  const fs::path programs = os::program_directory();
-  folders.push_back((programs.parent_path() / "components").string());                   // as built
-  folders.push_back((programs.parent_path() / "lib" / "takt" / "components").string());  // as installed
+  // As installed beside takt-host, as built beside the folder of the programs.
+  const fs::path ours = os::private_directory();
+  const bool built = ours == os::program_directory();
+  folders.push_back(((built ? ours.parent_path() : ours) / "components").string());
   return folders;
 }
 

@@ -1,17 +1,15 @@
 // The command line.
 #include <cstdlib>
 #include <string>
+#include <string_view>
 
 #include <cstdio>
 
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "pages.hpp"
 #include "ranges.hpp"
-
-#ifndef TAKT_VERSION
-#define TAKT_VERSION "unknown"
-#endif
 
 namespace {
 
@@ -32,6 +30,16 @@ int serve(int argc, char** argv) {
   app.set_version_flag("--version", TAKT_VERSION);
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);
+  app.footer(R"(
+Environment:
+  TAKT_COMPONENT_PATH         folders, separated by ':', where the files of components are looked up after the
+                              descriptor's own and before the ready components
+  TAKT_DOMAIN                 the DDS domain where no --domain is given
+  TAKT_INTERFACE              addresses, separated by ',', of the network cards that are used; all unless set
+  TAKT_STATE_DIR              where takt-node keeps what it is to resume
+  NO_COLOR                    no colours
+
+Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong usage.)");
 
   CheckOptions check_options;
   auto* check_command =
@@ -59,7 +67,7 @@ int serve(int argc, char** argv) {
       ->add_option("--cpus", check_options.proof.processors,
                    "a device has this many processors (else as many as this machine)")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+      ->check(CLI::Range(1, 1024).description(""));
 
   Chosen chosen;
   add_graph(app, chosen);
@@ -106,6 +114,9 @@ int serve(int argc, char** argv) {
   describe_command
       ->add_flag("--xml", describe_options.xml, "print a <module> element to paste into a descriptor")
       ->excludes(describe_json);
+
+  tidy_help(app);
+  if (argc == 3 && std::string_view{argv[1]} == kWritePages) return write_pages(app, argv[2], 1);
 
   const auto is_meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_meant).empty()) {
