@@ -162,15 +162,16 @@ Result<std::string> Host::serve_request(const Request& request) {
 
 Result<std::string> Host::get(const Request& request) const {
   const ThreadModule& instance = *modules_[request.module];
-  if (instance.component() != nullptr) return instance.get(request.property);
-  // A module in C form has none that could be asked: it was shown those of the descriptor.
+  if (instance.declares_properties()) return instance.get(request.property);
+  // It was shown those of the descriptor.
   return model::given_property(module(request.module), request.property);
 }
 
 Result<void> Host::set(const Request& request) {
   ThreadModule& instance = *modules_[request.module];
-  if (instance.component() == nullptr) {
-    return fail(module(request.module).name + " is written in C: it reads its properties in initialize()",
+  if (!instance.declares_properties()) {
+    return fail(module(request.module).name +
+                    " is written in C and declares no properties: it reads them in initialize()",
                 "undeploy the cell, change the descriptor and deploy it again");
   }
   // Also for the next time that it is loaded.

@@ -92,15 +92,7 @@ int serve(int argc, char** argv) {
   add_echo(app, chosen);
   add_doctor(app, chosen);
   add_bench(app, chosen);
-
-  DescribeOptions describe_options;
-  auto* describe_command =
-      app.add_subcommand("describe", "Print what a component is: its interface, hooks and properties");
-  describe_command->add_option("FILE", describe_options.file, "a component's .so or .exe")->required();
-  auto* describe_json = describe_command->add_flag("--json", describe_options.json, "print one JSON object");
-  describe_command
-      ->add_flag("--xml", describe_options.xml, "print a <module> element to paste into a descriptor")
-      ->excludes(describe_json);
+  add_describe(app, chosen);
 
   const auto is_meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_meant).empty()) {
@@ -115,8 +107,7 @@ int serve(int argc, char** argv) {
   if (for_option->count() != 0) run_options.seconds = seconds;
   if (chosen) return chosen();
   if (*check_command) return check(check_options);
-  if (*run_command) return run(run_options);
-  return describe(describe_options);
+  return run(run_options);
 }
 
 }  // namespace
