@@ -5,16 +5,17 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <thread>
 
 #include <line.hpp>
 #include <motion.hpp>
 
-#include "../common/argument.h"
+TAKT_TEXT("Operator's panel without a screen: says how fast the belt runs, and prints what goes on.");
 
 namespace {
+
+takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Of the belt."}};
+takt::Property<double> every{"show", 1, {.unit = "s", .min = 0.1, .max = 3600, .text = "Between two lines."}};
 
 takt::OutPort<line::BeltCommand> command{"command"};
 takt::InPort<line::BeltState> belt{"belt"};
@@ -38,9 +39,9 @@ const char* word(line::BeltMode mode) {
   return mode == line::BELT_RUNNING ? "running" : mode == line::BELT_HOLDING ? "holding a part" : "stopped";
 }
 
-void show(std::chrono::duration<double> every) {
+void show(std::chrono::duration<double> pause) {
   while (true) {
-    std::this_thread::sleep_for(every);
+    std::this_thread::sleep_for(pause);
     if (!shown.any) continue;
     std::printf("belt %s at %.2f m/s, %u parts, %.1f a minute; axis 1 at %.2f rad%s\n", word(shown.mode),
                 shown.speed.load(), shown.parts.load(), shown.per_minute.load(), shown.axis.load(),
@@ -50,14 +51,12 @@ void show(std::chrono::duration<double> every) {
 
 }  // namespace
 
-int main(int argc, char* argv[]) {
-  const double speed = argument_number(argc, argv, "speed", 0.3, 0, 2);    // m/s
-  const double every = argument_number(argc, argv, "show", 1, 0.1, 3600);  // s
+int main() {
+  initPeriodExe();
   line::BeltCommand order;
   order.speed(speed);
 
   std::thread{show, std::chrono::duration<double>{every}}.detach();  // until the program ends
-  initPeriodExe();
   while (true) {
     waitPeriod();
     command.write(order);

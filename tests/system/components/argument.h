@@ -1,8 +1,7 @@
-/* The properties of a process module are its program's arguments, one "name=value" each. What this header
- * adds is a refusal in the author's words of a value that is none, before the module attaches: exit status 1
- * and a reason on standard error. */
-#ifndef TAKT_COMPONENTS_ARGUMENT_H
-#define TAKT_COMPONENTS_ARGUMENT_H
+/* The arguments of a program that declares no properties and reads them itself, one "name=value" each. A value
+ * that is none is refused before the module attaches: exit status 1 and a reason on standard error. */
+#ifndef TAKT_TESTS_ARGUMENT_H
+#define TAKT_TESTS_ARGUMENT_H
 
 #include <math.h>
 #include <stdio.h>
