@@ -81,6 +81,7 @@ std::string program_properties_json() {
     member("name", property->name());
     member("type", to_text(property->type()));
     member("default", property->default_text());
+    member("range", property->range_text());
     member("min", property->min_text());
     member("max", property->max_text());
     member("unit", property->unit());

@@ -13,7 +13,7 @@ namespace takt {
 /// Of a program without properties nothing is.
 Problems check_program_properties();
 
-/// A list of {"name", "type", "default", "min", "max", "unit", "text"}, JSON.
+/// A list of {"name", "type", "default", "range", "min", "max", "unit", "text"}, JSON.
 std::string program_properties_json();
 
 /// The text as JSON has it, in its "".

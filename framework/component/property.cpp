@@ -33,14 +33,6 @@ PropertyBase::~PropertyBase() {
   if (!owned_) detail::remove_loose_property(*this);
 }
 
-std::string PropertyBase::range_text() const {
-  const std::string min = min_text();
-  const std::string max = max_text();
-  if (!min.empty() && !max.empty()) return min + " to " + max;
-  if (!min.empty()) return "at least " + min;
-  return max.empty() ? "" : "at most " + max;
-}
-
 Problems check_declared(const std::vector<PropertyBase*>& properties, const std::string& owner) {
   Problems problems;
   for (auto one = properties.begin(); one != properties.end(); ++one) {
@@ -78,6 +70,17 @@ Problem PropertyBase::refusal(std::string_view given) const {
   if (const std::string range = range_text(); !range.empty()) takes += ", " + range;
   if (!unit_.empty()) takes += ", in " + unit_;
   return takt::fail("property '" + name_ + "' cannot be " + in_quotes(given), "it takes " + takes);
+}
+
+bool Choices::contain(std::string_view word) const noexcept {
+  return std::find(words_.begin(), words_.end(), word) != words_.end();
+}
+
+std::string Choices::text() const {
+  std::string text;
+  for (std::size_t i = 0; i < words_.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words_.size() ? " or " : ", ") + words_[i];
+  return text;
 }
 
 namespace detail {

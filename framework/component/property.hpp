@@ -16,6 +16,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
@@ -52,8 +53,8 @@ class PropertyBase {
   /// The least and the most that it takes; empty without that bound.
   [[nodiscard]] virtual std::string min_text() const = 0;
   [[nodiscard]] virtual std::string max_text() const = 0;
-  /// "0 to 10", "at least 0"; empty without bounds.
-  [[nodiscard]] std::string range_text() const;
+  /// "0 to 10", "at least 0", "fast or slow"; empty without bounds.
+  [[nodiscard]] virtual std::string range_text() const = 0;
 
   /// Whether it takes this text; if not, says what it takes.
   [[nodiscard]] virtual Result<void> check(std::string_view text) const = 0;
@@ -88,6 +89,20 @@ std::vector<PropertyBase*> take_loose_properties();
 /// A name that is there twice, a default that is out of its range: of all of an owner.
 Problems check_declared(const std::vector<PropertyBase*>& properties, const std::string& owner);
 
+/// The words that a property of text takes: {"fast", "slow"}.
+class Choices {
+ public:
+  Choices() noexcept = default;
+  Choices(std::initializer_list<std::string> words) : words_(words) {}
+  [[nodiscard]] bool empty() const noexcept { return words_.empty(); }
+  [[nodiscard]] bool contain(std::string_view word) const noexcept;
+  /// "fast, medium or slow"
+  [[nodiscard]] std::string text() const;
+
+ private:
+  std::vector<std::string> words_;
+};
+
 namespace detail {
 /// In a program the property takes its value from the arguments.
 void add_loose_property(PropertyBase& property);
@@ -116,6 +131,7 @@ class Property : public PropertyBase {
     std::optional<T> min{};  ///< inclusive; numbers only
     std::optional<T> max{};  ///< inclusive; numbers only
     std::string text{};      ///< one sentence for `takt describe`
+    Choices choices{};       ///< the words that it takes; text only, empty: any
   };
 
   Property(Component& owner, std::string name, T value, Options options = {})
@@ -143,6 +159,27 @@ class Property : public PropertyBase {
   [[nodiscard]] std::string default_text() const override { return in_words(default_); }
   [[nodiscard]] std::string min_text() const override { return min_ ? in_words(*min_) : ""; }
   [[nodiscard]] std::string max_text() const override { return max_ ? in_words(*max_) : ""; }
+  [[nodiscard]] std::string range_text() const override {
+    std::string range;
+    if (min_ && max_) {
+      range = in_words(*min_) + " to " + in_words(*max_);
+    } else if (min_ || max_) {
+      range = min_ ? "at least " + in_words(*min_) : "at most " + in_words(*max_);
+    }
+    if (!choices_.empty()) range = choices_.text();
+    return narrowed_.empty() ? range : range + " " + narrowed_;
+  }
+
+  /// In initialize(): a range, within the one that is declared, that only the module knows, as one that its
+  /// period makes. `why` stands behind it in messages: "at a period of 1 ms". Fails when the value is out of
+  /// it; later ones are held against it when they are set.
+  Result<void> narrow(std::optional<T> min, std::optional<T> max,
+                      std::string why) requires std::is_arithmetic_v<T> {
+    if (min && (!min_ || *min > *min_)) min_ = min;
+    if (max && (!max_ || *max < *max_)) max_ = max;
+    narrowed_ = std::move(why);
+    return check(value_text());
+  }
 
   [[nodiscard]] Result<void> check(std::string_view text) const override {
     if (!accepted(text)) return refusal(text);
@@ -169,7 +206,8 @@ class Property : public PropertyBase {
         value_(default_),
         set_last_(default_),
         min_(options.min),
-        max_(options.max) {}
+        max_(options.max),
+        choices_(std::move(options.choices)) {}
 
   static std::string in_words(const T& value) {
     if constexpr (std::is_same_v<T, bool>)
@@ -187,6 +225,9 @@ class Property : public PropertyBase {
     if constexpr (std::is_arithmetic_v<T>) {
       // Written so that a NaN is refused wherever there is a bound.
       if (value && ((min_ && !(*value >= *min_)) || (max_ && !(*value <= *max_)))) value.reset();
+    }
+    if constexpr (std::is_same_v<T, std::string>) {
+      if (value && !choices_.empty() && !choices_.contain(*value)) value.reset();
     }
     return value;
   }
@@ -214,6 +255,8 @@ class Property : public PropertyBase {
   T set_last_;     // of the one that sets
   std::optional<T> min_;
   std::optional<T> max_;
+  Choices choices_;
+  std::string narrowed_;  // why the range is what it is
 };
 
 }  // namespace takt

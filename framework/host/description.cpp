@@ -6,12 +6,6 @@ namespace takt::host {
 
 using json = nlohmann::ordered_json;
 
-std::string PropertyDescription::range() const {
-  if (!min.empty() && !max.empty()) return min + " to " + max;
-  if (!min.empty()) return "at least " + min;
-  return max.empty() ? "" : "at most " + max;
-}
-
 std::string to_json(const Description& description) {
   // A bound as a number; null where there is none.
   const auto bound = [](const std::string& text) {
@@ -22,7 +16,7 @@ std::string to_json(const Description& description) {
     properties.push_back({{"name", p.name},
                           {"type", p.type},
                           {"default", p.default_value},
-                          {"range", p.range()},
+                          {"range", p.range},
                           {"min", bound(p.min)},
                           {"max", bound(p.max)},
                           {"unit", p.unit},
@@ -48,8 +42,8 @@ Result<std::vector<PropertyDescription>> parse_properties(const std::string& tex
                                                                                : "";
     };
     if (member("name").empty()) return fail("a property without a name");
-    properties.push_back({member("name"), member("type"), member("default"), member("min"), member("max"),
-                          member("unit"), member("text")});
+    properties.push_back({member("name"), member("type"), member("default"), member("range"), member("min"),
+                          member("max"), member("unit"), member("text")});
   }
   return properties;
 }

@@ -13,13 +13,12 @@ struct PropertyDescription {
   std::string name{};
   std::string type{};  ///< "bool", "integer", "double", "string"
   std::string default_value{};
-  std::string min{};  ///< of a number; may be empty, as all below
+  std::string range{};  ///< "0 to 10", "fast or slow"; may be empty, as all below
+  std::string min{};    ///< of a number
   std::string max{};
   std::string unit{};
   std::string text{};
 
-  /// "0 to 10", "at least 0"; empty without bounds.
-  [[nodiscard]] std::string range() const;
   bool operator==(const PropertyDescription&) const = default;
 };
 
@@ -41,8 +40,8 @@ struct Description {
 /// One object, {"name", "text", "interface", "operation", "hooks", "properties", "ports"}: docs/describe.md.
 std::string to_json(const Description& description);
 
-/// From [{"name", "type", "default", "min", "max", "unit", "text"}, ...], each a text, as a program or a
-/// loaded component says it. Fails on a text that is none.
+/// From [{"name", "type", "default", "range", "min", "max", "unit", "text"}, ...], each a text, as a program
+/// or a loaded component says it. Fails on a text that is none.
 Result<std::vector<PropertyDescription>> parse_properties(const std::string& json);
 
 }  // namespace takt::host

@@ -93,8 +93,9 @@ bool may_answer(const std::string& path) {
   return names.empty() || names.find(kProcessLibrary) != std::string::npos;
 }
 
-/// What a program with these arguments says when it is told to say what it is and end.
-Result<Answer> ask_program(const std::string& path, const Arguments& arguments) {
+/// What a program with these arguments says when it is told to say what it is and end. `refused`: it ended
+/// with words of its own about what it was given, which are the problems.
+Result<Answer> ask_program(const std::string& path, const Arguments& arguments, bool* refused = nullptr) {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   os::MessageSocket& ours = sockets->first;
@@ -122,6 +123,7 @@ Result<Answer> ask_program(const std::string& path, const Arguments& arguments) 
   if (const auto text = ours.receive()) return parse_answer(*text);
   if (ended && !ended->signalled && ended->code != 0) {
     Problems said = said_by(words);
+    if (refused != nullptr) *refused = !said.empty();
     if (!said.empty()) return said;
   }
   return fail(path + " did not say which ports it has" + (ended ? ": it " + ended->text() : ""),
@@ -142,6 +144,7 @@ json describe_loaded(const ThreadModule& module, const std::string& path) {
     answer["properties"].push_back({{"name", property->name()},
                                     {"type", to_text(property->type())},
                                     {"default", property->default_text()},
+                                    {"range", property->range_text()},
                                     {"min", property->min_text()},
                                     {"max", property->max_text()},
                                     {"unit", property->unit()},
@@ -238,8 +241,9 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
       program.operation = to_text(model::Operation::non_real);
       return program;
     }
-    auto answer = ask_program(path, arguments);
-    if (!answer && arguments.empty()) return program;
+    bool refused = false;
+    auto answer = ask_program(path, arguments, &refused);
+    if (!answer && !refused && arguments.empty()) return program;
     if (!answer) return answer.problems();
     if (!answer->problems.empty()) return answer->problems;
     program.operation = std::move(answer->operation);

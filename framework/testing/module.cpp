@@ -67,7 +67,7 @@ struct Module::Inside {
         file(file_of(options)),
         is_program(file.ends_with(kProgramSuffix)),
         subject(is_program ? make_program_subject(file, options.sporadic, options.period, clock)
-                           : make_thread_subject(file, options.sporadic, clock, block)) {
+                           : make_thread_subject(file, options.sporadic, options.period, clock, block)) {
     t0 = clock.now();
     if (const auto loaded = subject->load(); !loaded) throw Error(in_words(loaded.problems()));
     make_executor();

@@ -61,8 +61,8 @@ class Subject {
   virtual void serve(channel::ModuleBlock& block) = 0;
 };
 
-std::unique_ptr<Subject> make_thread_subject(std::string path, bool sporadic, VirtualClock& clock,
-                                             const channel::ModuleBlock& block);
+std::unique_ptr<Subject> make_thread_subject(std::string path, bool sporadic, Nanoseconds period,
+                                             VirtualClock& clock, const channel::ModuleBlock& block);
 std::unique_ptr<Subject> make_program_subject(std::string path, bool sporadic, Nanoseconds period,
                                               VirtualClock& clock);
 

@@ -109,7 +109,7 @@ void add_properties(Page& page, const Described& described) {
     for (const host::PropertyDescription& p : component.properties) {
       const std::string* value = given(described, p.name);
       table.push_back({p.name, p.type, in_quotes_if_empty(p.default_value), value == nullptr ? "" : *value,
-                       p.range(), p.unit, p.text});
+                       p.range, p.unit, p.text});
     }
     rows(page, 4, table);
   }

@@ -6,7 +6,7 @@
 #include <takt/process.h>
 #include <time.h>
 
-#include "argument.h"
+#include "../../../components/common/argument.h"
 
 static long every = 10;
 static long releases = 0;

@@ -6,19 +6,12 @@
 namespace takt::host {
 namespace {
 
-TEST(Description, SaysItsRangeInWords) {
-  EXPECT_EQ((PropertyDescription{.min = "0", .max = "2"}.range()), "0 to 2");
-  EXPECT_EQ((PropertyDescription{.min = "-1.5"}.range()), "at least -1.5");
-  EXPECT_EQ((PropertyDescription{.max = "1e+30"}.range()), "at most 1e+30");
-  EXPECT_EQ((PropertyDescription{}.range()), "");
-}
-
 TEST(Description, OfPropertiesIsReadFromWhatAProgramSays) {
   const auto read = parse_properties(
-      R"([{"name":"speed","type":"double","default":"0.5","min":"0","max":"2","unit":"m/s","text":"Of \"it\"."}])");
+      R"([{"name":"speed","type":"double","default":"0.5","range":"0 to 2","min":"0","max":"2","unit":"m/s","text":"Of \"it\"."}])");
   ASSERT_TRUE(read.ok());
-  EXPECT_EQ(read.value(),
-            (std::vector<PropertyDescription>{{"speed", "double", "0.5", "0", "2", "m/s", "Of \"it\"."}}));
+  EXPECT_EQ(read.value(), (std::vector<PropertyDescription>{
+                              {"speed", "double", "0.5", "0 to 2", "0", "2", "m/s", "Of \"it\"."}}));
   EXPECT_TRUE(parse_properties("[]").value().empty());
 }
 
@@ -28,13 +21,14 @@ TEST(Description, OfPropertiesThatIsNoneIsRefused) {
 }
 
 TEST(Description, AsJsonHasBoundsAsNumbersAndNullWithout) {
-  const auto object = nlohmann::json::parse(to_json({.name = "n",
-                                                     .text = "t",
-                                                     .interface = "c",
-                                                     .operation = {},
-                                                     .hooks = {"run"},
-                                                     .properties = {{"a", "integer", "3", "1", "", "", ""}},
-                                                     .ports = {}}));
+  const auto object =
+      nlohmann::json::parse(to_json({.name = "n",
+                                     .text = "t",
+                                     .interface = "c",
+                                     .operation = {},
+                                     .hooks = {"run"},
+                                     .properties = {{"a", "integer", "3", "at least 1", "1", "", "", ""}},
+                                     .ports = {}}));
   EXPECT_EQ(object["properties"][0]["min"], 1);
   EXPECT_TRUE(object["properties"][0]["max"].is_null());
   EXPECT_EQ(object["properties"][0]["range"], "at least 1");

@@ -19,7 +19,9 @@ model::Port port(const std::string& name, model::Direction direction, const std:
   return {name, direction, type, text};
 }
 
-host::PropertyDescription speed() { return {"speed", "double", "0.5", "0", "2", "m/s", "Of the belt."}; }
+host::PropertyDescription speed() {
+  return {"speed", "double", "0.5", "0 to 2", "0", "2", "m/s", "Of the belt."};
+}
 
 Described belt() {
   return {"/c/belt.so",
@@ -28,7 +30,7 @@ Described belt() {
            .interface = "c++",
            .operation = {},
            .hooks = {},
-           .properties = {speed(), {"label", "string", "", "", "", "", ""}},
+           .properties = {speed(), {"label", "string", "", "", "", "", "", ""}},
            .ports = {port("stop", model::Direction::in, "Whether to stand."),
                      port("part", model::Direction::out)}}};
 }
