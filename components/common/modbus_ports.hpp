@@ -73,8 +73,8 @@ class PointOutput {
 
 /// The points of the property `map`; says every mistake on standard error, a line each, and ends the program
 /// with status 1 when there is one.
-inline std::vector<Point> points_or_end(const char* text) {
-  if (text == nullptr) {
+inline std::vector<Point> points_or_end(const std::string& text) {
+  if (text.empty()) {
     std::fprintf(stderr, "property 'map' is missing; write a point a line, as in 'lamp out coil 0'\n");
     std::exit(1);
   }

@@ -12,23 +12,38 @@
 
 #include <basic.hpp>
 
-#include "../common/argument.h"
 #include "../common/modbus_ports.hpp"
 #include "server.hpp"
 
+TAKT_TEXT("A Modbus TCP device: what a master reads follows ports, what it writes appears on ports.");
+
 namespace {
+
+takt::Property<std::string> map{
+    "map", "", {.text = "The points, one a line: lamp out coil 0. The same as its master's."}};
+takt::Property<std::string> address{
+    "bind", "127.0.0.1", {.text = "The address that it listens on; 0.0.0.0: all."}};
+takt::Property<std::int64_t> port{
+    "port", 502, {.min = 1, .max = 65535, .text = "Below 1024 they are root's."}};
+takt::Property<double> watchdog{
+    "watchdog",
+    0,
+    {.unit = "s",
+     .min = 0,
+     .max = 3600,
+     .text = "Outputs are safe when no master has written for so long; 0: never."}};
 
 takt::OutPort<basic::Count> clients{"clients", {.text = "Masters that are connected."}};
 takt::OutPort<basic::Count> requests{"requests", {.text = "That were answered, refusals too."}};
 
 }  // namespace
 
-int main(int argc, char* argv[]) {
+int main() {
   modbus::Server::Settings settings;
-  settings.address = argument_text(argc, argv, "bind", "127.0.0.1");
-  settings.port = argument_whole(argc, argv, "port", 502, 1, 65535);
-  settings.watchdog = modbus::Server::Seconds{argument_number(argc, argv, "watchdog", 0, 0, 3600)};
-  const std::vector<modbus::Point> points = modbus::points_or_end(argument_text(argc, argv, "map", nullptr));
+  settings.address = address.value();
+  settings.port = static_cast<int>(port.value());
+  settings.watchdog = modbus::Server::Seconds{watchdog.value()};
+  const std::vector<modbus::Point> points = modbus::points_or_end(map.value());
   // By the place of their point; the ones of the other direction are empty.
   std::vector<std::unique_ptr<modbus::PointInput>> from_cell(points.size());
   std::vector<std::unique_ptr<modbus::PointOutput>> to_cell(points.size());

@@ -12,11 +12,33 @@
 
 #include <basic.hpp>
 
-#include "../common/argument.h"
 #include "../common/modbus_ports.hpp"
 #include "exchange.hpp"
 
+TAKT_TEXT("Master of a Modbus TCP device: coils, inputs and registers are ports.");
+
 namespace {
+
+takt::Property<std::string> map{"map", "", {.text = "The points, one a line: lamp out coil 0."}};
+takt::Property<std::string> host{"host", "127.0.0.1", {.text = "Of the device."}};
+takt::Property<std::int64_t> port{"port", 502, {.min = 1, .max = 65535, .text = "Of the device."}};
+takt::Property<std::int64_t> unit{
+    "unit", 255, {.min = 0, .max = 255, .text = "Behind a gateway, the device's number."}};
+takt::Property<double> cycle{
+    "cycle", 0.02, {.unit = "s", .min = 0.001, .max = 60, .text = "From one exchange to the next."}};
+takt::Property<double> timeout{
+    "timeout",
+    0.3,
+    {.unit = "s", .min = 0.01, .max = 5, .text = "For a connection, and for each whole answer."}};
+takt::Property<double> backoff{
+    "backoff", 2, {.unit = "s", .min = 0.1, .max = 60, .text = "Between two attempts to connect, at most."}};
+takt::Property<double> watchdog{
+    "watchdog",
+    1,
+    {.unit = "s",
+     .min = 0.05,
+     .max = 60,
+     .text = "Outputs get their safe values when the body has not run for so long."}};
 
 takt::OutPort<basic::Flag> connected{"connected", {.text = "The last exchange went well as a whole."}};
 takt::OutPort<basic::Count> exchanges{"exchanges", {.text = "That went well as a whole."}};
@@ -29,30 +51,27 @@ constexpr modbus::Seconds kEndLimit{0.9};
 
 void make_safe() { exchange->end(kEndLimit); }
 
-modbus::Settings settings_from(int argc, char* argv[]) {
-  const auto number = [&](const char* name, double fallback, double min, double max) {
-    return argument_number(argc, argv, name, fallback, min, max);
-  };
+modbus::Settings settings_from_properties() {
   modbus::Settings settings;
-  settings.host = argument_text(argc, argv, "host", "127.0.0.1");
+  settings.host = host.value();
   if (settings.host.empty()) {
     std::fprintf(stderr, "property 'host' is empty; name the device, as in 10.0.0.7 or press.plant\n");
     std::exit(1);
   }
-  settings.port = argument_whole(argc, argv, "port", 502, 1, 65535);
-  settings.unit = argument_whole(argc, argv, "unit", 255, 0, 255);
-  settings.cycle = modbus::Seconds{number("cycle", 0.02, 0.001, 60)};
-  settings.timeout = modbus::Seconds{number("timeout", 0.3, 0.01, 5)};
-  settings.backoff = modbus::Seconds{number("backoff", 2, 0.1, 60)};
-  settings.watchdog = modbus::Seconds{number("watchdog", 1, 0.05, 60)};
+  settings.port = static_cast<int>(port.value());
+  settings.unit = static_cast<int>(unit.value());
+  settings.cycle = modbus::Seconds{cycle.value()};
+  settings.timeout = modbus::Seconds{timeout.value()};
+  settings.backoff = modbus::Seconds{backoff.value()};
+  settings.watchdog = modbus::Seconds{watchdog.value()};
   return settings;
 }
 
 }  // namespace
 
-int main(int argc, char* argv[]) {
-  modbus::Settings settings = settings_from(argc, argv);
-  const std::vector<modbus::Point> points = modbus::points_or_end(argument_text(argc, argv, "map", nullptr));
+int main() {
+  modbus::Settings settings = settings_from_properties();
+  const std::vector<modbus::Point> points = modbus::points_or_end(map.value());
   // By the place of their point; the ones of the other direction are empty.
   std::vector<std::unique_ptr<modbus::PointInput>> to_device(points.size());
   std::vector<std::unique_ptr<modbus::PointOutput>> from_device(points.size());

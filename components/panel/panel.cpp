@@ -13,10 +13,21 @@
 #include <line.hpp>
 #include <motion.hpp>
 
-#include "../common/argument.h"
 #include "expected.hpp"
 
+TAKT_TEXT(
+    "Operator's panel without a screen: says how fast the belt runs, prints what goes on, counts parts.");
+
 namespace {
+
+takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Of the belt."}};
+takt::Property<double> every{"show", 1, {.unit = "s", .min = 0.1, .max = 3600, .text = "Between two lines."}};
+takt::Property<double> bring{"bring",
+                             0,
+                             {.unit = "s",
+                              .min = 0,
+                              .max = 3600,
+                              .text = "From a part's being placed to the next one's being asked for."}};
 
 takt::OutPort<line::BeltCommand> command{"command", {.text = "How fast the belt is to run."}};
 takt::OutPort<basic::Number> placed{"placed", {.text = "Parts that were placed, for a display."}};
@@ -48,9 +59,9 @@ const char* word(line::BeltMode mode) {
   return mode == line::BELT_RUNNING ? "running" : mode == line::BELT_HOLDING ? "holding a part" : "stopped";
 }
 
-void show(std::chrono::duration<double> every) {
+void show(std::chrono::duration<double> pause) {
   while (true) {
-    std::this_thread::sleep_for(every);
+    std::this_thread::sleep_for(pause);
     if (!shown.any) continue;
     std::printf("%sbelt %s at %.2f m/s, %.1f parts a minute, %u placed; axis 1 at %.2f rad%s\n",
                 shown.permitted ? "" : "EMERGENCY STOP; ", word(shown.mode), shown.speed.load(),
@@ -73,10 +84,9 @@ void say_goodbye() {
 
 }  // namespace
 
-int main(int argc, char* argv[]) {
-  const double speed = argument_number(argc, argv, "speed", 0.3, 0, 2);    // m/s
-  const double every = argument_number(argc, argv, "show", 1, 0.1, 3600);  // s
-  expected.bring(argument_number(argc, argv, "bring", 0, 0, 3600));        // s
+int main() {
+  initPeriodExe();
+  expected.bring(bring);
   line::BeltCommand order;
   order.speed(speed);
   basic::Number count;
@@ -84,7 +94,6 @@ int main(int argc, char* argv[]) {
 
   std::atexit(say_goodbye);
   std::thread{show, std::chrono::duration<double>{every}}.detach();  // until the program ends
-  initPeriodExe();
   while (true) {
     waitPeriod();
     command.write(order);

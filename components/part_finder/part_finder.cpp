@@ -16,12 +16,25 @@
 
 #include <line.hpp>
 
-#include "../common/argument.h"
 #include "../common/latest.hpp"
 #include "camera.hpp"
 #include "finder.hpp"
 
+TAKT_TEXT("A camera over a belt: says where a part lies that waits at the light barrier.");
+
 namespace {
+
+takt::Property<double> noise{
+    "noise", 6, {.min = 0, .max = 60, .text = "Standard deviation of a pixel's brightness, of 255."}};
+takt::Property<double> light{
+    "light", 30, {.min = 0, .max = 100, .text = "How much brighter one corner is than the opposite one."}};
+takt::Property<double> contrast{
+    "contrast", 50, {.min = 10, .max = 200, .text = "How much brighter than the belt a part is at least."}};
+takt::Property<double> repeat{
+    "repeat",
+    2,
+    {.unit = "s", .min = 0.1, .max = 3600, .text = "Until a part that still waits is told again."}};
+takt::Property<std::int64_t> seed{"seed", 1, {.min = 0, .text = "Of the noise."}};
 
 takt::InPort<line::Scene> scene{"scene", {.text = "What lies before the camera."}};
 takt::InPort<line::BeltState> belt{"belt", {.text = "What the belt does."}};
@@ -108,23 +121,17 @@ const vision::PlacedPart* at_the_barrier(const Sight& now) {
 
 }  // namespace
 
-int main(int argc, char* argv[]) {
-  vision::Camera::Settings camera_settings;
-  camera_settings.noise = argument_number(argc, argv, "noise", 6, 0, 60);
-  camera_settings.light = argument_number(argc, argv, "light", 30, 0, 100);
-  camera_settings.seed = static_cast<std::uint64_t>(argument_number(argc, argv, "seed", 1, 0, 1e9));
-  vision::FinderSettings finder_settings;
-  finder_settings.contrast = argument_number(argc, argv, "contrast", 50, 10, 200);
-  const double repeat = argument_number(argc, argv, "repeat", 2, 0.1, 3600);
-
+int main() {
+  initPeriodExe();
   std::atexit(say_goodbye);
-  std::thread{look, camera_settings, finder_settings}.detach();  // until the program ends
+  const vision::Camera::Settings camera{
+      .noise = noise, .light = light, .seed = static_cast<std::uint64_t>(seed.value())};
+  std::thread{look, camera, vision::FinderSettings{.contrast = contrast}}.detach();  // until the program ends
   std::uint32_t number = 0;  // of the part that was told last
   double waited = 0;         // s, since then
   line::Scene all;
   all.parts().reserve(line::MAX_PARTS);
 
-  initPeriodExe();
   while (true) {
     waitPeriod();
     scene.read();

@@ -71,13 +71,20 @@ std::vector<PortBase*>& loose_ports() {
   thread_local std::vector<PortBase*> ports;
   return ports;
 }
+std::vector<PropertyBase*>& loose_properties() {
+  thread_local std::vector<PropertyBase*> properties;
+  return properties;
+}
 }  // namespace
 
 std::vector<PortBase*> take_loose_ports() { return std::exchange(loose_ports(), {}); }
+std::vector<PropertyBase*> take_loose_properties() { return std::exchange(loose_properties(), {}); }
 
 namespace detail {
 void add_loose_port(PortBase& port) { loose_ports().push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { std::erase(loose_ports(), &port); }
+void add_loose_property(PropertyBase& property) { loose_properties().push_back(&property); }
+void remove_loose_property(PropertyBase& property) noexcept { std::erase(loose_properties(), &property); }
 }  // namespace detail
 
 }  // namespace takt

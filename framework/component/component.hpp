@@ -6,7 +6,7 @@
 //
 //     void run(const takt::Cycle& cycle) noexcept override { value_ += slope * cycle.seconds(); }
 //   };
-//   TAKT_COMPONENT(Ramp)
+//   TAKT_COMPONENT(Ramp, "A value that rises.")
 //
 // built with takt_add_component(ramp ramp.cpp). Several modules may be made of one component: each is an
 // object of its own.
@@ -17,6 +17,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <takt/component/text.h>
 #include <takt/component/event_port.hpp>
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
@@ -97,7 +98,7 @@ class Component {
 
 /// What a .so of a C++ component exports.
 struct ComponentFactory {
-  static constexpr std::uint32_t kAbi = 2;
+  static constexpr std::uint32_t kAbi = 3;
   std::uint32_t abi;
   std::uint32_t component_size;  ///< sizeof(Component) when the object was compiled
   const char* name;              ///< of the class
@@ -118,8 +119,10 @@ constexpr bool overrides_condition() {
 
 }  // namespace takt
 
-/// Once in each component's source, outside any namespace.
-#define TAKT_COMPONENT(Type)                                                        \
+/// Once in each component's source, outside any namespace. The second argument, which may be left out, is one
+/// sentence that says what the component does, for `takt describe`.
+#define TAKT_COMPONENT(Type, ...)                                                   \
+  __VA_OPT__(TAKT_TEXT(__VA_ARGS__);)                                               \
   extern "C" __attribute__((visibility("default"))) const ::takt::ComponentFactory* \
   takt_component_factory();                                                         \
   extern "C" const ::takt::ComponentFactory* takt_component_factory() {             \

@@ -9,7 +9,9 @@
  *     }                                           }
  *   }                                           }
  *
- * The module's properties are the program's arguments, one "name=value" each, in the order of the descriptor. Standard output
+ * The module's properties are the program's arguments, one "name=value" each, in the order of the descriptor. A program that
+ * declares its properties (<takt/property.h>, in C++ <takt/process.hpp>) finds their values in them, and takes no others; one
+ * that declares none takes any, and reads its arguments itself. Standard output
  * and error are shown with the module's name, line by line.
  *
  * `takt check`, `takt describe` and a node start a program whose ports are connected, with its arguments, to have it say its
@@ -25,6 +27,8 @@
 #include <stdint.h>
 
 #include <takt/port.h>
+#include <takt/property.h>
+#include <takt/text.h>
 
 #ifndef TRUE
 #define TRUE 1

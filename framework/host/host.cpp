@@ -100,7 +100,8 @@ Result<void> Host::prepare() {
                         .overrun = model::contract_of(setup_.device, m),
                         .tolerance = m.tolerance};
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
-    if (modules_.back()) modules_.back()->attach(bell_, unit.block, model::timing_of(setup_.device, m), unit.period);
+    if (modules_.back())
+      modules_.back()->attach(bell_, unit.block, model::timing_of(setup_.device, m), unit.period);
     unit.body = modules_.back().get();
     if (*watch && unit.body != nullptr) {
       watched_.push_back(std::make_unique<WatchedBody>(*unit.body, i, *watch));
@@ -162,15 +163,16 @@ Result<std::string> Host::serve_request(const Request& request) {
 
 Result<std::string> Host::get(const Request& request) const {
   const ThreadModule& instance = *modules_[request.module];
-  if (instance.component() != nullptr) return instance.get(request.property);
-  // A module in C form has none that could be asked: it was shown those of the descriptor.
+  if (instance.declares_properties()) return instance.get(request.property);
+  // It was shown those of the descriptor.
   return model::given_property(module(request.module), request.property);
 }
 
 Result<void> Host::set(const Request& request) {
   ThreadModule& instance = *modules_[request.module];
-  if (instance.component() == nullptr) {
-    return fail(module(request.module).name + " is written in C: it reads its properties in initialize()",
+  if (!instance.declares_properties()) {
+    return fail(module(request.module).name +
+                    " is written in C and declares no properties: it reads them in initialize()",
                 "undeploy the cell, change the descriptor and deploy it again");
   }
   // Also for the next time that it is loaded.

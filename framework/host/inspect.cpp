@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/core/words.hpp>
 #include <takt/host/component_path.hpp>
 #include <takt/host/thread_module.hpp>
 #include <takt/os/clock.hpp>
@@ -63,10 +64,38 @@ Problems said_by(const std::string& text) {
   return problems;
 }
 
-/// What a program with these arguments says of its ports when it is told to say them and end. `refused`: it
-/// ended with words of its own about what it was given, which are the problems.
-Result<std::vector<model::Port>> ports_of_program(const std::string& path, const Arguments& arguments,
-                                                  bool* refused = nullptr) {
+/// What a program says of itself.
+struct Answer {
+  std::string operation;
+  std::vector<model::Port> ports;
+  std::vector<PropertyDescription> properties;
+  Problems problems;  ///< of its properties, and of the values that they were given
+};
+
+Result<Answer> parse_answer(const std::string& text) {
+  auto ports = model::parse_ports(text);
+  if (!ports) return ports.problems();
+  const json answer = json::parse(text, nullptr, false);  // it is an object, or it had no ports
+  auto properties = parse_properties(dump(answer.value("properties", json::array())));
+  if (!properties) return properties.problems();
+  return Answer{answer.value("operation", ""), std::move(*ports), std::move(*properties),
+                problems_from(answer.value("problems", json::array()))};
+}
+
+constexpr const char* kProcessLibrary = "libtakt_process.so";
+
+/// The strings of a file's dynamic symbols and libraries; empty where it is no ELF file.
+std::string dynamic_names(const std::string& path) { return os::read_section(path, ".dynstr").value_or(""); }
+
+/// A script may start anything. To start another program that cannot answer would be in vain, and rude.
+bool may_answer(const std::string& path) {
+  const std::string names = dynamic_names(path);
+  return names.empty() || names.find(kProcessLibrary) != std::string::npos;
+}
+
+/// What a program with these arguments says when it is told to say what it is and end. `refused`: it ended
+/// with words of its own about what it was given, which are the problems.
+Result<Answer> ask_program(const std::string& path, const Arguments& arguments, bool* refused = nullptr) {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   os::MessageSocket& ours = sockets->first;
@@ -86,12 +115,12 @@ Result<std::vector<model::Port>> ports_of_program(const std::string& path, const
   };
   std::optional<os::ProcessEnd> ended;
   for (const Instant limit = os::now() + kLimit; !ended && os::now() < limit;) {
-    if (const auto text = ours.receive()) return model::parse_ports(*text);
+    if (const auto text = ours.receive()) return parse_answer(*text);
     ended = child->poll();
     listen();
     if (!ended) os::wait_readable({&ours.fd()}, ours.closed() ? 1 : 20);
   }
-  if (const auto text = ours.receive()) return model::parse_ports(*text);
+  if (const auto text = ours.receive()) return parse_answer(*text);
   if (ended && !ended->signalled && ended->code != 0) {
     Problems said = said_by(words);
     if (refused != nullptr) *refused = !said.empty();
@@ -107,14 +136,17 @@ json describe_loaded(const ThreadModule& module, const std::string& path) {
       {"name", std::filesystem::path{path}.stem().string()}, {"interface", "c"}, {"hooks", module.hooks()}};
   answer["properties"] = json::array();
   answer["ports"] = ports_of(module);
-  if (module.component() == nullptr) return answer;
-  answer["name"] = module.component_name();
-  answer["interface"] = "c++";
-  for (const PropertyBase* property : module.component()->properties()) {
+  if (module.component() != nullptr) {
+    answer["name"] = module.component_name();
+    answer["interface"] = "c++";
+  }
+  for (const PropertyBase* property : module.properties()) {
     answer["properties"].push_back({{"name", property->name()},
                                     {"type", to_text(property->type())},
-                                    {"default", property->value_text()},
+                                    {"default", property->default_text()},
                                     {"range", property->range_text()},
+                                    {"min", property->min_text()},
+                                    {"max", property->max_text()},
                                     {"unit", property->unit()},
                                     {"text", property->text()}});
   }
@@ -138,7 +170,7 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
                                       wanted.operation == model::Operation::sporadic);
     const bool is_loaded = result.ok();  // nobody knows the ports of one that is not
     if (result && module.component() == nullptr) loaded.insert(use.device);
-    if (result && module.component() != nullptr) {
+    if (result && module.declares_properties()) {
       irp::Property::Values values;
       for (const model::PropertyValue& property : wanted.properties)
         values.emplace_back(property.name, property.value);
@@ -162,6 +194,18 @@ void add_at(const model::Cell& cell, const model::Module& module, const Problems
   }
 }
 
+/// What a program calls says how it is released.
+Problems check_operation(const model::Module& module, const std::string& operation) {
+  const bool periodic = module.operation == model::Operation::periodic;
+  if (module.operation == model::Operation::non_real || operation.empty() ||
+      operation == (periodic ? "periodic" : "sporadic"))
+    return {};
+  return {fail(std::string{"the program calls "} + (periodic ? "initSporadicExe()" : "initPeriodExe()") +
+                   ", so it is " + operation,
+               "say <operationtype>" + operation + "</operationtype> and <" +
+                   (periodic ? "deadline" : "period") + ">")};
+}
+
 bool is_connected(const model::Cell& cell, const std::string& device, const std::string& module) {
   return std::any_of(cell.connections.begin(), cell.connections.end(), [&](const model::Connection& c) {
     return (c.from.device == device && c.from.module == module) ||
@@ -182,14 +226,26 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
   if (!os::is_shared_object(path)) {
     if (!os::is_executable(path))
       return fail(path + " is neither a shared object nor a program", "name a component's file");
+    Description program{.name = std::filesystem::path{path}.stem().string(),
+                        .text = component_text(path),
+                        .interface = "process",
+                        .operation = {},
+                        .hooks = {},
+                        .properties = {},
+                        .ports = {}};
+    if (!may_answer(path)) {
+      program.operation = to_text(model::Operation::non_real);
+      return program;
+    }
     bool refused = false;
-    auto ports = ports_of_program(path, arguments, &refused);
-    if (!ports && (refused || !arguments.empty())) return ports.problems();
-    return Description{std::filesystem::path{path}.stem().string(),
-                       "process",
-                       {},
-                       {},
-                       ports ? std::move(*ports) : std::vector<model::Port>{}};
+    auto answer = ask_program(path, arguments, &refused);
+    if (!answer && !refused && arguments.empty()) return program;
+    if (!answer) return answer.problems();
+    if (!answer->problems.empty()) return answer->problems;
+    program.operation = std::move(answer->operation);
+    program.properties = std::move(answer->properties);
+    program.ports = std::move(answer->ports);
+    return program;
   }
   if (!arguments.empty())
     return fail("the ports of " + path + " do not depend on properties", "leave out " + arguments[0]);
@@ -207,12 +263,49 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
   if (answer.contains("problems")) return problems_from(answer["problems"]);
   auto ports = model::parse_ports(answer["ports"]);
   if (!ports) return ports.problems();
-  Description description{answer["name"], answer["interface"], answer["hooks"], {}, std::move(*ports)};
-  for (const json& property : answer["properties"]) {
-    description.properties.push_back({property["name"], property["type"], property["default"],
-                                      property["range"], property["unit"], property["text"]});
+  auto properties = parse_properties(dump(answer["properties"]));
+  if (!properties) return properties.problems();
+  return Description{.name = answer["name"],
+                     .text = component_text(path),
+                     .interface = answer["interface"],
+                     .operation = {},
+                     .hooks = answer["hooks"],
+                     .properties = std::move(*properties),
+                     .ports = std::move(*ports)};
+}
+
+std::string component_text(const std::string& path) {
+  const auto section = os::read_section(path, "takt_text");
+  return section ? on_one_line(section->c_str()) : "";
+}
+
+std::vector<ComponentFile> list_components(const std::vector<std::string>& folders) {
+  std::map<std::string, ComponentFile> found;
+  for (const std::string& folder : folders) {
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator{folder, error}) {
+      const std::string path = entry.path().string();
+      const std::string name = entry.path().filename().string();
+      ComponentFile file{.path = path, .interface = {}, .text = component_text(path)};
+      if (os::is_shared_object(path)) {
+        const std::string names = dynamic_names(path);
+        const auto has = [&names](const char* symbol) {
+          return names.find(std::string{'\0'} + symbol + '\0') != std::string::npos;
+        };
+        if (has("takt_component_factory"))
+          file.interface = "c++";
+        else if (has("run"))
+          file.interface = "c";
+      } else if (os::is_executable(path)) {
+        const bool linked = dynamic_names(path).find(kProcessLibrary) != std::string::npos;
+        if (linked || !file.text.empty() || entry.path().extension() == ".exe") file.interface = "process";
+      }
+      if (!file.interface.empty()) found.emplace(name, std::move(file));
+    }
   }
-  return description;
+  std::vector<ComponentFile> files;
+  for (auto& [name, file] : found) files.push_back(std::move(file));
+  return files;
 }
 
 Result<Components> check_components(const model::Cell& cell, Problems* missing) {
@@ -220,7 +313,7 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   Components found;
   std::vector<ComponentPaths>& paths = found.paths;
   std::map<std::string, std::vector<Use>> thread_modules;
-  // That connections name. Its properties may say which ports a program has.
+  // That connections name, or that are given properties, which may say which ports a program has.
   std::map<std::pair<std::string, Arguments>, std::vector<Use>> programs;
   for (std::size_t d = 0; d < cell.devices.size(); ++d) {
     const model::Device& device = cell.devices[d];
@@ -242,7 +335,9 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
               cell, module,
               {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
               problems);
-        } else if (is_connected(cell, device.name, module.name)) {
+        } else if (is_connected(cell, device.name, module.name) ||
+                   (!module.properties.empty() && module.operation != model::Operation::non_real &&
+                    dynamic_names(*path).find(kProcessLibrary) != std::string::npos)) {
           programs[{*path, arguments_of(module)}].push_back({d, m});
         }
       } else if (!os::is_shared_object(*path)) {
@@ -277,12 +372,17 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
     }
   }
   for (const auto& [started, uses] : programs) {
-    const auto ports = ports_of_program(started.first, started.second);
+    const auto answer = ask_program(started.first, started.second);
     for (const Use& use : uses) {
-      if (ports)
-        found.ports[use.device][use.module] = *ports;
-      else
-        add_at(cell, cell.devices[use.device].modules[use.module], ports.problems(), problems);
+      const model::Device& device = cell.devices[use.device];
+      const model::Module& module = device.modules[use.module];
+      if (answer) {
+        found.ports[use.device][use.module] = answer->ports;
+        add_at(cell, module, answer->problems, problems);
+        add_at(cell, module, check_operation(module, answer->operation), problems);
+      } else if (is_connected(cell, device.name, module.name)) {
+        add_at(cell, module, answer.problems(), problems);
+      }
     }
   }
   const Problems connections = model::check_connections(cell, found.ports);

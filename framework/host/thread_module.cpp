@@ -29,21 +29,6 @@ class InHook {
   Cycle cycle_;
 };
 
-/// A value that nobody could give the property is none that it may begin with.
-Result<void> check_defaults(const std::string& path, const Component& component) {
-  Problems problems;
-  for (const PropertyBase* property : component.properties()) {
-    const std::string value = property->value_text();
-    const std::string range = property->range_text();
-    if (range.empty() || property->check(value)) continue;
-    problems.push_back(fail(path + " has a property '" + property->name() + "' whose default " +
-                                brief(value) + " is out of its range: " + range,
-                            "give it a default that is within its range, or mend the range"));
-  }
-  if (!problems.empty()) return problems;
-  return {};
-}
-
 }  // namespace
 
 Instant ThreadModule::now() const noexcept { return clock_ == nullptr ? os::now() : clock_->now(); }
@@ -77,10 +62,12 @@ ThreadModule::~ThreadModule() { unload(); }
 Result<void> ThreadModule::load(const std::string& path, os::Library::Globals globals, bool sporadic) {
   unload();
   static_cast<void>(take_loose_ports());
+  static_cast<void>(take_loose_properties());
   auto library = os::Library::open(path, globals);
   if (!library) return library.problems();
   library_ = std::move(*library);
   ports_ = take_loose_ports();  // their constructors ran just now
+  properties_ = take_loose_properties();
 
   if (void* get_factory = library_.own_function("takt_component_factory"); get_factory != nullptr) {
     factory_ = reinterpret_cast<const ComponentFactory* (*)()>(get_factory)();
@@ -93,9 +80,8 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
       component_ = factory_->create();
       return {};
     });
-    if (created) live_.serve(component_, factory_->name);
     if (created) created = take_ports(path);
-    if (created) created = check_defaults(path, *component_);
+    if (created) created = take_properties(path);
     if (!created) unload();
     if (created && sporadic && !may_be_ready()) {
       unload();
@@ -128,8 +114,22 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
                 R"(define extern "C" int condition(), or make the module periodic)");
   }
   auto taken = take_ports(path);
+  if (taken) taken = take_properties(path);
   if (!taken) unload();
   return taken;
+}
+
+Result<void> ThreadModule::take_properties(const std::string& path) {
+  if (component_ != nullptr) {
+    if (!properties_.empty()) {
+      return fail(path + " has the property '" + properties_.front()->name() + "' outside its component",
+                  "make it a member: Property<T> name{*this, \"name\", ...}");
+    }
+    properties_ = component_->properties();
+  }
+  if (Problems problems = check_declared(properties_, path); !problems.empty()) return problems;
+  live_.serve(properties_, component_ != nullptr ? factory_->name : model::file_stem(path));
+  return {};
 }
 
 Result<void> ThreadModule::take_ports(const std::string& path) {
@@ -203,7 +203,8 @@ void ThreadModule::begin_hook() noexcept {
 void ThreadModule::unload() {
   ports_.clear();
   watched_.clear();
-  live_.serve(nullptr, {});
+  live_.serve({}, {});
+  properties_.clear();
   if (component_ != nullptr) factory_->destroy(component_);
   component_ = nullptr;
   factory_ = nullptr;
@@ -217,13 +218,14 @@ void ThreadModule::unload() {
 void ThreadModule::abandon() noexcept {
   ports_.clear();
   watched_.clear();
-  live_.serve(nullptr, {});
+  live_.serve({}, {});
+  properties_.clear();
   component_ = nullptr;
   library_.abandon();
 }
 
 Result<void> ThreadModule::initialize(const irp::Property& property) {
-  if (component_ != nullptr) {
+  if (declares_properties()) {
     if (auto taken = set(property.values()); !taken) return taken;
   }
   begin_hook();

@@ -15,15 +15,6 @@ using json = nlohmann::ordered_json;
 
 std::string written(const Endpoint& end) { return end.device + "." + end.module + "." + end.port; }
 
-/// "double[6]", "sequence<octet, 8>", "string<15>", "motion::Mode"
-std::string spelled(const Field& field) {
-  std::string text = field.type_name.empty() ? to_text(field.scalar) : field.type_name;
-  if (field.scalar == Scalar::text) text += "<" + std::to_string(field.bound) + ">";
-  if (field.sequence != 0) text = "sequence<" + text + ", " + std::to_string(field.sequence) + ">";
-  for (const std::size_t dimension : field.dimensions) text += "[" + std::to_string(dimension) + "]";
-  return text;
-}
-
 std::string fields_differ(const std::vector<Field>& first, const std::vector<Field>& second,
                           const std::string& prefix) {
   for (std::size_t i = 0; i < std::max(first.size(), second.size()); ++i) {
@@ -257,6 +248,14 @@ const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& 
 }
 
 Problems check_connections(const Cell& cell, const CellPorts& ports) { return Check{cell, ports}.run(); }
+
+std::string spelled(const Field& field) {
+  std::string text = field.type_name.empty() ? to_text(field.scalar) : field.type_name;
+  if (field.scalar == Scalar::text) text += "<" + std::to_string(field.bound) + ">";
+  if (field.sequence != 0) text = "sequence<" + text + ", " + std::to_string(field.sequence) + ">";
+  for (const std::size_t dimension : field.dimensions) text += "[" + std::to_string(dimension) + "]";
+  return text;
+}
 
 std::string difference(const Type& first, const Type& second) {
   if (first.name != second.name) return "the first is " + first.name + " and the second " + second.name;

@@ -46,6 +46,9 @@ const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& 
 /// nothing is known are not judged.
 Problems check_connections(const Cell& cell, const CellPorts& ports);
 
+/// The type of a field: "double[6]", "sequence<octet, 8>", "string<15>", "motion::Mode".
+std::string spelled(const Field& field);
+
 /// The first difference between two types, for a message: "position is double[6] in the first and double[7]
 /// in the second"; empty when they are equal.
 std::string difference(const Type& first, const Type& second);

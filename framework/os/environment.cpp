@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <cstdlib>
+#include <fstream>
 #include <string_view>
 
 namespace takt::os {
@@ -30,6 +31,14 @@ std::string take_from_environment(const char* name) {
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
   return value == nullptr ? "" : value;
+}
+
+std::vector<std::string> program_arguments() {
+  std::ifstream file{"/proc/self/cmdline", std::ios::binary};
+  std::vector<std::string> arguments;
+  for (std::string one; std::getline(file, one, '\0');) arguments.push_back(one);
+  if (!arguments.empty()) arguments.erase(arguments.begin());
+  return arguments;
 }
 
 std::string host_name() {

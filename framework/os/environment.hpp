@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <takt/os/fd.hpp>
 
@@ -19,6 +20,9 @@ std::string take_from_environment(const char* name);
 
 /// The value of an environment variable; empty when it is not set.
 std::string environment(const char* name);
+
+/// What this program was started with, without its own name. Not before the C library is there.
+std::vector<std::string> program_arguments();
 
 /// The name of this machine.
 std::string host_name();

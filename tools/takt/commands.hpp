@@ -34,14 +34,6 @@ struct RunOptions {
 };
 int run(const RunOptions& options);
 
-struct DescribeOptions {
-  std::string file;
-  std::vector<std::string> arguments;  ///< "name=value" each, for a program
-  bool json = false;
-  bool xml = false;  ///< a <module> element to paste into a descriptor
-};
-int describe(const DescribeOptions& options);
-
 /// What the command line asks for, once it was read.
 using Chosen = std::function<int()>;
 /// Each adds its command, which sets `chosen`. Both outlive the parsing.
@@ -55,6 +47,7 @@ void add_watch(CLI::App& app, Chosen& chosen);
 void add_orders(CLI::App& app, Chosen& chosen);
 void add_properties(CLI::App& app, Chosen& chosen);
 void add_echo(CLI::App& app, Chosen& chosen);
+void add_describe(CLI::App& app, Chosen& chosen);
 void add_doctor(CLI::App& app, Chosen& chosen);
 void add_bench(CLI::App& app, Chosen& chosen);
 

@@ -103,17 +103,7 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
   add_echo(app, chosen);
   add_doctor(app, chosen);
   add_bench(app, chosen);
-
-  DescribeOptions describe_options;
-  auto* describe_command =
-      app.add_subcommand("describe", "Print what a component is: its interface, hooks and properties");
-  describe_command->add_option("FILE", describe_options.file, "a component's .so or .exe")->required();
-  describe_command->add_option("NAME=VALUE", describe_options.arguments,
-                               "properties of a program, on which its ports may depend");
-  auto* describe_json = describe_command->add_flag("--json", describe_options.json, "print one JSON object");
-  describe_command
-      ->add_flag("--xml", describe_options.xml, "print a <module> element to paste into a descriptor")
-      ->excludes(describe_json);
+  add_describe(app, chosen);
 
   tidy_help(app);
   if (argc == 3 && std::string_view{argv[1]} == kWritePages) return write_pages(app, argv[2], 1);
@@ -131,8 +121,7 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
   if (for_option->count() != 0) run_options.seconds = seconds;
   if (chosen) return chosen();
   if (*check_command) return check(check_options);
-  if (*run_command) return run(run_options);
-  return describe(describe_options);
+  return run(run_options);
 }
 
 }  // namespace

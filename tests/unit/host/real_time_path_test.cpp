@@ -23,6 +23,7 @@
 
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
+#include <takt/component/component.hpp>
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/host/executor_threads.hpp>
@@ -305,7 +306,7 @@ TEST_F(RealTimePath, TakesOverPropertiesThatAreSetWhileItRuns) {
     void run(const Cycle&) noexcept override {}
   } component;
   LiveProperties live;
-  live.serve(&component, "Named");
+  live.serve(component.properties(), "Named");
   std::atomic<std::uint64_t> changes{0};
   double last = 0;
   bodies[1].on_run = [&](const Cycle&) {
