@@ -2,7 +2,7 @@
 """Runs what a page tells its reader to do, as the reader would: every file that it shows is written, every command run, in the
 order of the page, in an empty folder.
 
-Usage: pages_test.py PREFIX PAGE.md ...      PREFIX: where Takt is installed
+Usage: pages_test.py PREFIX SOURCE PAGE.md ...      PREFIX: where Takt is installed; SOURCE/deploy is in the folder too
 
 In a page:
 
@@ -123,12 +123,13 @@ def commands_of(text):
     return found
 
 
-def run_page(path, environment):
+def run_page(path, source, environment):
     with open(path, encoding="utf-8") as stream:
         page = stream.read()
     ran = 0
     with tempfile.TemporaryDirectory(prefix="takt-page-") as folder:
         shell = Shell(folder, environment)
+        os.symlink(os.path.join(source, "deploy"), os.path.join(shell.work, "deploy"))
         try:
             for block in FENCE.finditer(page):
                 line = page.count("\n", 0, block.start("kind")) + 1
@@ -166,14 +167,14 @@ def run_block(block, shell):
 
 
 def main():
-    prefix, *pages = sys.argv[1:]
+    prefix, source, *pages = sys.argv[1:]
     environment = {name: value for name, value in os.environ.items() if not name.startswith("TAKT_")}
     environment.update({"PATH": os.path.join(prefix, "bin") + ":" + environment["PATH"], "CMAKE_PREFIX_PATH": prefix,
                         "TAKT_INTERFACE": "127.0.0.1", "TAKT_DOMAIN": os.environ.get("TAKT_TEST_DOMAIN", "151")})
     failed = 0
     for page in pages:
         try:
-            print(f"{page}: {run_page(page, environment)} commands")
+            print(f"{page}: {run_page(page, source, environment)} commands")
         except Wrong as wrong:
             failed += 1
             print(wrong, file=sys.stderr)
