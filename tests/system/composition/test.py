@@ -42,7 +42,7 @@ class Composition(takt_system.Case):
         self.assertEqual(self.takt("check", EXAMPLE, "--json").report, self.takt("check", flat, "--json").report)
         run = self.takt("run", EXAMPLE, "--for", "1", "--json")
         self.assertEqual(0, run.status, run.err)
-        self.assertEqual(["trajectory", "left_servo", "left_joints", "right_servo", "right_joints", "heavy_servo", "heavy_joints"],
+        self.assertEqual(["trajectory", "left_servo", "left_joints", "right_servo", "right_joints", "worn_servo", "worn_joints"],
                          list(run.modules("robot")))
 
     def test_it_is_deployed_to_nodes_that_have_no_files(self):
@@ -52,7 +52,7 @@ class Composition(takt_system.Case):
         for device, modules in MODULES.items():
             for module in modules:
                 nodes[device].wait_for_state(module, "EXECUTING")
-        self.assertEqual(["9000", "10000"], self.done("get robot.right_servo stiffness", "get far.pair_arm_servo stiffness"))
+        self.assertEqual(["12", "15"], self.done("get robot.right_servo bandwidth", "get far.pair_arm_servo bandwidth"))
         self.done("undeploy cell")
         # What a node finds is told with the lines of the files that were written.
         cell, parts = self.with_parts(lambda text: text.replace("<name>mirror</name> <filename>arm.so", "<name>mirror</name> <filename>nobody.so"))
@@ -80,8 +80,8 @@ class Composition(takt_system.Case):
                           r"^PARTS:22: error: the budget of 'pair_mirror', 3 ms, is larger than its period, 2 ms \(used at CELL:13\);",
                           r"^PARTS:22: error: the budgets of row 0 .* \(used at CELL:13\);")
         # The component: of a property, and of a port.
-        self.assert_wrong(lambda text: text.replace('name="stiffness">${', 'name="stifness">${'),
-                          *[r"^PARTS:8: error: module %s: .*'stifness'.* \(used at %s\)" % (module, where) for module, where in
+        self.assert_wrong(lambda text: text.replace('name="bandwidth">${', 'name="bandwith">${'),
+                          *[r"^PARTS:8: error: module %s: .*'bandwith'.* \(used at %s\)" % (module, where) for module, where in
                             (("left_servo", "CELL:9"), ("right_servo", "CELL:10"), ("pair_arm_servo", "PARTS:21, used at CELL:13"))])
         self.assert_wrong(lambda text: text.replace('of="servo.setpoint"', 'of="servo.setpont"'),
                           *[r"^CELL:%d: error: module \S+_servo has no port 'setpont'" % line for line in (15, 16, 17)])
