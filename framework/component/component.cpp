@@ -57,6 +57,8 @@ const Cycle* served_cycle() noexcept { return served; }
 
 void Component::fail(const char* text) noexcept { say_failure(text); }
 
+void ServiceBase::enlist(Component& owner) { owner.services_.push_back(this); }
+
 bool Component::condition() {
   return std::any_of(ports_.begin(), ports_.end(), [](const PortBase* port) {
     return port->direction() == PortDirection::event && port->has_news();
@@ -74,6 +76,7 @@ std::vector<PortBase*>& loose_ports() {
 std::vector<PortBase*> take_loose_ports() { return std::exchange(loose_ports(), {}); }
 
 namespace detail {
+const char* take_said() noexcept { return take_failure(); }
 void add_loose_port(PortBase& port) { loose_ports().push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { std::erase(loose_ports(), &port); }
 }  // namespace detail

@@ -21,6 +21,7 @@
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/component/property.hpp>
+#include <takt/component/service.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 
@@ -79,6 +80,8 @@ class Component {
 
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const noexcept { return properties_; }
   [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
+  /// Those that a handler answers.
+  [[nodiscard]] const std::vector<ServiceBase*>& services() const noexcept { return services_; }
 
  protected:
   /// From run() or condition(): takes the module out of its table after this call, with this reason (255
@@ -88,13 +91,15 @@ class Component {
  private:
   friend class PropertyBase;
   friend class PortBase;
+  friend class ServiceBase;
   std::vector<PropertyBase*> properties_;  // in the order of declaration
   std::vector<PortBase*> ports_;
+  std::vector<ServiceBase*> services_;
 };
 
 /// What a .so of a C++ component exports.
 struct ComponentFactory {
-  static constexpr std::uint32_t kAbi = 2;
+  static constexpr std::uint32_t kAbi = 3;
   std::uint32_t abi;
   std::uint32_t component_size;  ///< sizeof(Component) when the object was compiled
   const char* name;              ///< of the class

@@ -13,6 +13,7 @@
 #include <takt/channel/seat.hpp>
 #include <takt/channel/violations.hpp>
 #include <takt/component/port.hpp>
+#include <takt/component/service.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
@@ -103,8 +104,9 @@ void Guest::describe_ports() {
   std::string text;
   for (const PortBase* port : ports()) {
     text += (text.empty() ? "" : ",") + std::string{R"({"name":)"} + quoted(port->name()) +
-            R"(,"direction":)" + quoted(to_text(port->direction())) + R"(,"description":)" +
-            quoted(port->type().description) + R"(,"text":)" + quoted(port->text()) + "}";
+            R"(,"direction":)" + quoted(to_text(port->direction())) + R"(,"role":)" +
+            quoted(to_text(port->role())) + R"(,"description":)" + quoted(port->type().description) +
+            R"(,"text":)" + quoted(port->text()) + "}";
   }
   asker.send_wait(R"({"ports":[)" + text + "]}");
   std::_Exit(0);
@@ -286,6 +288,7 @@ namespace takt {
 std::vector<PortBase*> take_loose_ports() { return ports(); }
 
 namespace detail {
+const char* take_said() noexcept { return nullptr; }
 void add_loose_port(PortBase& port) { ports().push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { std::erase(ports(), &port); }
 }  // namespace detail

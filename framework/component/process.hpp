@@ -16,3 +16,4 @@
 #include <takt/component/event_port.hpp>
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
+#include <takt/component/service.hpp>

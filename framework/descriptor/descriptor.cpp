@@ -39,6 +39,7 @@ Result<model::Cell> parse(std::string_view xml, const std::string& file) {
   Reading reading = read_cell(*root, file, report);
   report.add(model::validate(reading.cell, reading.gaps));
   if (!report.empty()) return report.take();
+  model::connect_services(reading.cell);
   return std::move(reading.cell);
 }
 

@@ -17,12 +17,14 @@ using tinyxml2::XMLElement;
 
 const Shape kRoot{.many = {"executor", "module"}};
 const Shape kCell{.attributes = {"name", "domain", "discovery", "peers", "server", "server-device"},
-                  .many = {"device", "connection"}};
+                  .many = {"device", "connection", "service"}};
 const Shape kDevice{.attributes = {"name"}, .many = {"executor", "module"}};
 const Shape kExecutor{
     .attributes = {"name", "cpu", "priority", "wakeup", "spin", "overrun", "limit", "offsets", "timing"}};
 const Shape kConnection{.attributes = {"from", "to", "kind", "depth", "reliability", "deadline", "lifespan",
                                        "stale", "topic", "domain"}};
+
+const Shape kService{.attributes = {"client", "server"}};
 
 class CellReader {
  public:
@@ -75,6 +77,27 @@ class CellReader {
       if (report_.full() || reading_.cell.connections.size() > model::kMaxConnections) break;
       read_connection(*child);
     }
+    for (const XMLElement* child : cell.children("service")) {
+      if (report_.full() || reading_.cell.services.size() > model::kMaxConnections) break;
+      read_service(*child);
+    }
+  }
+
+  void read_service(const XMLElement& xml) {
+    const Element element{xml, kService, report_};
+    model::Service service;
+    service.line = element.line();
+    const bool known =
+        read_side(element, "client", service.client) & read_side(element, "server", service.server);
+    reading_.cell.services.push_back(std::move(service));
+    reading_.gaps.without_sides.push_back(!known);
+  }
+
+  bool read_side(const Element& element, const char* side, model::Endpoint& end) {
+    const auto given = element.required_attribute(side);
+    if (!given) return false;
+    end = endpoint(given->trimmed());
+    return true;
   }
 
   void read_discovery(const Element& cell) {
