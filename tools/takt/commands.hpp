@@ -51,6 +51,7 @@ void add_watch(CLI::App& app, Chosen& chosen);
 void add_orders(CLI::App& app, Chosen& chosen);
 void add_properties(CLI::App& app, Chosen& chosen);
 void add_echo(CLI::App& app, Chosen& chosen);
+void add_call(CLI::App& app, Chosen& chosen);
 void add_doctor(CLI::App& app, Chosen& chosen);
 void add_bench(CLI::App& app, Chosen& chosen);
 

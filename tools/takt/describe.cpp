@@ -17,6 +17,25 @@ namespace takt::tool {
 
 namespace {
 
+/// One line for the two ports of a service or client.
+std::string service_text(const host::Description& component, const model::Port& request) {
+  if (!request.name.ends_with(model::kRequestPort)) return {};
+  const std::string name = model::name_of_service(request);
+  const auto type_of = [](const model::Type& type) {
+    const auto inner = std::find_if(type.fields.begin(), type.fields.end(), [](const model::Field& field) {
+      return field.scalar == model::Scalar::structure;
+    });
+    return inner == type.fields.end() ? type.name : inner->type_name;
+  };
+  const auto reply =
+      std::find_if(component.ports.begin(), component.ports.end(),
+                   [&](const model::Port& port) { return port.name == name + model::kReplyPort; });
+  return fmt::format("  {:<11} {:<16} {} -> {}{}{}\n",
+                     request.role == model::Role::client ? "client" : "service", name, type_of(request.type),
+                     reply == component.ports.end() ? "?" : type_of(reply->type),
+                     request.text.empty() ? "" : "  ", request.text);
+}
+
 std::string as_text(const std::string& path, const host::Description& component) {
   std::string text = fmt::format("{}  ({})\n", component.name, path);
   text += fmt::format("  interface   {}\n", component.interface);
@@ -25,6 +44,10 @@ std::string as_text(const std::string& path, const host::Description& component)
   if (component.interface == "process")
     text += "  properties  any; the program gets each as an argument NAME=VALUE\n";
   for (const model::Port& port : component.ports) {
+    if (port.role != model::Role::plain) {
+      text += service_text(component, port);
+      continue;
+    }
     text += fmt::format("  {:<11} {:<16} {}{}{}\n", to_text(port.direction), port.name, port.type.name,
                         port.text.empty() ? "" : "  ", port.text);
   }
@@ -94,8 +117,9 @@ bool is_unsayable(const host::PropertyDescription& property) {
 std::string as_xml(const std::string& path, const host::Description& component) {
   const bool thread = component.interface != "process";
   const bool has_event =
-      std::any_of(component.ports.begin(), component.ports.end(),
-                  [](const model::Port& port) { return port.direction == model::Direction::event; });
+      std::any_of(component.ports.begin(), component.ports.end(), [](const model::Port& port) {
+        return port.role == model::Role::plain && port.direction == model::Direction::event;
+      });
   const bool sporadic = has_event || std::find(component.hooks.begin(), component.hooks.end(), "condition") !=
                                          component.hooks.end();
   std::string text = "<module>\n";

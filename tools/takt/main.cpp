@@ -90,6 +90,7 @@ int serve(int argc, char** argv) {
   add_orders(app, chosen);
   add_properties(app, chosen);
   add_echo(app, chosen);
+  add_call(app, chosen);
   add_doctor(app, chosen);
   add_bench(app, chosen);
 
