@@ -34,6 +34,11 @@ struct Belt {
   void taken(std::uint32_t number) noexcept {
     if (number == parts) holding = false;
   }
+  /// The next part gets the number after this one; where it lies does not change. Not while one is held.
+  void recount(std::uint32_t number) noexcept {
+    position -= spacing * (static_cast<double>(parts) - number);
+    parts = number;
+  }
   /// Where the part lies across the belt, from its middle: within 5 cm, different from part to part.
   [[nodiscard]] double offset() const noexcept { return 0.05 * std::sin(2.399963 * parts); }
 };
