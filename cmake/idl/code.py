@@ -338,7 +338,22 @@ def header(file):
             "  // As a field of another struct.",
             f"  static void put(CdrWriter& to, const {name}& value) noexcept;",
             f"  static void get(CdrReader& from, {name}& value);", "};", ""]
-    return lines + ["}  // namespace takt"]
+    return lines + ["}  // namespace takt"] + ros2_names(file)
+
+
+def ros2_names(file):
+    """A message of ROS 2 is called std_msgs::msg::dds_::String_ on the wire, and std_msgs::msg::String by its programs."""
+    lines = []
+    for struct in structs_of(file):
+        if is_ros2_message(struct.name):
+            package, _, _, name = struct.name.split("::")
+            lines.append(f"namespace {package}::msg {{ using {name[:-1]} = dds_::{name}; }}")
+    return [""] + lines if lines else []
+
+
+def is_ros2_message(name):
+    parts = name.split("::")
+    return len(parts) == 4 and parts[1:3] == ["msg", "dds_"] and parts[3].endswith("_") and len(parts[3]) > 1
 
 
 def source(file):

@@ -1,31 +1,87 @@
-// The position loop of an arm's joints: what servo computes every period. SI units. For real-time threads.
+// The position loop of an arm's joints: what servo computes every period, with the inverse dynamics of Orocos
+// KDL. SI units, rad. The constructor allocates; the rest is for real-time threads.
 #pragma once
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
+
+#include <kdl/chainidsolver_recursive_newton_euler.hpp>
+
+#include "arm_model/kinematics.hpp"
 
 namespace servo {
 
-inline constexpr std::size_t kAxes = 6;
-using Joints = std::array<double, kAxes>;
+using arm_model::Joints;
+using arm_model::kAxes;
 
-/// Proportional to the error in position, damped by the error in velocity, bounded by what the drive can
-/// give.
-struct JointServo {
-  double stiffness = 10000;  ///< N m/rad
-  double damping = 600;      ///< N m s/rad
-  double limit = 2000;       ///< N m
+/// What the axes are to do and what they do.
+struct Motion {
+  Joints position{};
+  Joints velocity{};
+};
 
-  [[nodiscard]] Joints torque(const Joints& wanted, const Joints& wanted_velocity, const Joints& is,
-                              const Joints& velocity) const noexcept {
-    Joints torque{};
+/// The error of an axis asks for an acceleration, like a spring and a damper; the model of the arm says which
+/// torques give all axes the accelerations that are wanted. So one bandwidth suits every axis in every
+/// posture.
+class JointServo {
+ public:
+  explicit JointServo(const arm_model::Parameters& parameters)
+      : parameters_(parameters), chain_(arm_model::chain(parameters)) {}
+  JointServo(const JointServo&) = delete;
+  JointServo& operator=(const JointServo&) = delete;
+
+  double bandwidth = 15;     ///< Hz
+  double damping = 1;        ///< ratio; 1: no overshoot
+  bool gravity = true;       ///< what the links weigh is carried without an error
+  bool acceleration = true;  ///< that of the set points is fed forward, with the friction that goes with it
+  static constexpr double kDryBand = 0.05;  ///< rad/s, within which dry friction is not fed forward in full
+
+  /// N m, within what the drives give. `last` is the set point of `dt` ago: what is measured now is where
+  /// that has led to, so it is compared with that.
+  [[nodiscard]] Joints torque(const Motion& wanted, const Motion& last, const Motion& is,
+                              double dt) noexcept {
+    const double spring = std::pow(2 * std::numbers::pi * bandwidth, 2);
+    const double damper = 2 * damping * 2 * std::numbers::pi * bandwidth;
     for (std::size_t i = 0; i < kAxes; ++i) {
-      const double free = stiffness * (wanted[i] - is[i]) + damping * (wanted_velocity[i] - velocity[i]);
-      torque[i] = std::clamp(free, -limit, limit);
+      const auto row = static_cast<unsigned>(i);
+      const double most = 1.5 * parameters_[i].acceleration;  // a set point that jumps is no acceleration
+      const double forward =
+          acceleration ? std::clamp((wanted.velocity[i] - last.velocity[i]) / dt, -most, most) : 0;
+      position_(row) = is.position[i];
+      velocity_(row) = is.velocity[i];
+      acceleration_(row) = forward + spring * (last.position[i] - is.position[i]) +
+                           damper * (last.velocity[i] - is.velocity[i]);
     }
-    return torque;
+    solver_.CartToJnt(position_, velocity_, acceleration_, no_forces_, torque_);
+    if (!gravity) {
+      KDL::SetToZero(velocity_);
+      KDL::SetToZero(acceleration_);
+      solver_.CartToJnt(position_, velocity_, acceleration_, no_forces_, weight_);
+    }
+    Joints result{};
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      const auto row = static_cast<unsigned>(i);
+      const arm_model::Axis& axis = parameters_[i];
+      const double speed = acceleration ? wanted.velocity[i] : 0;
+      const double friction = axis.viscous * speed + axis.dry * std::tanh(speed / kDryBand);
+      const double weight = gravity ? 0 : weight_(row);
+      result[i] = std::clamp(torque_(row) - weight + friction, -axis.torque, axis.torque);
+    }
+    return result;
   }
+
+ private:
+  arm_model::Parameters parameters_;
+  KDL::Chain chain_;
+  KDL::ChainIdSolver_RNE solver_{chain_, KDL::Vector{0, 0, -9.81}};
+  KDL::JntArray position_{kAxes};
+  KDL::JntArray velocity_{kAxes};
+  KDL::JntArray acceleration_{kAxes};
+  KDL::JntArray torque_{kAxes};
+  KDL::JntArray weight_{kAxes};
+  KDL::Wrenches no_forces_ = KDL::Wrenches(kAxes, KDL::Wrench::Zero());
 };
 
 }  // namespace servo

@@ -2,6 +2,9 @@
 #include <takt/component.hpp>
 
 #include <cmath>
+#include <optional>
+#include <string>
+#include <variant>
 
 #include <motion.hpp>
 
@@ -11,37 +14,55 @@ class Servo : public takt::Component {
   takt::InPort<motion::JointState> setpoint{*this, "setpoint", {.text = "Where the axes are to be."}};
   takt::InPort<motion::JointState> measured{*this, "measured", {.text = "Where they are."}};
   takt::OutPort<motion::JointEffort> effort{*this, "effort", {.text = "What the drives are to give."}};
-  takt::Property<double> stiffness{
-      *this,
-      "stiffness",
-      10000,
-      {.unit = "N m/rad", .min = 0, .max = 100000, .text = "Of the position loop."}};
+  takt::Property<std::string> model{
+      *this, "model", "", {.text = "File of the arm's parameters; empty: the arm that is built in."}};
+  takt::Property<double> bandwidth{
+      *this, "bandwidth", 15, {.unit = "Hz", .min = 0.1, .max = 40, .text = "Of the position loop."}};
   takt::Property<double> damping{
-      *this, "damping", 600, {.unit = "N m s/rad", .min = 0, .max = 10000, .text = "Of the velocity error."}};
-  takt::Property<double> limit{
-      *this, "limit", 2000, {.unit = "N m", .min = 1, .max = 100000, .text = "What a drive can give."}};
+      *this, "damping", 1, {.min = 0.1, .max = 2, .text = "Ratio of the position loop; 1: no overshoot."}};
+  takt::Property<bool> gravity{*this, "gravity", true, {.text = "Feed forward what the links weigh."}};
+  takt::Property<bool> acceleration{
+      *this,
+      "acceleration",
+      true,
+      {.text = "Feed forward the acceleration of the set points, and friction."}};
   takt::Property<double> following{
       *this,
       "following",
-      0.3,
+      0.1,
       {.unit = "rad", .min = 0.001, .max = 3, .text = "An axis that is farther off than this is an error."}};
 
-  servo::JointServo loop_;
+  std::optional<servo::JointServo> loop_;
+  servo::Motion wanted_;
+  bool had_one_ = false;
   motion::JointEffort output_;
 
-  void run(const takt::Cycle&) noexcept override {
+  takt::Result<void> initialize() override {
+    auto read = arm_model::read(model);
+    if (const auto* problem = std::get_if<std::string>(&read))
+      return takt::fail(*problem, "name another file in the property 'model', or mend this one");
+    loop_.emplace(std::get<arm_model::Parameters>(read));
+    return {};
+  }
+
+  void run(const takt::Cycle& cycle) noexcept override {
     setpoint.read();
     measured.read();
     if (!setpoint.has_value() || !measured.has_value()) return;
-    const motion::JointState& wanted = setpoint.value();
-    const motion::JointState& is = measured.value();
-    for (std::size_t i = 0; i < servo::kAxes; ++i) {
-      if (std::abs(wanted.position()[i] - is.position()[i]) <= following) continue;
-      fail("an axis does not follow its set point");
-      break;
+    const servo::Motion wanted{setpoint.value().position(), setpoint.value().velocity()};
+    const servo::Motion is{measured.value().position(), measured.value().velocity()};
+    for (std::size_t i = 0; i < arm_model::kAxes; ++i) {
+      if (std::abs(wanted.position[i] - is.position[i]) <= following) continue;
+      had_one_ = false;
+      return fail("an axis does not follow its set point");
     }
-    loop_ = {.stiffness = stiffness, .damping = damping, .limit = limit};
-    output_.torque() = loop_.torque(wanted.position(), wanted.velocity(), is.position(), is.velocity());
+    loop_->bandwidth = bandwidth;
+    loop_->damping = damping;
+    loop_->gravity = gravity;
+    loop_->acceleration = acceleration;
+    output_.torque() = loop_->torque(wanted, had_one_ ? wanted_ : wanted, is, cycle.seconds());
+    wanted_ = wanted;
+    had_one_ = true;
     effort.write(output_);
   }
 };

@@ -1,47 +1,207 @@
-// A thread module in C++: the set points of a six-axis arm that takes parts off a belt when it is asked to.
+// A thread module in C++: the set points of an arm of six axes that takes parts away when it is asked to.
 #include <takt/component.hpp>
 
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include <basic.hpp>
 #include <motion.hpp>
 
 #include "path.hpp"
 
 class Trajectory : public takt::Component {
   takt::InPort<motion::PickRequest> request{*this, "request", {.text = "Parts to be taken away, in turn."}};
+  takt::InPort<motion::JointState> measured{
+      *this, "measured", {.text = "Where the arm is; not connected: at home, then at the set points."}};
+  takt::InPort<basic::Flag> enable{
+      *this, "enable", {.text = "False: come to rest on the path and wait. Before the first: true."}};
+  takt::InPort<basic::Flag> holding{
+      *this, "holding", {.text = "The gripper holds a part. Not connected: it always does."}};
   takt::OutPort<motion::JointState> setpoint{*this, "setpoint", {.text = "Where the axes are to be."}};
-  takt::OutPort<motion::PickDone> done{*this, "done", {.text = "A part was put on the pallet."}};
-  takt::Property<double> leg{
+  takt::OutPort<basic::Flag> grip{*this, "grip", {.text = "True: the gripper is to be closed."}};
+  takt::OutPort<motion::PickPlan> plan{*this, "plan", {.text = "How long the request will take."}};
+  takt::OutPort<motion::PickDone> done{*this, "done", {.text = "A part lies on the pallet, or why not."}};
+
+  takt::Property<std::string> model{
+      *this, "model", "", {.text = "File of the arm's parameters; empty: the arm that is built in."}};
+  takt::Property<double> speed{
+      *this, "speed", 1, {.min = 0.05, .max = 1, .text = "Share of the axes' velocities that is used."}};
+  takt::Property<double> line_speed{
       *this,
-      "leg",
-      0.4,
-      {.unit = "s", .min = 0.05, .max = 10, .text = "Each of the five legs of a cycle takes this."}};
+      "line_speed",
+      0.6,
+      {.unit = "m/s", .min = 0.01, .max = 5, .text = "Of the tool on straight lines, at most."}};
+  takt::Property<double> approach{
+      *this,
+      "approach",
+      0.15,
+      {.unit = "m", .min = 0.01, .max = 1, .text = "Of the straight lines to the part and to its place."}};
+  takt::Property<double> grip_time{
+      *this, "grip_time", 0.3, {.unit = "s", .min = 0, .max = 10, .text = "To close or open the gripper."}};
+  takt::Property<double> following{*this,
+                                   "following",
+                                   0.08,
+                                   {.unit = "rad",
+                                    .min = 0.001,
+                                    .max = 3,
+                                    .text = "An arm that is farther off the path is brought home."}};
 
+  takt::Property<double> enable_timeout{
+      *this,
+      "enable_timeout",
+      0,
+      {.unit = "s",
+       .min = 0,
+       .max = 3600,
+       .text = "An older `enable`, or none yet, counts as false; 0: it holds for ever."}};
+
+  arm_model::Parameters arm_;
+  arm_model::Joints home_{};
+  arm_model::Joints most_acceleration_{};
+  std::optional<trajectory::Planner> planner_;
+  trajectory::Plan plan_;
   trajectory::Path path_;
+  bool began_ = false;
+  bool planning_ = false;
+  bool lost_ = false;
+  bool answered_ = true;
+  double asked_ = 0;  // s since the request
   motion::JointState state_;
-  motion::PickDone report_;  // of the last part
-  double asked_ = 0;         // s since the request
+  basic::Flag closed_;
+  motion::PickPlan times_;
+  motion::PickDone report_;  // of the last request
 
-  void run(const takt::Cycle& cycle) noexcept override {
-    if (!path_.busy() && request.read()) take_on(request.value());
-    asked_ += cycle.seconds();
-    const trajectory::Point point = path_.step(cycle.seconds());
-    state_.position() = point.position;
-    state_.velocity() = point.velocity;
-    setpoint.write(state_);
-    if (path_.put_down()) {
-      report_.duration(asked_);
-      done.write(report_);
-    }
+  takt::Result<void> initialize() override {
+    auto read = arm_model::read(model);
+    if (const auto* problem = std::get_if<std::string>(&read))
+      return takt::fail(*problem, "name another file in the property 'model', or mend this one");
+    arm_ = std::get<arm_model::Parameters>(read);
+    home_ = arm_model::home(arm_);
+    most_acceleration_ = trajectory::Path::most_acceleration(arm_);
+    path_ = trajectory::Path{home_};
+    planner_.emplace(arm_);
+    report_.result(motion::PICK_REFUSED);  // nothing was placed
+    began_ = planning_ = false;
+    return {};
   }
 
-  // Who asks for a part again has not heard that it is done: the network was down.
+  void run(const takt::Cycle& cycle) noexcept override {
+    if (measured.read() && (!began_ || is_off_the_path())) go_home_from(measured.value().position());
+    if (!began_ && measured.connected()) return;  // nobody has said yet where the arm is
+    began_ = true;
+    enable.read();
+    holding.read();
+    if (!path_.busy() && !planning_ && request.read()) take_on(request.value());
+    asked_ += cycle.seconds();
+    if (planning_) go_on_planning();
+    path_.advance(is_enabled(), most_acceleration_, cycle.seconds());
+    if (path_.busy()) watch_part();
+    if (path_.ended().any) end_leg(path_.ended().step);
+    state_.position() = path_.position();
+    state_.velocity() = path_.velocity();
+    setpoint.write(state_);
+    grip.write(closed_);
+  }
+
+  [[nodiscard]] bool is_enabled() const noexcept {
+    const bool heard =
+        enable_timeout <= 0 || enable.age() <= std::chrono::duration<double>(enable_timeout.value());
+    return heard && (!enable.has_value() || enable.value().value());
+  }
+
+  [[nodiscard]] bool is_off_the_path() const noexcept {
+    for (std::size_t i = 0; i < arm_model::kAxes; ++i)
+      if (!(std::abs(measured.value().position()[i] - path_.position()[i]) <= following)) return true;
+    return false;
+  }
+
+  // When it begins, and when something else than the path has moved or held the arm.
+  void go_home_from(const arm_model::Joints& position) noexcept {
+    for (const double joint : position)
+      if (!std::isfinite(joint)) return fail("where the arm is is not a number");
+    planning_ = false;
+    path_ = trajectory::Path{position};
+    plan_.leg(trajectory::Step::home) = trajectory::Leg::turn(position, home_, limits());
+    path_.begin(plan_, trajectory::Step::home);
+    began_ = true;
+    if (!answered_) finish(motion::PICK_LOST, motion::REFUSAL_NONE);
+  }
+
+  [[nodiscard]] trajectory::Limits limits() const noexcept {
+    return trajectory::Path::limits(arm_, speed, line_speed);
+  }
+
+  static std::optional<KDL::Frame> frame(const motion::Pose& pose) noexcept {
+    for (const double number : {pose.x(), pose.y(), pose.z(), pose.roll(), pose.pitch(), pose.yaw()})
+      if (!(std::abs(number) < 1e3)) return {};
+    return arm_model::frame({pose.x(), pose.y(), pose.z(), pose.roll(), pose.pitch(), pose.yaw()});
+  }
+
+  // Who asks for a part again that was placed has not heard of it: the network was down.
   void take_on(const motion::PickRequest& part) noexcept {
-    if (part.number() == report_.number()) {
+    if (part.number() == report_.number() && report_.result() == motion::PICK_PLACED) {
       done.write(report_);
       return;
     }
-    path_.begin(part.offset(), leg);
     report_.number(part.number());
     asked_ = 0;
+    lost_ = answered_ = false;
+    const auto pick = frame(part.pick());
+    const auto place = frame(part.place());
+    if (!pick || !place) {
+      finish(motion::PICK_REFUSED, motion::REFUSAL_NO_POSE);
+      return;
+    }
+    planner_->begin(
+        {.pick = *pick, .place = *place, .approach = approach, .grip = grip_time, .limits = limits()}, home_,
+        plan_);
+    planning_ = true;
+  }
+
+  void go_on_planning() noexcept {
+    using State = trajectory::Planner::State;
+    const State state = planner_->step();
+    if (state == State::planning) return;
+    planning_ = false;
+    if (state == State::out_of_reach) finish(motion::PICK_REFUSED, motion::REFUSAL_OUT_OF_REACH);
+    if (state == State::joint_limit) finish(motion::PICK_REFUSED, motion::REFUSAL_JOINT_LIMIT);
+    if (state == State::singular) finish(motion::PICK_REFUSED, motion::REFUSAL_SINGULARITY);
+    if (state != State::planned) return;
+    path_.begin(plan_, trajectory::Step::to_pick);
+    times_.number(report_.number());
+    times_.placed(asked_ + plan_.until(trajectory::Step::release));
+    times_.ended(asked_ + plan_.until(trajectory::Step::home));
+    plan.write(times_);
+  }
+
+  // From the end of the gripping to the release it is to be held.
+  void watch_part() noexcept {
+    using trajectory::Step;
+    const Step step = path_.step();
+    if (!holding.connected() || lost_ || step < Step::up || step > Step::lower) return;
+    if (holding.value().value()) return;
+    lost_ = true;
+    if (step == Step::up) path_.give_up();
+  }
+
+  void end_leg(trajectory::Step step) noexcept {
+    using trajectory::Step;
+    if (step == Step::down) closed_.value(true);
+    if (step == Step::lower || step == Step::home || (step == Step::up && path_.step() == Step::give_up))
+      closed_.value(false);
+    if (step == Step::release) finish(lost_ ? motion::PICK_LOST : motion::PICK_PLACED, motion::REFUSAL_NONE);
+    if (step == Step::give_up) finish(motion::PICK_LOST, motion::REFUSAL_NONE);
+  }
+
+  void finish(motion::PickResult result, motion::PickRefusal refusal) noexcept {
+    report_.result(result);
+    report_.refusal(refusal);
+    report_.duration(asked_);
+    done.write(report_);
+    answered_ = true;
   }
 };
 TAKT_COMPONENT(Trajectory)

@@ -55,6 +55,8 @@ const char* take_failure() noexcept {
 void serve_cycle(const Cycle* cycle) noexcept { served = cycle; }
 const Cycle* served_cycle() noexcept { return served; }
 
+Nanoseconds Component::period() noexcept { return served == nullptr ? Nanoseconds{0} : served->period; }
+
 void Component::fail(const char* text) noexcept { say_failure(text); }
 
 void ServiceBase::enlist(Component& owner) { owner.services_.push_back(this); }

@@ -84,6 +84,9 @@ class Component {
   [[nodiscard]] const std::vector<ServiceBase*>& services() const noexcept { return services_; }
 
  protected:
+  /// Of this module, in every hook: what initialize() holds its properties against. 0 of a module that has
+  /// none; in run() and condition() of a sporadic one, of its executor's rows. Real-time.
+  static Nanoseconds period() noexcept;
   /// From run() or condition(): takes the module out of its table after this call, with this reason (255
   /// bytes are kept). Real-time.
   static void fail(const char* text) noexcept;

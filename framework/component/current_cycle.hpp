@@ -6,7 +6,8 @@
 
 namespace takt {
 
-/// The release that this thread serves from now on; null: none. Of a hook that is none, only `start` is set.
+/// The release that this thread serves from now on; null: none. Of a hook that is none, only `start` and the
+/// module's own `period` are set.
 /// The cycle outlives the serving. Real-time.
 void serve_cycle(const Cycle* cycle) noexcept;
 /// What this thread serves; null: nothing. Real-time.

@@ -46,10 +46,12 @@ extern "C" {
 void takt_fail(const char* text);
 
 /* The release that run() serves: its place in the module's grid, counting from 0 with gaps where releases were missed; its
- * instant in nanoseconds of CLOCK_MONOTONIC, P_n of the paper's Eq. (1); the period in nanoseconds (of the executor's rows for
- * a sporadic module). Only in run(), on its thread; 0 elsewhere. Real-time. */
+ * instant in nanoseconds of CLOCK_MONOTONIC, P_n of the paper's Eq. (1); 0 outside of run().
+ * Only on the thread that calls the hook. Real-time. */
 uint64_t takt_cycle(void);
 int64_t takt_release_ns(void);
+/* The module's period in nanoseconds, in every hook; 0 when it has none, and of the executor's rows in run() and condition() of
+ * a sporadic module. On the thread that calls the hook. Real-time. */
 int64_t takt_period_ns(void);
 
 #ifdef __cplusplus

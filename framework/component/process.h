@@ -12,6 +12,11 @@
  * The module's properties are the program's arguments, one "name=value" each, in the order of the descriptor. Standard output
  * and error are shown with the module's name, line by line.
  *
+ * `takt check`, `takt describe` and a node start a program whose ports are connected, with its arguments, to have it say its
+ * ports: initPeriodExe() or initSporadicExe() does so and ends it. What is before that call in main() reads arguments, declares
+ * ports and, of arguments that it cannot take, says on standard error what is wrong; what would be right, a line each, and ends
+ * with a status that is not 0. It starts nothing else: no device is opened before the call.
+ *
  * When the device ends the module, waitPeriod() and waitSporadic() do not return but end the program by exit(0), so that
  * output is flushed and atexit() functions run. A program that never comes back to them gets SIGTERM, then SIGKILL. */
 #ifndef TAKT_PROCESS_H

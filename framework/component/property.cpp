@@ -1,5 +1,6 @@
 #include <takt/component/property.hpp>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -47,6 +48,17 @@ Problem PropertyBase::refusal(std::string_view given) const {
   if (const std::string range = range_text(); !range.empty()) takes += ", " + range;
   if (!unit_.empty()) takes += ", in " + unit_;
   return takt::fail("property '" + name_ + "' cannot be " + in_quotes(given), "it takes " + takes);
+}
+
+bool Choices::contain(std::string_view word) const noexcept {
+  return std::find(words_.begin(), words_.end(), word) != words_.end();
+}
+
+std::string Choices::text() const {
+  std::string text;
+  for (std::size_t i = 0; i < words_.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words_.size() ? " or " : ", ") + words_[i];
+  return text;
 }
 
 namespace detail {

@@ -10,12 +10,14 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <takt/core/result.hpp>
 
@@ -65,6 +67,20 @@ class PropertyBase {
   std::string text_;
 };
 
+/// The words that a property of text takes: {"fast", "slow"}.
+class Choices {
+ public:
+  Choices() noexcept = default;
+  Choices(std::initializer_list<std::string> words) : words_(words) {}
+  [[nodiscard]] bool empty() const noexcept { return words_.empty(); }
+  [[nodiscard]] bool contain(std::string_view word) const noexcept;
+  /// "fast, medium or slow"
+  [[nodiscard]] std::string text() const;
+
+ private:
+  std::vector<std::string> words_;
+};
+
 namespace detail {
 std::optional<bool> parse_bool(std::string_view text) noexcept;
 std::optional<std::int64_t> parse_integer(std::string_view text) noexcept;
@@ -89,6 +105,7 @@ class Property final : public PropertyBase {
     std::optional<T> min{};  ///< inclusive; numbers only
     std::optional<T> max{};  ///< inclusive; numbers only
     std::string text{};      ///< one sentence for `takt describe`
+    Choices choices{};       ///< the words that it takes; text only, empty: any
   };
 
   Property(Component& owner, std::string name, T value, Options options = {})
@@ -96,7 +113,8 @@ class Property final : public PropertyBase {
         value_(std::move(value)),
         set_last_(value_),
         min_(options.min),
-        max_(options.max) {}
+        max_(options.max),
+        choices_(std::move(options.choices)) {}
 
   operator const T&() const noexcept { return value_; }  // NOLINT(google-explicit-constructor)
   [[nodiscard]] const T& value() const noexcept { return value_; }
@@ -113,10 +131,25 @@ class Property final : public PropertyBase {
   }
   [[nodiscard]] std::string value_text() const override { return in_words(set_last_); }
   [[nodiscard]] std::string range_text() const override {
-    if (min_ && max_) return in_words(*min_) + " to " + in_words(*max_);
-    if (min_) return "at least " + in_words(*min_);
-    if (max_) return "at most " + in_words(*max_);
-    return {};
+    std::string range;
+    if (min_ && max_) {
+      range = in_words(*min_) + " to " + in_words(*max_);
+    } else if (min_ || max_) {
+      range = min_ ? "at least " + in_words(*min_) : "at most " + in_words(*max_);
+    }
+    if (!choices_.empty()) range = choices_.text();
+    return narrowed_.empty() ? range : range + " " + narrowed_;
+  }
+
+  /// In initialize(): a range, within the one that is declared, that only the module knows, as one that its
+  /// period makes. `why` stands behind it in messages: "at a period of 1 ms". Fails when the value is out of
+  /// it; later ones are held against it when they are set.
+  Result<void> narrow(std::optional<T> min, std::optional<T> max,
+                      std::string why) requires std::is_arithmetic_v<T> {
+    if (min && (!min_ || *min > *min_)) min_ = min;
+    if (max && (!max_ || *max < *max_)) max_ = max;
+    narrowed_ = std::move(why);
+    return check(value_text());
   }
 
   [[nodiscard]] Result<void> check(std::string_view text) const override {
@@ -155,6 +188,9 @@ class Property final : public PropertyBase {
       // Written so that a NaN is refused wherever there is a bound.
       if (value && ((min_ && !(*value >= *min_)) || (max_ && !(*value <= *max_)))) value.reset();
     }
+    if constexpr (std::is_same_v<T, std::string>) {
+      if (value && !choices_.empty() && !choices_.contain(*value)) value.reset();
+    }
     return value;
   }
 
@@ -180,6 +216,8 @@ class Property final : public PropertyBase {
   T set_last_;     // of the one that sets
   std::optional<T> min_;
   std::optional<T> max_;
+  Choices choices_;
+  std::string narrowed_;  // why the range is what it is
 };
 
 }  // namespace takt

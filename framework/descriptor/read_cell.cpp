@@ -22,7 +22,7 @@ const Shape kDevice{.attributes = {"name"}, .many = {"executor", "module"}};
 const Shape kExecutor{
     .attributes = {"name", "cpu", "priority", "wakeup", "spin", "overrun", "limit", "offsets", "timing"}};
 const Shape kConnection{.attributes = {"from", "to", "kind", "depth", "reliability", "deadline", "lifespan",
-                                       "stale", "topic", "domain"}};
+                                       "stale", "topic", "domain", "ros2"}};
 
 const Shape kService{.attributes = {"client", "server"}};
 
@@ -310,6 +310,21 @@ class CellReader {
     if (const auto given = element.attribute("domain")) {
       const auto number = read_number(*given, {0, model::kMaxDomain}, "", report_);
       if (number) connection.domain = static_cast<int>(*number);
+    }
+    if (const auto given = element.attribute("ros2")) {
+      if (read_choice(*given, {"false", "true"}, report_) == 1U) read_ros2(element, connection);
+    }
+  }
+
+  /// The topic as ROS 2 calls it, "/arm/joint_states", becomes what it is called on DDS. Who reads ROS 2's
+  /// topics by default wants them reliable.
+  void read_ros2(const Element& element, model::Connection& connection) {
+    connection.ros2 = true;
+    if (!element.attribute("reliability") && !element.was_meant("reliability") && connection.from.given())
+      connection.reliability = model::Reliability::reliable;
+    if (const auto given = element.attribute("topic"); given && !given->trimmed().empty()) {
+      const std::string name = given->trimmed();
+      connection.topic = model::kRos2Topics + (name.front() == '/' ? name.substr(1) : name);
     }
   }
 

@@ -105,7 +105,7 @@ Result<void> Host::prepare() {
                         .overrun = model::contract_of(setup_.device, m),
                         .tolerance = m.tolerance};
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
-    if (modules_.back()) modules_.back()->attach(bell_, unit.block, model::timing_of(setup_.device, m));
+    if (modules_.back()) modules_.back()->attach(bell_, unit.block, model::timing_of(setup_.device, m), unit.period);
     unit.body = modules_.back().get();
     if (*watch && unit.body != nullptr) {
       watched_.push_back(std::make_unique<WatchedBody>(*unit.body, i, *watch));

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <set>
+#include <sstream>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -49,25 +52,53 @@ std::string ports_of(const ThreadModule& module) {
   return dump({{"ports", list}});
 }
 
-/// What a program says of its ports when it is told to say them and end.
-Result<std::vector<model::Port>> ports_of_program(const std::string& path) {
+/// What a program that ended with a mistake said of it on standard error: a problem a line, "what; fix".
+Problems said_by(const std::string& text) {
+  Problems problems;
+  std::istringstream lines{text};
+  for (std::string line; std::getline(lines, line);) {
+    const auto end = line.find("; ");
+    if (line.find_first_not_of(" \t") == std::string::npos) continue;
+    problems.push_back(fail(line.substr(0, end), end == std::string::npos ? "" : line.substr(end + 2)));
+  }
+  return problems;
+}
+
+/// What a program with these arguments says of its ports when it is told to say them and end. `refused`: it
+/// ended with words of its own about what it was given, which are the problems.
+Result<std::vector<model::Port>> ports_of_program(const std::string& path, const Arguments& arguments,
+                                                  bool* refused = nullptr) {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   os::MessageSocket& ours = sockets->first;
   auto child =
       os::Child::spawn({.program = path,
+                        .arguments = arguments,
                         .environment = {{"TAKT_DESCRIBE_FD", std::to_string(sockets->second.fd().get())}},
                         .inherit = {&sockets->second.fd()},
                         .capture_output = true});
   if (!child) return child.problems();
   sockets->second.close();
-  const Instant limit = os::now() + kLimit;
-  while (os::now() < limit) {
+  std::string words;
+  const auto listen = [&] {
+    bool end = false;
+    words += os::read_available(child->error, &end);
+    os::read_available(child->output, &end);  // so that a program that prints is not held up
+  };
+  std::optional<os::ProcessEnd> ended;
+  for (const Instant limit = os::now() + kLimit; !ended && os::now() < limit;) {
     if (const auto text = ours.receive()) return model::parse_ports(*text);
-    if (ours.closed()) break;
-    os::wait_readable({&ours.fd()}, 20);
+    ended = child->poll();
+    listen();
+    if (!ended) os::wait_readable({&ours.fd()}, ours.closed() ? 1 : 20);
   }
-  return fail(path + " did not say which ports it has",
+  if (const auto text = ours.receive()) return model::parse_ports(*text);
+  if (ended && !ended->signalled && ended->code != 0) {
+    Problems said = said_by(words);
+    if (refused != nullptr) *refused = !said.empty();
+    if (!said.empty()) return said;
+  }
+  return fail(path + " did not say which ports it has" + (ended ? ": it " + ended->text() : ""),
               "call initPeriodExe() or initSporadicExe() within " + std::to_string(kLimit.count()) +
                   " s of the beginning of main(), and link with libtakt_process");
 }
@@ -145,17 +176,28 @@ bool is_connected(const model::Cell& cell, const std::string& device, const std:
 
 }  // namespace
 
-Result<Description> describe(const std::string& path) {
+Arguments arguments_of(const model::Module& module) {
+  Arguments arguments;
+  for (const model::PropertyValue& property : module.properties)
+    arguments.push_back(property.name + "=" + property.value);
+  return arguments;
+}
+
+Result<Description> describe(const std::string& path, const Arguments& arguments) {
   if (!os::is_shared_object(path)) {
     if (!os::is_executable(path))
       return fail(path + " is neither a shared object nor a program", "name a component's file");
-    auto ports = ports_of_program(path);
+    bool refused = false;
+    auto ports = ports_of_program(path, arguments, &refused);
+    if (!ports && (refused || !arguments.empty())) return ports.problems();
     return Description{std::filesystem::path{path}.stem().string(),
                        "process",
                        {},
                        {},
                        ports ? std::move(*ports) : std::vector<model::Port>{}};
   }
+  if (!arguments.empty())
+    return fail("the ports of " + path + " do not depend on properties", "leave out " + arguments[0]);
   const auto work = [&path]() -> std::string {
     ThreadModule module;
     if (auto loaded = module.load(path, os::Library::Globals::shared, false); !loaded) {
@@ -183,7 +225,8 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   Components found;
   std::vector<ComponentPaths>& paths = found.paths;
   std::map<std::string, std::vector<Use>> thread_modules;
-  std::map<std::string, std::vector<Use>> programs;  // that connections name
+  // That connections name. Its properties may say which ports a program has.
+  std::map<std::pair<std::string, Arguments>, std::vector<Use>> programs;
   for (std::size_t d = 0; d < cell.devices.size(); ++d) {
     const model::Device& device = cell.devices[d];
     paths.emplace_back();
@@ -205,7 +248,7 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
               {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
               problems);
         } else if (is_connected(cell, device.name, module.name)) {
-          programs[*path].push_back({d, m});
+          programs[{*path, arguments_of(module)}].push_back({d, m});
         }
       } else if (!os::is_shared_object(*path)) {
         add_at(cell, module,
@@ -238,8 +281,8 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
       }
     }
   }
-  for (const auto& [path, uses] : programs) {
-    const auto ports = ports_of_program(path);
+  for (const auto& [started, uses] : programs) {
+    const auto ports = ports_of_program(started.first, started.second);
     for (const Use& use : uses) {
       if (ports)
         found.ports[use.device][use.module] = *ports;

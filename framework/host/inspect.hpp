@@ -29,10 +29,16 @@ struct Description {
   std::vector<model::Port> ports;
 };
 
-/// Loads a .so and says what it is. A program is started, with what tells it to say its ports and end at
-/// once; one that has not done so within 5 s, or does not call initPeriodExe() or initSporadicExe(), has
-/// none. `path` as from find_component().
-Result<Description> describe(const std::string& path);
+/// What a program is started with: its properties, "name=value" each, in the order of the descriptor.
+using Arguments = std::vector<std::string>;
+Arguments arguments_of(const model::Module& module);
+
+/// Loads a .so and says what it is. A program is started with these arguments, on which its ports may depend,
+/// and with what tells it to say its ports and end at once. When it ends with a status that is not 0, what it
+/// said on standard error are the problems. One that has not said its ports within 5 s, or does not call
+/// initPeriodExe() or initSporadicExe(), has none; with arguments that is an error. `path` as from
+/// find_component().
+Result<Description> describe(const std::string& path, const Arguments& arguments = {});
 
 /// The files of a device's modules, by the module's index.
 using ComponentPaths = std::vector<std::string>;

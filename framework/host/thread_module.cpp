@@ -17,7 +17,8 @@ namespace {
 /// A hook is served no release, but what it writes to a port is stamped with the time of its call.
 class InHook {
  public:
-  explicit InHook(Instant now) noexcept : cycle_{.number = 0, .time = {}, .period = {}, .start = now} {
+  InHook(Instant now, Nanoseconds period) noexcept
+      : cycle_{.number = 0, .time = {}, .period = period, .start = now} {
     serve_cycle(&cycle_);
   }
   ~InHook() { serve_cycle(nullptr); }
@@ -51,7 +52,7 @@ Instant ThreadModule::now() const noexcept { return clock_ == nullptr ? os::now(
 template <class Call>
 Result<void> ThreadModule::guarded(Call&& call) {
   static_cast<void>(take_failure());
-  const InHook in_hook{now()};
+  const InHook in_hook{now(), period_};
   try {
     if (Result<void> result = std::forward<Call>(call)(); !result) return result;
   } catch (const std::exception& exception) {

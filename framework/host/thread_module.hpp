@@ -76,12 +76,14 @@ class ThreadModule final : public executor::Body {
   [[nodiscard]] PortBase* port(const std::string& name) const noexcept;
   /// Before it is loaded. For ports that wake somebody; null: they wake nobody. And where it is counted how
   /// often the module was put into the tables; null: once.
-  /// `timing`: of a periodic module.
+  /// `timing` and `period`: of a periodic module.
   void attach(channel::Bell* bell, const channel::ModuleBlock* block,
-              model::Timing timing = model::Timing::direct) noexcept {
+              model::Timing timing = model::Timing::direct,
+              Nanoseconds period = {}) noexcept {
     context_.bell = bell;
     handler_context_.bell = bell;
     block_ = block;
+    period_ = period;
     logical_ = timing == model::Timing::let;
   }
   /// What hooks write is stamped by this clock, not by the machine's. Outlives the module.
@@ -129,6 +131,7 @@ class ThreadModule final : public executor::Body {
   PortContext handler_context_;  // of the ports that handlers use: they are not at run()'s
   std::vector<Watched> watched_;
   const channel::ModuleBlock* block_ = nullptr;
+  Nanoseconds period_{0};
   bool logical_ = false;               // inputs as of the release, outputs at the end of the period
   std::uint64_t entered_ = 0;          // as it was at the last run()
   std::int64_t watched_since_ns_ = 0;  // the first release since then

@@ -139,6 +139,8 @@ struct Connection {
   Stale stale = Stale::hold;
   std::string topic;          ///< empty: takt/<cell>/<device>/<module>/<port> of the writer
   std::optional<int> domain;  ///< of the topic; none: the cell's
+  bool ros2 =
+      false;  ///< the topic is one of ROS 2: it begins with kRos2Topics, its type is a message of ROS 2
   Carries carries = Carries::samples;
   int line = 0;
 };
@@ -190,6 +192,10 @@ inline constexpr const char* kReplyPort = "/reply";
 inline constexpr int kServiceDepth = 8;
 /// Adds the two connections that each service of a cell is made of, side by side. Once.
 void connect_services(Cell& cell);
+
+/// What the names of ROS 2's topics begin with on DDS (its design article "Topic and Service name mapping to
+/// DDS").
+inline constexpr const char* kRos2Topics = "rt/";
 
 /// "robot.servo.setpoint"; without the dots of parts that are missing.
 std::string to_text(const Endpoint& end);

@@ -62,6 +62,16 @@ const std::vector<Port>* known(const CellPorts& ports, const Place& place) {
   return of ? &*of : nullptr;
 }
 
+/// PACKAGE::msg::dds_::NAME_
+bool is_ros2_message(std::string_view name) {
+  constexpr std::string_view kMiddle = "::msg::dds_::";
+  const std::size_t middle = name.find(kMiddle);
+  if (middle == std::string_view::npos || middle == 0) return false;
+  const std::string_view message = name.substr(middle + kMiddle.size());
+  return message.size() > 1 && message.back() == '_' && message.find(':') == std::string_view::npos &&
+         name.substr(0, middle).find(':') == std::string_view::npos;
+}
+
 class Check {
  public:
   Check(const Cell& cell, const CellPorts& ports) : cell_(cell), ports_(ports) {}
@@ -124,6 +134,10 @@ class Check {
   void check(const Connection& connection) {
     const Port* from = connection.from.given() ? check_end(connection.from, true, connection.line) : nullptr;
     const Port* to = connection.to.given() ? check_end(connection.to, false, connection.line) : nullptr;
+    if (connection.ros2) {
+      if (from != nullptr) check_message(connection.from, *from, connection.line);
+      if (to != nullptr) check_message(connection.to, *to, connection.line);
+    }
     if (from == nullptr || to == nullptr || from->type == to->type) return;
     if (from->type.name != to->type.name) {
       add(connection.line,
@@ -207,6 +221,13 @@ class Check {
     };
     compare("requests", asks.request->type, answers.request->type);
     compare("replies", asks.reply->type, answers.reply->type);
+  }
+
+  void check_message(const Endpoint& end, const Port& port, int line) {
+    if (is_ros2_message(port.type.name)) return;
+    add(line, "port " + written(end) + " is of type " + port.type.name + ", which no program of ROS 2 knows",
+        "give the port a message of ROS 2, as those of idl/ros2: in IDL it is called "
+        "PACKAGE::msg::dds_::NAME_");
   }
 
   void check_immediate() {

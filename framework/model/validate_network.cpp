@@ -12,6 +12,18 @@ namespace takt::model {
 
 namespace {
 
+/// Words with one slash between two of them.
+bool is_ros2_name(std::string_view name) {
+  bool begins = true;
+  for (const char c : name) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+    const bool digit = c >= '0' && c <= '9';
+    if (begins ? !letter : !letter && !digit && c != '/') return false;
+    begins = c == '/';
+  }
+  return !begins;
+}
+
 constexpr const char* kTopicRule = "a topic is 1 to 255 printable ASCII characters, none of them a space";
 
 /// The fix for a name that nobody has.
@@ -58,6 +70,7 @@ class Network {
   void check_server();
   void check_connection(const Connection& connection);
   void check_topic(const Connection& connection);
+  void check_ros2_topic(const Connection& connection);
   bool check_ends(const Connection& connection);
   bool check_endpoint(const Endpoint& endpoint, const char* side, int line);
   bool check_service_end(const Endpoint& end, const char* side, int line);
@@ -186,6 +199,7 @@ void Network::check_topic(const Connection& connection) {
     add(connection.line, "the topic " + in_quotes(topic) + " begins with takt/, as only Takt's own do",
         "name it otherwise, or leave topic out: the connection then has a topic by itself");
   }
+  if (connection.ros2) check_ros2_topic(connection);
   if (!connection.domain) return;
   if (*connection.domain < 0 || *connection.domain > kMaxDomain) {
     add(connection.line, "a connection has domain " + std::to_string(*connection.domain),
@@ -194,6 +208,22 @@ void Network::check_topic(const Connection& connection) {
   if (topic.empty()) {
     add(connection.line, "a connection has a domain and no topic",
         "the domain is that of a topic: name the topic, or remove the domain");
+  }
+}
+
+void Network::check_ros2_topic(const Connection& connection) {
+  constexpr const char* kRule =
+      "a topic of ROS 2 is words with / between them, as in /arm/joint_states; a word has letters, digits "
+      "and _, "
+      "and begins with a letter or _";
+  const std::string_view prefix = kRos2Topics;
+  const std::string& topic = connection.topic;
+  if (topic.empty()) {
+    add(connection.line, "a connection has ros2=\"true\" and no topic", "say which topic of ROS 2 it is");
+  } else if (topic.rfind(prefix, 0) != 0) {
+    add(connection.line, in_quotes(topic) + " is no topic of ROS 2", kRule);
+  } else if (!is_ros2_name(std::string_view{topic}.substr(prefix.size()))) {
+    add(connection.line, in_quotes(topic.substr(prefix.size())) + " is no topic of ROS 2", kRule);
   }
 }
 

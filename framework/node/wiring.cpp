@@ -15,6 +15,9 @@ using model::ConnectionKind;
 using model::Direction;
 using model::Endpoint;
 
+/// Of ROS 2's default profile (rmw_qos_profile_default).
+constexpr std::uint32_t kRos2Depth = 10;
+
 class Planner {
  public:
   Planner(const model::Cell& cell, std::size_t device, const std::vector<model::ModulePorts>& ports)
@@ -152,7 +155,8 @@ class Planner {
     link.enabled = connection.carries != model::Carries::requests;  // until there is somebody
     link.depth = std::max(link.depth, depth);
     link.is_queue |= connection.kind == ConnectionKind::queue;
-    flow.depth = std::max(flow.depth, depth);
+    // What its readers are offered by default is the last ten.
+    flow.depth = std::max(flow.depth, connection.ros2 ? std::max(depth, kRos2Depth) : depth);
     flow.reliable |= connection.reliability == model::Reliability::reliable;
     // A promise to the most impatient; kept as long as anybody wants it.
     if (connection.deadline)
@@ -181,7 +185,9 @@ class Planner {
                      .type = to->port->type,
                      .reliable = connection.reliability == model::Reliability::reliable,
                      .depth = static_cast<std::uint32_t>(connection.depth),
-                     .deadline = connection.deadline,
+                     // Writers of ROS 2 promise none, and one who asks for it would not be matched; the link
+                     // watches it.
+                     .deadline = connection.ros2 ? std::nullopt : connection.deadline,
                      .lifespan = connection.lifespan,
                      .carries = connection.carries,
                      .connected = true,

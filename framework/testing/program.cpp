@@ -22,6 +22,20 @@
 
 namespace takt::testing {
 
+/// While it lives: what is allocated is the program's, and ends with it. No leak of the test's.
+class OfTheProgram {
+ public:
+#if defined(__SANITIZE_ADDRESS__)
+  OfTheProgram() { __lsan_disable(); }
+  ~OfTheProgram() { __lsan_enable(); }
+#else
+  OfTheProgram() {}
+  ~OfTheProgram() {}
+#endif
+  OfTheProgram(const OfTheProgram&) = delete;
+  OfTheProgram& operator=(const OfTheProgram&) = delete;
+};
+
 using Main = int (*)(int, char**);
 
 /// What the C++ library remembers of exceptions that are being handled. Each course has its own.
@@ -132,13 +146,10 @@ void Course::go_on() {
   begun_ = true;
   serve_cycle(&cycle_);
   exceptions_.swap();
-#if defined(__SANITIZE_ADDRESS__)
-  __lsan_disable();  // the memory of a program ends with it
-#endif
-  test_.hand_over_to(fiber_);
-#if defined(__SANITIZE_ADDRESS__)
-  __lsan_enable();
-#endif
+  {
+    const OfTheProgram memory;
+    test_.hand_over_to(fiber_);
+  }
   exceptions_.swap();
   serve_cycle(nullptr);
   running = nullptr;
@@ -270,11 +281,15 @@ class ProgramSubject final : public Subject {
   }
 
   [[nodiscard]] const std::vector<PortBase*>& ports() const override { return life_->course.ports(); }
+  void connect(PortBase& port, channel::Link link) override {
+    const OfTheProgram memory;  // the port may lie on its stack
+    port.connect(link, nullptr);
+  }
   void keep(std::shared_ptr<void> memory) override { life_->kept.push_back(std::move(memory)); }
 
   void enter(executor::Unit& unit) override { unit.seat = &life_->seat; }
   void serve(channel::ModuleBlock& block) override {
-    if (!life_->seat.in_body()) return;
+    if (ended() || !life_->seat.in_body()) return;
     life_->course.go_on();
     if (!ended()) return;
     block.in_tables = 0;

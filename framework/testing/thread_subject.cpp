@@ -32,10 +32,11 @@ namespace {
 /// What the host has loaded, without the host.
 class ThreadSubject final : public Subject {
  public:
-  ThreadSubject(std::string path, bool sporadic, VirtualClock& clock, const channel::ModuleBlock& block)
+  ThreadSubject(std::string path, bool sporadic, Nanoseconds period, VirtualClock& clock,
+                const channel::ModuleBlock& block)
       : path_(std::move(path)), sporadic_(sporadic) {
     module_.keep_time_by(clock);
-    module_.attach(nullptr, &block);
+    module_.attach(nullptr, &block, model::Timing::direct, sporadic ? Nanoseconds{0} : period);
   }
 
   // As the host does: objects of a C++ component share a file, and each further module in C gets a copy.
@@ -87,9 +88,9 @@ class ThreadSubject final : public Subject {
 
 }  // namespace
 
-std::unique_ptr<Subject> make_thread_subject(std::string path, bool sporadic, VirtualClock& clock,
-                                             const channel::ModuleBlock& block) {
-  return std::make_unique<ThreadSubject>(std::move(path), sporadic, clock, block);
+std::unique_ptr<Subject> make_thread_subject(std::string path, bool sporadic, Nanoseconds period,
+                                             VirtualClock& clock, const channel::ModuleBlock& block) {
+  return std::make_unique<ThreadSubject>(std::move(path), sporadic, period, clock, block);
 }
 
 }  // namespace takt::testing

@@ -57,6 +57,10 @@ def test_ours(scratch):
     result = takt_idl(folder, "--check", *ports)
     expect(result.returncode == 0 and not result.stderr, "takt_idl.py refuses a type of ours", result)
     # Its keys make topics of instances of it, and no ports.
+    ros2 = os.path.join(folder, "ros2")
+    accepted_by_others(ros2, idl_files(ros2), scratch)
+    result = takt_idl(ros2, "--check", *idl_files(ros2))
+    expect(result.returncode == 0 and not result.stderr, "takt_idl.py refuses a message of ROS 2", result)
     result = takt_idl(folder, "--check", "takt.idl")
     expect(result.returncode == 1 and "takt::LifecycleStatus.path is a key" in result.stderr, "takt.idl has no keys", result)
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "network.hpp"
 #include "proof.hpp"
@@ -34,6 +35,7 @@ int run(const RunOptions& options);
 
 struct DescribeOptions {
   std::string file;
+  std::vector<std::string> arguments;  ///< "name=value" each, for a program
   bool json = false;
   bool xml = false;  ///< a <module> element to paste into a descriptor
 };
@@ -42,6 +44,7 @@ int describe(const DescribeOptions& options);
 /// What the command line asks for, once it was read.
 using Chosen = std::function<int()>;
 /// Each adds its command, which sets `chosen`. Both outlive the parsing.
+void add_new(CLI::App& app, Chosen& chosen);
 void add_graph(CLI::App& app, Chosen& chosen);
 void add_simulate(CLI::App& app, Chosen& chosen);
 void add_deploy(CLI::App& app, Chosen& chosen);

@@ -150,7 +150,7 @@ int describe(const DescribeOptions& options) {
     complain(path.problems());
     return 1;
   }
-  const auto component = host::describe(*path);
+  const auto component = host::describe(*path, options.arguments);
   if (!component) {
     complain(component.problems());
     return 1;

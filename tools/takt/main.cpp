@@ -82,6 +82,7 @@ int serve(int argc, char** argv) {
   run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
   add_network_options(*run_command, run_options.network);
 
+  add_new(app, chosen);
   add_simulate(app, chosen);
   add_deploy(app, chosen);
   add_undeploy(app, chosen);
@@ -98,6 +99,8 @@ int serve(int argc, char** argv) {
   auto* describe_command =
       app.add_subcommand("describe", "Print what a component is: its interface, hooks and properties");
   describe_command->add_option("FILE", describe_options.file, "a component's .so or .exe")->required();
+  describe_command->add_option("NAME=VALUE", describe_options.arguments,
+                               "properties of a program, on which its ports may depend");
   auto* describe_json = describe_command->add_flag("--json", describe_options.json, "print one JSON object");
   describe_command
       ->add_flag("--xml", describe_options.xml, "print a <module> element to paste into a descriptor")

@@ -117,5 +117,29 @@ TEST(Property, HasBoundsThatBelongToIt) {
   EXPECT_EQ(reason(component.gain, "0"), "");
 }
 
+TEST(Property, OfTextTakesTheWordsOfItsChoices) {
+  Everything component;
+  Property<std::string> mode{component, "mode", "slow", {.choices = {"slow", "fast", "off"}}};
+  EXPECT_EQ(mode.range_text(), "slow, fast or off");
+  EXPECT_TRUE(mode.assign("fast"));
+  const auto refused = mode.assign("Fast");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(in_words(refused.problems()), "property 'mode' cannot be 'Fast'; it takes text, slow, fast or off");
+  EXPECT_EQ(mode.value(), "fast");
+}
+
+TEST(Property, TakesARangeThatOnlyTheModuleKnows) {
+  Everything component;
+  Property<double> cutoff{component, "cutoff", 10, {.unit = "Hz", .min = 0, .max = 1000}};
+  EXPECT_TRUE(cutoff.narrow(1, 450, "at a period of 1 ms"));
+  const auto refused = cutoff.assign("500");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(in_words(refused.problems()),
+            "property 'cutoff' cannot be '500'; it takes a number, 1 to 450 at a period of 1 ms, in Hz");
+  EXPECT_TRUE(cutoff.narrow({}, 5000, "at a period of 100 us"));  // never wider than it was declared
+  EXPECT_FALSE(cutoff.assign("451"));
+  EXPECT_FALSE(cutoff.narrow({}, 5, "at a period of 90 ms"));  // and its value has to be within
+}
+
 }  // namespace
 }  // namespace takt

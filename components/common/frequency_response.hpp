@@ -1,0 +1,26 @@
+// How much of a sine passes a filter, for tests.
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <numbers>
+
+namespace common {
+
+/// Steps the filter with a sine of `cycles` whole periods in `window` steps until it has settled, then
+/// correlates its output with that sine over one window. Exact to rounding.
+template <class Step>
+std::complex<double> frequency_response(Step&& step, int cycles, int window, int settle) {
+  const double turn = 2 * std::numbers::pi * cycles / window;
+  std::complex<double> sum = 0;
+  for (int i = 0; i < settle + window; ++i) {
+    const double angle = turn * (i % window);
+    const double output = step(std::sin(angle));
+    if (i >= settle) sum += output * std::polar(1.0, -angle);
+  }
+  // Of sin(angle) alone the sum is -i window / 2.
+  return sum / std::complex<double>(0, -window / 2.0);
+}
+
+}  // namespace common

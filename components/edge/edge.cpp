@@ -1,0 +1,53 @@
+// A thread module in C++: edges of a flag.
+#include <takt/component.hpp>
+
+#include <string>
+
+#include <basic.hpp>
+
+#include "edge_detector.hpp"
+
+class Edge : public takt::Component {
+  takt::InPort<basic::Flag> in{*this, "in", {.text = "CLK; a queue where no edge may be lost."}};
+  takt::OutPort<basic::Flag> q{*this, "q", {.text = "True for the one cycle that sees an edge."}};
+  takt::OutPort<basic::Count> count{*this, "count", {.text = "Edges since the start."}};
+  takt::Property<std::string> direction{
+      *this,
+      "direction",
+      "rising",
+      {.text = "R_TRIG, F_TRIG, or either.", .choices = {"rising", "falling", "both"}}};
+  takt::Property<bool> at_start{
+      *this,
+      "at_start",
+      false,
+      {.text =
+           "The first sample ends an edge if it is as after one, as IEC 61131-3 has it after a cold start."}};
+
+  edge::EdgeDetector detector_;
+  bool begun_ = false;
+  basic::Flag q_;
+  basic::Count count_;
+
+  void run(const takt::Cycle&) noexcept override {
+    detector_.rising = direction.value() != "falling";
+    detector_.falling = direction.value() != "rising";
+    std::int64_t edges = 0;
+    while (in.read()) {
+      const bool value = in.value().value();
+      if (!begun_ && at_start) detector_.assume(!value);
+      begun_ = true;
+      edges += detector_.step(value) ? 1 : 0;
+    }
+    q_.value(edges > 0);
+    q.write(q_);
+    count_.value(count_.value() + edges);
+    count.write(count_);
+  }
+
+  // What the flag did in between nobody saw.
+  takt::Result<void> recover() override {
+    detector_.forget();
+    return {};
+  }
+};
+TAKT_COMPONENT(Edge)

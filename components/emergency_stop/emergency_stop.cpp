@@ -1,0 +1,86 @@
+// A thread module in C++: the logic of an emergency stop with two channels. Not a certified safety function.
+#include <takt/component.hpp>
+
+#include <cmath>
+
+#include <basic.hpp>
+
+#include "../common/edges.hpp"
+#include "../common/periodic.hpp"
+#include "../common/releases.hpp"
+#include "two_channel_stop.hpp"
+
+class EmergencyStop : public takt::Component {
+  takt::InPort<basic::Flag> channel_a{*this, "channel_a", {.text = "True: closed, nobody asks for a stop."}};
+  takt::InPort<basic::Flag> channel_b{*this, "channel_b", {.text = "The same, by the second contact."}};
+  takt::InPort<basic::Flag> reset{*this, "reset", {.text = "A rising edge permits, once both are closed."}};
+  takt::OutPort<basic::Flag> run_permitted{
+      *this, "run_permitted", {.text = "Every cycle: read it with a deadline and stale=\"error\"."}};
+  takt::OutPort<basic::Count> state{
+      *this, "state", {.text = "0 permitted, 1 stopped, 2 waits for the reset, 3 discrepancy, 4 no signal."}};
+  takt::Property<double> discrepancy_time{
+      *this,
+      "discrepancy_time",
+      0.1,
+      {.unit = "s", .min = 1e-6, .max = 10, .text = "Within which one channel follows the other."}};
+  takt::Property<double> timeout{
+      *this, "timeout", 0.1, {.unit = "s", .min = 1e-6, .max = 10, .text = "An input that is older stops."}};
+
+  takt::Property<bool> start_reset{
+      *this,
+      "start_reset",
+      false,
+      {.text = "After the start it permits without a reset, once both are closed."}};
+
+  emergency_stop::TwoChannelStop stop_;
+  common::Releases releases_;
+  basic::Flag permitted_;
+  basic::Count state_;
+
+  takt::Result<void> initialize() override {
+    if (auto checked = common::check_period(period()); !checked) return checked;
+    const double shortest = common::in_seconds(period());
+    auto first = discrepancy_time.narrow(shortest, {}, common::at_period(period()));
+    auto second = timeout.narrow(shortest, {}, common::at_period(period()));
+    return first ? second : first;
+  }
+
+  void run(const takt::Cycle& cycle) noexcept override {
+    const auto passed = static_cast<std::int64_t>(releases_.step(cycle.number)) * cycle.period.count();
+    common::read_newest(channel_a);
+    common::read_newest(channel_b);
+    common::read_newest(reset);
+    stop_.step({.a = channel_a.value().value(),
+                .b = channel_b.value().value(),
+                .fresh = fresh(channel_a) && fresh(channel_b),
+                .reset = reset.value().value(),
+                .reset_fresh = fresh(reset),
+                .start_reset = start_reset},
+               passed, std::llround(discrepancy_time * 1e9));
+    tell();
+  }
+
+  [[nodiscard]] bool fresh(const takt::InPort<basic::Flag>& port) const noexcept {
+    return port.has_value() && port.age().count() <= std::llround(timeout * 1e9);
+  }
+  void tell() noexcept {
+    permitted_.value(stop_.state() == emergency_stop::State::permitted);
+    run_permitted.write(permitted_);
+    state_.value(static_cast<std::int64_t>(stop_.state()));
+    state.write(state_);
+  }
+
+  // Whatever takes it out of the table stops at once, and a reset is needed after it.
+  void halt() noexcept {
+    stop_.trip();
+    tell();
+  }
+  void error(takt::ErrorType) override { halt(); }
+  void destruct() override { halt(); }
+  takt::Result<void> recover() override {
+    releases_.reset();
+    halt();
+    return {};
+  }
+};
+TAKT_COMPONENT(EmergencyStop)

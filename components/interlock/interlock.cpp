@@ -1,0 +1,73 @@
+// A thread module in C++: conditions that must all hold, and which one failed first.
+#include <takt/component.hpp>
+
+#include <array>
+#include <cmath>
+
+#include <basic.hpp>
+
+#include "../common/edges.hpp"
+#include "permissives.hpp"
+
+class Interlock : public takt::Component {
+  using Input = takt::InPort<basic::Flag>;
+  std::array<Input, 8> in{Input{*this, "in_1", {.text = "A permissive; ignored when it is not connected."}},
+                          Input{*this, "in_2"},
+                          Input{*this, "in_3"},
+                          Input{*this, "in_4"},
+                          Input{*this, "in_5"},
+                          Input{*this, "in_6"},
+                          Input{*this, "in_7"},
+                          Input{*this, "in_8"}};
+  Input reset{*this, "reset", {.text = "A rising edge forgets the first-out, once all hold."}};
+  takt::OutPort<basic::Flag> permitted{*this, "permitted", {.text = "All that are connected are true."}};
+  takt::OutPort<basic::Count> first_out{
+      *this, "first_out", {.text = "The input that dropped first, 1 to 8; 0: none since the reset."}};
+  takt::Property<bool> latching{
+      *this, "latching", false, {.text = "Permission comes back by the reset only."}};
+  takt::Property<double> timeout{
+      *this,
+      "timeout",
+      0,
+      {.unit = "s", .min = 0, .max = 1e6, .text = "An input that is older counts as false; 0: of any age."}};
+
+  interlock::Permissives permissives_;
+  common::RisingEdge reset_;
+  basic::Flag flag_;
+  basic::Count count_;
+
+  takt::Result<void> initialize() override {
+    for (const Input& input : in) {
+      if (input.connected()) return {};
+    }
+    return takt::fail("no permissive is connected, so it would never permit anything",
+                      "connect a flag to in_1, ... in_8");
+  }
+
+  void run(const takt::Cycle&) noexcept override {
+    std::uint32_t used = 0;
+    std::uint32_t given = 0;
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      common::read_newest(in[i]);
+      if (in[i].connected()) used |= 1U << i;
+      if (in[i].value().value() && fresh(in[i])) given |= 1U << i;
+    }
+    const bool acknowledge = common::count_rising(reset, reset_) > 0;
+    permissives_.step(used, given, latching, acknowledge);
+    tell(permissives_.permitted());
+  }
+
+  [[nodiscard]] bool fresh(const Input& input) const noexcept {
+    return input.has_value() && (timeout <= 0 || input.age().count() <= std::llround(timeout * 1e9));
+  }
+  void tell(bool is) noexcept {
+    flag_.value(is);
+    permitted.write(flag_);
+    count_.value(permissives_.first_out());
+    first_out.write(count_);
+  }
+
+  void error(takt::ErrorType) override { tell(false); }
+  void destruct() override { tell(false); }
+};
+TAKT_COMPONENT(Interlock)

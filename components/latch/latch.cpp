@@ -1,0 +1,36 @@
+// A thread module in C++: the bistable function blocks of IEC 61131-3.
+#include <takt/component.hpp>
+
+#include <string>
+
+#include <basic.hpp>
+
+#include "../common/edges.hpp"
+#include "bistable.hpp"
+
+class Latch : public takt::Component {
+  takt::InPort<basic::Flag> set{*this, "set", {.text = "S (S1 of SR); false before the first."}};
+  takt::InPort<basic::Flag> reset{*this, "reset", {.text = "R (R1 of RS); false before the first."}};
+  takt::OutPort<basic::Flag> q{*this, "q", {.text = "Q1."}};
+  takt::Property<std::string> kind{
+      *this,
+      "kind",
+      "RS",
+      {.text = "Which input wins when both are true: SR set, RS reset.", .choices = {"RS", "SR"}}};
+
+  latch::Bistable bistable_;
+  basic::Flag q_;
+
+  void run(const takt::Cycle&) noexcept override {
+    common::read_newest(set);
+    common::read_newest(reset);
+    q_.value(bistable_.step(set.value().value(), reset.value().value(), kind.value() == "SR"));
+    q.write(q_);
+  }
+
+  takt::Result<void> recover() override {
+    bistable_.reset();
+    return {};
+  }
+};
+TAKT_COMPONENT(Latch)

@@ -1,0 +1,42 @@
+// A gate of several inputs. For real-time threads.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace logic_gate {
+
+enum class Function { all_of, any_of, odd, not_all_of, none_of };
+
+/// "and", "or", "xor", "nand", "nor", "not"; with one input "not" is what "nor" is with several.
+constexpr std::optional<Function> function_of(std::string_view name) noexcept {
+  if (name == "and") return Function::all_of;
+  if (name == "or") return Function::any_of;
+  if (name == "xor") return Function::odd;
+  if (name == "nand") return Function::not_all_of;
+  if (name == "nor" || name == "not") return Function::none_of;
+  return std::nullopt;
+}
+
+/// Sets of inputs are words: bit 0 is input 1. Of `used`, not empty, `given` are true. xor of several is true
+/// for an odd number of them.
+constexpr bool output(Function function, std::uint32_t used, std::uint32_t given) noexcept {
+  given &= used;
+  switch (function) {
+    case Function::all_of:
+      return given == used;
+    case Function::any_of:
+      return given != 0;
+    case Function::odd:
+      return std::popcount(given) % 2 != 0;
+    case Function::not_all_of:
+      return given != used;
+    case Function::none_of:
+      return given == 0;
+  }
+  return false;
+}
+
+}  // namespace logic_gate

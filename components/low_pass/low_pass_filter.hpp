@@ -1,0 +1,54 @@
+// A Butterworth low-pass of first or second order. For real-time threads.
+#pragma once
+
+#include <numbers>
+
+#include "../common/state_variable_filter.hpp"
+
+namespace low_pass {
+
+/// Of the rate: where the range of the cut-off ends. Above, tan() in the bilinear transform runs away; below,
+/// a step no longer changes what a double holds.
+inline constexpr double kLowest = 1e-6;
+inline constexpr double kHighest = 0.49;
+
+/// Begins at its first input, as if that had been there for ever. Cut-off and order may change between any
+/// two steps; the output goes on from where it is.
+class LowPassFilter {
+ public:
+  /// Hz, s; within kLowest and kHighest of the rate. `order` is 1 or 2.
+  void design(double cutoff, double period, int order) noexcept {
+    const double g = common::prewarped(cutoff, period);
+    if (order != order_) {
+      state_ = output_;
+      second_.settle(output_);
+    }
+    order_ = order;
+    share_ = g / (1 + g);
+    second_.design(g, std::numbers::sqrt2);
+  }
+  void reset() noexcept { begun_ = false; }
+  double step(double input) noexcept {
+    if (!begun_) {
+      begun_ = true;
+      state_ = input;
+      second_.settle(input);
+    }
+    if (order_ == 1) {
+      const double change = share_ * (input - state_);
+      output_ = state_ + change;
+      state_ = output_ + change;
+    } else {
+      output_ = second_.step(input).low;
+    }
+    return output_;
+  }
+
+ private:
+  int order_ = 0;
+  bool begun_ = false;
+  double share_ = 0, state_ = 0, output_ = 0;
+  common::StateVariableFilter second_;
+};
+
+}  // namespace low_pass

@@ -1,0 +1,109 @@
+// A thread module in C++: a PID controller in the ISA standard form.
+#include <takt/component.hpp>
+
+#include <cmath>
+
+#include <basic.hpp>
+
+#include "../common/edges.hpp"
+#include "../common/periodic.hpp"
+#include "../common/releases.hpp"
+#include "pid_loop.hpp"
+
+class Pid : public takt::Component {
+  takt::InPort<basic::Number> setpoint_in{*this, "setpoint", {.text = "In the unit of measured."}};
+  takt::InPort<basic::Number> measured{*this, "measured", {.text = "What is to come to the set point."}};
+  takt::InPort<basic::Flag> manual{*this, "manual", {.text = "True: the output is manual_value."}};
+  takt::InPort<basic::Number> manual_value{
+      *this, "manual_value", {.text = "The output by hand; before the first it stays as it is."}};
+  takt::OutPort<basic::Number> output{*this, "output", {.text = "What the actuator is to do."}};
+
+  takt::Property<double> setpoint{
+      *this, "setpoint", 0, {.text = "Where nothing is connected to the port of that name."}};
+  takt::Property<double> gain{*this, "gain", 1, {.text = "Output per unit of measured."}};
+  takt::Property<double> integral_time{
+      *this, "integral_time", 0, {.unit = "s", .min = 0, .max = 1e6, .text = "Ti; 0: no integral action."}};
+  takt::Property<double> derivative_time{
+      *this, "derivative_time", 0, {.unit = "s", .min = 0, .max = 1e6, .text = "Td; 0: no derivative."}};
+  takt::Property<double> derivative_filter{
+      *this,
+      "derivative_filter",
+      10,
+      {.min = 1, .max = 100, .text = "N: the derivative's filter is Td / N."}};
+  takt::Property<double> setpoint_weight{
+      *this,
+      "setpoint_weight",
+      1,
+      {.min = 0, .max = 1, .text = "b: how much of a step of the set point comes through at once."}};
+  takt::Property<double> tracking_time{
+      *this,
+      "tracking_time",
+      0,
+      {.unit = "s", .min = 0, .max = 1e6, .text = "Tt of the anti-windup; 0: sqrt(Ti Td), without Td Ti."}};
+  takt::Property<double> output_min{*this, "output_min", -1, {.text = "Below output_max."}};
+  takt::Property<double> output_max{*this, "output_max", 1, {.text = "Above output_min."}};
+
+  pid::PidLoop loop_;
+  common::Releases releases_;
+  basic::Number output_;
+
+  [[nodiscard]] pid::Tuning tuning() const noexcept {
+    return {.gain = gain,
+            .integral_time = integral_time,
+            .derivative_time = derivative_time,
+            .derivative_filter = derivative_filter,
+            .setpoint_weight = setpoint_weight,
+            .tracking_time = tracking_time,
+            .low = output_min,
+            .high = output_max};
+  }
+  /// Null when they do.
+  static const char* what_makes_no_sense(const pid::Tuning& tuning, double dt) noexcept {
+    if (!(tuning.low < tuning.high)) return "output_min is not below output_max";
+    if (tuning.integral_time > 0 && tuning.integral_time < dt)
+      return "integral_time is shorter than the period";
+    return nullptr;
+  }
+
+  takt::Result<void> initialize() override {
+    if (auto checked = common::check_period(period()); !checked) return checked;
+    const double dt = common::in_seconds(period());
+    if (const char* what = what_makes_no_sense(tuning(), dt); what != nullptr) {
+      return takt::fail(
+          what,
+          "give it output_min < output_max, and an integral_time of 0 (none) or of at least the "
+          "period, " +
+              takt::to_text(period()));
+    }
+    return {};
+  }
+
+  void run(const takt::Cycle& cycle) noexcept override {
+    const double dt = cycle.seconds() * static_cast<double>(releases_.step(cycle.number));
+    common::read_newest(setpoint_in);
+    common::read_newest(measured);
+    common::read_newest(manual);
+    common::read_newest(manual_value);
+    if (!measured.has_value() || (setpoint_in.connected() && !setpoint_in.has_value())) return;
+    const double wanted = setpoint_in.connected() ? setpoint_in.value().value() : setpoint.value();
+    const double is = measured.value().value();
+    const double by_hand = manual_value.has_value() ? manual_value.value().value() : loop_.output();
+    if (!std::isfinite(wanted) || !std::isfinite(is) || !std::isfinite(by_hand)) {
+      fail("an input is not a finite number");
+      return;
+    }
+    // Of values that are set one after the other some may not go together: then the old ones hold.
+    const pid::Tuning wanted_tuning = tuning();
+    if (what_makes_no_sense(wanted_tuning, cycle.seconds()) == nullptr) loop_.tune(wanted_tuning);
+    output_.value(manual.value().value() ? loop_.manual(wanted, is, by_hand, dt)
+                                         : loop_.automatic(wanted, is, dt));
+    output.write(output_);
+  }
+
+  takt::Result<void> recover() override {
+    loop_.reset(loop_.output());
+    releases_.reset();
+    return {};
+  }
+};
+TAKT_COMPONENT(Pid)

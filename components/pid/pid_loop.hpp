@@ -1,0 +1,107 @@
+// A PID controller in the ISA standard form. For real-time threads.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace pid {
+
+/// u = gain (b r - y  +  1/Ti integral of (r - y)  -  Td dyf/dt), with yf the measurement y behind a low-pass
+/// of Td / N.
+struct Tuning {
+  double gain = 1;             ///< output per unit of the measurement; below 0 for a process that goes down
+  double integral_time = 0;    ///< Ti, s; 0: no integral action
+  double derivative_time = 0;  ///< Td, s
+  double derivative_filter = 10;  ///< N, from 2 to 20 in practice
+  double setpoint_weight = 1;     ///< b, 0 to 1: how much of a step of the set point comes through at once
+  double tracking_time = 0;       ///< Tt of the anti-windup, s; 0: sqrt(Ti Td), without Td Ti
+  double low = -1, high = 1;      ///< limits of the output, low < high
+
+  bool operator==(const Tuning&) const = default;
+};
+
+/// After Astroem and Haegglund, Advanced PID Control. The integral is trapezoidal (bilinear), so it is exact
+/// for an error that changes linearly between releases; the derivative is a backward difference, so it does
+/// not ring however short its filter is against the period; the anti-windup is exact for an excess that
+/// stands still, so it is stable for any tracking time.
+class PidLoop {
+ public:
+  /// From here on. The integral takes up the difference: with the inputs of the last step the output would be
+  /// the same under both tunings. Without integral action there is nothing that could, here and below: the
+  /// output jumps.
+  void tune(const Tuning& tuning) noexcept {
+    if (tuning == tuning_) return;
+    const double before = proportional(setpoint_, measured_) + derivative();
+    tuning_ = tuning;
+    if (begun_) integral_ += before - proportional(setpoint_, measured_) - derivative();
+    if (tuning_.integral_time <= 0) integral_ = 0;
+  }
+  /// The next step is the first: the output begins at `output` and moves from there.
+  void reset(double output = 0) noexcept {
+    begun_ = false;
+    output_ = output;
+  }
+  /// `dt` s after the last one, above 0. The output, within its limits.
+  double automatic(double setpoint, double measured, double dt) noexcept {
+    if (!begun_) begin(setpoint, measured);
+    take(setpoint, measured, dt);
+    const double wanted = proportional(setpoint, measured) + integral_ + derivative();
+    output_ = std::clamp(wanted, tuning_.low, tuning_.high);
+    if (tuning_.integral_time > 0 && wanted != output_)
+      integral_ += (1 - std::exp(-dt / tracking_time())) * (output_ - wanted);
+    return output_;
+  }
+  /// The output is `value`, within its limits; the integral follows, so that automatic() goes on from there.
+  double manual(double setpoint, double measured, double value, double dt) noexcept {
+    if (!begun_) begin(setpoint, measured);
+    take(setpoint, measured, dt);
+    output_ = std::clamp(value, tuning_.low, tuning_.high);
+    follow();
+    return output_;
+  }
+  [[nodiscard]] double output() const noexcept { return output_; }
+
+ private:
+  void begin(double setpoint, double measured) noexcept {
+    begun_ = true;
+    setpoint_ = setpoint;
+    measured_ = filtered_ = measured;
+    output_ = std::clamp(output_, tuning_.low, tuning_.high);
+    follow();
+  }
+  void take(double setpoint, double measured, double dt) noexcept {
+    if (tuning_.integral_time > 0) {
+      const double mean_error = ((setpoint_ - measured_) + (setpoint - measured)) / 2;
+      integral_ += tuning_.gain * dt / tuning_.integral_time * mean_error;
+    }
+    const double filter_time = tuning_.derivative_time / tuning_.derivative_filter;
+    filtered_ += dt / (filter_time + dt) * (measured - filtered_);
+    setpoint_ = setpoint;
+    measured_ = measured;
+  }
+  void follow() noexcept {
+    if (tuning_.integral_time > 0) integral_ = output_ - proportional(setpoint_, measured_) - derivative();
+  }
+  [[nodiscard]] double proportional(double setpoint, double measured) const noexcept {
+    return tuning_.gain * (tuning_.setpoint_weight * setpoint - measured);
+  }
+  // The filter's input less its output is its filter time times the slope of what comes out of it.
+  [[nodiscard]] double derivative() const noexcept {
+    return tuning_.derivative_time > 0 ? -tuning_.gain * tuning_.derivative_filter * (measured_ - filtered_)
+                                       : 0;
+  }
+  [[nodiscard]] double tracking_time() const noexcept {
+    if (tuning_.tracking_time > 0) return tuning_.tracking_time;
+    return tuning_.derivative_time > 0 ? std::sqrt(tuning_.integral_time * tuning_.derivative_time)
+                                       : tuning_.integral_time;
+  }
+
+  Tuning tuning_;
+  bool begun_ = false;
+  double setpoint_ = 0, measured_ = 0;
+  double filtered_ = 0;  // the measurement behind the derivative's filter
+  double integral_ = 0;
+  double output_ = 0;
+};
+
+}  // namespace pid

@@ -1,0 +1,66 @@
+// The timers of IEC 61131-3. For real-time threads.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace timer {
+
+enum class Kind {
+  on_delay,   ///< TON: true once the input has been true for the time
+  off_delay,  ///< TOF: true with the input, and for the time after it
+  pulse,      ///< TP: true for the time from a rising edge on; a further one during it does nothing
+};
+
+/// The time counts from the step that saw the edge.
+class IecTimer {
+ public:
+  /// Times in nanoseconds: since the last step; of the timer (PT), at least 0. The output (Q).
+  bool step(Kind kind, bool in, std::int64_t passed_ns, std::int64_t preset_ns) noexcept {
+    if (kind == Kind::pulse) {
+      if (running_) {
+        elapsed_ns_ += passed_ns;
+      } else if (in && !last_) {
+        running_ = true;
+        elapsed_ns_ = 0;
+      }
+      if (running_ && elapsed_ns_ >= preset_ns) {
+        running_ = false;
+        done_ = true;
+      }
+      if (done_) elapsed_ns_ = in ? preset_ns : 0;
+      done_ = done_ && in;
+      last_ = in;
+      return running_;
+    }
+    const bool counts = kind == Kind::on_delay ? in : !in;
+    const bool begins = counts && !running_ && !done_ && (kind == Kind::on_delay || last_);
+    if (!counts) {
+      running_ = done_ = false;
+      elapsed_ns_ = 0;
+    } else if (begins) {
+      running_ = true;
+      elapsed_ns_ = 0;
+    } else if (running_) {
+      elapsed_ns_ += passed_ns;
+    }
+    if (running_ && elapsed_ns_ >= preset_ns) {
+      running_ = false;
+      done_ = true;
+    }
+    if (done_) elapsed_ns_ = preset_ns;
+    last_ = in;
+    return kind == Kind::on_delay ? done_ : in || running_;
+  }
+  /// ET: how long it has been counting, at most PT.
+  [[nodiscard]] std::int64_t elapsed_ns() const noexcept { return elapsed_ns_; }
+  void reset() noexcept { *this = {}; }
+
+ private:
+  bool last_ = false;
+  bool running_ = false;
+  bool done_ = false;  // the time is over, and the input has not changed since
+  std::int64_t elapsed_ns_ = 0;
+};
+
+}  // namespace timer

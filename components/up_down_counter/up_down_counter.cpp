@@ -1,0 +1,41 @@
+// A thread module in C++: the counters of IEC 61131-3.
+#include <takt/component.hpp>
+
+#include <basic.hpp>
+
+#include "../common/edges.hpp"
+#include "iec_counter.hpp"
+
+class UpDownCounter : public takt::Component {
+  takt::InPort<basic::Flag> up{*this, "up", {.text = "CU: each rising edge counts up."}};
+  takt::InPort<basic::Flag> down{*this, "down", {.text = "CD: each rising edge counts down."}};
+  takt::InPort<basic::Flag> reset{*this, "reset", {.text = "R: while true the value is 0."}};
+  takt::InPort<basic::Flag> load{*this, "load", {.text = "LD: while true the value is the preset."}};
+  takt::OutPort<basic::Count> value{*this, "value", {.text = "CV."}};
+  takt::OutPort<basic::Flag> full{*this, "full", {.text = "QU, Q of CTU: the value is at least the preset."}};
+  takt::OutPort<basic::Flag> empty{*this, "empty", {.text = "QD, Q of CTD: the value is at most 0."}};
+  takt::Property<std::int64_t> preset{*this, "preset", 10, {.text = "PV."}};
+
+  up_down_counter::IecCounter counter_;
+  common::RisingEdge up_;
+  common::RisingEdge down_;
+  basic::Count count_;
+  basic::Flag flag_;
+
+  void run(const takt::Cycle&) noexcept override {
+    common::read_newest(reset);
+    common::read_newest(load);
+    counter_.step({.up = common::count_rising(up, up_),
+                   .down = common::count_rising(down, down_),
+                   .reset = reset.value().value(),
+                   .load = load.value().value()},
+                  preset);
+    count_.value(counter_.value());
+    value.write(count_);
+    flag_.value(counter_.full(preset));
+    full.write(flag_);
+    flag_.value(counter_.empty());
+    empty.write(flag_);
+  }
+};
+TAKT_COMPONENT(UpDownCounter)

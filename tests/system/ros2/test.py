@@ -1,0 +1,86 @@
+"""A program that is a node of ROS 2 on the wire talks to the ports of a cell. TAKT_ROS2_PEER is the program beside this file."""
+import json
+import os
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import Run, wait_until
+
+PEER = os.environ["TAKT_ROS2_PEER"]
+LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
+<AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
+
+
+class Ros2(takt_system.Case):
+    def peer(self, *arguments):
+        run = Run([PEER, str(self.domain)] + [str(a) for a in arguments], self.folder, environment={"CYCLONEDDS_URI": LOOPBACK})
+        self.runs.append(run)
+        return run
+
+    def messages(self, run):
+        return [json.loads(line) for _, line in list(run.out_lines)]
+
+    def matched(self, port):
+        return any(line.split()[0].endswith(port) and "1/1" in line for line in self.takt("status").out.splitlines() if line.strip())
+
+    def test_a_node_of_ros2_sees_topics_and_exchanges_messages(self):
+        cell = self.start("run", "cell.xml", "--json")
+        cell.wait_for_state("echo", "EXECUTING")
+
+        names = self.peer("list", 60)
+        expected = {"pub rt/joint_states sensor_msgs::msg::dds_::JointState_ reliable",
+                    "pub rt/cell/capitals std_msgs::msg::dds_::String_ reliable",
+                    "pub rt/cell/x std_msgs::msg::dds_::Float64_ reliable",
+                    "sub rt/cell/text std_msgs::msg::dds_::String_ reliable",
+                    "sub rt/cmd_vel geometry_msgs::msg::dds_::Twist_ best-effort"}
+        wait_until(lambda: expected <= {line for _, line in list(names.out_lines)}, 20, "the topics, as ROS 2 calls them")
+
+        before = time.time()
+        states = self.peer("sub", "JointState", "/joint_states", 20, 20).wait(30)
+        self.assertEqual(0, states.status, states.err)
+        seen = self.messages(states)
+        for state in seen:
+            self.assertEqual(("base_link", ["a1", "a2", "a3", "a4", "a5", "a6"], 6, 6, []),
+                             (state["frame_id"], state["name"], len(state["position"]), len(state["velocity"]), state["effort"]))
+        times = [s["sec"] + s["nanosec"] * 1e-9 for s in seen]
+        self.assertEqual(sorted(set(times)), times)
+        self.assertGreater(times[-1], before)
+        self.assertLess(times[-1], time.time() + 1)
+
+        # Text there and back; the third of these is longer than the port's 255.
+        capitals = self.peer("sub", "String", "/cell/capitals", 5, 40)
+        wait_until(lambda: self.matched("echo.capitals"), 20, "that the reader has matched")
+        self.assertEqual(0, self.peer("pub", "String", "/cell/text", 6, 20).wait(30).status)
+        self.assertEqual(0, capitals.wait(40).status, capitals.err)
+        self.assertEqual(["HELLO %d" % n for n in (1, 2, 4, 5, 6)], [m["data"] for m in self.messages(capitals)])
+
+        # A velocity from a writer of either reliability.
+        for reliability in ("reliable", "best-effort"):
+            x = self.peer("sub", "Float64", "/cell/x", 5, 40)
+            wait_until(lambda: self.matched("echo.x"), 20, "that the reader has matched")
+            self.assertEqual(0, self.peer("pub", "Twist", "/cmd_vel", 40, 20, reliability).wait(30).status)
+            self.assertEqual(0, x.wait(40).status, x.err)
+            values = [m["data"] for m in self.messages(x)]
+            self.assertEqual(values, sorted(values))
+            self.assertTrue(set(values) <= {0.25 * n for n in range(1, 41)}, values)
+
+        cell.signal(signal.SIGINT)
+        self.assertEqual(0, cell.wait(10).status, cell.err)
+        names.signal(signal.SIGKILL)
+        names.wait(10)
+
+    def test_a_type_that_ros2_does_not_know_is_refused(self):
+        text = open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "cell.xml")).read()
+        path = self.write("wrong.xml", text.replace('from="robot.joint_states.joint_states" topic', 'from="robot.arm.measured" topic'))
+        run = self.takt("check", path)
+        self.assertEqual(1, run.status)
+        line = 1 + text[:text.index('topic="/joint_states"')].count("\n")
+        self.assertIn(f"wrong.xml:{line}: error: port 'robot.arm.measured' is of type motion::JointState, which no program of ROS 2 knows",
+                      run.err)
+
+
+if __name__ == "__main__":
+    takt_system.main()
