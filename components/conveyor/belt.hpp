@@ -46,6 +46,11 @@ struct Belt {
   void taken(std::uint32_t number) noexcept {
     if (number == parts) holding = false;
   }
+  /// The next part gets the number after this one; where it lies does not change. Not while one is held.
+  void recount(std::uint32_t number) noexcept {
+    position -= spacing * (static_cast<double>(parts) - number);
+    parts = number;
+  }
 
   /// The part that is at the barrier or comes next.
   [[nodiscard]] std::uint32_t first() const noexcept { return holding ? parts : parts + 1; }

@@ -20,6 +20,8 @@ class Conveyor : public takt::Component {
   takt::OutPort<line::Part> part{*this, "part", {.text = "A part has come to the light barrier."}};
   takt::OutPort<basic::Flag> barrier{*this, "barrier", {.text = "A part is at the light barrier."}};
   takt::OutPort<line::Scene> scene{*this, "scene", {.text = "The parts near the light barrier."}};
+  takt::Service<basic::Count, basic::Count> count{
+      *this, "count", {.text = "Goes on counting parts from this number; answers with the last one."}};
   takt::Property<double> acceleration{
       *this, "acceleration", 1, {.unit = "m/s^2", .min = 0.01, .max = 20, .text = "Of the belt."}};
   takt::Property<double> spacing{
@@ -44,6 +46,7 @@ class Conveyor : public takt::Component {
       {.unit = "s", .min = 0.1, .max = 3600, .text = "A part that waits is told again after this."}};
 
   conveyor::Belt belt_;
+  basic::Count counted_;
   double waited_ = 0;  // s, since the part was told
   line::BeltState state_;
   line::Scene scene_;
@@ -62,11 +65,21 @@ class Conveyor : public takt::Component {
     while (taken.read()) {
       if (taken.value().result() != motion::PICK_REFUSED) belt_.taken(taken.value().number());
     }
+    if (count.take()) recount();
     waited_ += cycle.seconds();
     const bool came = belt_.step(is_enabled() ? command.value().speed() : 0, cycle.seconds());
     if (came || (belt_.holding && waited_ >= repeat)) tell_part();
     tell_state();
     tell_scene();
+  }
+
+  void recount() noexcept {
+    const std::int64_t number = count.request().value();
+    if (number < 0 || number > 1'000'000'000) return count.refuse("a count is 0 to 1000000000");
+    if (belt_.holding) return count.refuse("a part waits at the light barrier under its number");
+    counted_.value(belt_.parts);
+    belt_.recount(static_cast<std::uint32_t>(number));
+    count.reply(counted_);
   }
 
   [[nodiscard]] bool is_enabled() const noexcept {

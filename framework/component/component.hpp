@@ -22,6 +22,7 @@
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/component/property.hpp>
+#include <takt/component/service.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 
@@ -80,6 +81,8 @@ class Component {
 
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const noexcept { return properties_; }
   [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
+  /// Those that a handler answers.
+  [[nodiscard]] const std::vector<ServiceBase*>& services() const noexcept { return services_; }
 
  protected:
   /// Of this module, in every hook: what initialize() holds its properties against. 0 of a module that has
@@ -92,8 +95,10 @@ class Component {
  private:
   friend class PropertyBase;
   friend class PortBase;
+  friend class ServiceBase;
   std::vector<PropertyBase*> properties_;  // in the order of declaration
   std::vector<PortBase*> ports_;
+  std::vector<ServiceBase*> services_;
 };
 
 /// What a .so of a C++ component exports.

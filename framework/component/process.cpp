@@ -14,6 +14,7 @@
 #include <takt/channel/violations.hpp>
 #include <takt/component/port.hpp>
 #include <takt/component/program_properties.hpp>
+#include <takt/component/service.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
@@ -93,8 +94,8 @@ void Guest::describe(channel::SeatKind kind) {
   std::string list;
   for (const PortBase* port : ports()) {
     list += (list.empty() ? "{" : ",{") + member("name", port->name()) + "," +
-            member("direction", to_text(port->direction())) + "," +
-            member("description", port->type().description) + "," + member("text", port->text()) + "}";
+            member("direction", to_text(port->direction())) + "," + member("role", to_text(port->role())) +
+            "," + member("description", port->type().description) + "," + member("text", port->text()) + "}";
   }
   std::string problems;
   for (const Problem& problem : check_program_properties()) {
@@ -291,6 +292,7 @@ namespace takt {
 std::vector<PortBase*> take_loose_ports() { return ports(); }
 
 namespace detail {
+const char* take_said() noexcept { return nullptr; }
 void add_loose_port(PortBase& port) { ports().push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { std::erase(ports(), &port); }
 }  // namespace detail

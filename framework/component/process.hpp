@@ -19,3 +19,4 @@
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/component/property.hpp>
+#include <takt/component/service.hpp>

@@ -43,6 +43,7 @@ Result<Read> read(Node tree, std::size_t bytes, const std::string& file, const R
   model::validate(reading.cell, reading.gaps, findings);
   report.add(findings);
   if (!report.empty()) return report.take();
+  model::connect_services(reading.cell);
   return Read{std::move(reading.cell), std::move(tree), includes.texts()};
 }
 

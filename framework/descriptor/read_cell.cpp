@@ -14,12 +14,14 @@ namespace {
 // Of <use>, <template> and <include>, which may stand there, nothing is left when a cell is read.
 const Shape kRoot{.many = {"executor", "module", "use", "template", "include"}};
 const Shape kCell{.attributes = {"name", "domain", "discovery", "peers", "server", "server-device"},
-                  .many = {"device", "connection", "template", "include"}};
+                  .many = {"device", "connection", "service", "template", "include"}};
 const Shape kDevice{.attributes = {"name"}, .many = {"executor", "module", "use", "template", "include"}};
 const Shape kExecutor{
     .attributes = {"name", "cpu", "priority", "wakeup", "spin", "overrun", "limit", "offsets", "timing"}};
 const Shape kConnection{.attributes = {"from", "to", "kind", "depth", "reliability", "deadline", "lifespan",
                                        "stale", "topic", "domain", "ros2"}};
+
+const Shape kService{.attributes = {"client", "server"}};
 
 class CellReader {
  public:
@@ -73,6 +75,27 @@ class CellReader {
       if (report_.full() || reading_.cell.connections.size() > model::kMaxConnections) break;
       read_connection(*child);
     }
+    for (const Node* child : cell.children("service")) {
+      if (report_.full() || reading_.cell.services.size() > model::kMaxConnections) break;
+      read_service(*child);
+    }
+  }
+
+  void read_service(const Node& xml) {
+    const Element element{xml, kService, report_};
+    model::Service service;
+    service.line = element.line();
+    const bool known =
+        read_side(element, "client", service.client) & read_side(element, "server", service.server);
+    reading_.cell.services.push_back(std::move(service));
+    reading_.gaps.without_sides.push_back(!known);
+  }
+
+  bool read_side(const Element& element, const char* side, model::Endpoint& end) {
+    const auto given = element.required_attribute(side);
+    if (!given) return false;
+    end = endpoint(given->trimmed());
+    return true;
   }
 
   void read_discovery(const Element& cell) {

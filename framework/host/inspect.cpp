@@ -45,6 +45,7 @@ std::string ports_of(const ThreadModule& module) {
   for (const PortBase* port : module.ports()) {
     list.push_back({{"name", port->name()},
                     {"direction", to_text(port->direction())},
+                    {"role", to_text(port->role())},
                     {"description", port->type().description},
                     {"text", port->text()},
                     {"object", port->value_size() != 0}});

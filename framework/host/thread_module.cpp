@@ -141,15 +141,29 @@ Result<void> ThreadModule::take_ports(const std::string& path) {
     ports_ = component_->ports();
   }
   for (auto port = ports_.begin(); port != ports_.end(); ++port) {
-    if (!model::is_valid_name((*port)->name())) {
-      return fail(path + " has a port " + in_quotes((*port)->name()),
+    const bool plain = (*port)->role() == PortRole::plain;
+    // Of NAME/request and NAME/reply.
+    const auto name_of = [](const PortBase& one) {
+      return one.role() == PortRole::plain ? one.name() : one.name().substr(0, one.name().rfind('/'));
+    };
+    const std::string name = name_of(**port);
+    if (!model::is_valid_name(name)) {
+      return fail(path + " has a " + to_text((*port)->role()) + " " + in_quotes(name),
                   "a name is a letter or '_', then letters, digits, '_' and '-'");
     }
-    if (std::any_of(ports_.begin(), port,
-                    [&](const PortBase* other) { return other->name() == (*port)->name(); })) {
-      return fail(path + " has two ports '" + (*port)->name() + "'", "give each a name of its own");
+    if (!plain && name.size() > model::kMaxServiceName) {
+      return fail(path + " has a service or client " + in_quotes(name),
+                  "its name has at most " + std::to_string(model::kMaxServiceName) + " characters");
     }
-    (*port)->serve(context_);
+    const auto clash = std::find_if(ports_.begin(), port, [&](const PortBase* other) {
+      return name_of(*other) == name &&
+             (plain || other->role() == PortRole::plain || other->name() == (*port)->name());
+    });
+    if (clash != port) {
+      return fail(path + " has two ports '" + name + "'" + (plain ? "" : ", a service or client among them"),
+                  "give each a name of its own");
+    }
+    (*port)->serve((*port)->role() == PortRole::handler ? handler_context_ : context_);
   }
   return {};
 }
@@ -312,6 +326,26 @@ bool ThreadModule::has_news(Instant now) const noexcept {
   return std::any_of(ports_.begin(), ports_.end(), [now](const PortBase* port) {
     return port->direction() == PortDirection::event && port->news_at() <= to_ns(now);
   });
+}
+
+bool ThreadModule::has_request() noexcept {
+  if (!has_handlers()) return false;
+  handler_context_.start_ns = to_ns(now());
+  const auto& services = component_->services();
+  return std::any_of(services.begin(), services.end(),
+                     [](const ServiceBase* service) { return service->has_request(); });
+}
+
+bool ThreadModule::serve(const char* refusal) {
+  if (!has_handlers()) return false;
+  handler_context_.start_ns = to_ns(now());
+  const InHook in_hook{now()};
+  const auto& services = component_->services();
+  for (std::size_t n = services.size(); n > 0; --n) {
+    if (++served_last_ >= services.size()) served_last_ = 0;
+    if (services[served_last_]->handle(refusal)) return true;
+  }
+  return false;
 }
 
 std::vector<std::string> ThreadModule::hooks() const {

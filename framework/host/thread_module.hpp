@@ -62,6 +62,16 @@ class ThreadModule final : public executor::Body {
 
   [[nodiscard]] bool has_news(Instant now) const noexcept override;
 
+  /// It has services that handlers answer.
+  [[nodiscard]] bool has_handlers() const noexcept {
+    return component_ != nullptr && !component_->services().empty();
+  }
+  /// A request waits for a handler. As serve().
+  [[nodiscard]] bool has_request() noexcept;
+  /// Has one answered, by its handler or, where `refusal` is not null, with that. False when there was none.
+  /// For a thread of its own beside run() and condition(); not at once with anything else.
+  bool serve(const char* refusal);
+
   /// Null for a module in the C form.
   [[nodiscard]] const Component* component() const noexcept { return component_; }
   [[nodiscard]] const char* component_name() const noexcept {
@@ -77,6 +87,7 @@ class ThreadModule final : public executor::Body {
   void attach(channel::Bell* bell, const channel::ModuleBlock* block,
               model::Timing timing = model::Timing::direct, Nanoseconds period = {}) noexcept {
     context_.bell = bell;
+    handler_context_.bell = bell;
     block_ = block;
     period_ = period;
     logical_ = timing == model::Timing::let;
@@ -123,7 +134,9 @@ class ThreadModule final : public executor::Body {
   std::vector<PortBase*> ports_;
   std::vector<PropertyBase*> properties_;
   PortContext context_;
-  Clock* clock_ = nullptr;  // null: the machine's
+  Clock* clock_ = nullptr;       // null: the machine's
+  std::size_t served_last_ = 0;  // which of its services: each has its turn
+  PortContext handler_context_;  // of the ports that handlers use: they are not at run()'s
   std::vector<Watched> watched_;
   const channel::ModuleBlock* block_ = nullptr;
   Nanoseconds period_{0};

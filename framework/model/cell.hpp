@@ -25,6 +25,7 @@ enum class Miss { count, error };
 enum class Overrun { skip, catch_up, error, stop_device };
 enum class Offsets { given, automatic };
 enum class Timing { direct, let };
+enum class Carries { samples, requests, replies };
 
 /// The words of the descriptor and of every report: "thread", "non-real", "stop-device".
 const char* to_text(ModuleType type);
@@ -39,6 +40,7 @@ const char* to_text(Miss miss);
 const char* to_text(Overrun overrun);
 const char* to_text(Offsets offsets);
 const char* to_text(Timing timing);
+const char* to_text(Carries carries);
 
 struct PropertyValue {
   std::string name;
@@ -140,6 +142,14 @@ struct Connection {
   std::optional<int> domain;  ///< of the topic; none: the cell's
   /// The topic is one of ROS 2: it begins with kRos2Topics, its type is a message of ROS 2.
   bool ros2 = false;
+  Carries carries = Carries::samples;
+  Line line{};
+};
+
+/// Who asks whom. `port` of each end is the name of the client, or of the service.
+struct Service {
+  Endpoint client;
+  Endpoint server;
   Line line{};
 };
 
@@ -168,6 +178,7 @@ struct Cell {
   bool domain_given = false;
   std::vector<Device> devices;
   std::vector<Connection> connections;
+  std::vector<Service> services;
   Discovery discovery;
   std::string server_device;  ///< whose node starts the discovery server; empty: somebody else runs it
   Line line{};
@@ -178,13 +189,22 @@ struct Cell {
 /// What the names of Takt's own topics begin with.
 inline constexpr const char* kOwnTopics = "takt/";
 
+/// The two ports that a service or client NAME is made of are NAME/request and NAME/reply.
+inline constexpr const char* kRequestPort = "/request";
+inline constexpr const char* kReplyPort = "/reply";
+/// Requests that wait for a service, of each client.
+inline constexpr int kServiceDepth = 8;
+/// Adds the two connections that each service of a cell is made of, side by side. Once.
+void connect_services(Cell& cell);
+
 /// What the names of ROS 2's topics begin with on DDS (its design article "Topic and Service name mapping to
 /// DDS").
 inline constexpr const char* kRos2Topics = "rt/";
 
 /// "robot.servo.setpoint"; without the dots of parts that are missing.
 std::string to_text(const Endpoint& end);
-/// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer.
+/// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer;
+/// of replies, of their reader: each client has a topic of its own.
 std::string topic_of(const Cell& cell, const Connection& connection);
 /// The module's own overrun contract, else its executor's.
 OverrunContract contract_of(const Device& device, const Module& module);

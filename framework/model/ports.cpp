@@ -68,7 +68,10 @@ class Check {
   Check(const Cell& cell, const CellPorts& ports) : cell_(cell), ports_(ports) {}
 
   Problems run() {
-    for (const Connection& connection : cell_.connections) check(connection);
+    for (const Connection& connection : cell_.connections) {
+      if (connection.carries == Carries::samples) check(connection);
+    }
+    for (const Service& service : cell_.services) check(service);
     check_immediate();
     return std::move(problems_);
   }
@@ -88,9 +91,20 @@ class Check {
     const std::string module = end.device + "." + end.module;
     std::vector<std::string_view> names;
     for (const Port& port : *ports) {
-      if ((port.direction == Direction::out) == output) names.push_back(port.name);
+      if (port.role == Role::plain && (port.direction == Direction::out) == output)
+        names.push_back(port.name);
     }
     const char* kind = output ? "output" : "input";
+    const auto service = std::find_if(ports->begin(), ports->end(), [&](const Port& p) {
+      return p.role != Role::plain && (name_of_service(p) == end.port || p.name == end.port);
+    });
+    if (service != ports->end()) {
+      add(line,
+          "module " + module + " has the " + (service->role == Role::client ? "client " : "service ") +
+              in_quotes(name_of_service(*service)) + " and no port " + in_quotes(end.port),
+          R"(say <service client="..." server="..."/>)");
+      return nullptr;
+    }
     const auto found =
         std::find_if(ports->begin(), ports->end(), [&](const Port& p) { return p.name == end.port; });
     if (found == ports->end()) {
@@ -128,6 +142,77 @@ class Check {
               from->type.name + ": " + difference(from->type, to->type),
           "build both components from the same IDL");
     }
+  }
+
+  /// The request and the reply of an end; none where it has none of that name, or nothing is known of it.
+  struct Halves {
+    const Port* request = nullptr;
+    const Port* reply = nullptr;
+  };
+  Halves check_service_end(const Endpoint& end, bool client, const Line& line) {
+    const auto place = find(cell_, end);
+    const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
+    if (ports == nullptr) return {};
+    const char* kind = client ? "client" : "service";
+    const std::string module = end.device + "." + end.module;
+    Halves halves;
+    std::vector<std::string> names;
+    bool is_other = false;
+    bool is_port = false;
+    for (const Port& port : *ports) {
+      const std::string name = name_of_service(port);
+      if (port.role == Role::plain || (port.role == Role::client) != client) {
+        (port.role == Role::plain ? is_port : is_other) |= name == end.port;
+        continue;
+      }
+      const bool request = port.name.ends_with(kRequestPort);
+      if (request) names.push_back(name);
+      if (name == end.port) (request ? halves.request : halves.reply) = &port;
+    }
+    if (halves.request != nullptr && halves.reply != nullptr) return halves;
+    if (is_other) {
+      add(line,
+          in_quotes(end.port) + " of module " + module + " is a " + (client ? "service" : "client") +
+              " and stands for the " + kind,
+          R"(client="..." asks and server="..." answers)");
+    } else if (is_port) {
+      add(line, in_quotes(end.port) + " of module " + module + " is a port and no " + kind,
+          "connect it with <connection from=\"...\" to=\"...\"/>");
+    } else {
+      add(line, "module " + module + " has no " + kind + " " + in_quotes(end.port),
+          names.empty() ? std::string{"it has none"} : suggestion(end.port, {names.begin(), names.end()}));
+    }
+    return {};
+  }
+
+  void check(const Service& service) {
+    const Halves asks = check_service_end(service.client, true, service.line);
+    const Halves answers = check_service_end(service.server, false, service.line);
+    if (asks.request == nullptr || answers.request == nullptr) return;
+    const auto compare = [&](const char* what, const Type& asked, const Type& answered) {
+      // Without what Takt adds.
+      const auto inner = [](const Type& type) {
+        const auto found = std::find_if(type.fields.begin(), type.fields.end(),
+                                        [](const Field& field) { return field.scalar == Scalar::structure; });
+        return Type{found->type_name, found->fields};
+      };
+      if (asked == answered) return;
+      const Type first = inner(asked);
+      const Type second = inner(answered);
+      if (first.name != second.name) {
+        add(service.line,
+            "client " + written(service.client) + " has " + what + " of type " + first.name +
+                " and service " + written(service.server) + " of type " + second.name,
+            "connect a client and a service of the same types");
+      } else {
+        add(service.line,
+            "client " + written(service.client) + " and service " + written(service.server) +
+                " know different types " + first.name + ": " + difference(first, second),
+            "build both components from the same IDL");
+      }
+    };
+    compare("requests", asks.request->type, answers.request->type);
+    compare("replies", asks.reply->type, answers.reply->type);
   }
 
   void check_message(const Endpoint& end, const Port& port, const Line& line) {
@@ -181,6 +266,15 @@ std::optional<Direction> direction_of(std::string_view text) {
   return std::nullopt;
 }
 
+/// One that was not said is plain.
+std::optional<Role> role_of(std::string_view text) {
+  if (text.empty()) return Role::plain;
+  for (const Role role : {Role::plain, Role::service, Role::handler, Role::client}) {
+    if (text == to_text(role)) return role;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 const char* to_text(Direction direction) {
@@ -195,11 +289,30 @@ const char* to_text(Direction direction) {
   return "?";
 }
 
+const char* to_text(Role role) {
+  switch (role) {
+    case Role::plain:
+      return "port";
+    case Role::service:
+      return "service";
+    case Role::handler:
+      return "handler";
+    case Role::client:
+      return "client";
+  }
+  return "?";
+}
+
+std::string name_of_service(const Port& port) {
+  return port.role == Role::plain ? port.name : port.name.substr(0, port.name.rfind('/'));
+}
+
 std::string ports_json(const std::vector<Port>& ports) {
   json list = json::array();
   for (const Port& port : ports) {
     list.push_back({{"name", port.name},
                     {"direction", to_text(port.direction)},
+                    {"role", to_text(port.role)},
                     {"type", port.type.name},
                     {"description", to_text(port.type)},
                     {"text", port.text},
@@ -222,14 +335,16 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
     Port port{.name = string_of("name"), .direction = Direction::in, .type = {}, .text = string_of("text")};
     port.object = each.is_object() && each.contains("object") && each["object"] == true;
     const auto direction = direction_of(string_of("direction"));
+    const auto role = role_of(string_of("role"));
     auto type = parse_type(string_of("description"));
-    if (port.name.empty() || !direction) {
-      problems.push_back(fail("a port without a name or a direction"));
+    if (port.name.empty() || !direction || !role) {
+      problems.push_back(fail("a port without a name, a direction or a role"));
     } else if (!type) {
       for (const Problem& problem : type.problems())
         problems.push_back(fail("port " + port.name + ": " + problem.what, problem.fix));
     } else {
       port.direction = *direction;
+      port.role = *role;
       port.type = std::move(*type);
       ports.push_back(std::move(port));
     }

@@ -28,8 +28,9 @@ inline constexpr int kMaxCatchUp = 1000;    ///< releases that are made up
 inline constexpr int kMaxSpinPercent = 90;  ///< of the basic period
 inline constexpr Nanoseconds kMaxBackoff = std::chrono::hours{1};
 inline constexpr int kMaxDepth = 65536;
-inline constexpr std::size_t kMaxConnections = 100000;  ///< of one cell
-inline constexpr std::size_t kMaxTopic = 255;           ///< bytes; Fast DDS cuts longer names off
+inline constexpr std::size_t kMaxConnections = 100000;              ///< of one cell
+inline constexpr std::size_t kMaxServiceName = kMaxNameLength - 8;  ///< with /request it is a port's
+inline constexpr std::size_t kMaxTopic = 255;                       ///< bytes; Fast DDS cuts longer names off
 inline constexpr std::size_t kMaxPeers = 256;
 inline constexpr std::size_t kMaxHost = 253;  ///< bytes
 
@@ -59,6 +60,7 @@ struct Gaps {
   bool discovery = false;           ///< how the nodes find each other
   std::vector<OfDevice> of_device;  ///< as Cell::devices; one that is missing has no gaps
   std::vector<bool> without_ends;   ///< as Cell::connections: true where `from` and `to` are not known
+  std::vector<bool> without_sides;  ///< as Cell::services: true where client and server are not known
 };
 
 /// All problems of the cell at once, by line, each with `file:line` and a fix; empty when there are none.

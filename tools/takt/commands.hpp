@@ -48,6 +48,7 @@ void add_orders(CLI::App& app, Chosen& chosen);
 void add_properties(CLI::App& app, Chosen& chosen);
 void add_echo(CLI::App& app, Chosen& chosen);
 void add_describe(CLI::App& app, Chosen& chosen);
+void add_call(CLI::App& app, Chosen& chosen);
 void add_doctor(CLI::App& app, Chosen& chosen);
 void add_bench(CLI::App& app, Chosen& chosen);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <sstream>
 
@@ -75,7 +76,37 @@ void add_module(Page& page, const model::Module& module) {
   page.line(2, "module      " + how);
 }
 
-void add_ports(Page& page, const std::vector<model::Port>& ports) {
+/// Of a request or a reply, without what Takt adds to it.
+const std::string& asked_type(const model::Type& type) {
+  const auto inner = std::find_if(type.fields.begin(), type.fields.end(), [](const model::Field& field) {
+    return field.scalar == model::Scalar::structure;
+  });
+  return inner == type.fields.end() ? type.name : inner->type_name;
+}
+
+/// A line for the two ports of each service and each client.
+void add_services(Page& page, const std::vector<model::Port>& ports) {
+  std::vector<Page::Words> table;
+  for (const model::Port& request : ports) {
+    if (request.role == model::Role::plain || !request.name.ends_with(model::kRequestPort)) continue;
+    const std::string name = model::name_of_service(request);
+    const auto reply = std::find_if(ports.begin(), ports.end(), [&](const model::Port& port) {
+      return port.name == name + model::kReplyPort;
+    });
+    table.push_back(
+        {request.role == model::Role::client ? "client" : "service", name,
+         asked_type(request.type) + " -> " + (reply == ports.end() ? "?" : asked_type(reply->type)),
+         request.text});
+  }
+  if (table.empty()) return;
+  page.line(2, "services");
+  rows(page, 4, table);
+}
+
+void add_ports(Page& page, const std::vector<model::Port>& all) {
+  std::vector<model::Port> ports;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(ports),
+               [](const model::Port& port) { return port.role == model::Role::plain; });
   page.line(2, ports.empty() ? "ports       none" : "ports");
   std::vector<Page::Words> heads;
   for (const model::Port& port : ports)
@@ -136,8 +167,9 @@ bool is_unsayable(const host::PropertyDescription& property) {
 }
 
 bool has_event(const host::Description& component) {
-  return std::any_of(component.ports.begin(), component.ports.end(),
-                     [](const model::Port& port) { return port.direction == model::Direction::event; });
+  return std::any_of(component.ports.begin(), component.ports.end(), [](const model::Port& port) {
+    return port.role == model::Role::plain && port.direction == model::Direction::event;
+  });
 }
 
 model::Operation proposed_operation(const Described& described) {
@@ -175,6 +207,7 @@ std::string describe_text(const Described& described, Style style) {
   if (!component.hooks.empty()) page.words(2, "hooks       ", component.hooks);
   add_properties(page, described);
   add_ports(page, component.ports);
+  add_services(page, component.ports);
   return std::move(page).take();
 }
 

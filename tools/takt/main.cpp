@@ -101,6 +101,7 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
   add_orders(app, chosen);
   add_properties(app, chosen);
   add_echo(app, chosen);
+  add_call(app, chosen);
   add_doctor(app, chosen);
   add_bench(app, chosen);
   add_describe(app, chosen);

@@ -26,8 +26,10 @@ class Saying {
     }
     for (const auto& c : cell.connections) {
       say("connection", to_text(c.from), to_text(c.to), to_text(c.kind), c.depth, to_text(c.reliability),
-          ns(c.deadline), ns(c.lifespan), to_text(c.stale), c.topic, c.domain.value_or(-1));
+          ns(c.deadline), ns(c.lifespan), to_text(c.stale), c.topic, c.domain.value_or(-1),
+          to_text(c.carries));
     }
+    for (const auto& s : cell.services) say("service", to_text(s.client), to_text(s.server));
   }
   [[nodiscard]] std::string text() const { return text_.str(); }
 
