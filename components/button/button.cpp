@@ -18,4 +18,4 @@ class Button : public takt::Component {
     closed.write(contact_);
   }
 };
-TAKT_COMPONENT(Button)
+TAKT_COMPONENT(Button, "A push button that is pressed from afar.")

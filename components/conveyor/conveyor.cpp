@@ -130,4 +130,4 @@ class Conveyor : public takt::Component {
     scene.write(scene_);
   }
 };
-TAKT_COMPONENT(Conveyor)
+TAKT_COMPONENT(Conveyor, "A belt with a light barrier, simulated.")

@@ -63,4 +63,4 @@ class Dispatcher : public takt::Component {
     pose.yaw(yaw);
   }
 };
-TAKT_COMPONENT(Dispatcher)
+TAKT_COMPONENT(Dispatcher, "Asks a robot to take the parts that come.")

@@ -83,4 +83,4 @@ class EmergencyStop : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(EmergencyStop)
+TAKT_COMPONENT(EmergencyStop, "Logic of an emergency stop with two channels; not certified.")

@@ -56,4 +56,4 @@ class Gripper : public takt::Component {
     width.write(width_);
   }
 };
-TAKT_COMPONENT(Gripper)
+TAKT_COMPONENT(Gripper, "A gripper with two fingers, simulated.")

@@ -204,4 +204,4 @@ class Trajectory : public takt::Component {
     answered_ = true;
   }
 };
-TAKT_COMPONENT(Trajectory)
+TAKT_COMPONENT(Trajectory, "Takes parts from one pose to another: set points of a six-axis arm.")
