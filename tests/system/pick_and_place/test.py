@@ -8,6 +8,7 @@ import socket
 import struct
 import sys
 import time
+import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
@@ -88,6 +89,22 @@ class PickAndPlace(takt_system.Case):
         self.assertLessEqual(abs(int(placed) - int(predicted)), 1)
         self.assertLessEqual(int(placed), math.floor((float(running) + 0.5) / float(each)))
         self.assertGreaterEqual(int(placed), math.floor((float(running) - 1.5) / float(each)))
+
+    @unittest.skipUnless(os.path.realpath(takt_system.BIN) == os.path.join(takt_system.SOURCE, "build", "release", "bin"),
+                         "tools/demo builds and runs build/release")
+    def test_the_demo_presses_the_emergency_stop_and_ends_by_itself(self):
+        demo = takt_system.Run([os.path.join(takt_system.SOURCE, "tools", "demo"), "--for", "20"], self.folder,
+                               environment={"TAKT_DOMAIN": str(self.domain)})
+        self.runs.append(demo)
+        self.assertEqual(0, demo.wait(120).status, demo.err)
+        orders = [line for line in demo.raw if line.startswith("demo: ")]
+        self.assertEqual(["demo: takt set line.%s" % order for order in ("stop_button down true", "stop_button down false",
+                                                                         "reset_button down true", "reset_button down false")], orders)
+        placed, predicted, _, _, running, stopped, _ = next(filter(None, map(GOODBYE.search, demo.raw))).groups()
+        self.assertGreater(int(placed), 0)
+        self.assertLessEqual(abs(int(placed) - int(predicted)), 1)
+        self.assertGreater(float(stopped), 2)
+        self.assertIn("cell palletizing", demo.out)
 
     def test_a_camera_that_dies_is_started_again(self):
         cell = self.demo()
