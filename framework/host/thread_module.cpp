@@ -339,7 +339,7 @@ bool ThreadModule::has_request() noexcept {
 bool ThreadModule::serve(const char* refusal) {
   if (!has_handlers()) return false;
   handler_context_.start_ns = to_ns(now());
-  const InHook in_hook{now()};
+  const InHook in_hook{now(), period_};
   const auto& services = component_->services();
   for (std::size_t n = services.size(); n > 0; --n) {
     if (++served_last_ >= services.size()) served_last_ = 0;
