@@ -50,7 +50,8 @@ int list(const std::vector<std::string>& folders, const Options& options) {
 Result<Described> describe_module(const model::Cell& cell, const model::Device& device,
                                   const model::Module& module) {
   const auto at_line = [&](Problems problems) {
-    for (Problem& problem : problems) problem.where = place(cell.file, module.line);
+    for (Problem& problem : problems)
+      problem = model::problem_at(cell.texts(), module.line, std::move(problem.what), std::move(problem.fix));
     return problems;
   };
   auto path = host::find_component(module.filename, cell.file);
