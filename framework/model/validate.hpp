@@ -60,7 +60,7 @@ struct Gaps {
   bool discovery = false;           ///< how the nodes find each other
   std::vector<OfDevice> of_device;  ///< as Cell::devices; one that is missing has no gaps
   std::vector<bool> without_ends;   ///< as Cell::connections: true where `from` and `to` are not known
-  std::vector<bool> without_sides;  ///< as Cell::services: true where client and server are not known
+  std::vector<bool> without_sides{};  ///< as Cell::services: true where client and server are not known
 };
 
 /// All problems of the cell at once, by line, each with `file:line` and a fix; empty when there are none.
