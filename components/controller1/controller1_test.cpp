@@ -142,7 +142,7 @@ TEST(Controller1, BeginsAtItsOriginAgainAfterAnError) {
 TEST(Controller1, RefusesWhatItCannotCountTo) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("counter", "0"));
-  EXPECT_EQ(module.start().text(), "threw: property 'counter' is '0'; it takes 1 to 1000000");
+  EXPECT_EQ(module.start().text(), "property 'counter' cannot be '0'; it takes a whole number, 1 to 1000000, in periods");
 }
 
 }  // namespace

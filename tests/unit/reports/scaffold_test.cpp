@@ -6,6 +6,7 @@
 namespace takt::tool {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::UnorderedElementsAre;
@@ -38,7 +39,7 @@ TEST(Scaffold, LeavesNoPlaceholder) {
         ASSERT_TRUE(files);
         EXPECT_EQ(files->size(), 6U);
         for (const NewFile& file : *files) {
-          EXPECT_THAT(file.text, Not(HasSubstr("@"))) << file.name;
+          EXPECT_THAT(file.text, Not(ContainsRegex("@[A-Za-z]+@"))) << file.name;
           EXPECT_FALSE(file.text.empty()) << file.name;
         }
       }
@@ -46,7 +47,7 @@ TEST(Scaffold, LeavesNoPlaceholder) {
   }
   const auto cell = new_cell("plant");
   ASSERT_TRUE(cell);
-  for (const NewFile& file : *cell) EXPECT_THAT(file.text, Not(HasSubstr("@"))) << file.name;
+  for (const NewFile& file : *cell) EXPECT_THAT(file.text, Not(ContainsRegex("@[A-Za-z]+@"))) << file.name;
 }
 TEST(Scaffold, SaysWhichKindItIs) {
   const auto files = new_component({"pump", model::ModuleType::process, model::Operation::sporadic, true});
