@@ -21,7 +21,7 @@ import sys
 import tempfile
 
 FENCE = re.compile(r"^(?:<!-- (?P<mark>file|not run|shown): (?P<value>.*?) -->\n)?```(?P<kind>\S*)\n(?P<text>.*?)^```$", re.M | re.S)
-NUMBER = r"[-+]?\d[\d.,]*"
+NUMBER = r"[-+]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?"
 
 
 class Wrong(Exception):

@@ -90,6 +90,7 @@ std::vector<NewFile> files_of(std::string_view folder, const Values& values,
     files.push_back(
         {filled(source ? std::string_view{name->second} : one.name, values), filled(one.text, values)});
   }
+  std::sort(files.begin(), files.end(), [](const NewFile& a, const NewFile& b) { return a.name < b.name; });
   return files;
 }
 
