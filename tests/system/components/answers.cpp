@@ -29,8 +29,8 @@ class Answers : public takt::Component {
 
   takt::Result<samples::Count> answer(const samples::Count& request) {
     if (!is_whole(request)) return takt::fail("it is torn");
-    if (request.number() == hang_at_) std::this_thread::sleep_for(std::chrono::hours{1});
-    if (request.number() == crash_at_) std::abort();
+    if (hang_at_ != 0 && request.number() == hang_at_) std::this_thread::sleep_for(std::chrono::hours{1});
+    if (crash_at_ != 0 && request.number() == crash_at_) std::abort();
     if (request.number() % 7 == 0) return takt::fail("a multiple of 7", "ask for another");
     if (request.number() % 11 == 0) throw std::runtime_error("a multiple of 11");
     samples::Count reply;
