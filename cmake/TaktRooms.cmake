@@ -66,6 +66,7 @@ function(takt_room name)
 
   foreach(header IN LISTS ROOM_FOR_AUTHORS)
     file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${name}/${header} ${root}/takt/${header} SYMBOLIC)
+    set_property(GLOBAL APPEND PROPERTY TAKT_FOR_AUTHORS ${name}/${header})
   endforeach()
 
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)

@@ -54,4 +54,4 @@ class Arm : public takt::Component {
     measured.write(state_);
   }
 };
-TAKT_COMPONENT(Arm)
+TAKT_COMPONENT(Arm, "Rigid bodies of a six-axis arm, simulated.")

@@ -32,4 +32,15 @@ static inline double argument_number(int argc, char* argv[], const char* name, d
   return value;
 }
 
+/* The same for a whole number. */
+static inline int argument_whole(int argc, char* argv[], const char* name, int fallback, int min, int max) {
+  const double value = argument_number(argc, argv, name, fallback, min, max);
+  if (value != floor(value)) {
+    fprintf(stderr, "property '%s' cannot be '%s'; it takes a whole number, %d to %d\n", name,
+            argument_text(argc, argv, name, ""), min, max);
+    exit(1);
+  }
+  return (int)value;
+}
+
 #endif

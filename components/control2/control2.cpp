@@ -76,4 +76,4 @@ class Control2 : public takt::Component {
                  std::sqrt(meter_.mean_square), meter_.largest, bounded_, runs_);
   }
 };
-TAKT_COMPONENT(Control2)
+TAKT_COMPONENT(Control2, "Velocity loop of a DC motor under a load that comes and goes.")

@@ -6,6 +6,13 @@
 
 #include "filter.hpp"
 
+TAKT_TEXT("Notch and low-pass that keep a joint's resonance out of its torque command.");
+TAKT_NUMBER(resonance_hz, 180, 1, 4999, "Hz", "Of the ripple.");
+TAKT_NUMBER(notch_hz, 180, 1, 4999, "Hz", "What the notch takes out.");
+TAKT_NUMBER(notch_quality, 2, 0.1, 100, "1", "Frequency over width of the notch.");
+TAKT_NUMBER(low_pass_hz, 1000, 1, 4999, "Hz", "Corner of the low-pass.");
+TAKT_NUMBER(command_hz, 2, 0.01, 100, "Hz", "Of the command.");
+
 namespace {
 
 constexpr double kRate = 10000;  // Hz; the interface of Figure 8 does not hand over the period
@@ -25,12 +32,11 @@ int errors = 0;
 
 extern "C" {
 
-void initialize(irp::Property const& property) {
-  notch = control3::Biquad::notch(property.get("notch_hz", 180.0, 1, 4999),
-                                  property.get("notch_quality", 2.0, 0.1, 100), kRate);
-  low_pass = control3::Biquad::low_pass(property.get("low_pass_hz", 1000.0, 1, 4999), 0.7071, kRate);
-  command = control3::Oscillator(property.get("command_hz", 2.0, 0.01, 100), kRate);
-  resonance = control3::Oscillator(property.get("resonance_hz", 180.0, 1, 4999), kRate);
+void initialize(irp::Property const&) {
+  notch = control3::Biquad::notch(notch_hz, notch_quality, kRate);
+  low_pass = control3::Biquad::low_pass(low_pass_hz, 0.7071, kRate);
+  command = control3::Oscillator(command_hz, kRate);
+  resonance = control3::Oscillator(resonance_hz, kRate);
 }
 
 void start(void) {

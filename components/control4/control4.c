@@ -4,8 +4,15 @@
 #include <stdlib.h>
 #include <takt/process.h>
 
-#include "../common/argument.h"
 #include "temperature_loop.h"
+
+TAKT_TEXT("Temperature loop of an extruder's heating zone.");
+TAKT_NUMBER(low_c, 60, 30, 300, "degC", "The lower set point.");
+TAKT_NUMBER(high_c, 80, 30, 300, "degC", "The higher set point.");
+TAKT_NUMBER(hold_s, 10, 0.01, 3600, "s", "At each set point.");
+TAKT_NUMBER(gain_w_k, 30, 0.1, 1000, "W/K", "Proportional gain.");
+TAKT_NUMBER(integral_s, 4, 0.1, 1000, "s", "Integral time.");
+TAKT_NUMBER(power_w, 400, 1, 5000, "W", "Of the heater.");
 
 static struct zone zone;
 static struct heater_loop loop;
@@ -18,16 +25,13 @@ static void say_goodbye(void) {
          loop.integral);
 }
 
-int main(int argc, char* argv[]) {
-  const double low = argument_number(argc, argv, "low_c", 60, 30, 300);
-  const double high = argument_number(argc, argv, "high_c", 80, 30, 300);
-  const double hold = argument_number(argc, argv, "hold_s", 10, 0.01, 3600);
+int main(void) {
   const double room = 20;
-  zone = zone_at_room(room);
-  loop.gain = argument_number(argc, argv, "gain_w_k", 30, 0.1, 1000);
-  loop.integral_time = argument_number(argc, argv, "integral_s", 4, 0.1, 1000);
-  loop.power_limit = argument_number(argc, argv, "power_w", 400, 1, 5000);
   initPeriodExe();
+  zone = zone_at_room(room);
+  loop.gain = gain_w_k;
+  loop.integral_time = integral_s;
+  loop.power_limit = power_w;
   atexit(say_goodbye);
   const double dt = (double)takt_period_ns() * 1e-9;
   double time = 0;
@@ -35,8 +39,8 @@ int main(int argc, char* argv[]) {
   while (1) {
     waitPeriod();
     time += dt;
-    if (time >= 2 * hold) time = 0;
-    wanted = time < hold ? high : low;
+    if (time >= 2 * hold_s) time = 0;
+    wanted = time < hold_s ? high_c : low_c;
     zone_step(&zone, heater_loop_step(&loop, wanted, zone.sensor, dt), dt);
     ++releases;
   }

@@ -6,6 +6,14 @@
 
 #include "position_loop.hpp"
 
+TAKT_TEXT("Position loop of a linear axis that goes to and fro on a trapezoidal profile.");
+TAKT_INTEGER(counter, 5, 1, 1000000, "periods", "Inside the window before the axis is in position.");
+TAKT_NUMBER(stroke_mm, 100, 1, 10000, "mm", "From one end to the other.");
+TAKT_NUMBER(velocity_mm_s, 500, 1, 5000, "mm/s", "Of the profile.");
+TAKT_NUMBER(acceleration_mm_s2, 5000, 10, 100000, "mm/s^2", "Of the profile.");
+TAKT_NUMBER(gain_1_s, 60, 1, 200, "1/s", "Proportional gain.");
+TAKT_NUMBER(integral_1_s2, 800, 0, 5000, "1/s^2", "Integral gain.");
+
 namespace {
 
 controller1::Shuttle shuttle;
@@ -15,13 +23,13 @@ int errors = 0;
 
 extern "C" {
 
-void initialize(irp::Property const& property) {
-  shuttle.in_position.counter = property.get("counter", 5LL, 1, 1000000);
-  shuttle.stroke = property.get("stroke_mm", 100.0, 1, 10000);
-  shuttle.move.velocity = property.get("velocity_mm_s", 500.0, 1, 5000);
-  shuttle.move.acceleration = property.get("acceleration_mm_s2", 5000.0, 10, 100000);
-  shuttle.loop.gain = property.get("gain_1_s", 60.0, 1, 200);
-  shuttle.loop.integral_gain = property.get("integral_1_s2", 800.0, 0, 5000);
+void initialize(irp::Property const&) {
+  shuttle.in_position.counter = counter;
+  shuttle.stroke = stroke_mm;
+  shuttle.move.velocity = velocity_mm_s;
+  shuttle.move.acceleration = acceleration_mm_s2;
+  shuttle.loop.gain = gain_1_s;
+  shuttle.loop.integral_gain = integral_1_s2;
   shuttle.loop.command_limit = 1.2 * shuttle.move.velocity;
 }
 

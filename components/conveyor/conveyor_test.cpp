@@ -1,9 +1,13 @@
 #include "belt.hpp"
 
+#include <limits>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include <takt/testing.hpp>
 
+#include <basic.hpp>
 #include <line.hpp>
 #include <motion.hpp>
 
@@ -56,6 +60,68 @@ TEST(Belt, NeverAcceleratesMoreThanItMay) {
   }
 }
 
+TEST(Belt, StandsForASpeedThatMakesNoSense) {
+  Belt belt;
+  for (const double wanted :
+       {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    for (int i = 0; i < 500; ++i) belt.step(wanted, kPeriod);
+  EXPECT_EQ(belt.position, 0);
+}
+
+TEST(Belt, HasTheSamePartsInEachRun) {
+  Belt slow{.acceleration = 0.1};
+  Belt fast{.acceleration = 5};
+  while (!slow.step(0.1, kPeriod)) {
+  }
+  while (!fast.step(1, kPeriod)) {
+  }
+  for (std::uint32_t number = 1; number < 50; ++number) {
+    EXPECT_EQ(slow.laid(number).y, fast.laid(number).y);
+    EXPECT_EQ(slow.laid(number).angle, fast.laid(number).angle);
+    EXPECT_STREQ(slow.laid(number).kind, fast.laid(number).kind);
+    EXPECT_NE(slow.laid(number).y, slow.laid(number + 1).y);
+    EXPECT_LE(std::abs(slow.laid(number).y), 0.05);
+    EXPECT_LE(std::abs(slow.laid(number).angle), std::numbers::pi / 4);
+  }
+}
+
+TEST(Belt, BringsThePartThatItSaysNext) {
+  Belt belt;
+  EXPECT_EQ(belt.first(), 1U);
+  EXPECT_DOUBLE_EQ(belt.laid(1).x, 0.3);
+  while (!belt.step(0.5, kPeriod)) {
+  }
+  EXPECT_EQ(belt.first(), 1U);
+  EXPECT_NEAR(belt.laid(1).x, 0, 0.5 * kPeriod);  // at most a step behind the barrier
+  EXPECT_LE(belt.laid(1).x, 0);
+  belt.taken(1);
+  EXPECT_EQ(belt.first(), 2U);
+  EXPECT_NEAR(belt.laid(2).x, 0.3, 0.5 * kPeriod);
+}
+
+// What README.md says, to two periods for each part.
+TEST(Belt, BringsAsManyPartsAMinuteAsItsFormulaSays) {
+  struct Case {
+    double spacing, speed, acceleration, held;
+  };
+  for (const Case c :
+       {Case{0.3, 0.4, 1, 1.2}, Case{0.3, 0.3, 1, 0}, Case{0.1, 2, 1, 0.5}, Case{1, 0.2, 5, 3}}) {
+    Belt belt{.acceleration = c.acceleration, .spacing = c.spacing};
+    double held = 0;
+    const int steps = static_cast<int>(600 / kPeriod);
+    for (int i = 0; i < steps; ++i) {
+      if (belt.holding && (held += kPeriod) >= c.held) {
+        belt.taken(belt.parts);
+        held = 0;
+      }
+      belt.step(c.speed, kPeriod);
+    }
+    const double between = time_between(c.spacing, c.speed, c.acceleration) + c.held;
+    EXPECT_LE(belt.parts, 600 / (between - 2 * kPeriod) + 1);
+    EXPECT_GE(belt.parts, 600 / (between + 2 * kPeriod) - 1);
+  }
+}
+
 using namespace std::chrono_literals;
 using takt::lifecycle::State;
 
@@ -76,7 +142,7 @@ TEST(Conveyor, TellsOfEachPartAndGoesOnWhenItWasTaken) {
   ASSERT_TRUE(module.set("spacing", "0.5"));
   auto& command = module.in<line::BeltCommand>("command");
   auto& taken = module.in<motion::PickDone>("taken", {.queue = 8});
-  auto& part = module.out<line::PartSeen>("part");
+  auto& part = module.out<line::Part>("part");
   auto& state = module.out<line::BeltState>("state");
   ASSERT_TRUE(module.start());
 
@@ -96,7 +162,7 @@ TEST(Conveyor, SaysAPartThatWaitsAgainAndAgain) {
   takt::testing::Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("repeat", "0.1"));
   auto& command = module.in<line::BeltCommand>("command");
-  auto& part = module.out<line::PartSeen>("part");
+  auto& part = module.out<line::Part>("part");
   ASSERT_TRUE(module.start());
   command.write(speed(0.5));
   ASSERT_TRUE(module.step_until([&] { return part.count() == 1; }, 1000));
@@ -123,11 +189,164 @@ TEST(Conveyor, StandsStillWhenItsCommandIsStale) {
   EXPECT_LT(state.value().speed(), 0.003);  // from standstill
 }
 
+basic::Flag flag(bool value) {
+  basic::Flag one;
+  one.value(value);
+  return one;
+}
+
+TEST(Conveyor, BrakesWhenItIsNotEnabledAndGoesOnWhenItIsAgain) {
+  takt::testing::Module module{{.period = 2ms}};
+  ASSERT_TRUE(module.set("spacing", "10"));
+  auto& command = module.in<line::BeltCommand>("command");
+  auto& enable = module.in<basic::Flag>("enable");
+  auto& state = module.out<line::BeltState>("state");
+  ASSERT_TRUE(module.start());
+  command.write(speed(0.5));
+  module.step(300);  // nobody has said anything of enable
+  EXPECT_DOUBLE_EQ(state.value().speed(), 0.5);
+
+  enable.write(flag(false));
+  module.step(125);  // half of the braking, with 1 m/s^2
+  EXPECT_NEAR(state.value().speed(), 0.25, 1e-9);
+  module.step(126);
+  EXPECT_EQ(state.value().mode(), line::BELT_STOPPED);
+  const double stood = state.value().position();
+  module.step(100);
+  EXPECT_EQ(state.value().position(), stood);
+
+  enable.write(flag(true));
+  module.step(300);
+  EXPECT_DOUBLE_EQ(state.value().speed(), 0.5);
+}
+
+TEST(Conveyor, ShowsACameraThePartsBeforeTheBarrier) {
+  takt::testing::Module module{{.period = 2ms}};
+  ASSERT_TRUE(module.set("view", "0.7"));
+  auto& command = module.in<line::BeltCommand>("command");
+  auto& taken = module.in<motion::PickDone>("taken", {.queue = 8});
+  auto& scene = module.out<line::Scene>("scene");
+  auto& barrier = module.out<basic::Flag>("barrier");
+  auto& part = module.out<line::Part>("part");
+  ASSERT_TRUE(module.start());
+  module.step();
+  ASSERT_EQ(scene.value().parts().size(), 2U);  // at 0.3 and 0.6 m
+  EXPECT_DOUBLE_EQ(scene.value().parts()[1].x(), 0.6);
+  EXPECT_FALSE(barrier.value().value());
+
+  command.write(speed(0.5));
+  ASSERT_TRUE(module.step_until([&] { return barrier.value().value(); }, 1000));
+  EXPECT_EQ(part.count(), 1U);
+  ASSERT_EQ(scene.value().parts().size(), 3U);
+  EXPECT_EQ(scene.value().parts()[0].number(), 1U);
+  EXPECT_NEAR(scene.value().parts()[0].x(), 0, 1e-3);
+  EXPECT_EQ(scene.value().parts()[0].y(), part.value().y());
+  EXPECT_EQ(scene.value().parts()[0].kind(), part.value().kind());
+
+  taken.write(done(1));
+  module.step();
+  EXPECT_FALSE(barrier.value().value());
+  EXPECT_EQ(scene.value().parts()[0].number(), 2U);
+}
+
+TEST(Conveyor, ShowsNoMorePartsThanASceneHolds) {
+  takt::testing::Module module{{.period = 2ms}};
+  ASSERT_TRUE(module.set("view", "10"));
+  ASSERT_TRUE(module.set("spacing", "0.05"));
+  auto& scene = module.out<line::Scene>("scene");
+  ASSERT_TRUE(module.start());
+  module.step();
+  EXPECT_EQ(scene.value().parts().size(), 16U);
+  EXPECT_EQ(scene.unfit(), 0U);
+}
+
+TEST(Conveyor, GoesOnCountingFromANumber) {
+  takt::testing::Module module{{.period = 2ms}};
+  auto& command = module.in<line::BeltCommand>("command");
+  auto& part = module.out<line::Part>("part");
+  auto& taken = module.in<motion::PickDone>("taken", {.queue = 8});
+  auto& request = module.in<takt::ServiceRequest<basic::Count>>("count/request");
+  auto& reply = module.out<takt::ServiceReply<basic::Count>>("count/reply");
+  ASSERT_TRUE(module.start());
+  command.write(speed(0.5));
+  ASSERT_TRUE(module.step_until([&] { return part.count() == 1; }, 1000));
+
+  takt::ServiceRequest<basic::Count> recount{
+      .client = 1, .number = 1, .timeout_ns = 1'000'000'000, .request = {}};
+  recount.request.value(41);
+  request.write(recount);
+  module.step();
+  EXPECT_EQ(reply.value().code, takt::ServiceCode::refused) << "the part at the barrier has its number";
+  taken.write(done(1));
+  module.step();
+  recount.number = 2;
+  request.write(recount);
+  module.step();
+  EXPECT_EQ(reply.value().code, takt::ServiceCode::replied) << reply.value().reason.data();
+  EXPECT_EQ(reply.value().number, 2U);
+  EXPECT_EQ(reply.value().reply.value(), 1);
+  ASSERT_TRUE(module.step_until([&] { return part.count() == 2; }, 1000));
+  EXPECT_EQ(part.value().number(), 42U);
+
+  taken.write(done(42));
+  module.step();
+  recount.request.value(-1);
+  request.write(recount);
+  module.step();
+  EXPECT_STREQ(reply.value().reason.data(), "a count is 0 to 1000000000");
+}
+
 TEST(Conveyor, RefusesWhatNoBeltCanDo) {
   takt::testing::Module module;
   EXPECT_EQ(module.set("spacing", "0").text(),
             "property 'spacing' cannot be '0'; it takes a number, 0.05 to 10, in m");
   EXPECT_FALSE(module.set("acceleration", "fast"));
+}
+
+TEST(Conveyor, StopsWhenTheOneWhoEnablesItFallsSilent) {
+  takt::testing::Module module{{.period = 2ms}};
+  ASSERT_TRUE(module.set("enable_timeout", "0.1"));
+  auto& command = module.in<line::BeltCommand>("command");
+  auto& enable = module.in<basic::Flag>("enable");
+  auto& state = module.out<line::BeltState>("state");
+  ASSERT_TRUE(module.start());
+  line::BeltCommand fast;
+  fast.speed(0.5);
+  command.write(fast);
+  module.step(100);
+  EXPECT_EQ(state.value().speed(), 0) << "nobody has said yet that it may run";
+  basic::Flag yes;
+  yes.value(true);
+  for (int i = 0; i < 100; ++i) {
+    enable.write(yes);
+    module.step();
+  }
+  EXPECT_GT(state.value().speed(), 0.1);
+  module.step(400);  // 0.1 s of silence, then it brakes
+  EXPECT_EQ(state.value().speed(), 0);
+}
+
+TEST(Conveyor, KeepsAPartThatTheRobotRefused) {
+  takt::testing::Module module{{.period = 2ms}};
+  auto& command = module.in<line::BeltCommand>("command");
+  auto& taken = module.in<motion::PickDone>("taken", {.queue = 8});
+  auto& state = module.out<line::BeltState>("state");
+  ASSERT_TRUE(module.start());
+  line::BeltCommand fast;
+  fast.speed(0.5);
+  command.write(fast);
+  module.step(1000);
+  ASSERT_EQ(state.value().mode(), line::BELT_HOLDING);
+  motion::PickDone done;
+  done.number(1);
+  done.result(motion::PICK_REFUSED);
+  taken.write(done);
+  module.step(2);
+  EXPECT_EQ(state.value().mode(), line::BELT_HOLDING);
+  done.result(motion::PICK_PLACED);
+  taken.write(done);
+  module.step(2);
+  EXPECT_EQ(state.value().mode(), line::BELT_RUNNING);
 }
 
 }  // namespace

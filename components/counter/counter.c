@@ -5,6 +5,7 @@
 
 #include "rate.h"
 
+TAKT_TEXT("Counts how many parts a belt brings in a minute.");
 TAKT_IN_PORT(line_BeltState, state);
 TAKT_OUT_PORT(line_Throughput, throughput);
 

@@ -2,6 +2,7 @@
 // event arrives.
 #include <takt/component.hpp>
 
+#include <cmath>
 #include <numbers>
 
 #include <line.hpp>
@@ -10,11 +11,11 @@
 #include "station.hpp"
 
 class Dispatcher : public takt::Component {
-  takt::EventPort<line::PartSeen> part{*this, "part", {.text = "A part has come to the light barrier."}};
+  takt::EventPort<line::Part> part{*this, "part", {.text = "A part waits at the light barrier."}};
   takt::OutPort<motion::PickRequest> request{*this, "request", {.text = "What the robot is asked to take."}};
   takt::Property<bool> bottles{*this, "bottles", true, {.text = "Whether bottles are taken too, or left."}};
 
-  // All in the robot's foot; the belt runs along y, so that its width lies along x.
+  // All in the robot's foot. The belt runs along y, and what is right of it lies along x.
   takt::Property<double> belt_x{
       *this, "belt_x", 0.75, {.unit = "m", .min = -5, .max = 5, .text = "The belt's middle at the barrier."}};
   takt::Property<double> belt_y{
@@ -39,24 +40,27 @@ class Dispatcher : public takt::Component {
 
   void run(const takt::Cycle&) noexcept override {
     while (part.read()) {
-      const line::PartSeen& seen = part.value();
+      const line::Part& seen = part.value();
       if (!bottles && seen.kind() == "bottle") continue;
       if (asked_ == 0 || seen.number() != request_.number()) ++asked_;  // else it still waits
       const dispatcher::Pallet pallet{{pallet_x, pallet_y, pallet_z}, columns, rows, pitch};
       const dispatcher::Place place = pallet.slot(asked_ - 1);
       request_.number(seen.number());
-      set(request_.pick(), {belt_x + seen.offset(), belt_y, belt_z});
-      set(request_.place(), place);
+      // The fingers close across the longer side, which has no direction.
+      set(request_.pick(), {belt_x + seen.y(), belt_y - seen.x(), belt_z},
+          -std::remainder(seen.angle(), std::numbers::pi));
+      set(request_.place(), place, 0);
       request.write(request_);
     }
   }
 
   // The tool points downwards.
-  static void set(motion::Pose& pose, const dispatcher::Place& place) noexcept {
+  static void set(motion::Pose& pose, const dispatcher::Place& place, double yaw) noexcept {
     pose.x(place.x);
     pose.y(place.y);
     pose.z(place.z);
     pose.roll(std::numbers::pi);
+    pose.yaw(yaw);
   }
 };
-TAKT_COMPONENT(Dispatcher)
+TAKT_COMPONENT(Dispatcher, "Asks a robot to take the parts that come.")

@@ -24,17 +24,17 @@ TEST(Pallet, FillsColumnByColumnAndBeginsAgain) {
   EXPECT_EQ(pallet.slot(6).z, 3);
 }
 
-line::PartSeen seen(std::uint32_t number, const char* kind, double offset) {
-  line::PartSeen part;
+line::Part seen(std::uint32_t number, const char* kind, double y) {
+  line::Part part;
   part.number(number);
   part.kind(kind);
-  part.offset(offset);
+  part.y(y);
   return part;
 }
 
 TEST(Dispatcher, AsksForThePartWhereItLiesAndForTheNextPlace) {
   takt::testing::Module module{{.sporadic = true}};
-  auto& part = module.in<line::PartSeen>("part");
+  auto& part = module.in<line::Part>("part");
   auto& request = module.out<motion::PickRequest>("request");
   ASSERT_TRUE(module.start());
   part.write(seen(1, "box", 0.02));
@@ -55,10 +55,30 @@ TEST(Dispatcher, AsksForThePartWhereItLiesAndForTheNextPlace) {
   EXPECT_NEAR(request.value().place().x(), first.place().x() + 0.12, 1e-12);
 }
 
+TEST(Dispatcher, TurnsTheToolWithThePart) {
+  takt::testing::Module module{{.sporadic = true}};
+  auto& part = module.in<line::Part>("part");
+  auto& request = module.out<motion::PickRequest>("request");
+  ASSERT_TRUE(module.start());
+  line::Part turned = seen(1, "box", 0);
+  turned.x(0.01);  // has not come as far as the barrier
+  turned.angle(0.4);
+  part.write(turned);
+  module.step();
+  EXPECT_NEAR(request.value().pick().y(), 0.44, 1e-12);
+  EXPECT_NEAR(request.value().pick().yaw(), -0.4, 1e-12);
+  EXPECT_EQ(request.value().place().yaw(), 0);
+  turned.number(2);
+  turned.angle(3);  // the same as 0.14 the other way
+  part.write(turned);
+  module.step();
+  EXPECT_NEAR(request.value().pick().yaw(), std::numbers::pi - 3, 1e-12);
+}
+
 TEST(Dispatcher, LeavesBottlesWhenItIsToldTo) {
   takt::testing::Module module{{.sporadic = true}};
   ASSERT_TRUE(module.set("bottles", "false"));
-  auto& part = module.in<line::PartSeen>("part");
+  auto& part = module.in<line::Part>("part");
   auto& request = module.out<motion::PickRequest>("request");
   ASSERT_TRUE(module.start());
   part.write(seen(1, "bottle", 0));

@@ -50,4 +50,4 @@ class Edge : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Edge)
+TAKT_COMPONENT(Edge, "Finds rising and falling edges of a flag.")

@@ -7,6 +7,11 @@
 
 #include "limit.hpp"
 
+TAKT_TEXT("Switches a motor off when its winding is too hot, and on again when it has cooled.");
+TAKT_NUMBER(current_a, 10, 0, 100, "A", "While it is on; heats the winding to 1.5 K/A^2.");
+TAKT_NUMBER(trip_k, 90, 1, 1000, "K", "Above the room: off.");
+TAKT_NUMBER(clear_k, 60, 0.1, 1000, "K", "Above the room: on again; below trip_k.");
+
 namespace {
 
 constexpr double kCheck = 100e-6;  // s between two checks: the basic period of deploy/module.xml
@@ -25,10 +30,10 @@ int condition() {
     return FALSE;  // otherwise
 }
 
-void initialize(irp::Property const& property) {
-  drive.current = property.get("current_a", 10.0, 0, 100);
-  drive.limit.trip = property.get("trip_k", 90.0, 1, 1000);
-  drive.limit.clear = property.get("clear_k", 60.0, 0.1, 1000);
+void initialize(irp::Property const&) {
+  drive.current = current_a;
+  drive.limit.trip = trip_k;
+  drive.limit.clear = clear_k;
   if (!(drive.limit.clear < drive.limit.trip))
     throw std::invalid_argument("property 'clear_k' must be below 'trip_k'");
 }

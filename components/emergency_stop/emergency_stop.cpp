@@ -26,6 +26,12 @@ class EmergencyStop : public takt::Component {
   takt::Property<double> timeout{
       *this, "timeout", 0.1, {.unit = "s", .min = 1e-6, .max = 10, .text = "An input that is older stops."}};
 
+  takt::Property<bool> start_reset{
+      *this,
+      "start_reset",
+      false,
+      {.text = "After the start it permits without a reset, once both are closed."}};
+
   emergency_stop::TwoChannelStop stop_;
   common::Releases releases_;
   basic::Flag permitted_;
@@ -48,7 +54,8 @@ class EmergencyStop : public takt::Component {
                 .b = channel_b.value().value(),
                 .fresh = fresh(channel_a) && fresh(channel_b),
                 .reset = reset.value().value(),
-                .reset_fresh = fresh(reset)},
+                .reset_fresh = fresh(reset),
+                .start_reset = start_reset},
                passed, std::llround(discrepancy_time * 1e9));
     tell();
   }
@@ -76,4 +83,4 @@ class EmergencyStop : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(EmergencyStop)
+TAKT_COMPONENT(EmergencyStop, "Logic of an emergency stop with two channels; not certified.")

@@ -51,6 +51,19 @@ TEST_F(Stop, PermitsByARisingEdgeOfTheReset) {
   EXPECT_EQ(step(kClosed), State::permitted);
 }
 
+TEST_F(Stop, NeedsNoResetAfterTheStartWhereThatIsAllowed) {
+  TwoChannelStop::Inputs closed = kClosed;
+  closed.start_reset = true;
+  TwoChannelStop::Inputs open = kOpen;
+  open.start_reset = true;
+  EXPECT_EQ(step(open), State::stopped);
+  EXPECT_EQ(step(closed), State::permitted);
+  step(open);
+  EXPECT_EQ(step(closed), State::wait_reset) << "only the first time";
+  stop.trip();
+  EXPECT_EQ(step(closed), State::wait_reset) << "nor after an error";
+}
+
 TEST_F(Stop, IsNotReleasedByAResetThatIsHeld) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(step(with_reset(kClosed)), State::wait_reset);
   permit();

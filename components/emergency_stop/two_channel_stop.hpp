@@ -14,7 +14,8 @@ enum class State : std::uint8_t {
 };
 
 /// Closed (true) channels mean that nobody asks for a stop. After PLCopen Safety: SF_Equivalent for the two
-/// channels, SF_EmergencyStop with a manual reset, also after the start, for the rest.
+/// channels, SF_EmergencyStop for the rest: with a manual reset, also after the start
+/// unless start_reset.
 class TwoChannelStop {
  public:
   struct Inputs {
@@ -22,6 +23,7 @@ class TwoChannelStop {
     bool fresh = false;         ///< both were heard lately
     bool reset = false;         ///< the button
     bool reset_fresh = false;   ///< was heard lately
+    bool start_reset = false;   ///< the first time needs none
   };
 
   /// Times in nanoseconds: since the last step; within which one channel follows the other.
@@ -46,7 +48,8 @@ class TwoChannelStop {
     } else if (!in.a || !in.b || waits_) {
       state_ = State::stopped;
     } else if (state_ != State::permitted) {
-      state_ = edge ? State::permitted : State::wait_reset;
+      state_ = edge || (in.start_reset && !was_permitted_) ? State::permitted : State::wait_reset;
+      was_permitted_ |= state_ == State::permitted;
     }
     return state_;
   }
@@ -59,6 +62,7 @@ class TwoChannelStop {
 
  private:
   State state_ = State::stopped;
+  bool was_permitted_ = false;
   bool fault_ = false;
   bool agreed_ = false;    // what both channels were when they last agreed
   bool waits_ = false;     // one channel has changed, and the other has not followed yet

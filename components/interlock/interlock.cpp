@@ -70,4 +70,4 @@ class Interlock : public takt::Component {
   void error(takt::ErrorType) override { tell(false); }
   void destruct() override { tell(false); }
 };
-TAKT_COMPONENT(Interlock)
+TAKT_COMPONENT(Interlock, "Permits when all its inputs do, and says which failed first.")

@@ -56,4 +56,4 @@ class JointStates : public takt::Component {
     joint_states.write(message_);
   }
 };
-TAKT_COMPONENT(JointStates)
+TAKT_COMPONENT(JointStates, "Says an arm's axes to programs of ROS 2.")

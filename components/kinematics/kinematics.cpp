@@ -38,4 +38,4 @@ class KinematicsModule : public takt::Component {
     pose.write(output_);
   }
 };
-TAKT_COMPONENT(KinematicsModule)
+TAKT_COMPONENT(KinematicsModule, "Where the tool of a six-axis arm is.")

@@ -33,4 +33,4 @@ class Latch : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Latch)
+TAKT_COMPONENT(Latch, "Remembers a set until a reset.")

@@ -85,4 +85,4 @@ class LimitMonitor : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(LimitMonitor)
+TAKT_COMPONENT(LimitMonitor, "Alarms when a value leaves its limits.")

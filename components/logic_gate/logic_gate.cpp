@@ -47,4 +47,4 @@ class LogicGate : public takt::Component {
     out.write(out_);
   }
 };
-TAKT_COMPONENT(LogicGate)
+TAKT_COMPONENT(LogicGate, "And, or, exclusive or and not of flags.")

@@ -57,4 +57,4 @@ class LowPass : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(LowPass)
+TAKT_COMPONENT(LowPass, "Low-pass filter of first or second order.")

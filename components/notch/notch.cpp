@@ -61,4 +61,4 @@ class Notch : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Notch)
+TAKT_COMPONENT(Notch, "Takes one frequency out of a signal.")

@@ -106,4 +106,4 @@ class Pid : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Pid)
+TAKT_COMPONENT(Pid, "PID controller with anti-windup and bumpless transfer.")

@@ -43,4 +43,4 @@ class ProcessModel : public takt::Component {
     out.write(output_);
   }
 };
-TAKT_COMPONENT(ProcessModel)
+TAKT_COMPONENT(ProcessModel, "A first-order process with dead time, simulated.")

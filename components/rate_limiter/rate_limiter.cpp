@@ -65,4 +65,4 @@ class RateLimiter : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(RateLimiter)
+TAKT_COMPONENT(RateLimiter, "Lets a value change no faster than allowed.")

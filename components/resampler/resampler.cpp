@@ -44,4 +44,4 @@ class Resampler : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Resampler)
+TAKT_COMPONENT(Resampler, "Brings samples from one period to another.")

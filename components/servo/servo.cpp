@@ -66,4 +66,4 @@ class Servo : public takt::Component {
     effort.write(output_);
   }
 };
-TAKT_COMPONENT(Servo)
+TAKT_COMPONENT(Servo, "Position loop of a six-axis arm.")

@@ -56,4 +56,4 @@ class SignalGenerator : public takt::Component {
     count.write(count_);
   }
 };
-TAKT_COMPONENT(SignalGenerator)
+TAKT_COMPONENT(SignalGenerator, "Sine, square, triangle and other shapes, for tests.")

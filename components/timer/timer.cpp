@@ -51,4 +51,4 @@ class Timer : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Timer)
+TAKT_COMPONENT(Timer, "On-delay, off-delay and pulse timers.")

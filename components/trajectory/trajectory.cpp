@@ -1,6 +1,7 @@
 // A thread module in C++: the set points of an arm of six axes that takes parts away when it is asked to.
 #include <takt/component.hpp>
 
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -48,6 +49,15 @@ class Trajectory : public takt::Component {
                                     .max = 3,
                                     .text = "An arm that is farther off the path is brought home."}};
 
+  takt::Property<double> enable_timeout{
+      *this,
+      "enable_timeout",
+      0,
+      {.unit = "s",
+       .min = 0,
+       .max = 3600,
+       .text = "An older `enable`, or none yet, counts as false; 0: it holds for ever."}};
+
   arm_model::Parameters arm_;
   arm_model::Joints home_{};
   arm_model::Joints most_acceleration_{};
@@ -87,13 +97,19 @@ class Trajectory : public takt::Component {
     if (!path_.busy() && !planning_ && request.read()) take_on(request.value());
     asked_ += cycle.seconds();
     if (planning_) go_on_planning();
-    path_.advance(!enable.has_value() || enable.value().value(), most_acceleration_, cycle.seconds());
+    path_.advance(is_enabled(), most_acceleration_, cycle.seconds());
     if (path_.busy()) watch_part();
     if (path_.ended().any) end_leg(path_.ended().step);
     state_.position() = path_.position();
     state_.velocity() = path_.velocity();
     setpoint.write(state_);
     grip.write(closed_);
+  }
+
+  [[nodiscard]] bool is_enabled() const noexcept {
+    const bool heard =
+        enable_timeout <= 0 || enable.age() <= std::chrono::duration<double>(enable_timeout.value());
+    return heard && (!enable.has_value() || enable.value().value());
   }
 
   [[nodiscard]] bool is_off_the_path() const noexcept {
@@ -188,4 +204,4 @@ class Trajectory : public takt::Component {
     answered_ = true;
   }
 };
-TAKT_COMPONENT(Trajectory)
+TAKT_COMPONENT(Trajectory, "Takes parts from one pose to another: set points of a six-axis arm.")

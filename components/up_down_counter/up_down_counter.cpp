@@ -38,4 +38,4 @@ class UpDownCounter : public takt::Component {
     empty.write(flag_);
   }
 };
-TAKT_COMPONENT(UpDownCounter)
+TAKT_COMPONENT(UpDownCounter, "Counts up and down by edges.")

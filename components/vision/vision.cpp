@@ -7,13 +7,18 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "../common/argument.h"
 #include "blob.hpp"
+
+TAKT_TEXT("Measures where a part is in a picture.");
+TAKT_INTEGER(every, 100, 1, 1000000000, "releases", "From frame to frame.");
+TAKT_NUMBER(radius_px, 8, 2, 20, "px", "Of the part.");
+TAKT_NUMBER(noise, 10, 0, 60, "grey levels", "Amplitude.");
+TAKT_INTEGER(threshold, 100, 1, 254, "grey levels", "Between the ground, 40, and the part, 200.");
+TAKT_NUMBER(turn_s, 4, 0.1, 3600, "s", "Once round.");
 
 namespace {
 
 std::uint64_t releases = 0;
-std::uint64_t every = 100;
 std::uint64_t frames = 0;
 std::uint64_t lost = 0;
 double largest_error = 0;
@@ -31,18 +36,13 @@ void say_goodbye() {
 int condition() {
   waitSporadic();  // wait for signal
   ++releases;
-  if (releases % every == 0)
+  if (releases % static_cast<std::uint64_t>(every) == 0)
     return TRUE;  // condition is met.
   else
     return FALSE;  // otherwise
 }
 
-int main(int argc, char* argv[]) {
-  every = static_cast<std::uint64_t>(argument_number(argc, argv, "every", 100, 1, 1e9));
-  const double radius = argument_number(argc, argv, "radius_px", 8, 2, 20);
-  const double noise = argument_number(argc, argv, "noise", 10, 0, 60);
-  const auto threshold = static_cast<std::uint8_t>(argument_number(argc, argv, "threshold", 100, 1, 254));
-  const double turn_s = argument_number(argc, argv, "turn_s", 4, 0.1, 3600);
+int main() {
   initSporadicExe();
   std::atexit(say_goodbye);
   vision::Frame frame;
@@ -57,8 +57,8 @@ int main(int argc, char* argv[]) {
         2 * std::numbers::pi * std::fmod(static_cast<double>(now_ns) * 1e-9, turn_s) / turn_s;
     const vision::Spot part{vision::kWidth / 2.0 + 24 * std::cos(angle),
                             vision::kHeight / 2.0 + 18 * std::sin(angle)};
-    vision::render(frame, part, radius, noise, source);
-    const auto blob = vision::find(frame, threshold, 10);
+    vision::render(frame, part, radius_px, noise, source);
+    const auto blob = vision::find(frame, static_cast<std::uint8_t>(threshold), 10);
     ++frames;
     if (!blob) {
       ++lost;

@@ -94,4 +94,4 @@ class Watchdog : public takt::Component {
     return {};
   }
 };
-TAKT_COMPONENT(Watchdog)
+TAKT_COMPONENT(Watchdog, "Alarms when a signal no longer changes.")

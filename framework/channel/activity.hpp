@@ -16,7 +16,8 @@ enum class Doing : std::uint32_t {
   error,
   recover,
   destruct,
-  load
+  load,
+  serve
 };
 /// "run()", "initialize()", ...
 const char* to_text(Doing doing) noexcept;

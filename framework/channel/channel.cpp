@@ -24,13 +24,15 @@ const char* to_text(Doing doing) noexcept {
       return "destruct()";
     case Doing::load:
       return "its loading";
+    case Doing::serve:
+      return "the handler of a service";
   }
   return "?";
 }
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0004;  // "takt", layout 4
+constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0005;  // "takt", layout 5
 
 struct alignas(64) Header {
   std::uint64_t magic;

@@ -38,6 +38,7 @@ struct alignas(64) ModuleBlock {
   alignas(64) Statistics run;     ///< of thread modules
 
   Activity background;  ///< of the thread of a non-real-time thread module
+  Activity service;     ///< of the thread that calls its handlers
   Name name;
   FixedText<256> error_text;
 

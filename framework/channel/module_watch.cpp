@@ -15,9 +15,8 @@ Result<ModuleWatch> ModuleWatch::find() {
   find(watch.leave_, "takt_check_leave");
   // The library takes the variable when it is loaded.
   if (!os::environment(kCheckFd).empty() || (watch.enter_ == nullptr) != (watch.leave_ == nullptr)) {
-    return fail(
-        "the loader did not take libtakt_check.so",
-        "it must lie beside takt-node, and takt-host must have no capabilities of its own (setcap -r)");
+    return fail("the loader did not take libtakt_check.so",
+                "it must lie beside takt-host, which must have no capabilities of its own (setcap -r)");
   }
   return watch;
 }

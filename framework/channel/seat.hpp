@@ -37,11 +37,12 @@ struct Bell {
   }
 };
 
-/// The bell's bits: one for the threads of sporadic modules, one for the gateways, the others for
-/// programs in turn.
+/// The bell's bits: one for the threads of sporadic modules, one for the gateways, one for the threads that
+/// handle requests, the others for programs in turn.
 inline constexpr std::uint32_t kSporadicBit = 1U << 31;
 inline constexpr std::uint32_t kGatewayBit = 1U << 30;
-constexpr std::uint32_t bell_bit(std::size_t seat) { return 1U << (seat % 30); }
+inline constexpr std::uint32_t kServiceBit = 1U << 29;
+constexpr std::uint32_t bell_bit(std::size_t seat) { return 1U << (seat % 29); }
 
 inline void Bell::note(std::uint32_t wake_bits) noexcept {
   if ((wake_bits & kGatewayBit) != 0 && gateway_sleeps.load(std::memory_order_seq_cst) == 0)

@@ -59,6 +59,8 @@ Nanoseconds Component::period() noexcept { return served == nullptr ? Nanosecond
 
 void Component::fail(const char* text) noexcept { say_failure(text); }
 
+void ServiceBase::enlist(Component& owner) { owner.services_.push_back(this); }
+
 bool Component::condition() {
   return std::any_of(ports_.begin(), ports_.end(), [](const PortBase* port) {
     return port->direction() == PortDirection::event && port->has_news();
@@ -71,13 +73,21 @@ std::vector<PortBase*>& loose_ports() {
   thread_local std::vector<PortBase*> ports;
   return ports;
 }
+std::vector<PropertyBase*>& loose_properties() {
+  thread_local std::vector<PropertyBase*> properties;
+  return properties;
+}
 }  // namespace
 
 std::vector<PortBase*> take_loose_ports() { return std::exchange(loose_ports(), {}); }
+std::vector<PropertyBase*> take_loose_properties() { return std::exchange(loose_properties(), {}); }
 
 namespace detail {
+const char* take_said() noexcept { return take_failure(); }
 void add_loose_port(PortBase& port) { loose_ports().push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { std::erase(loose_ports(), &port); }
+void add_loose_property(PropertyBase& property) { loose_properties().push_back(&property); }
+void remove_loose_property(PropertyBase& property) noexcept { std::erase(loose_properties(), &property); }
 }  // namespace detail
 
 }  // namespace takt

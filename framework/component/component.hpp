@@ -6,7 +6,7 @@
 //
 //     void run(const takt::Cycle& cycle) noexcept override { value_ += slope * cycle.seconds(); }
 //   };
-//   TAKT_COMPONENT(Ramp)
+//   TAKT_COMPONENT(Ramp, "A value that rises.")
 //
 // built with takt_add_component(ramp ramp.cpp). Several modules may be made of one component: each is an
 // object of its own.
@@ -17,10 +17,12 @@
 #include <type_traits>
 #include <vector>
 
+#include <takt/component/text.h>
 #include <takt/component/event_port.hpp>
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/component/property.hpp>
+#include <takt/component/service.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 
@@ -79,6 +81,8 @@ class Component {
 
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const noexcept { return properties_; }
   [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
+  /// Those that a handler answers.
+  [[nodiscard]] const std::vector<ServiceBase*>& services() const noexcept { return services_; }
 
  protected:
   /// Of this module, in every hook: what initialize() holds its properties against. 0 of a module that has
@@ -91,13 +95,15 @@ class Component {
  private:
   friend class PropertyBase;
   friend class PortBase;
+  friend class ServiceBase;
   std::vector<PropertyBase*> properties_;  // in the order of declaration
   std::vector<PortBase*> ports_;
+  std::vector<ServiceBase*> services_;
 };
 
 /// What a .so of a C++ component exports.
 struct ComponentFactory {
-  static constexpr std::uint32_t kAbi = 2;
+  static constexpr std::uint32_t kAbi = 3;
   std::uint32_t abi;
   std::uint32_t component_size;  ///< sizeof(Component) when the object was compiled
   const char* name;              ///< of the class
@@ -118,8 +124,10 @@ constexpr bool overrides_condition() {
 
 }  // namespace takt
 
-/// Once in each component's source, outside any namespace.
-#define TAKT_COMPONENT(Type)                                                        \
+/// Once in each component's source, outside any namespace. The second argument, which may be left out, is one
+/// sentence that says what the component does, for `takt describe`.
+#define TAKT_COMPONENT(Type, ...)                                                   \
+  __VA_OPT__(TAKT_TEXT(__VA_ARGS__);)                                               \
   extern "C" __attribute__((visibility("default"))) const ::takt::ComponentFactory* \
   takt_component_factory();                                                         \
   extern "C" const ::takt::ComponentFactory* takt_component_factory() {             \

@@ -70,15 +70,24 @@ class InPortBase : public PortBase {
       if (!source.reader.take(context().start_ns)) continue;
       // The link of a latest value has several places where its writer's samples become valid later.
       while (source.latest && source.reader.take(context().start_ns)) continue;
+      taken_from_ = static_cast<std::size_t>(&source - sources_.data());
       return &source;
     }
     return nullptr;
   }
+  /// Which connection take() came upon, in the order in which they were connected.
+  [[nodiscard]] std::size_t taken_from() const noexcept { return taken_from_; }
   void begin_read() noexcept { is_new_ = false; }
   void accept(const channel::SampleInfo& info) noexcept {
     is_new_ = true;
     sequence_ = info.sequence;
     stamp_ns_ = info.stamp_ns;
+  }
+  /// Counts a sample that was taken last and came too late to be of use.
+  void count_late() noexcept {
+    if (sources_.empty()) return;
+    auto& late = sources_[taken_from_].reader.link().block().late;
+    late.store(late.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
   static void refuse(Source& source) noexcept {
     auto& refused = source.reader.link().block().refused;
@@ -88,6 +97,7 @@ class InPortBase : public PortBase {
  private:
   std::vector<Source> sources_;
   std::size_t turn_ = 0;
+  std::size_t taken_from_ = 0;
   std::uint64_t sequence_ = 0;
   std::int64_t stamp_ns_ = 0;
   bool is_new_ = false;

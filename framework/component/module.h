@@ -17,6 +17,8 @@
 #include <stdint.h>
 
 #include <takt/port.h>
+#include <takt/property.h>
+#include <takt/text.h>
 
 #ifndef TRUE
 #define TRUE 1

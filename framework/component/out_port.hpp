@@ -75,6 +75,20 @@ class OutPortBase : public PortBase {
     }
     return Written::yes;
   }
+  /// Into one link, in the order in which they were connected; nothing where nobody listens there.
+  template <class Encode, class Assign>
+  Written write_one(std::size_t index, const Encode& encode, const Assign& assign) noexcept {
+    if (index >= sinks_.size() || !sinks_[index].enabled()) return Written::yes;
+    Sink& sink = sinks_[index];
+    std::uint32_t size = 0;
+    if (sink.values != nullptr) {
+      assign(sink.values, sink.writer.buffer());
+    } else if (size = encode(sink.payload(), sink.writer.link().stride()); size == 0) {
+      return refuse();
+    }
+    publish(sink, size);
+    return Written::yes;
+  }
   Written refuse() noexcept {
     for (const Sink& sink : sinks_) {
       auto& unfit = sink.writer.link().block().unfit;
@@ -89,7 +103,7 @@ class OutPortBase : public PortBase {
 
 /// T is a struct of an IDL file, see takt_add_idl().
 template <class T>
-class OutPort final : public OutPortBase {
+class OutPort : public OutPortBase {
  public:
   using Options = PortOptions;
 
@@ -104,9 +118,7 @@ class OutPort final : public OutPortBase {
   /// run() that it was written in.
   Written write(const T& value) noexcept {
     if (!PortType<T>::fits(value)) return refuse();
-    return write_all(
-        [&value](std::byte* to, std::uint32_t size) noexcept { return PortType<T>::encode(value, to, size); },
-        [&value](void* values, std::uint32_t buffer) noexcept { static_cast<T*>(values)[buffer] = value; });
+    return write_all(encoding(value), assigning(value));
   }
 
   void connect(channel::Link link, void* values) override {
@@ -117,6 +129,24 @@ class OutPort final : public OutPortBase {
     return detail::make_values<T>(number);
   }
   [[nodiscard]] std::size_t value_size() const noexcept override { return sizeof(T); }
+
+ protected:
+  OutPort(Component* owner, std::string name, Options options)
+      : OutPortBase(owner, std::move(name), PortDirection::out, PortType<T>::info, std::move(options)) {}
+  /// To one of those who are connected.
+  Written write_to(std::size_t index, const T& value) noexcept {
+    if (!PortType<T>::fits(value)) return refuse();
+    return write_one(index, encoding(value), assigning(value));
+  }
+
+ private:
+  static auto encoding(const T& value) noexcept {
+    return
+        [&value](std::byte* to, std::uint32_t size) noexcept { return PortType<T>::encode(value, to, size); };
+  }
+  static auto assigning(const T& value) noexcept {
+    return [&value](void* values, std::uint32_t buffer) noexcept { static_cast<T*>(values)[buffer] = value; };
+  }
 };
 
 }  // namespace takt

@@ -18,6 +18,20 @@ const char* to_text(PortDirection direction) noexcept {
   return "?";
 }
 
+const char* to_text(PortRole role) noexcept {
+  switch (role) {
+    case PortRole::plain:
+      return "port";
+    case PortRole::service:
+      return "service";
+    case PortRole::handler:
+      return "handler";
+    case PortRole::client:
+      return "client";
+  }
+  return "?";
+}
+
 const PortContext PortBase::kNobody{};
 
 PortBase::PortBase(Component* owner, std::string name, PortDirection direction, const TypeInfo& type,

@@ -20,6 +20,20 @@ enum class PortDirection { in, event, out };
 /// "in", "event", "out"
 const char* to_text(PortDirection direction) noexcept;
 
+/// What a port is there for: samples of its own, or, with another one, a service or a client.
+enum class PortRole {
+  plain,
+  service,  ///< its module answers requests, in run()
+  handler,  ///< the same, by a handler on a thread of its own
+  client,   ///< its module asks
+};
+/// "port", "service", "handler", "client"
+const char* to_text(PortRole role) noexcept;
+
+/// The two ports that a service or client NAME is made of are NAME/request and NAME/reply.
+inline constexpr const char* kRequestPort = "/request";
+inline constexpr const char* kReplyPort = "/reply";
+
 /// What may be said of any port.
 struct PortOptions {
   std::string text{};  ///< one sentence for `takt describe`
@@ -42,6 +56,7 @@ class PortBase {
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] PortDirection direction() const noexcept { return direction_; }
+  [[nodiscard]] PortRole role() const noexcept { return role_; }
   [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
   [[nodiscard]] const std::string& text() const noexcept { return options_.text; }
 
@@ -71,6 +86,7 @@ class PortBase {
   /// Of a component; or, without one, of the program or of the module in C form that is being loaded.
   PortBase(Component* owner, std::string name, PortDirection direction, const TypeInfo& type,
            PortOptions options);
+  void be(PortRole role) noexcept { role_ = role; }
   [[nodiscard]] const PortContext& context() const noexcept { return *context_; }
 
  private:
@@ -78,6 +94,7 @@ class PortBase {
 
   std::string name_;
   PortDirection direction_;
+  PortRole role_ = PortRole::plain;
   const TypeInfo& type_;
   PortOptions options_;
   bool owned_;

@@ -13,6 +13,8 @@
 #include <takt/channel/seat.hpp>
 #include <takt/channel/violations.hpp>
 #include <takt/component/port.hpp>
+#include <takt/component/program_properties.hpp>
+#include <takt/component/service.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
@@ -43,7 +45,8 @@ class Guest {
  private:
   [[noreturn]] static void refuse(const char* function, const std::string& what);
   static void check_ports(const char* function);
-  static void describe_ports();
+  static void describe(channel::SeatKind kind);
+  static void check_properties(const char* function);
   void connect_ports(const char* function);
   [[nodiscard]] static std::int64_t event_at();
   bool released() const {
@@ -81,33 +84,35 @@ void Guest::check_ports(const char* function) {
   }
 }
 
-std::string quoted(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      result += {'\\', c};
-    else if (code < 0x20)
-      result += std::string{"\\u00"} + kDigits[code >> 4] + kDigits[code & 15];
-    else
-      result += c;
-  }
-  return result + '"';
-}
-
-// Somebody wants to know our ports before anything is started. What the program would do is not for now.
-void Guest::describe_ports() {
+// Somebody wants to know what we are before anything is started. What the program would do is not for now.
+void Guest::describe(channel::SeatKind kind) {
   os::MessageSocket asker{os::take_fd_from_environment("TAKT_DESCRIBE_FD")};
   if (!asker.fd()) return;
-  std::string text;
+  const auto member = [](const char* name, std::string_view text) {
+    return in_json(name) + ":" + in_json(text);
+  };
+  std::string list;
   for (const PortBase* port : ports()) {
-    text += (text.empty() ? "" : ",") + std::string{R"({"name":)"} + quoted(port->name()) +
-            R"(,"direction":)" + quoted(to_text(port->direction())) + R"(,"description":)" +
-            quoted(port->type().description) + R"(,"text":)" + quoted(port->text()) + "}";
+    list += (list.empty() ? "{" : ",{") + member("name", port->name()) + "," +
+            member("direction", to_text(port->direction())) + "," + member("role", to_text(port->role())) +
+            "," + member("description", port->type().description) + "," + member("text", port->text()) + "}";
   }
-  asker.send_wait(R"({"ports":[)" + text + "]}");
+  std::string problems;
+  for (const Problem& problem : check_program_properties()) {
+    problems += (problems.empty() ? "{" : ",{") + member("what", problem.what) + "," +
+                member("fix", problem.fix) + "}";
+  }
+  asker.send_wait("{" + member("operation", kind == channel::SeatKind::periodic ? "periodic" : "sporadic") +
+                  R"(,"ports":[)" + list + R"(],"properties":)" + program_properties_json() +
+                  R"(,"problems":[)" + problems + "]}");
   std::_Exit(0);
+}
+
+void Guest::check_properties(const char* function) {
+  const Problems problems = check_program_properties();
+  for (const Problem& problem : problems)
+    std::fprintf(stderr, "takt: %s(): %s\n", function, in_words({problem}).c_str());
+  if (!problems.empty()) std::exit(1);
 }
 
 // TAKT_LINKS is "PORT=FD,PORT=FD"; a port may be there several times.
@@ -152,7 +157,8 @@ void Guest::attach(channel::SeatKind kind, const char* function) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (seat_ != nullptr) refuse(function, "called twice; call it once, before the first wait");
   check_ports(function);
-  describe_ports();
+  describe(kind);
+  check_properties(function);
   os::Fd seat = os::take_fd_from_environment("TAKT_SEAT_FD");
   os::Fd bell = os::take_fd_from_environment("TAKT_BELL_FD");
   if (!seat || !bell)
@@ -286,6 +292,7 @@ namespace takt {
 std::vector<PortBase*> take_loose_ports() { return ports(); }
 
 namespace detail {
+const char* take_said() noexcept { return nullptr; }
 void add_loose_port(PortBase& port) { ports().push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { std::erase(ports(), &port); }
 }  // namespace detail

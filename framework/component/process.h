@@ -9,8 +9,15 @@
  *     }                                           }
  *   }                                           }
  *
- * The module's properties are the program's arguments, one "name=value" each, in the order of the descriptor. Standard output
+ * The module's properties are the program's arguments, one "name=value" each, in the order of the descriptor. A program that
+ * declares its properties (<takt/property.h>, in C++ <takt/process.hpp>) finds their values in them, and takes no others; one
+ * that declares none takes any, and reads its arguments itself. Standard output
  * and error are shown with the module's name, line by line.
+ *
+ * `takt check`, `takt describe` and a node start a program whose ports are connected, with its arguments, to have it say its
+ * ports: initPeriodExe() or initSporadicExe() does so and ends it. What is before that call in main() reads arguments, declares
+ * ports and, of arguments that it cannot take, says on standard error what is wrong; what would be right, a line each, and ends
+ * with a status that is not 0. It starts nothing else: no device is opened before the call.
  *
  * When the device ends the module, waitPeriod() and waitSporadic() do not return but end the program by exit(0), so that
  * output is flushed and atexit() functions run. A program that never comes back to them gets SIGTERM, then SIGKILL. */
@@ -20,6 +27,8 @@
 #include <stdint.h>
 
 #include <takt/port.h>
+#include <takt/property.h>
+#include <takt/text.h>
 
 #ifndef TRUE
 #define TRUE 1

@@ -24,9 +24,31 @@ const char* to_text(PropertyType type) noexcept {
   return "?";
 }
 
-PropertyBase::PropertyBase(Component& owner, std::string name, std::string unit, std::string text)
-    : name_(std::move(name)), unit_(std::move(unit)), text_(std::move(text)) {
-  owner.properties_.push_back(this);
+PropertyBase::PropertyBase(Component* owner, std::string name, std::string unit, std::string text)
+    : name_(std::move(name)), unit_(std::move(unit)), text_(std::move(text)), owned_(owner != nullptr) {
+  if (owned_) owner->properties_.push_back(this);
+}
+
+PropertyBase::~PropertyBase() {
+  if (!owned_) detail::remove_loose_property(*this);
+}
+
+Problems check_declared(const std::vector<PropertyBase*>& properties, const std::string& owner) {
+  Problems problems;
+  for (auto one = properties.begin(); one != properties.end(); ++one) {
+    const std::string& name = (*one)->name();
+    if (std::any_of(properties.begin(), one,
+                    [&](const PropertyBase* other) { return other->name() == name; }))
+      problems.push_back(
+          takt::fail(owner + " has two properties '" + name + "'", "give each a name of its own"));
+    // A value that nobody could give the property is none that it may begin with.
+    const std::string range = (*one)->range_text();
+    if (range.empty() || (*one)->check((*one)->default_text())) continue;
+    problems.push_back(takt::fail(owner + " has a property '" + name + "' whose default " +
+                                      brief((*one)->default_text()) + " is out of its range: " + range,
+                                  "give it a default that is within its range, or mend the range"));
+  }
+  return problems;
 }
 
 Problem PropertyBase::refusal(std::string_view given) const {

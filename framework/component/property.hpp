@@ -1,5 +1,11 @@
-// A named value of a component that the descriptor may set, what is an argument to a program, and that may be
-// set again while the component runs.
+// A named value of a component that the descriptor may set, and that may be set again while the component
+// runs. A member of a component; of a program, or of a module in the C form, a global variable:
+//
+//   takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Of the belt."}};
+//
+// A program has the values of its descriptor as arguments, and a property of it takes its own when it is
+// constructed: it is there from the first line of main() on. What it cannot take, and what no property is
+// named for, initPeriodExe() or initSporadicExe() refuses.
 //
 // Two threads have to do with it: one that sets, and the one that calls the component's hooks at the time.
 // Each has a value of its own, and a third passes from one to the other; who passes it on is a word of the
@@ -34,7 +40,7 @@ class PropertyBase {
  public:
   PropertyBase(const PropertyBase&) = delete;
   PropertyBase& operator=(const PropertyBase&) = delete;
-  virtual ~PropertyBase() = default;
+  virtual ~PropertyBase();
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const std::string& unit() const noexcept { return unit_; }
@@ -42,7 +48,12 @@ class PropertyBase {
   [[nodiscard]] virtual PropertyType type() const noexcept = 0;
   /// The value that was set last. By the thread that sets.
   [[nodiscard]] virtual std::string value_text() const = 0;
-  /// "0 to 10", "at least 0"; empty without bounds.
+  /// The value that it has until one is set.
+  [[nodiscard]] virtual std::string default_text() const = 0;
+  /// The least and the most that it takes; empty without that bound.
+  [[nodiscard]] virtual std::string min_text() const = 0;
+  [[nodiscard]] virtual std::string max_text() const = 0;
+  /// "0 to 10", "at least 0", "fast or slow"; empty without bounds.
   [[nodiscard]] virtual std::string range_text() const = 0;
 
   /// Whether it takes this text; if not, says what it takes.
@@ -58,14 +69,25 @@ class PropertyBase {
   virtual void take_over() noexcept = 0;
 
  protected:
-  PropertyBase(Component& owner, std::string name, std::string unit, std::string text);
+  /// Of a component; or, without one, of the program or of the module in C form that is being loaded, which
+  /// the last constructor then tells by detail::add_loose_property().
+  PropertyBase(Component* owner, std::string name, std::string unit, std::string text);
   [[nodiscard]] Problem refusal(std::string_view given) const;
 
  private:
   std::string name_;
   std::string unit_;
   std::string text_;
+  bool owned_;
 };
+
+/// The properties without a component of this program, or of the module in C form that this thread has loaded
+/// since it was asked last, in the order of their construction. They take themselves away when they end
+/// before they were asked for.
+std::vector<PropertyBase*> take_loose_properties();
+
+/// A name that is there twice, a default that is out of its range: of all of an owner.
+Problems check_declared(const std::vector<PropertyBase*>& properties, const std::string& owner);
 
 /// The words that a property of text takes: {"fast", "slow"}.
 class Choices {
@@ -82,6 +104,10 @@ class Choices {
 };
 
 namespace detail {
+/// In a program the property takes its value from the arguments.
+void add_loose_property(PropertyBase& property);
+void remove_loose_property(PropertyBase& property) noexcept;
+
 std::optional<bool> parse_bool(std::string_view text) noexcept;
 std::optional<std::int64_t> parse_integer(std::string_view text) noexcept;
 std::optional<double> parse_number(std::string_view text) noexcept;
@@ -98,7 +124,7 @@ concept PropertyValueType = std::same_as<T, bool> || std::same_as<T, std::string
 /// thread. A value that is set while the component runs is seen from its next call on, by who reads the
 /// property then: what initialize() made of it is not made again.
 template <PropertyValueType T>
-class Property final : public PropertyBase {
+class Property : public PropertyBase {
  public:
   struct Options {
     std::string unit{};      ///< "mm/s"
@@ -109,12 +135,12 @@ class Property final : public PropertyBase {
   };
 
   Property(Component& owner, std::string name, T value, Options options = {})
-      : PropertyBase(owner, std::move(name), std::move(options.unit), std::move(options.text)),
-        value_(std::move(value)),
-        set_last_(value_),
-        min_(options.min),
-        max_(options.max),
-        choices_(std::move(options.choices)) {}
+      : Property(&owner, std::move(name), std::move(value), std::move(options)) {}
+  /// Of a program, or of a module in the C form; not of a component.
+  Property(std::string name, T value, Options options = {})
+      : Property(nullptr, std::move(name), std::move(value), std::move(options)) {
+    detail::add_loose_property(*this);
+  }
 
   operator const T&() const noexcept { return value_; }  // NOLINT(google-explicit-constructor)
   [[nodiscard]] const T& value() const noexcept { return value_; }
@@ -130,6 +156,9 @@ class Property final : public PropertyBase {
       return PropertyType::text;
   }
   [[nodiscard]] std::string value_text() const override { return in_words(set_last_); }
+  [[nodiscard]] std::string default_text() const override { return in_words(default_); }
+  [[nodiscard]] std::string min_text() const override { return min_ ? in_words(*min_) : ""; }
+  [[nodiscard]] std::string max_text() const override { return max_ ? in_words(*max_) : ""; }
   [[nodiscard]] std::string range_text() const override {
     std::string range;
     if (min_ && max_) {
@@ -171,6 +200,15 @@ class Property final : public PropertyBase {
   void take_over() noexcept override { std::swap(value_, passed_on_); }
 
  private:
+  Property(Component* owner, std::string name, T value, Options options)
+      : PropertyBase(owner, std::move(name), std::move(options.unit), std::move(options.text)),
+        default_(std::move(value)),
+        value_(default_),
+        set_last_(default_),
+        min_(options.min),
+        max_(options.max),
+        choices_(std::move(options.choices)) {}
+
   static std::string in_words(const T& value) {
     if constexpr (std::is_same_v<T, bool>)
       return value ? "true" : "false";
@@ -211,6 +249,7 @@ class Property final : public PropertyBase {
     }
   }
 
+  const T default_;
   T value_;        // of the thread that calls hooks
   T passed_on_{};  // of the one that sets, until take_over(); then what was the value
   T set_last_;     // of the one that sets

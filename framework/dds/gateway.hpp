@@ -24,6 +24,8 @@ struct Quality {
   std::uint32_t depth = 1;
   std::optional<Nanoseconds> deadline;
   std::optional<Nanoseconds> lifespan;
+  /// What was written last, `depth` of it, also comes to who is found later.
+  bool kept = false;
 };
 
 struct Flow {

@@ -21,7 +21,7 @@ template <class Qos>
 void set_quality(Qos& qos, const Quality& quality, std::int32_t depth, std::size_t sample) {
   qos.reliability().kind =
       quality.reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
-  qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
+  qos.durability().kind = quality.kept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
   qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = depth;
   if (quality.deadline) qos.deadline().period = duration(*quality.deadline);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include <tinyxml2.h>
-
 #include <takt/core/words.hpp>
 #include <takt/model/validate.hpp>
 
@@ -20,47 +18,38 @@ bool contains(const Words& words, std::string_view word) {
 
 std::string tag(std::string_view name) { return "<" + brief(name) + ">"; }
 
-std::string trim(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return std::string{text.substr(first, text.find_last_not_of(kBlanks) - first + 1)};
-}
-
 }  // namespace
 
-std::string Given::trimmed() const { return trim(text); }
-
-Element::Element(const tinyxml2::XMLElement& xml, Shape shape, Report& report)
-    : xml_(xml), shape_(std::move(shape)), report_(report) {
+Element::Element(const Node& node, Shape shape, Report& report)
+    : node_(node), shape_(std::move(shape)), report_(report) {
   check_attributes();
   check_children();
 }
 
 void Element::check_attributes() {
-  for (const auto* one = xml_.FirstAttribute(); one != nullptr; one = one->Next()) {
-    const std::string_view name = one->Name();
+  for (const Attribute& one : node_.attributes) {
+    const std::string_view name = one.name;
     if (contains(shape_.attributes, name) || report_.full()) continue;
     const std::string_view meant = nearest(name, shape_.attributes);
     if (!meant.empty()) meant_.push_back(meant);
-    report_.add(one->GetLineNum(), "unknown attribute " + brief(name) + " of " + tag(xml_.Name()),
-                shape_.attributes.empty() ? "remove it: " + tag(xml_.Name()) + " has no attributes"
+    report_.add(one.line, "unknown attribute " + brief(name) + " of " + tag(node_.name),
+                shape_.attributes.empty() ? "remove it: " + tag(node_.name) + " has no attributes"
                                           : suggestion(name, shape_.attributes));
   }
 }
 
-void Element::refuse_child(const tinyxml2::XMLElement& child) {
+void Element::refuse_child(const Node& child) {
   unknown_children_ = true;
   if (report_.full()) return;
   Words allowed = shape_.once;
   allowed.insert(allowed.end(), shape_.many.begin(), shape_.many.end());
-  const std::string_view meant = nearest(child.Name(), allowed);
+  const std::string_view meant = nearest(child.name, allowed);
   std::string fix;
   if (!meant.empty()) {
     meant_.push_back(meant);
     fix = "did you mean " + tag(meant) + "?";
   } else if (allowed.empty()) {
-    fix = "remove it: " + tag(xml_.Name()) + " has no elements in it";
+    fix = "remove it: " + tag(node_.name) + " has no elements in it";
   } else {
     fix = "here may stand ";
     for (std::size_t i = 0; i < allowed.size(); ++i) {
@@ -68,78 +57,63 @@ void Element::refuse_child(const tinyxml2::XMLElement& child) {
       fix += tag(allowed[i]);
     }
   }
-  report_.add(child.GetLineNum(), "unknown element " + tag(child.Name()) + " in " + tag(xml_.Name()), fix);
+  report_.add(child.line, "unknown element " + tag(child.name) + " in " + tag(node_.name), fix);
 }
 
 void Element::check_children() {
-  std::vector<const tinyxml2::XMLElement*> seen;
-  for (const auto* node = xml_.FirstChild(); node != nullptr; node = node->NextSibling()) {
-    if (const auto* element = node->ToElement()) {
-      if (contains(shape_.many, element->Name())) continue;
-      if (!contains(shape_.once, element->Name())) {
-        refuse_child(*element);
-        continue;
-      }
-      const auto first = std::find_if(seen.begin(), seen.end(), [&](const tinyxml2::XMLElement* other) {
-        return std::string_view{other->Name()} == element->Name();
-      });
-      if (first == seen.end()) {
-        seen.push_back(element);
-      } else if (!report_.full()) {
-        report_.add(element->GetLineNum(),
-                    "duplicate element " + tag(element->Name()) + " in " + tag(xml_.Name()),
-                    "give it once; the first is on line " + std::to_string((*first)->GetLineNum()));
-      }
-    } else if (const auto* text = node->ToText()) {
-      const std::string stray = trim(text->Value());
-      if (shape_.text || stray.empty() || report_.full()) continue;
-      report_.add(text->GetLineNum(), "text " + in_quotes(stray) + " in " + tag(xml_.Name()),
-                  "remove it: " + tag(xml_.Name()) + " holds no text of its own");
+  std::vector<const Node*> seen;
+  for (const Node& child : node_.children) {
+    if (contains(shape_.many, child.name)) continue;
+    if (!contains(shape_.once, child.name)) {
+      refuse_child(child);
+      continue;
+    }
+    const auto first =
+        std::find_if(seen.begin(), seen.end(), [&](const Node* other) { return other->name == child.name; });
+    if (first == seen.end()) {
+      seen.push_back(&child);
+    } else if (!report_.full()) {
+      report_.add(child.line, "duplicate element " + tag(child.name) + " in " + tag(node_.name),
+                  "give it once; the first is " + report_.whereabouts((*first)->line));
     }
   }
-}
-
-int Element::line() const { return xml_.GetLineNum(); }
-
-std::string Element::text() const {
-  std::string all;
-  for (const auto* node = xml_.FirstChild(); node != nullptr; node = node->NextSibling()) {
-    if (node->ToText() != nullptr) all += node->Value();
+  for (const Text& text : node_.texts) {
+    const std::string stray = trimmed(text.text);
+    if (shape_.text || stray.empty() || report_.full()) continue;
+    report_.add(text.line, "text " + in_quotes(stray) + " in " + tag(node_.name),
+                "remove it: " + tag(node_.name) + " holds no text of its own");
   }
-  return all;
 }
 
-Given Element::given_text() const { return {tag(xml_.Name()), text(), line(), has_unknown_children()}; }
+Given Element::given_text() const { return {tag(node_.name), text(), line(), has_unknown_children()}; }
 
 std::optional<Given> Element::attribute(const char* name) const {
-  const auto* attribute = xml_.FindAttribute(name);
+  const Attribute* attribute = node_.attribute(name);
   if (attribute == nullptr) return std::nullopt;
-  return Given{std::string{"attribute "} + name, attribute->Value(), attribute->GetLineNum(), false};
+  return Given{std::string{"attribute "} + name, attribute->value, attribute->line, false};
 }
 
 std::optional<Given> Element::required_attribute(const char* name) const {
   std::optional<Given> given = attribute(name);
   if (!given && !was_meant(name)) {
-    report_.add(line(), tag(xml_.Name()) + " has no attribute " + name,
-                "give it one: <" + std::string{xml_.Name()} + " " + name + "=\"...\">");
+    report_.add(line(), tag(node_.name) + " has no attribute " + name,
+                "give it one: <" + brief(node_.name) + " " + name + "=\"...\">");
   }
   return given;
 }
 
-std::vector<const tinyxml2::XMLElement*> Element::children(std::string_view name) const {
-  std::vector<const tinyxml2::XMLElement*> all;
-  for (const auto* one = xml_.FirstChildElement(); one != nullptr; one = one->NextSiblingElement()) {
-    if (name == one->Name()) all.push_back(one);
+std::vector<const Node*> Element::children(std::string_view name) const {
+  std::vector<const Node*> all;
+  for (const Node& one : node_.children) {
+    if (name == one.name) all.push_back(&one);
   }
   return all;
 }
 
-const tinyxml2::XMLElement* Element::child(const char* name) const { return xml_.FirstChildElement(name); }
-
 std::optional<Given> Element::child_text(const char* name) const {
-  const auto* xml = child(name);
-  if (xml == nullptr) return std::nullopt;
-  return Element{*xml, {.text = true}, report_}.given_text();
+  const Node* node = child(name);
+  if (node == nullptr) return std::nullopt;
+  return Element{*node, {.text = true}, report_}.given_text();
 }
 
 bool Element::was_meant(std::string_view name) const { return contains(meant_, name); }

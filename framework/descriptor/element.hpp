@@ -13,12 +13,8 @@
 #include <vector>
 
 #include <takt/descriptor/report.hpp>
+#include <takt/descriptor/tree.hpp>
 #include <takt/model/cell.hpp>
-
-namespace tinyxml2 {
-class XMLElement;
-class XMLNode;
-}  // namespace tinyxml2
 
 namespace takt::descriptor {
 
@@ -34,20 +30,22 @@ struct Shape {
 struct Given {
   std::string what;  ///< "<period>", "attribute cpu"
   std::string text;  ///< as written, entities resolved
-  int line = 0;
+  model::Line line{};
   bool unread = false;  ///< there is more in it than text, which was reported: no value is taken from it
 
-  [[nodiscard]] std::string trimmed() const;  ///< without white space around it
+  [[nodiscard]] std::string trimmed() const {
+    return descriptor::trimmed(text);
+  }  ///< without white space around it
 };
 
-/// An element of the document, which must outlive it.
+/// An element of the tree, which must outlive it.
 class Element {
  public:
   /// Reports everything that the shape does not allow.
-  Element(const tinyxml2::XMLElement& xml, Shape shape, Report& report);
+  Element(const Node& node, Shape shape, Report& report);
 
-  [[nodiscard]] int line() const;
-  [[nodiscard]] std::string text() const;
+  [[nodiscard]] model::Line line() const { return node_.line; }
+  [[nodiscard]] std::string text() const { return node_.text(); }
   /// The same, to be read as a value.
   [[nodiscard]] Given given_text() const;
 
@@ -55,24 +53,24 @@ class Element {
   /// As attribute(), and reports one that is not there.
   [[nodiscard]] std::optional<Given> required_attribute(const char* name) const;
 
-  [[nodiscard]] std::vector<const tinyxml2::XMLElement*> children(std::string_view name) const;
+  [[nodiscard]] std::vector<const Node*> children(std::string_view name) const;
   /// The first of this name, or null.
-  [[nodiscard]] const tinyxml2::XMLElement* child(const char* name) const;
+  [[nodiscard]] const Node* child(const char* name) const { return node_.child(name); }
   /// The text of a child that holds text only.
   [[nodiscard]] std::optional<Given> child_text(const char* name) const;
 
   /// Something unknown stands here that was most likely meant to be `name`; that `name` is missing is then no
   /// news.
   [[nodiscard]] bool was_meant(std::string_view name) const;
-  /// There are children that were not understood.
-  [[nodiscard]] bool has_unknown_children() const { return unknown_children_; }
+  /// There are children that were not understood, or could not be made.
+  [[nodiscard]] bool has_unknown_children() const { return unknown_children_ || node_.incomplete; }
 
  private:
   void check_attributes();
   void check_children();
-  void refuse_child(const tinyxml2::XMLElement& child);
+  void refuse_child(const Node& child);
 
-  const tinyxml2::XMLElement& xml_;
+  const Node& node_;
   Shape shape_;
   Report& report_;
   std::vector<std::string_view> meant_;

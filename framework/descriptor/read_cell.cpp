@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include <tinyxml2.h>
-
 #include <takt/core/words.hpp>
 #include <takt/descriptor/element.hpp>
 #include <takt/descriptor/read_module.hpp>
@@ -13,31 +11,33 @@ namespace takt::descriptor {
 
 namespace {
 
-using tinyxml2::XMLElement;
-
-const Shape kRoot{.many = {"executor", "module"}};
+// Of <use>, <template> and <include>, which may stand there, nothing is left when a cell is read.
+const Shape kRoot{.many = {"executor", "module", "use", "template", "include"}};
 const Shape kCell{.attributes = {"name", "domain", "discovery", "peers", "server", "server-device"},
-                  .many = {"device", "connection"}};
-const Shape kDevice{.attributes = {"name"}, .many = {"executor", "module"}};
+                  .many = {"device", "connection", "service", "template", "include"}};
+const Shape kDevice{.attributes = {"name"}, .many = {"executor", "module", "use", "template", "include"}};
 const Shape kExecutor{
     .attributes = {"name", "cpu", "priority", "wakeup", "spin", "overrun", "limit", "offsets", "timing"}};
 const Shape kConnection{.attributes = {"from", "to", "kind", "depth", "reliability", "deadline", "lifespan",
                                        "stale", "topic", "domain", "ros2"}};
 
+const Shape kService{.attributes = {"client", "server"}};
+
 class CellReader {
  public:
   CellReader(const std::string& file, Report& report) : report_(report) { reading_.cell.file = file; }
 
-  Reading read(const XMLElement& root) {
-    const std::string_view name = root.Name();
-    reading_.cell.line = root.GetLineNum();
+  Reading read(const Node& root) {
+    const std::string_view name = root.name;
+    reading_.cell.line = root.line;
     if (name == "root") {
       read_root(root);
     } else if (name == "cell") {
       read_cell_form(root);
     } else {
-      report_.add(root.GetLineNum(), "unknown root element <" + brief(name) + ">",
-                  "a descriptor has one element <root> or <cell>");
+      report_.add(root.line, "unknown root element <" + brief(name) + ">",
+                  root.name == "fragment" ? "this is a file for others to include: check one of those"
+                                          : "a descriptor has one element <root> or <cell>");
       reading_.gaps.devices = true;
       reading_.cell.name = "unread";
     }
@@ -46,13 +46,13 @@ class CellReader {
 
  private:
   /// The paper's form: the modules of one device that is the whole cell.
-  void read_root(const XMLElement& xml) {
+  void read_root(const Node& xml) {
     const Element root{xml, kRoot, report_};
     reading_.cell.name = name_after(reading_.cell.file);
     read_device(root, reading_.cell.name);
   }
 
-  void read_cell_form(const XMLElement& xml) {
+  void read_cell_form(const Node& xml) {
     const Element cell{xml, kCell, report_};
     const auto name = cell.required_attribute("name");
     reading_.cell.name = name ? name->trimmed() : "unread";
@@ -63,18 +63,39 @@ class CellReader {
     }
     read_discovery(cell);
     reading_.gaps.devices = cell.has_unknown_children();
-    for (const XMLElement* child : cell.children("device")) {
+    for (const Node* child : cell.children("device")) {
       if (report_.full()) break;
       const Element device{*child, kDevice, report_};
       const auto device_name = device.required_attribute("name");
       if (!device_name) reading_.gaps.devices = true;
       read_device(device, device_name ? device_name->trimmed() : stand_in());
     }
-    for (const XMLElement* child : cell.children("connection")) {
+    for (const Node* child : cell.children("connection")) {
       // One too many is enough to be refused.
       if (report_.full() || reading_.cell.connections.size() > model::kMaxConnections) break;
       read_connection(*child);
     }
+    for (const Node* child : cell.children("service")) {
+      if (report_.full() || reading_.cell.services.size() > model::kMaxConnections) break;
+      read_service(*child);
+    }
+  }
+
+  void read_service(const Node& xml) {
+    const Element element{xml, kService, report_};
+    model::Service service;
+    service.line = element.line();
+    const bool known =
+        read_side(element, "client", service.client) & read_side(element, "server", service.server);
+    reading_.cell.services.push_back(std::move(service));
+    reading_.gaps.without_sides.push_back(!known);
+  }
+
+  bool read_side(const Element& element, const char* side, model::Endpoint& end) {
+    const auto given = element.required_attribute(side);
+    if (!given) return false;
+    end = endpoint(given->trimmed());
+    return true;
   }
 
   void read_discovery(const Element& cell) {
@@ -129,12 +150,12 @@ class CellReader {
     device.line = element.line();
     model::Gaps::OfDevice gaps{.executors = element.has_unknown_children(),
                                .modules = element.has_unknown_children()};
-    for (const XMLElement* child : element.children("executor")) {
+    for (const Node* child : element.children("executor")) {
       if (report_.full()) break;
       device.executors.push_back(read_executor(*child, gaps));
     }
     if (device.executors.empty()) device.executors.emplace_back().line = device.line;
-    for (const XMLElement* child : element.children("module")) {
+    for (const Node* child : element.children("module")) {
       if (report_.full()) break;
       ModuleReading module = read_module(*child, device.executors, report_);
       if (!module.name_known) {
@@ -147,7 +168,7 @@ class CellReader {
     reading_.gaps.of_device.push_back(gaps);
   }
 
-  model::Executor read_executor(const XMLElement& xml, model::Gaps::OfDevice& gaps) {
+  model::Executor read_executor(const Node& xml, model::Gaps::OfDevice& gaps) {
     const Element element{xml, kExecutor, report_};
     model::Executor executor;
     executor.line = element.line();
@@ -202,7 +223,7 @@ class CellReader {
     }
   }
 
-  void read_connection(const XMLElement& xml) {
+  void read_connection(const Node& xml) {
     const Element element{xml, kConnection, report_};
     model::Connection connection;
     connection.line = element.line();
@@ -215,7 +236,7 @@ class CellReader {
     }
     read_topic(element, connection);
     reading_.cell.connections.push_back(std::move(connection));
-    reading_.gaps.without_ends.push_back(!from_known || !to_known);
+    reading_.gaps.without_ends.push_back(!from_known || !to_known || element.has_unknown_children());
   }
 
   /// False when something was given and cannot be read. An end may be left out.
@@ -334,7 +355,7 @@ std::string name_after(const std::string& file) {
   return name.empty() ? "cell" : name;
 }
 
-Reading read_cell(const XMLElement& root, const std::string& file, Report& report) {
+Reading read_cell(const Node& root, const std::string& file, Report& report) {
   return CellReader{file, report}.read(root);
 }
 

@@ -2,12 +2,9 @@
 #pragma once
 
 #include <takt/descriptor/report.hpp>
+#include <takt/descriptor/tree.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/validate.hpp>
-
-namespace tinyxml2 {
-class XMLElement;
-}
 
 namespace takt::descriptor {
 
@@ -19,7 +16,7 @@ struct Reading {
 };
 
 /// Reports what cannot be read; what is read and makes no sense is left to model::validate.
-Reading read_cell(const tinyxml2::XMLElement& root, const std::string& file, Report& report);
+Reading read_cell(const Node& root, const std::string& file, Report& report);
 
 /// The name of the cell and the device of a module.xml: the file's stem, with '_' for what a name may not
 /// have.

@@ -1,5 +1,6 @@
 #include <takt/descriptor/read_module.hpp>
 
+#include <algorithm>
 #include <limits>
 
 #include <takt/core/words.hpp>
@@ -28,8 +29,7 @@ const Shape kValue{.attributes = {"name"}, .text = true};
 
 class ModuleReader {
  public:
-  ModuleReader(const tinyxml2::XMLElement& xml, Report& report)
-      : element_(xml, kModule, report), report_(report) {}
+  ModuleReader(const Node& xml, Report& report) : element_(xml, kModule, report), report_(report) {}
 
   ModuleReading read(const std::vector<model::Executor>& executors) {
     module_.line = element_.line();
@@ -87,12 +87,12 @@ class ModuleReader {
     }
   }
 
-  std::optional<Nanoseconds> read_time(const char* name, int& line) {
+  std::optional<Nanoseconds> read_time(const char* name, model::Line& line) {
     const auto given = element_.child_text(name);
     return given ? std::optional{time_of(*given, line)} : std::nullopt;
   }
 
-  Nanoseconds time_of(const Given& given, int& line) {
+  Nanoseconds time_of(const Given& given, model::Line& line) {
     line = given.line;
     const auto ns = read_number(given, {.from = 1}, kNs, report_);
     return ns ? Nanoseconds{*ns} : kStandIn;
@@ -159,7 +159,7 @@ class ModuleReader {
       module_.deadline.reset();
       module_.miss = model::Miss::count;
       module_.dispatch = model::Dispatch::row;
-      module_.lines.dispatch = 0;
+      module_.lines.dispatch = {};
       module_.interarrival.reset();
       module_.budget.reset();
       module_.tolerance = {};
@@ -241,9 +241,12 @@ class ModuleReader {
 
 }  // namespace
 
-ModuleReading read_module(const tinyxml2::XMLElement& xml, const std::vector<model::Executor>& executors,
-                          Report& report) {
+ModuleReading read_module(const Node& xml, const std::vector<model::Executor>& executors, Report& report) {
   return ModuleReader{xml, report}.read(executors);
+}
+
+bool is_of_module(std::string_view name) {
+  return std::find(kModule.once.begin(), kModule.once.end(), name) != kModule.once.end();
 }
 
 }  // namespace takt::descriptor

@@ -1,14 +1,12 @@
 // What a module looks like in XML.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include <takt/descriptor/report.hpp>
+#include <takt/descriptor/tree.hpp>
 #include <takt/model/cell.hpp>
-
-namespace tinyxml2 {
-class XMLElement;
-}
 
 namespace takt::descriptor {
 
@@ -18,7 +16,9 @@ struct ModuleReading {
 };
 
 /// `executors` are those of its device, never empty: a module that names none belongs to the only one.
-ModuleReading read_module(const tinyxml2::XMLElement& xml, const std::vector<model::Executor>& executors,
-                          Report& report);
+ModuleReading read_module(const Node& xml, const std::vector<model::Executor>& executors, Report& report);
+
+/// Whether an element of this name may stand in a module.
+bool is_of_module(std::string_view name);
 
 }  // namespace takt::descriptor

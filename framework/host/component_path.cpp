@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include <takt/core/words.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/process.hpp>
 
@@ -17,9 +18,10 @@ std::vector<std::string> component_folders() {
     if (colon != 0) folders.push_back(path.substr(0, colon));
     path = colon == std::string::npos ? "" : path.substr(colon + 1);
   }
-  const fs::path programs = os::program_directory();
-  folders.push_back((programs.parent_path() / "components").string());                   // as built
-  folders.push_back((programs.parent_path() / "lib" / "takt" / "components").string());  // as installed
+  // As installed beside takt-host, as built beside the folder of the programs.
+  const fs::path ours = os::private_directory();
+  const bool built = ours == os::program_directory();
+  folders.push_back(((built ? ours.parent_path() : ours) / "components").string());
   return folders;
 }
 
@@ -45,8 +47,17 @@ Result<std::string> find_component(const std::string& filename, const std::strin
     if (("," + tried + ",").find(" " + folder + ",") == std::string::npos)
       tried += (tried.empty() ? " " : ", ") + folder;
   }
+  // What it may be a slip of: files of the same kind in these folders.
+  std::vector<std::string> names;
+  for (const fs::path& candidate : candidates) {
+    for (const auto& entry : fs::directory_iterator{candidate.parent_path(), error}) {
+      if (entry.path().extension() == name.extension()) names.push_back(entry.path().filename().string());
+    }
+  }
+  const std::string meant{nearest(name.filename().string(), {names.begin(), names.end()})};
   return fail("there is no file " + filename + " (looked in" + tried + ")",
-              "build it, correct the name, or add its folder to TAKT_COMPONENT_PATH");
+              meant.empty() ? "build it, correct the name, or add its folder to TAKT_COMPONENT_PATH"
+                            : "did you mean " + meant + "?");
 }
 
 }  // namespace takt::host

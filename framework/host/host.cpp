@@ -16,6 +16,7 @@
 #include <takt/host/hook_caller.hpp>
 #include <takt/host/host_links.hpp>
 #include <takt/host/protocol.hpp>
+#include <takt/host/service_thread.hpp>
 #include <takt/host/thread_module.hpp>
 #include <takt/host/watched_body.hpp>
 #include <takt/os/clock.hpp>
@@ -43,12 +44,15 @@ class Host {
  private:
   Result<std::string> serve_request(const Request& request);
   Result<void> call(const Request& request);
+  Result<void> call_hook(const Request& request);
+  void start_services(std::uint32_t index);
   Result<std::string> get(const Request& request) const;
   Result<void> set(const Request& request);
   Answer begin();
   void start_background();
   void run_background(std::uint32_t index);
   void halt();
+  void give_up(std::uint32_t index);
   void farewell();
   void answer(const Answer& answer);
   const model::Module& module(std::uint32_t index) const { return setup_.device.modules[index]; }
@@ -70,6 +74,7 @@ class Host {
   std::vector<std::unique_ptr<ExecutorThreads>> executors_;
   std::atomic<std::uint32_t> halt_background_{0};
   std::vector<os::Thread> background_;
+  std::vector<std::unique_ptr<ServiceThread>> services_;  // of modules that have handlers
   std::unique_ptr<HookCaller> hooks_;
 };
 
@@ -100,7 +105,8 @@ Result<void> Host::prepare() {
                         .overrun = model::contract_of(setup_.device, m),
                         .tolerance = m.tolerance};
     modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
-    if (modules_.back()) modules_.back()->attach(bell_, unit.block, model::timing_of(setup_.device, m), unit.period);
+    if (modules_.back())
+      modules_.back()->attach(bell_, unit.block, model::timing_of(setup_.device, m), unit.period);
     unit.body = modules_.back().get();
     if (*watch && unit.body != nullptr) {
       watched_.push_back(std::make_unique<WatchedBody>(*unit.body, i, *watch));
@@ -114,6 +120,8 @@ Result<void> Host::prepare() {
     }
     units.push_back(unit);
   }
+
+  services_.resize(modules_.size());
 
   const auto plan = schedule::plan(model::Cell{}, setup_.device);
   if (!plan) return plan.problems();
@@ -162,15 +170,16 @@ Result<std::string> Host::serve_request(const Request& request) {
 
 Result<std::string> Host::get(const Request& request) const {
   const ThreadModule& instance = *modules_[request.module];
-  if (instance.component() != nullptr) return instance.get(request.property);
-  // A module in C form has none that could be asked: it was shown those of the descriptor.
+  if (instance.declares_properties()) return instance.get(request.property);
+  // It was shown those of the descriptor.
   return model::given_property(module(request.module), request.property);
 }
 
 Result<void> Host::set(const Request& request) {
   ThreadModule& instance = *modules_[request.module];
-  if (instance.component() == nullptr) {
-    return fail(module(request.module).name + " is written in C: it reads its properties in initialize()",
+  if (!instance.declares_properties()) {
+    return fail(module(request.module).name +
+                    " is written in C and declares no properties: it reads them in initialize()",
                 "undeploy the cell, change the descriptor and deploy it again");
   }
   // Also for the next time that it is loaded.
@@ -179,7 +188,35 @@ Result<void> Host::set(const Request& request) {
   return done;
 }
 
+// A handler is never at once with a hook: whoever comes second waits.
 Result<void> Host::call(const Request& request) {
+  const auto& service = services_[request.module];
+  if (!service) {
+    auto done = call_hook(request);
+    if (done && request.hook == Doing::load) start_services(request.module);
+    return done;
+  }
+  const auto excluded = service->exclude();
+  return call_hook(request);
+}
+
+void Host::start_services(std::uint32_t index) {
+  if (!modules_[index]->has_handlers()) return;
+  channel::ModuleBlock& block = channel_.module(index);
+  services_[index] = std::make_unique<ServiceThread>(
+      ServiceThread::Options{.index = index,
+                             .name = module(index).name + "/serve",
+                             .cpus = setup_.background_cpus,
+                             .activity = block.service,
+                             .bell = *bell_},
+      [instance = modules_[index].get()] { return instance->has_request(); },
+      [instance = modules_[index].get(), &block] {
+        const bool executing = block.in_tables.load(std::memory_order_seq_cst) != 0;
+        return instance->serve(executing ? nullptr : "its module is not in EXECUTING");
+      });
+}
+
+Result<void> Host::call_hook(const Request& request) {
   ThreadModule& instance = *modules_[request.module];
   const model::Module& m = module(request.module);
   switch (request.hook) {
@@ -217,6 +254,7 @@ Result<void> Host::call(const Request& request) {
     case Doing::nothing:
     case Doing::run:
     case Doing::condition:
+    case Doing::serve:
       break;
   }
   return fail("a host does not call that on request");
@@ -295,6 +333,15 @@ void Host::halt() {
   background_.clear();
 }
 
+void Host::give_up(std::uint32_t index) {
+  // A hook may wait for a handler that never returns.
+  const bool handler = services_[index] && services_[index]->give_up();
+  const bool hook = hooks_->give_up(index);
+  if (!handler && !hook) return;
+  modules_[index]->abandon();
+  services_[index].reset();
+}
+
 // The node is gone and nobody is there to be asked: what has been started is ended in order, but not for
 // long.
 void Host::farewell() {
@@ -311,7 +358,10 @@ void Host::farewell() {
     channel_.module(i).in_tables.store(0, std::memory_order_seq_cst);
   halt();
   for (const auto& instance : modules_) {
-    if (instance && instance->loaded()) static_cast<void>(instance->destruct());
+    if (!instance || !instance->loaded()) continue;
+    const auto& service = services_[static_cast<std::size_t>(&instance - modules_.data())];
+    const auto excluded = service ? service->exclude() : std::unique_lock<std::mutex>{};
+    static_cast<void>(instance->destruct());
   }
   done = true;
 }
@@ -341,7 +391,7 @@ void Host::serve() {
         break;
       case Request::Do::give_up:
         // Whatever it holds stays where it is; loaded again, it gets an instance of its own.
-        if (hooks_->give_up(request->module)) modules_[request->module]->abandon();
+        give_up(request->module);
         break;
       case Request::Do::end:
         // Not by way of destructors: a hook that was given up may still be inside any of them.

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <set>
+#include <sstream>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include <takt/core/words.hpp>
 #include <takt/host/component_path.hpp>
 #include <takt/host/thread_module.hpp>
 #include <takt/os/clock.hpp>
@@ -41,6 +45,7 @@ std::string ports_of(const ThreadModule& module) {
   for (const PortBase* port : module.ports()) {
     list.push_back({{"name", port->name()},
                     {"direction", to_text(port->direction())},
+                    {"role", to_text(port->role())},
                     {"description", port->type().description},
                     {"text", port->text()},
                     {"object", port->value_size() != 0}});
@@ -48,25 +53,81 @@ std::string ports_of(const ThreadModule& module) {
   return dump({{"ports", list}});
 }
 
-/// What a program says of its ports when it is told to say them and end.
-Result<std::vector<model::Port>> ports_of_program(const std::string& path) {
+/// What a program that ended with a mistake said of it on standard error: a problem a line, "what; fix".
+Problems said_by(const std::string& text) {
+  Problems problems;
+  std::istringstream lines{text};
+  for (std::string line; std::getline(lines, line);) {
+    const auto end = line.find("; ");
+    if (line.find_first_not_of(" \t") == std::string::npos) continue;
+    problems.push_back(fail(line.substr(0, end), end == std::string::npos ? "" : line.substr(end + 2)));
+  }
+  return problems;
+}
+
+/// What a program says of itself.
+struct Answer {
+  std::string operation;
+  std::vector<model::Port> ports;
+  std::vector<PropertyDescription> properties;
+  Problems problems;  ///< of its properties, and of the values that they were given
+};
+
+Result<Answer> parse_answer(const std::string& text) {
+  auto ports = model::parse_ports(text);
+  if (!ports) return ports.problems();
+  const json answer = json::parse(text, nullptr, false);  // it is an object, or it had no ports
+  auto properties = parse_properties(dump(answer.value("properties", json::array())));
+  if (!properties) return properties.problems();
+  return Answer{answer.value("operation", ""), std::move(*ports), std::move(*properties),
+                problems_from(answer.value("problems", json::array()))};
+}
+
+constexpr const char* kProcessLibrary = "libtakt_process.so";
+
+/// The strings of a file's dynamic symbols and libraries; empty where it is no ELF file.
+std::string dynamic_names(const std::string& path) { return os::read_section(path, ".dynstr").value_or(""); }
+
+/// A script may start anything. To start another program that cannot answer would be in vain, and rude.
+bool may_answer(const std::string& path) {
+  const std::string names = dynamic_names(path);
+  return names.empty() || names.find(kProcessLibrary) != std::string::npos;
+}
+
+/// What a program with these arguments says when it is told to say what it is and end. `refused`: it ended
+/// with words of its own about what it was given, which are the problems.
+Result<Answer> ask_program(const std::string& path, const Arguments& arguments, bool* refused = nullptr) {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   os::MessageSocket& ours = sockets->first;
   auto child =
       os::Child::spawn({.program = path,
+                        .arguments = arguments,
                         .environment = {{"TAKT_DESCRIBE_FD", std::to_string(sockets->second.fd().get())}},
                         .inherit = {&sockets->second.fd()},
                         .capture_output = true});
   if (!child) return child.problems();
   sockets->second.close();
-  const Instant limit = os::now() + kLimit;
-  while (os::now() < limit) {
-    if (const auto text = ours.receive()) return model::parse_ports(*text);
-    if (ours.closed()) break;
-    os::wait_readable({&ours.fd()}, 20);
+  std::string words;
+  const auto listen = [&] {
+    bool end = false;
+    words += os::read_available(child->error, &end);
+    os::read_available(child->output, &end);  // so that a program that prints is not held up
+  };
+  std::optional<os::ProcessEnd> ended;
+  for (const Instant limit = os::now() + kLimit; !ended && os::now() < limit;) {
+    if (const auto text = ours.receive()) return parse_answer(*text);
+    ended = child->poll();
+    listen();
+    if (!ended) os::wait_readable({&ours.fd()}, ours.closed() ? 1 : 20);
   }
-  return fail(path + " did not say which ports it has",
+  if (const auto text = ours.receive()) return parse_answer(*text);
+  if (ended && !ended->signalled && ended->code != 0) {
+    Problems said = said_by(words);
+    if (refused != nullptr) *refused = !said.empty();
+    if (!said.empty()) return said;
+  }
+  return fail(path + " did not say which ports it has" + (ended ? ": it " + ended->text() : ""),
               "call initPeriodExe() or initSporadicExe() within " + std::to_string(kLimit.count()) +
                   " s of the beginning of main(), and link with libtakt_process");
 }
@@ -76,14 +137,17 @@ json describe_loaded(const ThreadModule& module, const std::string& path) {
       {"name", std::filesystem::path{path}.stem().string()}, {"interface", "c"}, {"hooks", module.hooks()}};
   answer["properties"] = json::array();
   answer["ports"] = ports_of(module);
-  if (module.component() == nullptr) return answer;
-  answer["name"] = module.component_name();
-  answer["interface"] = "c++";
-  for (const PropertyBase* property : module.component()->properties()) {
+  if (module.component() != nullptr) {
+    answer["name"] = module.component_name();
+    answer["interface"] = "c++";
+  }
+  for (const PropertyBase* property : module.properties()) {
     answer["properties"].push_back({{"name", property->name()},
                                     {"type", to_text(property->type())},
-                                    {"default", property->value_text()},
+                                    {"default", property->default_text()},
                                     {"range", property->range_text()},
+                                    {"min", property->min_text()},
+                                    {"max", property->max_text()},
                                     {"unit", property->unit()},
                                     {"text", property->text()}});
   }
@@ -107,7 +171,7 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
                                       wanted.operation == model::Operation::sporadic);
     const bool is_loaded = result.ok();  // nobody knows the ports of one that is not
     if (result && module.component() == nullptr) loaded.insert(use.device);
-    if (result && module.component() != nullptr) {
+    if (result && module.declares_properties()) {
       irp::Property::Values values;
       for (const model::PropertyValue& property : wanted.properties)
         values.emplace_back(property.name, property.value);
@@ -119,20 +183,28 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
   return answer;
 }
 
-Problem at(const model::Cell& cell, int line, Problem problem) {
-  problem.where = cell.file + ":" + std::to_string(line);
-  return problem;
-}
-
 // Each problem at the line of the property that it names, else at the module's.
 void add_at(const model::Cell& cell, const model::Module& module, const Problems& found, Problems& problems) {
   for (const Problem& problem : found) {
-    int line = module.line;
+    model::Line line = module.line;
     for (const model::PropertyValue& property : module.properties) {
       if (problem.what.find("'" + property.name + "'") != std::string::npos) line = property.line;
     }
-    problems.push_back(at(cell, line, {{}, "module " + module.name + ": " + problem.what, problem.fix}));
+    problems.push_back(
+        model::problem_at(cell.texts(), line, "module " + module.name + ": " + problem.what, problem.fix));
   }
+}
+
+/// What a program calls says how it is released.
+Problems check_operation(const model::Module& module, const std::string& operation) {
+  const bool periodic = module.operation == model::Operation::periodic;
+  if (module.operation == model::Operation::non_real || operation.empty() ||
+      operation == (periodic ? "periodic" : "sporadic"))
+    return {};
+  return {fail(std::string{"the program calls "} + (periodic ? "initSporadicExe()" : "initPeriodExe()") +
+                   ", so it is " + operation,
+               "say <operationtype>" + operation + "</operationtype> and <" +
+                   (periodic ? "deadline" : "period") + ">")};
 }
 
 bool is_connected(const model::Cell& cell, const std::string& device, const std::string& module) {
@@ -144,17 +216,40 @@ bool is_connected(const model::Cell& cell, const std::string& device, const std:
 
 }  // namespace
 
-Result<Description> describe(const std::string& path) {
+Arguments arguments_of(const model::Module& module) {
+  Arguments arguments;
+  for (const model::PropertyValue& property : module.properties)
+    arguments.push_back(property.name + "=" + property.value);
+  return arguments;
+}
+
+Result<Description> describe(const std::string& path, const Arguments& arguments) {
   if (!os::is_shared_object(path)) {
     if (!os::is_executable(path))
       return fail(path + " is neither a shared object nor a program", "name a component's file");
-    auto ports = ports_of_program(path);
-    return Description{std::filesystem::path{path}.stem().string(),
-                       "process",
-                       {},
-                       {},
-                       ports ? std::move(*ports) : std::vector<model::Port>{}};
+    Description program{.name = std::filesystem::path{path}.stem().string(),
+                        .text = component_text(path),
+                        .interface = "process",
+                        .operation = {},
+                        .hooks = {},
+                        .properties = {},
+                        .ports = {}};
+    if (!may_answer(path)) {
+      program.operation = to_text(model::Operation::non_real);
+      return program;
+    }
+    bool refused = false;
+    auto answer = ask_program(path, arguments, &refused);
+    if (!answer && !refused && arguments.empty()) return program;
+    if (!answer) return answer.problems();
+    if (!answer->problems.empty()) return answer->problems;
+    program.operation = std::move(answer->operation);
+    program.properties = std::move(answer->properties);
+    program.ports = std::move(answer->ports);
+    return program;
   }
+  if (!arguments.empty())
+    return fail("the ports of " + path + " do not depend on properties", "leave out " + arguments[0]);
   const auto work = [&path]() -> std::string {
     ThreadModule module;
     if (auto loaded = module.load(path, os::Library::Globals::shared, false); !loaded) {
@@ -169,12 +264,49 @@ Result<Description> describe(const std::string& path) {
   if (answer.contains("problems")) return problems_from(answer["problems"]);
   auto ports = model::parse_ports(answer["ports"]);
   if (!ports) return ports.problems();
-  Description description{answer["name"], answer["interface"], answer["hooks"], {}, std::move(*ports)};
-  for (const json& property : answer["properties"]) {
-    description.properties.push_back({property["name"], property["type"], property["default"],
-                                      property["range"], property["unit"], property["text"]});
+  auto properties = parse_properties(dump(answer["properties"]));
+  if (!properties) return properties.problems();
+  return Description{.name = answer["name"],
+                     .text = component_text(path),
+                     .interface = answer["interface"],
+                     .operation = {},
+                     .hooks = answer["hooks"],
+                     .properties = std::move(*properties),
+                     .ports = std::move(*ports)};
+}
+
+std::string component_text(const std::string& path) {
+  const auto section = os::read_section(path, "takt_text");
+  return section ? on_one_line(section->c_str()) : "";
+}
+
+std::vector<ComponentFile> list_components(const std::vector<std::string>& folders) {
+  std::map<std::string, ComponentFile> found;
+  for (const std::string& folder : folders) {
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator{folder, error}) {
+      const std::string path = entry.path().string();
+      const std::string name = entry.path().filename().string();
+      ComponentFile file{.path = path, .interface = {}, .text = component_text(path)};
+      if (os::is_shared_object(path)) {
+        const std::string names = dynamic_names(path);
+        const auto has = [&names](const char* symbol) {
+          return names.find(std::string{'\0'} + symbol + '\0') != std::string::npos;
+        };
+        if (has("takt_component_factory"))
+          file.interface = "c++";
+        else if (has("run"))
+          file.interface = "c";
+      } else if (os::is_executable(path)) {
+        const bool linked = dynamic_names(path).find(kProcessLibrary) != std::string::npos;
+        if (linked || !file.text.empty() || entry.path().extension() == ".exe") file.interface = "process";
+      }
+      if (!file.interface.empty()) found.emplace(name, std::move(file));
+    }
   }
-  return description;
+  std::vector<ComponentFile> files;
+  for (auto& [name, file] : found) files.push_back(std::move(file));
+  return files;
 }
 
 Result<Components> check_components(const model::Cell& cell, Problems* missing) {
@@ -182,7 +314,8 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   Components found;
   std::vector<ComponentPaths>& paths = found.paths;
   std::map<std::string, std::vector<Use>> thread_modules;
-  std::map<std::string, std::vector<Use>> programs;  // that connections name
+  // That connections name, or that are given properties, which may say which ports a program has.
+  std::map<std::pair<std::string, Arguments>, std::vector<Use>> programs;
   for (std::size_t d = 0; d < cell.devices.size(); ++d) {
     const model::Device& device = cell.devices[d];
     paths.emplace_back();
@@ -203,8 +336,10 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
               cell, module,
               {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
               problems);
-        } else if (is_connected(cell, device.name, module.name)) {
-          programs[*path].push_back({d, m});
+        } else if (is_connected(cell, device.name, module.name) ||
+                   (!module.properties.empty() && module.operation != model::Operation::non_real &&
+                    dynamic_names(*path).find(kProcessLibrary) != std::string::npos)) {
+          programs[{*path, arguments_of(module)}].push_back({d, m});
         }
       } else if (!os::is_shared_object(*path)) {
         add_at(cell, module,
@@ -237,13 +372,18 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
       }
     }
   }
-  for (const auto& [path, uses] : programs) {
-    const auto ports = ports_of_program(path);
+  for (const auto& [started, uses] : programs) {
+    const auto answer = ask_program(started.first, started.second);
     for (const Use& use : uses) {
-      if (ports)
-        found.ports[use.device][use.module] = *ports;
-      else
-        add_at(cell, cell.devices[use.device].modules[use.module], ports.problems(), problems);
+      const model::Device& device = cell.devices[use.device];
+      const model::Module& module = device.modules[use.module];
+      if (answer) {
+        found.ports[use.device][use.module] = answer->ports;
+        add_at(cell, module, answer->problems, problems);
+        add_at(cell, module, check_operation(module, answer->operation), problems);
+      } else if (is_connected(cell, device.name, module.name)) {
+        add_at(cell, module, answer.problems(), problems);
+      }
     }
   }
   const Problems connections = model::check_connections(cell, found.ports);

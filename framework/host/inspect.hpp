@@ -7,32 +7,35 @@
 #include <vector>
 
 #include <takt/core/result.hpp>
+#include <takt/host/description.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/ports.hpp>
 
 namespace takt::host {
 
-struct PropertyDescription {
-  std::string name;
-  std::string type;  ///< "bool", "integer", "double", "string"
-  std::string default_value;
-  std::string range;  ///< may be empty, as the two below
-  std::string unit;
-  std::string text;
-};
+/// What a program is started with: its properties, "name=value" each, in the order of the descriptor.
+using Arguments = std::vector<std::string>;
+Arguments arguments_of(const model::Module& module);
 
-struct Description {
-  std::string name;                ///< of the class; of a C module, the file's stem
-  std::string interface;           ///< "c++", "c" or "process"
-  std::vector<std::string> hooks;  ///< of a C module
-  std::vector<PropertyDescription> properties;
-  std::vector<model::Port> ports;
-};
+/// Loads a .so and says what it is. A program that is linked with libtakt_process (or is a script) is started
+/// with these arguments, on which its ports may depend, and with what tells it to say what it is and end at
+/// once. One that has not done so within 5 s, or does not call initPeriodExe() or initSporadicExe(), has no
+/// ports; with arguments that is an error: what the program said of them. `path` as from find_component().
+Result<Description> describe(const std::string& path, const Arguments& arguments = {});
 
-/// Loads a .so and says what it is. A program is started, with what tells it to say its ports and end at
-/// once; one that has not done so within 5 s, or does not call initPeriodExe() or initSporadicExe(), has
-/// none. `path` as from find_component().
-Result<Description> describe(const std::string& path);
+/// The sentence of a component's file, TAKT_TEXT() or of TAKT_COMPONENT(); empty when it has none. Nothing of
+/// the file is loaded or started.
+std::string component_text(const std::string& path);
+
+/// A file that may be a component, known without loading or starting it.
+struct ComponentFile {
+  std::string path;
+  std::string interface;  ///< "c++", "c" or "process"
+  std::string text;       ///< may be empty
+};
+/// The components in these folders, each by the name of its file; of two of one name the first, as
+/// find_component() does. A folder that is not there has none.
+std::vector<ComponentFile> list_components(const std::vector<std::string>& folders);
 
 /// The files of a device's modules, by the module's index.
 using ComponentPaths = std::vector<std::string>;
@@ -40,7 +43,8 @@ using ComponentPaths = std::vector<std::string>;
 /// What was found of a cell's components, by device and module.
 struct Components {
   std::vector<ComponentPaths> paths;
-  /// Known for every component that is here and could be loaded; of a program where a connection names it.
+  /// Known for every component that is here and could be loaded; of a program where a connection names it or
+  /// the descriptor gives it properties.
   model::CellPorts ports;
 };
 

@@ -1,27 +1,28 @@
 #include <takt/host/live_properties.hpp>
 
 #include <algorithm>
+#include <string_view>
 #include <thread>
 
 #include <takt/core/words.hpp>
 
 namespace takt::host {
 
-void LiveProperties::serve(const Component* component, std::string name) {
-  component_ = component;
+void LiveProperties::serve(std::vector<PropertyBase*> properties, std::string name) {
+  properties_ = std::move(properties);
   name_ = std::move(name);
   waiting_.clear();
   state_.store(State::none, std::memory_order_relaxed);
 }
 
 Result<PropertyBase*> LiveProperties::find(const std::string& name) const {
-  std::string has;
-  for (PropertyBase* property : component_->properties()) {
+  std::vector<std::string_view> names;
+  for (PropertyBase* property : properties_) {
     if (property->name() == name) return property;
-    has += (has.empty() ? "" : ", ") + property->name();
+    names.emplace_back(property->name());
   }
   return fail("component " + name_ + " has no property " + in_quotes(name),
-              has.empty() ? "it has none" : "it has " + has);
+              names.empty() ? "it has none" : suggestion(name, names));
 }
 
 Result<std::string> LiveProperties::get(const std::string& name) const {

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include <takt/component/component.hpp>
+#include <takt/component/property.hpp>
 
 namespace takt::host {
 
@@ -21,8 +21,8 @@ class LiveProperties {
  public:
   using Values = std::vector<std::pair<std::string, std::string>>;
 
-  /// Of a component that is called `name`, before all else; null: no more. While no hook is called.
-  void serve(const Component* component, std::string name);
+  /// Those of a component that is called `name`, before all else; none: no more. While no hook is called.
+  void serve(std::vector<PropertyBase*> properties, std::string name);
 
   /// All of them or none: one problem for each that the component does not have or does not take. They are in
   /// force from its next call on. By one thread at a time; may wait for a take_over() that is going on.
@@ -42,7 +42,7 @@ class LiveProperties {
   void withdraw();
   void take_over_waiting() noexcept;
 
-  const Component* component_ = nullptr;
+  std::vector<PropertyBase*> properties_;
   std::string name_;
   std::vector<PropertyBase*> waiting_;  // of the thread that sets, but while they wait or are taken over
   // SYNC: values wait. From none to waiting by who sets; from there back to none by who sets, or to

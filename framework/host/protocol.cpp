@@ -32,8 +32,7 @@ model::OverrunContract contract_from(const json& value) { return {value[0], valu
 
 json to_json(const model::Module& module) {
   json properties = json::array();
-  for (const auto& property : module.properties)
-    properties.push_back({property.name, property.value, property.line});
+  for (const auto& property : module.properties) properties.push_back({property.name, property.value});
   return {{"name", module.name},
           {"filename", module.filename},
           {"type", module.type},
@@ -50,8 +49,7 @@ json to_json(const model::Module& module) {
           {"times", from_optional(module.tolerance.times)},
           {"in_a_row", from_optional(module.tolerance.in_a_row)},
           {"overrun", module.overrun ? to_json(*module.overrun) : json(nullptr)},
-          {"properties", properties},
-          {"line", module.line}};
+          {"properties", properties}};
 }
 
 model::Module module_from(const json& value) {
@@ -72,8 +70,7 @@ model::Module module_from(const json& value) {
   module.tolerance = {to_number(value.at("times")), to_number(value.at("in_a_row"))};
   if (!value.at("overrun").is_null()) module.overrun = contract_from(value.at("overrun"));
   for (const json& property : value.at("properties"))
-    module.properties.push_back({property[0], property[1], property[2]});
-  module.line = value.at("line");
+    module.properties.push_back({.name = property[0], .value = property[1]});
   return module;
 }
 

@@ -29,21 +29,6 @@ class InHook {
   Cycle cycle_;
 };
 
-/// A value that nobody could give the property is none that it may begin with.
-Result<void> check_defaults(const std::string& path, const Component& component) {
-  Problems problems;
-  for (const PropertyBase* property : component.properties()) {
-    const std::string value = property->value_text();
-    const std::string range = property->range_text();
-    if (range.empty() || property->check(value)) continue;
-    problems.push_back(fail(path + " has a property '" + property->name() + "' whose default " +
-                                brief(value) + " is out of its range: " + range,
-                            "give it a default that is within its range, or mend the range"));
-  }
-  if (!problems.empty()) return problems;
-  return {};
-}
-
 }  // namespace
 
 Instant ThreadModule::now() const noexcept { return clock_ == nullptr ? os::now() : clock_->now(); }
@@ -77,10 +62,12 @@ ThreadModule::~ThreadModule() { unload(); }
 Result<void> ThreadModule::load(const std::string& path, os::Library::Globals globals, bool sporadic) {
   unload();
   static_cast<void>(take_loose_ports());
+  static_cast<void>(take_loose_properties());
   auto library = os::Library::open(path, globals);
   if (!library) return library.problems();
   library_ = std::move(*library);
   ports_ = take_loose_ports();  // their constructors ran just now
+  properties_ = take_loose_properties();
 
   if (void* get_factory = library_.own_function("takt_component_factory"); get_factory != nullptr) {
     factory_ = reinterpret_cast<const ComponentFactory* (*)()>(get_factory)();
@@ -93,9 +80,8 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
       component_ = factory_->create();
       return {};
     });
-    if (created) live_.serve(component_, factory_->name);
     if (created) created = take_ports(path);
-    if (created) created = check_defaults(path, *component_);
+    if (created) created = take_properties(path);
     if (!created) unload();
     if (created && sporadic && !may_be_ready()) {
       unload();
@@ -128,8 +114,22 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
                 R"(define extern "C" int condition(), or make the module periodic)");
   }
   auto taken = take_ports(path);
+  if (taken) taken = take_properties(path);
   if (!taken) unload();
   return taken;
+}
+
+Result<void> ThreadModule::take_properties(const std::string& path) {
+  if (component_ != nullptr) {
+    if (!properties_.empty()) {
+      return fail(path + " has the property '" + properties_.front()->name() + "' outside its component",
+                  "make it a member: Property<T> name{*this, \"name\", ...}");
+    }
+    properties_ = component_->properties();
+  }
+  if (Problems problems = check_declared(properties_, path); !problems.empty()) return problems;
+  live_.serve(properties_, component_ != nullptr ? factory_->name : model::file_stem(path));
+  return {};
 }
 
 Result<void> ThreadModule::take_ports(const std::string& path) {
@@ -141,15 +141,29 @@ Result<void> ThreadModule::take_ports(const std::string& path) {
     ports_ = component_->ports();
   }
   for (auto port = ports_.begin(); port != ports_.end(); ++port) {
-    if (!model::is_valid_name((*port)->name())) {
-      return fail(path + " has a port " + in_quotes((*port)->name()),
+    const bool plain = (*port)->role() == PortRole::plain;
+    // Of NAME/request and NAME/reply.
+    const auto name_of = [](const PortBase& one) {
+      return one.role() == PortRole::plain ? one.name() : one.name().substr(0, one.name().rfind('/'));
+    };
+    const std::string name = name_of(**port);
+    if (!model::is_valid_name(name)) {
+      return fail(path + " has a " + to_text((*port)->role()) + " " + in_quotes(name),
                   "a name is a letter or '_', then letters, digits, '_' and '-'");
     }
-    if (std::any_of(ports_.begin(), port,
-                    [&](const PortBase* other) { return other->name() == (*port)->name(); })) {
-      return fail(path + " has two ports '" + (*port)->name() + "'", "give each a name of its own");
+    if (!plain && name.size() > model::kMaxServiceName) {
+      return fail(path + " has a service or client " + in_quotes(name),
+                  "its name has at most " + std::to_string(model::kMaxServiceName) + " characters");
     }
-    (*port)->serve(context_);
+    const auto clash = std::find_if(ports_.begin(), port, [&](const PortBase* other) {
+      return name_of(*other) == name &&
+             (plain || other->role() == PortRole::plain || other->name() == (*port)->name());
+    });
+    if (clash != port) {
+      return fail(path + " has two ports '" + name + "'" + (plain ? "" : ", a service or client among them"),
+                  "give each a name of its own");
+    }
+    (*port)->serve((*port)->role() == PortRole::handler ? handler_context_ : context_);
   }
   return {};
 }
@@ -203,7 +217,8 @@ void ThreadModule::begin_hook() noexcept {
 void ThreadModule::unload() {
   ports_.clear();
   watched_.clear();
-  live_.serve(nullptr, {});
+  live_.serve({}, {});
+  properties_.clear();
   if (component_ != nullptr) factory_->destroy(component_);
   component_ = nullptr;
   factory_ = nullptr;
@@ -217,13 +232,14 @@ void ThreadModule::unload() {
 void ThreadModule::abandon() noexcept {
   ports_.clear();
   watched_.clear();
-  live_.serve(nullptr, {});
+  live_.serve({}, {});
+  properties_.clear();
   component_ = nullptr;
   library_.abandon();
 }
 
 Result<void> ThreadModule::initialize(const irp::Property& property) {
-  if (component_ != nullptr) {
+  if (declares_properties()) {
     if (auto taken = set(property.values()); !taken) return taken;
   }
   begin_hook();
@@ -310,6 +326,26 @@ bool ThreadModule::has_news(Instant now) const noexcept {
   return std::any_of(ports_.begin(), ports_.end(), [now](const PortBase* port) {
     return port->direction() == PortDirection::event && port->news_at() <= to_ns(now);
   });
+}
+
+bool ThreadModule::has_request() noexcept {
+  if (!has_handlers()) return false;
+  handler_context_.start_ns = to_ns(now());
+  const auto& services = component_->services();
+  return std::any_of(services.begin(), services.end(),
+                     [](const ServiceBase* service) { return service->has_request(); });
+}
+
+bool ThreadModule::serve(const char* refusal) {
+  if (!has_handlers()) return false;
+  handler_context_.start_ns = to_ns(now());
+  const InHook in_hook{now(), period_};
+  const auto& services = component_->services();
+  for (std::size_t n = services.size(); n > 0; --n) {
+    if (++served_last_ >= services.size()) served_last_ = 0;
+    if (services[served_last_]->handle(refusal)) return true;
+  }
+  return false;
 }
 
 std::vector<std::string> ThreadModule::hooks() const {

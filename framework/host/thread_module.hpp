@@ -36,14 +36,21 @@ class ThreadModule final : public executor::Body {
   void abandon() noexcept;
   [[nodiscard]] bool loaded() const noexcept { return component_ != nullptr || run_ != nullptr; }
 
-  /// Sets properties of a C++ component, also while it runs; in force from its next call on. All or none: one
-  /// problem for each that it does not have or does not take. Not of a module in the C form.
+  /// It has these properties and no others: a C++ component, or a module in the C form that declares some.
+  /// One that declares none takes any.
+  [[nodiscard]] bool declares_properties() const noexcept {
+    return component_ != nullptr || !properties_.empty();
+  }
+  /// In the order of their declaration; of a module in the C form those of the file.
+  [[nodiscard]] const std::vector<PropertyBase*>& properties() const noexcept { return properties_; }
+  /// Sets properties that are declared, also while it runs; in force from its next call on. All or none: one
+  /// problem for each that it does not have or does not take.
   Result<void> set(const irp::Property::Values& values) { return live_.set(values); }
   /// The value that such a property has, or will have from the next call on.
   [[nodiscard]] Result<std::string> get(const std::string& property) const { return live_.get(property); }
 
-  /// A C++ component is given the properties by name and refuses what it does not have or take; a module in
-  /// the C form has to look itself.
+  /// Properties that are declared are set, and what the module does not have or take is refused; a module in
+  /// the C form is shown all of them.
   Result<void> initialize(const irp::Property& property);
   Result<void> start();
   Result<void> error(ErrorType type);
@@ -54,6 +61,16 @@ class ThreadModule final : public executor::Body {
   executor::Outcome condition(const Cycle& cycle, bool* ready) noexcept override;
 
   [[nodiscard]] bool has_news(Instant now) const noexcept override;
+
+  /// It has services that handlers answer.
+  [[nodiscard]] bool has_handlers() const noexcept {
+    return component_ != nullptr && !component_->services().empty();
+  }
+  /// A request waits for a handler. As serve().
+  [[nodiscard]] bool has_request() noexcept;
+  /// Has one answered, by its handler or, where `refusal` is not null, with that. False when there was none.
+  /// For a thread of its own beside run() and condition(); not at once with anything else.
+  bool serve(const char* refusal);
 
   /// Null for a module in the C form.
   [[nodiscard]] const Component* component() const noexcept { return component_; }
@@ -68,9 +85,9 @@ class ThreadModule final : public executor::Body {
   /// often the module was put into the tables; null: once.
   /// `timing` and `period`: of a periodic module.
   void attach(channel::Bell* bell, const channel::ModuleBlock* block,
-              model::Timing timing = model::Timing::direct,
-              Nanoseconds period = {}) noexcept {
+              model::Timing timing = model::Timing::direct, Nanoseconds period = {}) noexcept {
     context_.bell = bell;
+    handler_context_.bell = bell;
     block_ = block;
     period_ = period;
     logical_ = timing == model::Timing::let;
@@ -87,6 +104,7 @@ class ThreadModule final : public executor::Body {
  private:
   using Hook = void (*)();
   Result<void> take_ports(const std::string& path);
+  Result<void> take_properties(const std::string& path);
   /// It has a condition, of its own or by an event port.
   [[nodiscard]] bool may_be_ready() const noexcept;
   /// What a hook writes has the time at which it was called; it sees what was set until then.
@@ -114,8 +132,11 @@ class ThreadModule final : public executor::Body {
   const char* look_at_inputs(Instant start) noexcept;
 
   std::vector<PortBase*> ports_;
+  std::vector<PropertyBase*> properties_;
   PortContext context_;
-  Clock* clock_ = nullptr;  // null: the machine's
+  Clock* clock_ = nullptr;       // null: the machine's
+  std::size_t served_last_ = 0;  // which of its services: each has its turn
+  PortContext handler_context_;  // of the ports that handlers use: they are not at run()'s
   std::vector<Watched> watched_;
   const channel::ModuleBlock* block_ = nullptr;
   Nanoseconds period_{0};

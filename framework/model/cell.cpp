@@ -56,6 +56,18 @@ const char* to_text(Overrun overrun) {
 const char* to_text(Offsets offsets) { return offsets == Offsets::given ? "given" : "auto"; }
 const char* to_text(Timing timing) { return timing == Timing::direct ? "direct" : "let"; }
 
+const char* to_text(Carries carries) {
+  switch (carries) {
+    case Carries::samples:
+      return "samples";
+    case Carries::requests:
+      return "requests";
+    case Carries::replies:
+      return "replies";
+  }
+  return "?";
+}
+
 const char* to_text(Miss miss) { return miss == Miss::count ? "count" : "error"; }
 
 const char* to_text(Discovery::Kind kind) {
@@ -78,7 +90,7 @@ std::string to_text(const Endpoint& end) {
 
 std::string topic_of(const Cell& cell, const Connection& connection) {
   if (!connection.topic.empty()) return connection.topic;
-  const Endpoint& writer = connection.from;
+  const Endpoint& writer = connection.carries == Carries::replies ? connection.to : connection.from;
   return std::string{kOwnTopics} + cell.name + "/" + writer.device + "/" + writer.module + "/" + writer.port;
 }
 
@@ -92,6 +104,31 @@ const Executor* periodic_on(const Device& device, const Module& module) {
   return executor == device.executors.end() ? nullptr : &*executor;
 }
 }  // namespace
+
+void connect_services(Cell& cell) {
+  const auto half = [](Endpoint end, const char* port) {
+    end.port += port;
+    return end;
+  };
+  for (const Service& service : cell.services) {
+    Connection connection{.from = half(service.client, kRequestPort),
+                          .to = half(service.server, kRequestPort),
+                          .kind = ConnectionKind::queue,
+                          .depth = kServiceDepth,
+                          .reliability = Reliability::reliable,
+                          .deadline = {},
+                          .lifespan = {},
+                          .topic = {},
+                          .domain = {},
+                          .carries = Carries::requests,
+                          .line = service.line};
+    cell.connections.push_back(connection);
+    connection.from = half(service.server, kReplyPort);
+    connection.to = half(service.client, kReplyPort);
+    connection.carries = Carries::replies;
+    cell.connections.push_back(std::move(connection));
+  }
+}
 
 OverrunContract contract_of(const Device& device, const Module& module) {
   if (module.overrun) return *module.overrun;

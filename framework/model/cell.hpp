@@ -9,6 +9,7 @@
 
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
+#include <takt/model/line.hpp>
 
 namespace takt::model {
 
@@ -24,6 +25,7 @@ enum class Miss { count, error };
 enum class Overrun { skip, catch_up, error, stop_device };
 enum class Offsets { given, automatic };
 enum class Timing { direct, let };
+enum class Carries { samples, requests, replies };
 
 /// The words of the descriptor and of every report: "thread", "non-real", "stop-device".
 const char* to_text(ModuleType type);
@@ -38,11 +40,12 @@ const char* to_text(Miss miss);
 const char* to_text(Overrun overrun);
 const char* to_text(Offsets offsets);
 const char* to_text(Timing timing);
+const char* to_text(Carries carries);
 
 struct PropertyValue {
   std::string name;
   std::string value;
-  int line = 0;
+  Line line{};
 };
 
 /// What is tried when a module is in RECOVER.
@@ -65,21 +68,21 @@ struct BudgetTolerance {
   std::optional<int> in_a_row;  ///< this many excesses in a row are one; 1 to 1000
 };
 
-/// Where in Cell::file the elements of a module stand; 0 for one that is not there.
+/// Where the elements of a module stand; none for one that is not there.
 struct ModuleLines {
-  int name = 0;
-  int filename = 0;
-  int period = 0;
-  int deadline = 0;
-  int executor = 0;
-  int budget = 0;
-  int offset = 0;
-  int overrun = 0;
-  int dispatch = 0;
-  int interarrival = 0;
+  Line name{};
+  Line filename{};
+  Line period{};
+  Line deadline{};
+  Line executor{};
+  Line budget{};
+  Line offset{};
+  Line overrun{};
+  Line dispatch{};
+  Line interarrival{};
 };
 
-/// `line` is the element's line in Cell::file, here and below.
+/// `line` is the element's, here and below.
 struct Module {
   std::string name;      ///< unique on its device
   std::string filename;  ///< as written; a relative one is looked up beside the descriptor, then on the
@@ -99,7 +102,7 @@ struct Module {
   std::optional<OverrunContract> overrun;  ///< periodic; none: its executor's
   Recovery recovery;
   std::vector<PropertyValue> properties;
-  int line = 0;
+  Line line{};
   ModuleLines lines{};
 };
 
@@ -113,7 +116,7 @@ struct Executor {
   OverrunContract overrun;  ///< of its modules that do not say
   Offsets offsets = Offsets::given;  ///< automatic: those that are not given flatten the table
   Timing timing = Timing::direct;    ///< let: inputs as of the release, outputs at the end of the period
-  int line = 0;
+  Line line{};
 };
 
 struct Endpoint {
@@ -137,9 +140,17 @@ struct Connection {
   Stale stale = Stale::hold;
   std::string topic;          ///< empty: takt/<cell>/<device>/<module>/<port> of the writer
   std::optional<int> domain;  ///< of the topic; none: the cell's
-  bool ros2 =
-      false;  ///< the topic is one of ROS 2: it begins with kRos2Topics, its type is a message of ROS 2
-  int line = 0;
+  /// The topic is one of ROS 2: it begins with kRos2Topics, its type is a message of ROS 2.
+  bool ros2 = false;
+  Carries carries = Carries::samples;
+  Line line{};
+};
+
+/// Who asks whom. `port` of each end is the name of the client, or of the service.
+struct Service {
+  Endpoint client;
+  Endpoint server;
+  Line line{};
 };
 
 /// How the nodes of a cell find each other.
@@ -156,23 +167,35 @@ struct Device {
   std::string name;
   std::vector<Executor> executors;  ///< never empty
   std::vector<Module> modules;
-  int line = 0;
+  Line line{};
 };
 
 struct Cell {
   std::string name;
   std::string file;  ///< the descriptor's path as it was given, for messages; empty if there is none
-  int domain = 0;    ///< DDS domain, 0 to 232
+  std::vector<Insertion> insertions;  ///< what was put into it from elsewhere
+  int domain = 0;                     ///< DDS domain, 0 to 232
   bool domain_given = false;
   std::vector<Device> devices;
   std::vector<Connection> connections;
+  std::vector<Service> services;
   Discovery discovery;
   std::string server_device;  ///< whose node starts the discovery server; empty: somebody else runs it
-  int line = 0;
+  Line line{};
+
+  [[nodiscard]] Texts texts() const { return {file, insertions}; }
 };
 
 /// What the names of Takt's own topics begin with.
 inline constexpr const char* kOwnTopics = "takt/";
+
+/// The two ports that a service or client NAME is made of are NAME/request and NAME/reply.
+inline constexpr const char* kRequestPort = "/request";
+inline constexpr const char* kReplyPort = "/reply";
+/// Requests that wait for a service, of each client.
+inline constexpr int kServiceDepth = 8;
+/// Adds the two connections that each service of a cell is made of, side by side. Once.
+void connect_services(Cell& cell);
 
 /// What the names of ROS 2's topics begin with on DDS (its design article "Topic and Service name mapping to
 /// DDS").
@@ -180,7 +203,8 @@ inline constexpr const char* kRos2Topics = "rt/";
 
 /// "robot.servo.setpoint"; without the dots of parts that are missing.
 std::string to_text(const Endpoint& end);
-/// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer.
+/// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer;
+/// of replies, of their reader: each client has a topic of its own.
 std::string topic_of(const Cell& cell, const Connection& connection);
 /// The module's own overrun contract, else its executor's.
 OverrunContract contract_of(const Device& device, const Module& module);

@@ -7,10 +7,11 @@
 
 namespace takt::model {
 
-void Findings::add(int line, std::string what, std::string fix) {
+void Findings::add(Line line, std::string what, std::string fix) {
   if (full()) return;
-  std::string where = cell_.file.empty() && line == 0 ? "cell " + brief(cell_.name) : place(cell_.file, line);
-  problems_.emplace_back(line, Problem{std::move(where), std::move(what), std::move(fix)});
+  Problem problem = problem_at(cell_.texts(), line, std::move(what), std::move(fix));
+  if (cell_.file.empty() && !line.given()) problem.where = "cell " + brief(cell_.name);
+  problems_.emplace_back(line, std::move(problem));
 }
 
 bool Findings::full() const { return problems_.size() >= kMaxProblems; }

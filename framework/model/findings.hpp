@@ -20,15 +20,19 @@ class Findings {
   explicit Findings(const Cell& cell) : cell_(cell) {}
 
   /// Ignored when full.
-  void add(int line, std::string what, std::string fix);
+  void add(Line line, std::string what, std::string fix);
   /// Looking on would cost time, guesses above all, and tell nobody anything.
   [[nodiscard]] bool full() const;
   /// By line. Leaves nothing.
   Problems take();
+  /// In the order in which they were found, each with its line. Leaves nothing.
+  std::vector<std::pair<Line, Problem>> take_lines() { return std::exchange(problems_, {}); }
+  /// "on line 12": where something else stands, for the fix of a problem.
+  [[nodiscard]] std::string whereabouts(Line line) const { return model::whereabouts(cell_.texts(), line); }
 
  private:
   const Cell& cell_;
-  std::vector<std::pair<int, Problem>> problems_;
+  std::vector<std::pair<Line, Problem>> problems_;
 };
 
 template <class Named>

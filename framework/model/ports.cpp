@@ -15,15 +15,6 @@ using json = nlohmann::ordered_json;
 
 std::string written(const Endpoint& end) { return end.device + "." + end.module + "." + end.port; }
 
-/// "double[6]", "sequence<octet, 8>", "string<15>", "motion::Mode"
-std::string spelled(const Field& field) {
-  std::string text = field.type_name.empty() ? to_text(field.scalar) : field.type_name;
-  if (field.scalar == Scalar::text) text += "<" + std::to_string(field.bound) + ">";
-  if (field.sequence != 0) text = "sequence<" + text + ", " + std::to_string(field.sequence) + ">";
-  for (const std::size_t dimension : field.dimensions) text += "[" + std::to_string(dimension) + "]";
-  return text;
-}
-
 std::string fields_differ(const std::vector<Field>& first, const std::vector<Field>& second,
                           const std::string& prefix) {
   for (std::size_t i = 0; i < std::max(first.size(), second.size()); ++i) {
@@ -77,18 +68,22 @@ class Check {
   Check(const Cell& cell, const CellPorts& ports) : cell_(cell), ports_(ports) {}
 
   Problems run() {
-    for (const Connection& connection : cell_.connections) check(connection);
+    for (const Connection& connection : cell_.connections) {
+      if (connection.carries == Carries::samples) check(connection);
+    }
+    for (const Service& service : cell_.services) check(service);
     check_immediate();
     return std::move(problems_);
   }
 
  private:
-  void add(int line, std::string what, std::string fix) {
-    problems_.push_back({cell_.file.empty() ? "cell " + cell_.name : cell_.file + ":" + std::to_string(line),
-                         std::move(what), std::move(fix)});
+  void add(Line line, std::string what, std::string fix) {
+    Problem problem = problem_at(cell_.texts(), line, std::move(what), std::move(fix));
+    if (cell_.file.empty()) problem.where = "cell " + cell_.name;
+    problems_.push_back(std::move(problem));
   }
 
-  const Port* check_end(const Endpoint& end, bool output, int line) {
+  const Port* check_end(const Endpoint& end, bool output, Line line) {
     const auto place = find(cell_, end);
     if (!place) return nullptr;
     const std::vector<Port>* ports = known(ports_, *place);
@@ -96,9 +91,20 @@ class Check {
     const std::string module = end.device + "." + end.module;
     std::vector<std::string_view> names;
     for (const Port& port : *ports) {
-      if ((port.direction == Direction::out) == output) names.push_back(port.name);
+      if (port.role == Role::plain && (port.direction == Direction::out) == output)
+        names.push_back(port.name);
     }
     const char* kind = output ? "output" : "input";
+    const auto service = std::find_if(ports->begin(), ports->end(), [&](const Port& p) {
+      return p.role != Role::plain && (name_of_service(p) == end.port || p.name == end.port);
+    });
+    if (service != ports->end()) {
+      add(line,
+          "module " + module + " has the " + (service->role == Role::client ? "client " : "service ") +
+              in_quotes(name_of_service(*service)) + " and no port " + in_quotes(end.port),
+          R"(say <service client="..." server="..."/>)");
+      return nullptr;
+    }
     const auto found =
         std::find_if(ports->begin(), ports->end(), [&](const Port& p) { return p.name == end.port; });
     if (found == ports->end()) {
@@ -138,7 +144,78 @@ class Check {
     }
   }
 
-  void check_message(const Endpoint& end, const Port& port, int line) {
+  /// The request and the reply of an end; none where it has none of that name, or nothing is known of it.
+  struct Halves {
+    const Port* request = nullptr;
+    const Port* reply = nullptr;
+  };
+  Halves check_service_end(const Endpoint& end, bool client, const Line& line) {
+    const auto place = find(cell_, end);
+    const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
+    if (ports == nullptr) return {};
+    const char* kind = client ? "client" : "service";
+    const std::string module = end.device + "." + end.module;
+    Halves halves;
+    std::vector<std::string> names;
+    bool is_other = false;
+    bool is_port = false;
+    for (const Port& port : *ports) {
+      const std::string name = name_of_service(port);
+      if (port.role == Role::plain || (port.role == Role::client) != client) {
+        (port.role == Role::plain ? is_port : is_other) |= name == end.port;
+        continue;
+      }
+      const bool request = port.name.ends_with(kRequestPort);
+      if (request) names.push_back(name);
+      if (name == end.port) (request ? halves.request : halves.reply) = &port;
+    }
+    if (halves.request != nullptr && halves.reply != nullptr) return halves;
+    if (is_other) {
+      add(line,
+          in_quotes(end.port) + " of module " + module + " is a " + (client ? "service" : "client") +
+              " and stands for the " + kind,
+          R"(client="..." asks and server="..." answers)");
+    } else if (is_port) {
+      add(line, in_quotes(end.port) + " of module " + module + " is a port and no " + kind,
+          "connect it with <connection from=\"...\" to=\"...\"/>");
+    } else {
+      add(line, "module " + module + " has no " + kind + " " + in_quotes(end.port),
+          names.empty() ? std::string{"it has none"} : suggestion(end.port, {names.begin(), names.end()}));
+    }
+    return {};
+  }
+
+  void check(const Service& service) {
+    const Halves asks = check_service_end(service.client, true, service.line);
+    const Halves answers = check_service_end(service.server, false, service.line);
+    if (asks.request == nullptr || answers.request == nullptr) return;
+    const auto compare = [&](const char* what, const Type& asked, const Type& answered) {
+      // Without what Takt adds.
+      const auto inner = [](const Type& type) {
+        const auto found = std::find_if(type.fields.begin(), type.fields.end(),
+                                        [](const Field& field) { return field.scalar == Scalar::structure; });
+        return Type{found->type_name, found->fields};
+      };
+      if (asked == answered) return;
+      const Type first = inner(asked);
+      const Type second = inner(answered);
+      if (first.name != second.name) {
+        add(service.line,
+            "client " + written(service.client) + " has " + what + " of type " + first.name +
+                " and service " + written(service.server) + " of type " + second.name,
+            "connect a client and a service of the same types");
+      } else {
+        add(service.line,
+            "client " + written(service.client) + " and service " + written(service.server) +
+                " know different types " + first.name + ": " + difference(first, second),
+            "build both components from the same IDL");
+      }
+    };
+    compare("requests", asks.request->type, answers.request->type);
+    compare("replies", asks.reply->type, answers.reply->type);
+  }
+
+  void check_message(const Endpoint& end, const Port& port, const Line& line) {
     if (is_ros2_message(port.type.name)) return;
     add(line, "port " + written(end) + " is of type " + port.type.name + ", which no program of ROS 2 knows",
         "give the port a message of ROS 2, as those of idl/ros2: in IDL it is called "
@@ -152,7 +229,7 @@ class Check {
         const auto place = find(cell_, {device.name, module.name, {}});
         const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
         if (ports == nullptr) continue;
-        const int line = module.lines.dispatch != 0 ? module.lines.dispatch : module.line;
+        const Line line = module.lines.dispatch.given() ? module.lines.dispatch : module.line;
         const bool has_event = std::any_of(ports->begin(), ports->end(),
                                            [](const Port& p) { return p.direction == Direction::event; });
         if (!has_event) {
@@ -189,6 +266,15 @@ std::optional<Direction> direction_of(std::string_view text) {
   return std::nullopt;
 }
 
+/// One that was not said is plain.
+std::optional<Role> role_of(std::string_view text) {
+  if (text.empty()) return Role::plain;
+  for (const Role role : {Role::plain, Role::service, Role::handler, Role::client}) {
+    if (text == to_text(role)) return role;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 const char* to_text(Direction direction) {
@@ -203,11 +289,30 @@ const char* to_text(Direction direction) {
   return "?";
 }
 
+const char* to_text(Role role) {
+  switch (role) {
+    case Role::plain:
+      return "port";
+    case Role::service:
+      return "service";
+    case Role::handler:
+      return "handler";
+    case Role::client:
+      return "client";
+  }
+  return "?";
+}
+
+std::string name_of_service(const Port& port) {
+  return port.role == Role::plain ? port.name : port.name.substr(0, port.name.rfind('/'));
+}
+
 std::string ports_json(const std::vector<Port>& ports) {
   json list = json::array();
   for (const Port& port : ports) {
     list.push_back({{"name", port.name},
                     {"direction", to_text(port.direction)},
+                    {"role", to_text(port.role)},
                     {"type", port.type.name},
                     {"description", to_text(port.type)},
                     {"text", port.text},
@@ -230,14 +335,16 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
     Port port{.name = string_of("name"), .direction = Direction::in, .type = {}, .text = string_of("text")};
     port.object = each.is_object() && each.contains("object") && each["object"] == true;
     const auto direction = direction_of(string_of("direction"));
+    const auto role = role_of(string_of("role"));
     auto type = parse_type(string_of("description"));
-    if (port.name.empty() || !direction) {
-      problems.push_back(fail("a port without a name or a direction"));
+    if (port.name.empty() || !direction || !role) {
+      problems.push_back(fail("a port without a name, a direction or a role"));
     } else if (!type) {
       for (const Problem& problem : type.problems())
         problems.push_back(fail("port " + port.name + ": " + problem.what, problem.fix));
     } else {
       port.direction = *direction;
+      port.role = *role;
       port.type = std::move(*type);
       ports.push_back(std::move(port));
     }
@@ -256,6 +363,14 @@ const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& 
 }
 
 Problems check_connections(const Cell& cell, const CellPorts& ports) { return Check{cell, ports}.run(); }
+
+std::string spelled(const Field& field) {
+  std::string text = field.type_name.empty() ? to_text(field.scalar) : field.type_name;
+  if (field.scalar == Scalar::text) text += "<" + std::to_string(field.bound) + ">";
+  if (field.sequence != 0) text = "sequence<" + text + ", " + std::to_string(field.sequence) + ">";
+  for (const std::size_t dimension : field.dimensions) text += "[" + std::to_string(dimension) + "]";
+  return text;
+}
 
 std::string difference(const Type& first, const Type& second) {
   if (first.name != second.name) return "the first is " + first.name + " and the second " + second.name;

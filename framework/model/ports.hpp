@@ -16,6 +16,16 @@ enum class Direction { in, event, out };
 /// "in", "event", "out"
 const char* to_text(Direction direction);
 
+/// What a port is there for: samples of its own, or, with another one, a service or a client.
+enum class Role {
+  plain,
+  service,  ///< its module answers requests itself
+  handler,  ///< the same, on a thread of its own
+  client,
+};
+/// "port", "service", "handler", "client"
+const char* to_text(Role role);
+
 struct Port {
   std::string name;
   Direction direction = Direction::in;
@@ -23,6 +33,7 @@ struct Port {
   std::string text;  ///< one sentence; may be empty
   /// A port in C++ of a thread module: within one host its samples are handed over as objects, not as bytes.
   bool object = false;
+  Role role = Role::plain;
   bool operator==(const Port&) const = default;
 };
 
@@ -37,14 +48,20 @@ std::string ports_json(const std::vector<Port>& ports);
 /// field.
 Result<std::vector<Port>> parse_ports(const std::string& json);
 
+/// "reset" for reset/request and reset/reply; the whole name of a plain port.
+std::string name_of_service(const Port& port);
+
 /// The port of a module; null where it has none of that name, or its ports are not known.
 const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& end);
 
 /// What is wrong with the connections of a cell that validate() finds right: each with `file:line` and a fix.
 /// A port does not exist or has the other direction, the types of the two ends differ (with the first
-/// difference), a module that is dispatched at once has no event port that is connected. Ends of which
-/// nothing is known are not judged.
+/// difference), a service is none or its client asks it for something else, a module that is dispatched at
+/// once has no event port that is connected. Ends of which nothing is known are not judged.
 Problems check_connections(const Cell& cell, const CellPorts& ports);
+
+/// The type of a field: "double[6]", "sequence<octet, 8>", "string<15>", "motion::Mode".
+std::string spelled(const Field& field);
 
 /// The first difference between two types, for a message: "position is double[6] in the first and double[7]
 /// in the second"; empty when they are equal.

@@ -14,16 +14,17 @@ namespace {
 
 class Validation {
  public:
-  Validation(const Cell& cell, const Gaps& gaps) : cell_(cell), gaps_(gaps), findings_(cell) {
+  Validation(const Cell& cell, const Gaps& gaps, Findings& findings)
+      : cell_(cell), gaps_(gaps), findings_(findings) {
     gaps_.of_device.resize(cell.devices.size());
   }
 
-  Problems run();
+  void run();
 
  private:
   using OfDevice = Gaps::OfDevice;
 
-  void add(int line, std::string what, std::string fix) {
+  void add(Line line, std::string what, std::string fix) {
     findings_.add(line, std::move(what), std::move(fix));
   }
   template <class Named>
@@ -38,7 +39,7 @@ class Validation {
 
   const Cell& cell_;
   Gaps gaps_;
-  Findings findings_;
+  Findings& findings_;
 };
 
 /// False when a name is not valid, so that nobody can refer to its owner.
@@ -55,7 +56,7 @@ bool Validation::check_names(const char* kind, const std::vector<Named>& all, co
     const auto [seen, is_new] = first.emplace(one.name, &one);
     if (is_new) continue;
     add(one.line, "duplicate " + std::string{kind} + " " + in_quotes(one.name) + owner,
-        "the first is on line " + std::to_string(seen->second->line) + "; give one of them another name");
+        "the first is " + findings_.whereabouts(seen->second->line) + "; give one of them another name");
   }
   return all_valid;
 }
@@ -63,8 +64,8 @@ bool Validation::check_names(const char* kind, const std::vector<Named>& all, co
 void Validation::check_module_names(const Device& device, OfDevice& gaps) {
   std::map<std::string_view, const Module*> first;
   for (const Module& module : device.modules) {
-    const bool from_file = module.lines.name == 0 && module.name == file_stem(module.filename);
-    const int line = from_file ? module.line : std::max(module.line, module.lines.name);
+    const bool from_file = !module.lines.name.given() && module.name == file_stem(module.filename);
+    const Line line = module.lines.name.given() ? module.lines.name : module.line;
     if (!is_valid_name(module.name)) {
       gaps.modules = true;
       if (from_file && module.filename.empty()) {
@@ -80,7 +81,7 @@ void Validation::check_module_names(const Device& device, OfDevice& gaps) {
     const auto [seen, is_new] = first.emplace(module.name, &module);
     if (is_new) continue;
     add(line, "duplicate module " + in_quotes(module.name) + " on device " + in_quotes(device.name),
-        "the first is on line " + std::to_string(seen->second->line) +
+        "the first is " + findings_.whereabouts(seen->second->line) +
             (from_file ? "; give one of them a <name>, for this one is taken from the filename"
                        : "; give one of them another <name>"));
   }
@@ -100,10 +101,10 @@ void Validation::check_executor(const Executor& executor) {
 
 void Validation::check_times(const Module& module) {
   const std::string name = in_quotes(module.name);
-  const auto or_module = [&](int line) { return line > 0 ? line : module.line; };
-  const int period_line = or_module(module.lines.period);
-  const int deadline_line = or_module(module.lines.deadline);
-  const auto positive = [&](const char* what, const std::optional<Nanoseconds>& time, int line) {
+  const auto or_module = [&](Line line) { return line.given() ? line : module.line; };
+  const Line period_line = or_module(module.lines.period);
+  const Line deadline_line = or_module(module.lines.deadline);
+  const auto positive = [&](const char* what, const std::optional<Nanoseconds>& time, Line line) {
     if (!time || time->count() > 0) return;
     add(line, "module " + name + " has a " + what + " of " + std::to_string(time->count()) + " ns",
         std::string{"a "} + what + " is a whole number of nanoseconds, at least 1");
@@ -180,7 +181,7 @@ void Validation::check_times(const Module& module) {
 /// What only a sporadic module may say of its releases.
 void Validation::check_release(const Module& module) {
   const std::string name = in_quotes(module.name);
-  const auto or_module = [&](int line) { return line > 0 ? line : module.line; };
+  const auto or_module = [&](Line line) { return line.given() ? line : module.line; };
   if (module.interarrival && module.interarrival->count() <= 0) {
     add(or_module(module.lines.interarrival),
         "module " + name + " has an interarrival of " + std::to_string(module.interarrival->count()) + " ns",
@@ -191,7 +192,7 @@ void Validation::check_release(const Module& module) {
   const std::string reason = module.operation == Operation::periodic
                                  ? ": its period says when it runs"
                                  : ": what is non-real runs outside the scheduler";
-  if (module.lines.dispatch > 0 || module.dispatch != Dispatch::row) {
+  if (module.lines.dispatch.given() || module.dispatch != Dispatch::row) {
     add(or_module(module.lines.dispatch), kind + " has a <dispatch>",
         "remove the <dispatch>, or make the module sporadic" + reason);
   }
@@ -207,7 +208,7 @@ void Validation::check_release(const Module& module) {
 }
 
 void Validation::check_executor_of(const Module& module, const Device& device, const OfDevice& gaps) {
-  const int line = module.lines.executor > 0 ? module.lines.executor : module.line;
+  const Line line = module.lines.executor.given() ? module.lines.executor : module.line;
   if (module.operation == Operation::non_real) {
     if (module.executor.empty()) return;
     add(line, "non-real module " + in_quotes(module.name) + " has an <executor>",
@@ -231,7 +232,7 @@ void Validation::check_executor_of(const Module& module, const Device& device, c
 }
 
 void Validation::check_module(const Module& module, const Device& device, const OfDevice& gaps) {
-  const int filename_line = module.lines.filename > 0 ? module.lines.filename : module.line;
+  const Line filename_line = module.lines.filename.given() ? module.lines.filename : module.line;
   if (module.filename.empty()) {
     add(filename_line, "module " + in_quotes(module.name) + " has an empty filename",
         "give the .so or the program that the module is");
@@ -286,7 +287,7 @@ void Validation::check_device(const Device& device, OfDevice& gaps) {
   }
 }
 
-Problems Validation::run() {
+void Validation::run() {
   if (!is_valid_name(cell_.name))
     add(cell_.line, in_quotes(cell_.name) + " is not a valid cell name", kNameRule);
   if (cell_.domain < 0 || cell_.domain > kMaxDomain) {
@@ -301,12 +302,18 @@ Problems Validation::run() {
   if (!check_names("device", cell_.devices, " in cell " + in_quotes(cell_.name))) gaps_.devices = true;
   for (std::size_t i = 0; i < cell_.devices.size(); ++i) check_device(cell_.devices[i], gaps_.of_device[i]);
   validate_network(cell_, gaps_, findings_);
-  return findings_.take();
 }
 
 }  // namespace
 
 Problems validate(const Cell& cell) { return validate(cell, {}); }
-Problems validate(const Cell& cell, const Gaps& gaps) { return Validation{cell, gaps}.run(); }
+Problems validate(const Cell& cell, const Gaps& gaps) {
+  Findings findings{cell};
+  validate(cell, gaps, findings);
+  return findings.take();
+}
+void validate(const Cell& cell, const Gaps& gaps, Findings& findings) {
+  Validation{cell, gaps, findings}.run();
+}
 
 }  // namespace takt::model

@@ -28,10 +28,13 @@ inline constexpr int kMaxCatchUp = 1000;    ///< releases that are made up
 inline constexpr int kMaxSpinPercent = 90;  ///< of the basic period
 inline constexpr Nanoseconds kMaxBackoff = std::chrono::hours{1};
 inline constexpr int kMaxDepth = 65536;
-inline constexpr std::size_t kMaxConnections = 100000;  ///< of one cell
-inline constexpr std::size_t kMaxTopic = 255;           ///< bytes; Fast DDS cuts longer names off
+inline constexpr std::size_t kMaxConnections = 100000;              ///< of one cell
+inline constexpr std::size_t kMaxServiceName = kMaxNameLength - 8;  ///< with /request it is a port's
+inline constexpr std::size_t kMaxTopic = 255;                       ///< bytes; Fast DDS cuts longer names off
 inline constexpr std::size_t kMaxPeers = 256;
 inline constexpr std::size_t kMaxHost = 253;  ///< bytes
+
+class Findings;
 
 /// A name of a cell, device, executor, module, port or property: a letter or '_', then letters, digits, '_'
 /// and '-', at most kMaxNameLength bytes. No dot: `device.module.port` must have one reading.
@@ -57,12 +60,15 @@ struct Gaps {
   bool discovery = false;           ///< how the nodes find each other
   std::vector<OfDevice> of_device;  ///< as Cell::devices; one that is missing has no gaps
   std::vector<bool> without_ends;   ///< as Cell::connections: true where `from` and `to` are not known
+  std::vector<bool> without_sides{};  ///< as Cell::services: true where client and server are not known
 };
 
 /// All problems of the cell at once, by line, each with `file:line` and a fix; empty when there are none.
 /// Where there is neither file nor line, `where` is "cell NAME".
 Problems validate(const Cell& cell);
 Problems validate(const Cell& cell, const Gaps& gaps);
+/// The same, into findings of the cell.
+void validate(const Cell& cell, const Gaps& gaps, Findings& findings);
 
 /// The name of a module that has no <name>: "build/controller1.so" is "controller1".
 std::string file_stem(std::string_view filename);

@@ -47,6 +47,8 @@ class Network {
 
   void check_discovery();
   void check_connections();
+  /// After check_connections().
+  void check_services();
 
  private:
   /// Of every device of one name: a duplicate is told as such, and what stands in it is known all the same.
@@ -56,7 +58,7 @@ class Network {
     std::set<std::string_view> sorted{};
   };
 
-  void add(int line, std::string what, std::string fix) {
+  void add(Line line, std::string what, std::string fix) {
     findings_.add(line, std::move(what), std::move(fix));
   }
   [[nodiscard]] bool full() const { return findings_.full(); }
@@ -70,7 +72,8 @@ class Network {
   void check_topic(const Connection& connection);
   void check_ros2_topic(const Connection& connection);
   bool check_ends(const Connection& connection);
-  bool check_endpoint(const Endpoint& endpoint, const char* side, int line);
+  bool check_endpoint(const Endpoint& endpoint, const char* side, Line line);
+  bool check_service_end(const Endpoint& end, const char* side, Line line);
   void check_writers(const Connections& connections);
   void check_waiting(const Connections& connections);
   void check_shared_topics(const Connections& connections);
@@ -142,10 +145,13 @@ void Network::check_server() {
 }
 
 /// False when the endpoint cannot be compared with others.
-bool Network::check_endpoint(const Endpoint& endpoint, const char* side, int line) {
+bool Network::check_endpoint(const Endpoint& endpoint, const char* side, Line line) {
   if (!is_valid_name(endpoint.device) || !is_valid_name(endpoint.module) || !is_valid_name(endpoint.port)) {
     add(line, std::string{side} + " is " + in_quotes(to_text(endpoint)),
-        std::string{"it is device.module.port; "} + kNameRule);
+        std::string{side == std::string_view{"client"} || side == std::string_view{"server"}
+                        ? "it is device.module.service; "
+                        : "it is device.module.port; "} +
+            kNameRule);
     return false;
   }
   const auto found = devices_.find(endpoint.device);
@@ -280,7 +286,7 @@ void Network::check_writers(const Connections& connections) {
       add(connection->line,
           "duplicate connection" + named(" from ", connection->from) + named(" to ", connection->to) +
               (both ? "" : ", topic " + in_quotes(connection->topic)),
-          "remove it; the first is on line " + std::to_string(twin->second->line));
+          "remove it; the first is " + findings_.whereabouts(twin->second->line));
       continue;
     }
     if (is_missing(connection->to)) continue;
@@ -291,7 +297,7 @@ void Network::check_writers(const Connections& connections) {
     if (both_queues) continue;
     add(connection->line,
         "two writers of " + in_quotes(to_text(connection->to)) + ", which holds one latest value",
-        "remove one; the first is on line " + std::to_string(other->second->line) +
+        "remove one; the first is " + findings_.whereabouts(other->second->line) +
             ", or make every connection to it kind=\"queue\"");
   }
 }
@@ -407,12 +413,64 @@ void Network::check_connections() {
   check_waiting(comparable);
 }
 
+bool Network::check_service_end(const Endpoint& end, const char* side, Line line) {
+  if (!check_endpoint(end, side, line)) return false;
+  if (end.port.size() <= kMaxServiceName) return true;
+  add(line, std::string{side} + " names " + in_quotes(end.port) + ", which is too long",
+      "the name of a service or client has at most " + std::to_string(kMaxServiceName) + " characters");
+  return false;
+}
+
+/// A client has one server; a service may have many clients.
+void Network::check_services() {
+  if (cell_.services.size() > kMaxConnections) {
+    add(cell_.line, "the cell has more than 100000 services", "make several cells of it");
+    return;
+  }
+  std::map<Key, const Service*> served;
+  for (std::size_t index = 0; index < cell_.services.size() && !full(); ++index) {
+    const Service& service = cell_.services[index];
+    if (index < gaps_.without_sides.size() && gaps_.without_sides[index]) continue;
+    const bool client_known = check_service_end(service.client, "client", service.line);
+    const bool server_known = check_service_end(service.server, "server", service.line);
+    if (!client_known || !server_known) continue;
+    if (service.client.device == service.server.device && service.client.module == service.server.module) {
+      add(service.line,
+          "module " + in_quotes(service.client.device + "." + service.client.module) + " asks itself",
+          "a service is for another module; call a function");
+      continue;
+    }
+    const auto [other, is_first] = served.emplace(key(service.client), &service);
+    if (!is_first) {
+      const bool same = key(other->second->server) == key(service.server);
+      add(service.line,
+          same ? "duplicate service of client " + in_quotes(to_text(service.client))
+               : "client " + in_quotes(to_text(service.client)) + " has two servers",
+          "remove one; the first is " + findings_.whereabouts(other->second->line));
+      continue;
+    }
+    // The longer of the two: the reply's is named after the client too.
+    Endpoint request = service.client;
+    request.port += kRequestPort;
+    const Connection requests{
+        .from = request, .to = {}, .deadline = {}, .lifespan = {}, .topic = {}, .domain = {}};
+    const std::size_t length = topic_of(cell_, requests).size();
+    if (service.client.device != service.server.device && length > kMaxTopic) {
+      add(service.line,
+          "the topic of client " + in_quotes(to_text(service.client)) + " would have " +
+              std::to_string(length) + " characters",
+          "a topic has at most 255: use shorter names");
+    }
+  }
+}
+
 }  // namespace
 
 void validate_network(const Cell& cell, const Gaps& gaps, Findings& findings) {
   Network network{cell, gaps, findings};
   network.check_discovery();
   network.check_connections();
+  network.check_services();
 }
 
 }  // namespace takt::model

@@ -222,8 +222,11 @@ void Agent::tap(const Command& command) {
     answer(command, REPLY_REFUSED, in_words(tapped.problems()));
     return;
   }
-  answer(command, REPLY_OK, "",
-         dump({{"topic", tapped->topic}, {"type", tapped->type}, {"reliable", tapped->reliable}}));
+  nlohmann::ordered_json told{
+      {"topic", tapped->topic}, {"type", tapped->type}, {"reliable", tapped->reliable}};
+  if (!tapped->reply_topic.empty())
+    told["reply"] = {{"topic", tapped->reply_topic}, {"type", tapped->reply_type}};
+  answer(command, REPLY_OK, "", dump(told));
 }
 
 void Agent::order(const Command& command, Verb verb) {

@@ -5,6 +5,7 @@
 
 #include <takt/core/words.hpp>
 #include <takt/node/conditions.hpp>
+#include <takt/os/process.hpp>
 
 namespace takt::node {
 
@@ -103,9 +104,9 @@ Finding priority(const Machine& machine, const Trial& trial) {
   finding.severity = Severity::spoils;
   finding.found = in_words(trial.priority.problems());
   if (machine.priority) finding.found += " (rtprio limit " + limit_text(machine.priority->hard) + ")";
-  finding.cure =
-      "run as root, or: setcap cap_sys_nice,cap_ipc_lock+ep takt-node takt-host, or: echo '* - rtprio 98' >> "
-      "/etc/security/limits.conf";
+  finding.cure = "run as root, or: setcap cap_sys_nice,cap_ipc_lock+ep " + os::program_directory() +
+                 "/takt-node " + os::private_directory() +
+                 "/takt-host, or: echo '* - rtprio 98' >> /etc/security/limits.conf";
   return finding;
 }
 

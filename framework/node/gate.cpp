@@ -44,7 +44,8 @@ dds::Flow Gate::flow_at(std::size_t index) const {
           .quality = {.reliable = plan.reliable,
                       .depth = plan.depth,
                       .deadline = plan.deadline,
-                      .lifespan = plan.lifespan}};
+                      .lifespan = plan.lifespan,
+                      .kept = plan.carries == model::Carries::replies}};
 }
 
 Result<void> Gate::open_far(int domain, const os::SharedMemory& bell, const model::Cell& cell,
@@ -109,22 +110,60 @@ const PlannedFlow* Gate::flow_of(std::uint32_t module, const std::string& port) 
 Result<void> Gate::tap(std::uint32_t module, const std::string& port, Instant until) {
   const PlannedFlow* flow = flow_of(module, port);
   if (flow == nullptr) return fail("there is no output '" + port + "'");
-  const auto index = static_cast<std::size_t>(flow - wiring_.flows().data());
+  return open_until(static_cast<std::size_t>(flow - wiring_.flows().data()), until);
+}
+
+Result<void> Gate::open_until(std::size_t index, Instant until) {
   if (open_[index]) {
     if (open_[index]->until) open_[index]->until = std::max(*open_[index]->until, until);
     return {};
   }
   if (auto opened = open_flow(index, until); !opened) return opened;
-  wiring_.wires()[flow->links.front()].link.block().enabled.store(1, std::memory_order_relaxed);
+  const PlannedFlow& flow = wiring_.flows()[index];
+  wiring_.wires()[flow.links.front()].link.block().enabled.store(1, std::memory_order_relaxed);
   return {};
+}
+
+Result<void> Gate::open_service(std::uint32_t module, const std::string& service, Instant until) {
+  for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
+    const PlannedFlow& flow = wiring_.flows()[i];
+    if (flow.connected) continue;
+    const PlannedLink& link = wiring_.wires()[flow.links.front()].plan;
+    const LinkEnd end{module, service + (flow.outgoing ? model::kReplyPort : model::kRequestPort)};
+    if ((flow.outgoing ? link.from : link.to) != end) continue;
+    if (auto opened = open_until(i, until); !opened) return opened;
+  }
+  return {};
+}
+
+// A request that nobody would answer is not sent: its client is told at once.
+void Gate::let_requests_through() {
+  for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
+    const PlannedFlow& flow = wiring_.flows()[i];
+    if (!flow.outgoing || flow.carries != model::Carries::requests || !open_[i]) continue;
+    const Wiring::Wire& wire = wiring_.wires()[flow.links.front()];
+    const std::string& request = wire.plan.from.port;
+    LinkEnd reply = wire.plan.from;
+    reply.port = request.substr(0, request.rfind('/')) + model::kReplyPort;
+    bool answered = false;
+    for (std::size_t w = 0; w < wiring_.wires().size(); ++w) {
+      if (wiring_.wires()[w].plan.to != reply) continue;
+      const auto replies = health(w);
+      answered = answered || (replies && replies->matched > 0);
+    }
+    const bool served = answered && health(flow.links.front()).value_or(dds::FlowHealth{}).matched > 0;
+    wire.link.block().enabled.store(served ? 1 : 0, std::memory_order_relaxed);
+  }
 }
 
 void Gate::step(Instant now) {
   for (const auto& far : far_) far->step(now);
+  let_requests_through();
   for (std::size_t i = 0; i < open_.size(); ++i) {
     if (!open_[i] || !open_[i]->until || now < *open_[i]->until) continue;
-    wiring_.wires()[wiring_.flows()[i].links.front()].link.block().enabled.store(0,
-                                                                                 std::memory_order_relaxed);
+    const PlannedFlow& flow = wiring_.flows()[i];
+    if (flow.outgoing)
+      wiring_.wires()[flow.links.front()].link.block().enabled.store(0, std::memory_order_relaxed);
     gateway_->remove(open_[i]->id);
     open_[i].reset();
   }

@@ -32,6 +32,8 @@ class Gate {
   /// Opens the flow of an output that nobody is connected to, for who listens in, until then. Longer when
   /// asked again.
   Result<void> tap(std::uint32_t module, const std::string& port, Instant until);
+  /// Opens the flows by which anybody may ask a service of the module, until then. Longer when asked again.
+  Result<void> open_service(std::uint32_t module, const std::string& service, Instant until);
   /// The outgoing flow of a port; null where the module has no such output.
   [[nodiscard]] const PlannedFlow* flow_of(std::uint32_t module, const std::string& port) const;
   /// Closes taps that have run out, and looks after gateways to other domains. Now and then.
@@ -49,6 +51,8 @@ class Gate {
 
   explicit Gate(const Wiring& wiring) : wiring_(wiring), open_(wiring.flows().size()) {}
   Result<void> open_flow(std::size_t index, std::optional<Instant> until);
+  Result<void> open_until(std::size_t index, Instant until);
+  void let_requests_through();
   Result<void> open_far(int domain, const os::SharedMemory& bell, const model::Cell& cell,
                         const std::string& device);
   [[nodiscard]] dds::Flow flow_at(std::size_t index) const;

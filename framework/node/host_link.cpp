@@ -10,7 +10,7 @@ Result<void> HostLink::start(const channel::Channel& channel, const host::Setup&
   socket_ = std::move(sockets->first);
   os::MessageSocket theirs = std::move(sockets->second);
 
-  os::SpawnOptions options{.program = os::program_directory() + "/takt-host",
+  os::SpawnOptions options{.program = os::private_directory() + "/takt-host",
                            .arguments = {},
                            .environment = {{"TAKT_NODE_FD", std::to_string(theirs.fd().get())},
                                            {"TAKT_CHANNEL_FD", std::to_string(channel.fd().get())}},

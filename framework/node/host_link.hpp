@@ -15,8 +15,8 @@ namespace takt::node {
 
 class HostLink {
  public:
-  /// Starts takt-host, which lies beside this program, and sends it its setup. `environment` is added to
-  /// ours.
+  /// Starts takt-host, which lies where os::private_directory() says, and sends it its setup. `environment`
+  /// is added to ours.
   Result<void> start(const channel::Channel& channel, const host::Setup& setup,
                      const std::vector<const os::Fd*>& inherit,
                      const std::vector<std::pair<std::string, std::string>>& environment);

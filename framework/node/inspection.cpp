@@ -82,30 +82,21 @@ class Program final : public Inspection {
   Instant begun_{};
 };
 
-// A program would have to be started to say more than the check found out.
+// With the ports that the check found out: those of a program may depend on its properties. A program that was
+// not asked then may not know how to answer.
 json describe(const model::Module& module, const std::string& path, const model::ModulePorts& ports) {
   json entry{{"name", module.name}, {"path", path}};
   entry["ports"] = ports ? json::parse(model::ports_json(*ports)) : json(nullptr);
-  if (module.type == model::ModuleType::process) {
+  if (module.type == model::ModuleType::process && !ports) {
     entry["interface"] = "process";
     return entry;
   }
   const auto found = host::describe(path);
   if (!found) return entry;
-  const host::Description& description = *found;
-  json properties = json::array();
-  for (const auto& p : description.properties) {
-    properties.push_back({{"name", p.name},
-                          {"type", p.type},
-                          {"default", p.default_value},
-                          {"range", p.range},
-                          {"unit", p.unit},
-                          {"text", p.text}});
-  }
-  entry["component"] = description.name;
-  entry["interface"] = description.interface;
-  entry["hooks"] = description.hooks;
-  entry["properties"] = properties;
+  const json description = json::parse(host::to_json(*found));
+  entry["component"] = found->name;
+  for (const char* member : {"text", "interface", "operation", "hooks", "properties"})
+    entry[member] = description[member];
   return entry;
 }
 
@@ -143,10 +134,9 @@ json inspect_here(const InspectionRequest& request) {
         module.filename = *path;
         found.push_back(module);
       } else {
-        for (Problem problem : path.problems()) {
-          problem.where = request.file + ":" + std::to_string(module.line);
-          problem.what = "module " + module.name + ": " + problem.what;
-          problems.push_back(std::move(problem));
+        for (const Problem& problem : path.problems()) {
+          problems.push_back(model::problem_at(cell->texts(), module.line,
+                                               "module " + module.name + ": " + problem.what, problem.fix));
         }
       }
     }

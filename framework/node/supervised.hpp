@@ -58,6 +58,9 @@ struct Tapped {
   std::string topic;
   std::string type;  ///< as model::parse_type() reads it
   bool reliable = false;
+  /// Of a service: where its replies are, and what; of anything else empty.
+  std::string reply_topic{};
+  std::string reply_type{};
 };
 
 class Supervised {
@@ -86,7 +89,7 @@ class Supervised {
   /// `done` is called from step(), or at once.
   virtual void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
 
-  /// The samples of an output are on its topic until then.
+  /// The samples of an output are on its topic until then; or a service takes requests from anybody.
   virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
   /// The value of a property, as the module has it now or from its next call on. `done` as for order().
   virtual void get(std::uint32_t module, const std::string& property,

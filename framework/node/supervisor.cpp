@@ -141,8 +141,18 @@ Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, In
   const auto& ports = options_.ports[module];
   if (!ports)
     return fail("nothing is known of the ports of module " + name, "connect one of them in the descriptor");
-  std::vector<std::string_view> known;
-  for (const model::Port& each : *ports) known.emplace_back(each.name);
+  for (const model::Port& each : *ports) {
+    if (each.role == model::Role::plain || model::name_of_service(each) != port ||
+        each.direction == model::Direction::out) {
+      continue;
+    }
+    if (each.role != model::Role::client) return open_service(module, each, until);
+    return fail(in_quotes(port) + " of module " + name + " is a client, which asks and is not asked",
+                "ask the service that it is connected to");
+  }
+  std::vector<std::string> names;
+  for (const model::Port& each : *ports) names.push_back(model::name_of_service(each));
+  const std::vector<std::string_view> known{names.begin(), std::unique(names.begin(), names.end())};
   const auto found =
       std::find_if(ports->begin(), ports->end(), [&](const model::Port& p) { return p.name == port; });
   if (found == ports->end()) {
@@ -165,6 +175,27 @@ Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, In
   if (auto tapped = gate_->tap(module, port, until); !tapped) return tapped.problems();
   const PlannedFlow& flow = *gate_->flow_of(module, port);
   return Tapped{flow.topic, model::to_text(flow.type), flow.reliable};
+}
+
+Result<Tapped> Supervisor::open_service(std::uint32_t module, const model::Port& request, Instant until) {
+  const std::string name = device().name + "." + device().modules[module].name;
+  const std::string service = model::name_of_service(request);
+  const Member& member = *members_[module];
+  if (member.state() != State::executing)
+    return fail(
+        "module " + name + " is in " + lifecycle::to_text(member.state()) + ", where it answers nobody",
+        "takt start " + name);
+  if (auto opened = gate_->open_service(module, service, until); !opened) return opened.problems();
+  const auto& ports = *options_.ports[module];
+  const auto reply = std::find_if(ports.begin(), ports.end(), [&](const model::Port& port) {
+    return port.name == service + model::kReplyPort;
+  });
+  if (reply == ports.end())
+    return fail("the service " + in_quotes(service) + " of " + name + " has no reply");
+  return Tapped{port_topic(options_.cell.name, {device().name, device().modules[module].name, request.name}),
+                model::to_text(request.type), true,
+                port_topic(options_.cell.name, {device().name, device().modules[module].name, reply->name}),
+                model::to_text(reply->type)};
 }
 
 // Every module is initialised, then every module started.

@@ -61,6 +61,7 @@ class Supervisor final : public Supervised {
   std::vector<const os::Fd*> wait_on() override;
   void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
   Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
+  Result<Tapped> open_service(std::uint32_t module, const model::Port& request, Instant until);
   void get(std::uint32_t module, const std::string& property,
            std::function<void(const Outcome&)> done) override;
   void set(std::uint32_t module, const std::string& property, const std::string& value,

@@ -127,6 +127,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
     case Doing::nothing:
     case Doing::run:
     case Doing::condition:
+    case Doing::serve:
       break;
   }
 }
@@ -156,6 +157,13 @@ void Supervisor::watch_host(Instant now) {
       lose(member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit),
            ErrorType::hang);
     }
+  }
+  for (auto& member : members_) {
+    const channel::Activity& service = member->block.service;
+    if (service.module.load(std::memory_order_acquire) == 0 || since(service) <= kHookLimit || member->lost)
+      continue;
+    host_.ask({.what = host::Request::Do::give_up, .module = member->index});
+    lose(*member, "the handler of a service did not return within " + to_text(kHookLimit), ErrorType::hang);
   }
   for (std::size_t e = 0; e < channel_.executors(); ++e) {
     const channel::ExecutorBlock& block = channel_.executor(e);
@@ -221,6 +229,7 @@ void Supervisor::host_ended(const os::ProcessEnd& end) {
   }
   for (auto& member : members_) {
     member->block.background.end();
+    member->block.service.end();
     if (member->is_thread()) take_from_tables(*member);
     member->pending.reset();  // nobody will answer
   }

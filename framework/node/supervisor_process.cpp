@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <takt/channel/violations.hpp>
+#include <takt/host/inspect.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/log.hpp>
 #include <takt/node/supervisor.hpp>
@@ -64,12 +65,10 @@ Result<void> Supervisor::create_seat(Member& member) {
 
 Result<void> Supervisor::spawn(Member& member) {
   os::SpawnOptions options{.program = options_.paths[member.index],
-                           .arguments = {},
+                           .arguments = host::arguments_of(member.model),
                            .environment = {},
                            .inherit = {},
                            .capture_output = true};
-  for (const auto& property : member.model.properties)
-    options.arguments.push_back(property.name + "=" + property.value);
   if (member.seat != nullptr) {
     channel::clear_for_new_program(*member.seat);
     options.environment = {{"TAKT_SEAT_FD", std::to_string(member.seat_memory.fd().get())},

@@ -21,10 +21,9 @@ using channel::ViolationLog;
 
 Result<Violations> Violations::create() {
   Violations violations;
-  violations.library_ = os::program_directory() + "/libtakt_check.so";
+  violations.library_ = os::private_directory() + "/libtakt_check.so";
   if (!os::is_shared_object(violations.library_)) {
-    return fail("there is no " + violations.library_,
-                "install it beside takt-node, or run without --check-realtime");
+    return fail("there is no " + violations.library_, "install it there, or run without --check-realtime");
   }
   auto memory = os::SharedMemory::create("takt-check", sizeof(ViolationLog));
   if (!memory) return memory.problems();
@@ -64,7 +63,7 @@ SeenViolation Violations::in_words(const channel::Violation& violation,
     if (object.starts_with("/proc/self/fd/") && violation.module < paths.size())
       object = paths[violation.module];
     // Who called the module is not of interest, unless it was the one.
-    if (!seen.calls.empty() && object == os::program_directory() + "/takt-host") break;
+    if (!seen.calls.empty() && object == os::private_directory() + "/takt-host") break;
     seen.calls.push_back(symbols_.name(object, place.address));
     if (seen.calls.back().starts_with("main ")) break;
   }

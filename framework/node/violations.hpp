@@ -28,7 +28,7 @@ struct SeenViolation {
 
 class Violations {
  public:
-  /// Fails where libtakt_check.so is not beside this program.
+  /// Fails where libtakt_check.so is not where takt-host is.
   static Result<Violations> create();
 
   /// What a program that is checked is started with; its descriptor is added to `inherit`. It stays valid as

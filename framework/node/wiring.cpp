@@ -40,6 +40,7 @@ class Planner {
       for (const model::Port& port : *ports_[module]) {
         if (port.direction == Direction::out)
           flow_of(module, port, topic_of(module, port.name), std::nullopt);
+        if (answers(port)) serve_anybody(module, port);
       }
     }
     return std::move(plan_);
@@ -65,9 +66,15 @@ class Planner {
   [[nodiscard]] std::string topic_of(std::uint32_t module, const std::string& port) const {
     return port_topic(cell_.name, {device_.name, device_.modules[module].name, port});
   }
+  /// The requests of a service.
+  static bool answers(const model::Port& port) {
+    return (port.role == model::Role::service || port.role == model::Role::handler) &&
+           port.direction != Direction::out;
+  }
   /// Who is to be woken by a sample for this port.
   [[nodiscard]] std::uint32_t wake_bits(const Port& to) const {
     const model::Module& module = device_.modules[to.module];
+    if (to.port->role == model::Role::handler) return channel::kServiceBit;
     if (to.port->direction != Direction::event || module.dispatch != model::Dispatch::immediate) return 0;
     return module.type == model::ModuleType::thread ? channel::kSporadicBit : channel::bell_bit(to.module);
   }
@@ -118,11 +125,20 @@ class Planner {
                     .payload = payload_of(port),
                     .wake_bits = channel::kGatewayBit,
                     .enabled = false};
+    // Replies to whoever asks.
+    const bool replies = port.role == model::Role::service || port.role == model::Role::handler;
+    if (replies) {
+      link.options.depth += static_cast<std::uint32_t>(model::kServiceDepth);
+      link.options.is_queue = true;
+    }
     plan_.links.push_back(link);
     plan_.flows.push_back({.outgoing = true,
                            .topic = topic,
                            .domain = domain,
                            .type = port.type,
+                           .reliable = replies,
+                           .depth = replies ? static_cast<std::uint32_t>(model::kServiceDepth) : 1,
+                           .carries = replies ? model::Carries::replies : model::Carries::samples,
                            .links = {plan_.links.size() - 1}});
     return plan_.flows.back();
   }
@@ -131,12 +147,12 @@ class Planner {
   void outgoing(const Connection& connection) {
     const auto from = find(connection.from);
     if (!from) return;
-    const std::string topic =
-        connection.topic.empty() ? topic_of(from->module, from->port->name) : connection.topic;
-    PlannedFlow& flow = flow_of(from->module, *from->port, topic, connection.domain);
+    PlannedFlow& flow =
+        flow_of(from->module, *from->port, model::topic_of(cell_, connection), connection.domain);
+    flow.carries = connection.carries;
     channel::Link::Options& link = plan_.links[flow.links.front()].options;
     const auto depth = static_cast<std::uint32_t>(connection.depth);
-    link.enabled = true;
+    link.enabled = connection.carries != model::Carries::requests;  // until there is somebody
     link.depth = std::max(link.depth, depth);
     link.is_queue |= connection.kind == ConnectionKind::queue;
     // What its readers are offered by default is the last ten.
@@ -163,18 +179,19 @@ class Planner {
     link.stale = connection.stale;
     plan_.links.push_back(link);
 
-    PlannedFlow flow{
-        .outgoing = false,
-        .topic = connection.topic.empty() ? port_topic(cell_.name, connection.from) : connection.topic,
-        .domain = connection.domain,
-        .type = to->port->type,
-        .reliable = connection.reliability == model::Reliability::reliable,
-        .depth = static_cast<std::uint32_t>(connection.depth),
-        // Writers of ROS 2 promise none, and one who asks for it would not be matched; the link watches it.
-        .deadline = connection.ros2 ? std::nullopt : connection.deadline,
-        .lifespan = connection.lifespan,
-        .connected = true,
-        .links = {plan_.links.size() - 1}};
+    PlannedFlow flow{.outgoing = false,
+                     .topic = model::topic_of(cell_, connection),
+                     .domain = connection.domain,
+                     .type = to->port->type,
+                     .reliable = connection.reliability == model::Reliability::reliable,
+                     .depth = static_cast<std::uint32_t>(connection.depth),
+                     // Writers of ROS 2 promise none, and one who asks for it would not be matched; the link
+                     // watches it.
+                     .deadline = connection.ros2 ? std::nullopt : connection.deadline,
+                     .lifespan = connection.lifespan,
+                     .carries = connection.carries,
+                     .connected = true,
+                     .links = {plan_.links.size() - 1}};
     const auto same = [](const PlannedFlow& f) {
       return std::tie(f.outgoing, f.topic, f.domain, f.reliable, f.depth, f.deadline, f.lifespan);
     };
@@ -185,6 +202,25 @@ class Planner {
       plan_.flows.push_back(std::move(flow));
     else
       other->links.push_back(plan_.links.size() - 1);
+  }
+
+  /// For who is no module of the cell and asks all the same: `takt call`. The flow of the replies is the one
+  /// that every output has. Both come last, so that a service's replies have the order of its requests.
+  void serve_anybody(std::uint32_t module, const model::Port& port) {
+    PlannedLink link{.from = {}, .to = {module, port.name}};
+    link.options = {.depth = static_cast<std::uint32_t>(model::kServiceDepth),
+                    .payload = payload_of(port),
+                    .is_queue = true,
+                    .wake_bits = wake_bits({module, &port})};
+    plan_.links.push_back(link);
+    plan_.flows.push_back({.outgoing = false,
+                           .topic = topic_of(module, port.name),
+                           .domain = {},
+                           .type = port.type,
+                           .reliable = true,
+                           .depth = link.options.depth,
+                           .carries = model::Carries::requests,
+                           .links = {plan_.links.size() - 1}});
   }
 
   const model::Cell& cell_;

@@ -46,6 +46,9 @@ struct PlannedFlow {
   std::uint32_t depth = 1;
   std::optional<Nanoseconds> deadline{};
   std::optional<Nanoseconds> lifespan{};
+  /// Requests go out while somebody is there to answer. Replies are kept for a reader that their writer does
+  /// not know yet: he has found the writer of requests, and asked.
+  model::Carries carries = model::Carries::samples;
   /// Somebody is meant to be at the other end: a connection names it. An output without one has a flow too,
   /// for `takt echo`, whose link is not enabled.
   bool connected = false;

@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <cstdlib>
+#include <fstream>
 #include <string_view>
 
 namespace takt::os {
@@ -33,6 +34,14 @@ std::string environment(const char* name) {
 }
 
 void set_environment(const char* name, const std::string& value) { ::setenv(name, value.c_str(), 1); }
+
+std::vector<std::string> program_arguments() {
+  std::ifstream file{"/proc/self/cmdline", std::ios::binary};
+  std::vector<std::string> arguments;
+  for (std::string one; std::getline(file, one, '\0');) arguments.push_back(one);
+  if (!arguments.empty()) arguments.erase(arguments.begin());
+  return arguments;
+}
 
 std::string host_name() {
   std::array<char, 256> name{};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <takt/os/fd.hpp>
 
@@ -21,6 +22,9 @@ std::string take_from_environment(const char* name);
 std::string environment(const char* name);
 /// For this program and those that it starts. While there is one thread.
 void set_environment(const char* name, const std::string& value);
+
+/// What this program was started with, without its own name. Not before the C library is there.
+std::vector<std::string> program_arguments();
 
 /// The name of this machine.
 std::string host_name();

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -40,6 +41,35 @@ bool is_shared_object(const std::string& path) {
     if (segment.p_type == PT_INTERP) return false;
   }
   return true;
+}
+
+std::optional<std::string> read_section(const std::string& path, const std::string& name) {
+  constexpr std::size_t kMost = std::size_t{16} << 20;
+  std::ifstream file{path, std::ios::binary};
+  const auto read_at = [&file](std::uint64_t offset, void* to, std::size_t size) {
+    file.clear();
+    return file.seekg(static_cast<std::streamoff>(offset)) &&
+           file.read(static_cast<char*>(to), static_cast<std::streamsize>(size));
+  };
+  ElfW(Ehdr) header{};
+  if (!read_at(0, &header, sizeof header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return {};
+  const auto read_header = [&](unsigned index, ElfW(Shdr) & section) {
+    return read_at(header.e_shoff + std::uint64_t{index} * sizeof section, &section, sizeof section) &&
+           section.sh_size <= kMost && section.sh_type != SHT_NOBITS;
+  };
+  const auto read_content = [&](const ElfW(Shdr) & section) {
+    std::string content(section.sh_size, '\0');
+    return read_at(section.sh_offset, content.data(), content.size()) ? content : std::string{};
+  };
+  ElfW(Shdr) section{};
+  if (header.e_shentsize != sizeof section || !read_header(header.e_shstrndx, section)) return {};
+  const std::string names = read_content(section);
+  for (unsigned i = 1; i < header.e_shnum; ++i) {
+    if (!read_header(i, section) || section.sh_name >= names.size()) continue;
+    if (name != names.c_str() + section.sh_name) continue;
+    if (std::string content = read_content(section); !content.empty()) return content;
+  }
+  return {};
 }
 
 Result<void> replace_file(const std::string& path, const std::string& content) {

@@ -16,6 +16,10 @@ bool is_executable(const std::string& path);
 /// interpreter.)
 bool is_shared_object(const std::string& path);
 
+/// A section of an ELF file by its name; none where the file is none, or has no such section with something in
+/// it. At most 16 MiB.
+std::optional<std::string> read_section(const std::string& path, const std::string& name);
+
 /// Replaces a file so that whoever reads it, after a loss of power too, finds the old content or the new one
 /// and never a part. Makes its folder if there is none.
 Result<void> replace_file(const std::string& path, const std::string& content);

@@ -12,6 +12,7 @@
 #include <climits>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <string_view>
 
 #include <takt/core/time.hpp>
@@ -249,6 +250,13 @@ std::string program_directory() {
   const ssize_t n = ::readlink("/proc/self/exe", path.data(), path.size() - 1);
   const std::string text{path.data(), n > 0 ? static_cast<std::size_t>(n) : 0};
   return text.substr(0, text.find_last_of('/'));
+}
+
+std::string private_directory() {
+  const std::filesystem::path programs = program_directory();
+  std::error_code error;
+  const auto installed = std::filesystem::canonical(programs / TAKT_PRIVATE_FROM_PROGRAMS, error);
+  return error ? programs.string() : installed.string();
 }
 
 }  // namespace takt::os

@@ -81,4 +81,9 @@ Result<std::string> in_child(const std::string& what, const std::function<std::s
 /// The directory of this program's file.
 std::string program_directory();
 
+/// Where Takt keeps what its programs use and people do not start (takt-host, libtakt_check.so): the folder
+/// that the build was told for an installation, as it lies from this program, if that is there; else beside
+/// this program, as built.
+std::string private_directory();
+
 }  // namespace takt::os

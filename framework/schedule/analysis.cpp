@@ -519,14 +519,14 @@ Problems missed_deadlines(const model::Cell& cell, const Device& device,
     if (worst.kept()) continue;
     const Module& module = device.modules[worst.module];
     const bool periodic = module.operation == Operation::periodic;
-    problems.push_back(
-        {takt::place(cell.file, module.line),
-         in_quotes(device.name + "." + module.name) + " cannot keep its " +
-             (periodic ? "period" : "deadline") + ", " + to_text(worst.deadline) + ": " + reason(worst),
-         worst.why == kUnlimited
-             ? "an <interarrival>"
-             : std::string{"shorter runs, longer "} + (periodic ? "periods" : "deadlines or periods") +
-                   ", or modules moved to another executor or processor"});
+    problems.push_back(model::problem_at(
+        cell.texts(), module.line,
+        in_quotes(device.name + "." + module.name) + " cannot keep its " +
+            (periodic ? "period" : "deadline") + ", " + to_text(worst.deadline) + ": " + reason(worst),
+        worst.why == kUnlimited
+            ? "an <interarrival>"
+            : std::string{"shorter runs, longer "} + (periodic ? "periods" : "deadlines or periods") +
+                  ", or modules moved to another executor or processor"));
   }
   return problems;
 }

@@ -35,10 +35,10 @@ Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* 
   TAKT_CHECK(factor >= 1);
   Problems problems;
   if (profile != nullptr && profile->cell != cell.name) {
-    problems.push_back(
-        {place(cell.file, cell.line),
-         "the profile is of cell " + in_quotes(profile->cell) + ", this one is " + in_quotes(cell.name),
-         "a profile that takt run --profile wrote of this cell"});
+    problems.push_back(model::problem_at(
+        cell.texts(), cell.line,
+        "the profile is of cell " + in_quotes(profile->cell) + ", this one is " + in_quotes(cell.name),
+        "a profile that takt run --profile wrote of this cell"));
   }
   LongestRuns all;
   for (const model::Device& device : cell.devices) {
@@ -50,10 +50,10 @@ Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* 
       if (run) {
         run = times(*run, factor);
       } else {
-        problems.push_back(
-            {place(cell.file, module.line),
-             "nothing is known of how long " + in_quotes(device.name + "." + module.name) + " runs",
-             "a <budget>, or a profile of a run in which it ran"});
+        problems.push_back(model::problem_at(
+            cell.texts(), module.line,
+            "nothing is known of how long " + in_quotes(device.name + "." + module.name) + " runs",
+            "a <budget>, or a profile of a run in which it ran"));
       }
     }
   }

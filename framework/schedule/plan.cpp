@@ -19,9 +19,10 @@ using model::Operation;
 /// Of a row too full for its period, no more modules than this are named.
 constexpr std::size_t kNamedModules = 12;
 
-std::string place(const model::Cell& cell, const Module& module) {
-  if (cell.file.empty()) return "module " + module.name;
-  return cell.file + ":" + std::to_string(module.line);
+Problem problem_of(const model::Cell& cell, const Module& module, std::string what, std::string fix) {
+  Problem problem = model::problem_at(cell.texts(), module.line, std::move(what), std::move(fix));
+  if (cell.file.empty()) problem.where = "module " + module.name;
+  return problem;
 }
 
 /// Budgets are any int64, so a sum of them needs more.
@@ -60,10 +61,10 @@ void check_own_budgets(const model::Cell& cell, const Device& device, Problems& 
     const auto& bound = sporadic ? module.deadline : module.period;
     if (!bound || *module.budget <= *bound) continue;
     const std::string word = sporadic ? "deadline" : "period";
-    problems.push_back({place(cell, module),
-                        "the budget of '" + module.name + "', " + to_text(*module.budget) +
-                            ", is larger than its " + word + ", " + to_text(*bound),
-                        "a budget of at most " + to_text(*bound) + ", or a longer " + word});
+    problems.push_back(problem_of(cell, module,
+                                  "the budget of '" + module.name + "', " + to_text(*module.budget) +
+                                      ", is larger than its " + word + ", " + to_text(*bound),
+                                  "a budget of at most " + to_text(*bound) + ", or a longer " + word));
   }
 }
 
@@ -96,13 +97,13 @@ void check_rows(const model::Cell& cell, const Device& device, const ExecutorPla
 
   const std::string sum =
       most > kLargest ? "more than 10^18 ns" : to_text(Nanoseconds{static_cast<std::int64_t>(most)});
-  problems.push_back({place(cell, device.modules[largest]),
-                      "the budgets of row " + std::to_string(fullest) + " of executor '" +
-                          device.executors[plan.executor].name + "' do not fit its basic period: " + list +
-                          " are " + sum + " of " + to_text(plan.basic_period) + "; " +
-                          std::to_string(too_full) + " of " + std::to_string(plan.rows()) +
-                          (plan.rows() == 1 ? " row is" : " rows are") + " too full",
-                      "smaller budgets, longer periods, or modules moved to another executor"});
+  problems.push_back(problem_of(
+      cell, device.modules[largest],
+      "the budgets of row " + std::to_string(fullest) + " of executor '" +
+          device.executors[plan.executor].name + "' do not fit its basic period: " + list + " are " + sum +
+          " of " + to_text(plan.basic_period) + "; " + std::to_string(too_full) + " of " +
+          std::to_string(plan.rows()) + (plan.rows() == 1 ? " row is" : " rows are") + " too full",
+      "smaller budgets, longer periods, or modules moved to another executor"));
 }
 
 /// By the budgets where all threads state one, and a program is next to nothing; else by the number.
@@ -164,10 +165,11 @@ void build_table(const model::Cell& cell, const Device& device, ExecutorPlan& pl
   auto table = Table::build(tasks);
   if (!table) {
     const PeriodPair pair = longest_pair(tasks);
-    const std::string where = place(cell, device.modules[plan.periodic[std::max(pair.shorter, pair.longer)]]);
+    const Module& module = device.modules[plan.periodic[std::max(pair.shorter, pair.longer)]];
     for (const Problem& problem : table.problems()) {
       problems.push_back(
-          {where, "executor '" + device.executors[plan.executor].name + "': " + problem.what, problem.fix});
+          problem_of(cell, module, "executor '" + device.executors[plan.executor].name + "': " + problem.what,
+                     problem.fix));
     }
     return;
   }

@@ -272,6 +272,7 @@ void Device::answered(Member& member, Doing hook) {
     case Doing::nothing:
     case Doing::run:
     case Doing::condition:
+    case Doing::serve:
       break;
   }
 }

@@ -143,7 +143,7 @@ void Module::Inside::connect() {
     PortBase* port = this->port(tie.port);
     if (tie.connected || port == nullptr) continue;
     subject->keep(tie.wire->memory_);
-    port->connect(tie.wire->link(), nullptr);
+    subject->connect(*port, tie.wire->link());
     if (port->direction() != PortDirection::out) subject->watch(tie.wire->link(), *port, tie.stale_is_error);
     tie.connected = true;
   }
@@ -311,6 +311,7 @@ Answer Module::reset() {
   if (!in.machine.accepts(Event::reset)) return in.take(Event::reset);
   if (auto loaded = in.load(); !loaded) return loaded;
   in.failure = {};
+  in.was_started = false;
   return in.take(Event::reset);
 }
 

@@ -1,8 +1,10 @@
 // A process module as a library: its main() runs on a stack of its own and hands over where it waits.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,12 +17,28 @@
 #include <takt/component/process.h>
 #include <takt/channel/seat.hpp>
 #include <takt/component/current_cycle.hpp>
+#include <takt/component/property.hpp>
 #include <takt/core/check.hpp>
+#include <takt/core/words.hpp>
 #include <takt/os/fiber.hpp>
 #include <takt/os/library.hpp>
 #include <takt/testing/subject.hpp>
 
 namespace takt::testing {
+
+/// While it lives: what is allocated is the program's, and ends with it. No leak of the test's.
+class OfTheProgram {
+ public:
+#if defined(__SANITIZE_ADDRESS__)
+  OfTheProgram() { __lsan_disable(); }
+  ~OfTheProgram() { __lsan_enable(); }
+#else
+  OfTheProgram() {}
+  ~OfTheProgram() {}
+#endif
+  OfTheProgram(const OfTheProgram&) = delete;
+  OfTheProgram& operator=(const OfTheProgram&) = delete;
+};
 
 using Main = int (*)(int, char**);
 
@@ -74,6 +92,8 @@ class Course {
 
  private:
   void run_main();
+  void give(const std::vector<PropertyBase*>& made);
+  void check_properties(const char* function);
   void leave() noexcept;
   [[noreturn]] void finish();
   [[nodiscard]] const char* place() const;
@@ -85,6 +105,9 @@ class Course {
   os::Library library_;
   Main main_ = nullptr;
   std::vector<PortBase*> ports_;
+  std::vector<PropertyBase*> properties_of_file_;
+  std::vector<PropertyBase*> properties_;  // with those that main() made
+  Problems refused_;                       // of what they were given
   std::vector<char*> argv_;
   PortContext context_;
   channel::Taken taken_;
@@ -112,6 +135,7 @@ Course& Course::of_caller(const char* function) {
 
 Result<void> Course::load() {
   static_cast<void>(take_loose_ports());
+  static_cast<void>(take_loose_properties());
   const bool copy = LoadedFile::is_taken(path_);
   auto library = os::Library::open(path_, copy ? os::Library::Globals::own : os::Library::Globals::shared);
   if (!library) return library.problems();
@@ -120,6 +144,7 @@ Result<void> Course::load() {
   for_ever.push_back(std::make_unique<LoadedFile>());
   for_ever.back()->take(path_);
   ports_ = take_loose_ports();
+  properties_of_file_ = take_loose_properties();
   main_ = reinterpret_cast<Main>(library_.own_function("main"));
   library_.abandon();
   if (main_ == nullptr) return fail(path_ + " has no main()", "name a program of takt_add_process()");
@@ -132,13 +157,10 @@ void Course::go_on() {
   begun_ = true;
   serve_cycle(&cycle_);
   exceptions_.swap();
-#if defined(__SANITIZE_ADDRESS__)
-  __lsan_disable();  // the memory of a program ends with it
-#endif
-  test_.hand_over_to(fiber_);
-#if defined(__SANITIZE_ADDRESS__)
-  __lsan_enable();
-#endif
+  {
+    const OfTheProgram memory;
+    test_.hand_over_to(fiber_);
+  }
   exceptions_.swap();
   serve_cycle(nullptr);
   running = nullptr;
@@ -147,6 +169,7 @@ void Course::go_on() {
 void Course::leave() noexcept { fiber_.hand_over_to(test_); }
 
 void Course::run_main() {
+  give(properties_of_file_);
   argv_.push_back(path_.data());
   for (std::string& argument : arguments) argv_.push_back(argument.data());
   argv_.push_back(nullptr);
@@ -190,6 +213,32 @@ void Course::refuse(const char* function, const char* what) {
   finish();
 }
 
+void Course::give(const std::vector<PropertyBase*>& made) {
+  for (PropertyBase* property : made) {
+    properties_.push_back(property);
+    const std::string begin = property->name() + "=";
+    for (const std::string& argument : arguments) {
+      if (!argument.starts_with(begin)) continue;
+      if (const auto given = property->assign(argument.substr(begin.size())); !given)
+        refused_.insert(refused_.end(), given.problems().begin(), given.problems().end());
+    }
+  }
+}
+
+// As libtakt_process does.
+void Course::check_properties(const char* function) {
+  Problems problems = check_declared(properties_, "this program");
+  problems.insert(problems.end(), refused_.begin(), refused_.end());
+  std::vector<std::string_view> names;
+  for (const PropertyBase* property : properties_) names.emplace_back(property->name());
+  for (const std::string& argument : arguments) {
+    const std::string_view name = std::string_view{argument}.substr(0, argument.find('='));
+    if (!names.empty() && std::find(names.begin(), names.end(), name) == names.end())
+      problems.push_back(fail("this program has no property " + in_quotes(name), suggestion(name, names)));
+  }
+  if (!problems.empty()) refuse(function, in_words(problems).c_str());
+}
+
 void Course::attach(bool sporadic, const char* function) {
   if (attached_) refuse(function, "called twice; call it once, before the first wait");
   if (sporadic != sporadic_) {
@@ -197,6 +246,8 @@ void Course::attach(bool sporadic, const char* function) {
                                : "the test says periodic; use initPeriodExe() and waitPeriod()");
   }
   attached_ = true;
+  give(take_loose_properties());  // those that main() made
+  check_properties(function);
   for (PortBase* port : take_loose_ports()) ports_.push_back(port);  // those that main() made
   for (const PortBase* port : ports_) {
     for (const PortBase* other : ports_) {
@@ -270,11 +321,15 @@ class ProgramSubject final : public Subject {
   }
 
   [[nodiscard]] const std::vector<PortBase*>& ports() const override { return life_->course.ports(); }
+  void connect(PortBase& port, channel::Link link) override {
+    const OfTheProgram memory;  // the port may lie on its stack
+    port.connect(link, nullptr);
+  }
   void keep(std::shared_ptr<void> memory) override { life_->kept.push_back(std::move(memory)); }
 
   void enter(executor::Unit& unit) override { unit.seat = &life_->seat; }
   void serve(channel::ModuleBlock& block) override {
-    if (!life_->seat.in_body()) return;
+    if (ended() || !life_->seat.in_body()) return;
     life_->course.go_on();
     if (!ended()) return;
     block.in_tables = 0;

@@ -50,6 +50,7 @@ class Subject {
   [[nodiscard]] virtual std::optional<Result<std::string>> get(const std::string& name) const = 0;
 
   [[nodiscard]] virtual const std::vector<PortBase*>& ports() const = 0;
+  virtual void connect(PortBase& port, channel::Link link) { port.connect(link, nullptr); }
   /// Of a thread module: as host::ThreadModule.
   virtual void watch(channel::Link, const PortBase&, bool /*stale_is_error*/) {}
   /// Memory that the ports use, as long as they may.

@@ -29,6 +29,8 @@ CASES = {
     "simulation": (["takt/executor/executor.hpp", "takt/lifecycle/machine.hpp", "takt/os/fiber.hpp"],
                    ["takt/host/host.hpp", "takt/node/supervisor.hpp", "takt/descriptor/descriptor.hpp", "ucontext.h", "takt/wire/takt.h"]),
     "host": (["takt/executor/executor.hpp"], ["takt/descriptor/descriptor.hpp", "takt/node/supervisor.hpp", "dlfcn.h", "tinyxml2.h", "takt/dds/gateway.hpp", "takt/wire/takt.h"]),
+    "testing": (["takt/host/thread_module.hpp", "takt/executor/executor.hpp", "takt/lifecycle/machine.hpp", "takt/testing.hpp"],
+                ["takt/descriptor/descriptor.hpp", "takt/node/supervisor.hpp", "dlfcn.h", "ucontext.h"]),
     "dds": (["takt/channel/link.hpp", "takt/wire/takt.h", "fastdds/dds/domain/DomainParticipant.hpp"],
             ["takt/host/inspect.hpp", "takt/node/supervisor.hpp", "takt/component/component.hpp", "sys/socket.h", "tinyxml2.h"]),
     "client": (["takt/dds/topics.hpp", "takt/wire/takt.h", "takt/model/ports.hpp"],

@@ -1,6 +1,7 @@
 // The agent of one device.
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
@@ -11,6 +12,7 @@
 #include <takt/os/environment.hpp>
 
 #include "../takt/network.hpp"
+#include "../takt/pages.hpp"
 
 int main(int argc, char** argv) {
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
@@ -28,13 +30,16 @@ int main(int argc, char** argv) {
       "ends them in order.",
       "takt-node"};
   app.add_option("--device", options.device, "the device that this machine, or this part of it, is")
+      ->type_name("NAME")
       ->required();
   takt::tool::add_network_options(app, network);
   std::uint16_t port = 0;
   app.add_option("--serve-discovery", port, "be the discovery server, on this port")->type_name("PORT");
-  app.add_option("--state-dir", options.state_folder, "where the deployment is kept for --resume")
-      ->type_name("DIR")
-      ->capture_default_str();
+  app.add_option(
+         "--state-dir", options.state_folder,
+         "where the deployment is kept for --resume (else TAKT_STATE_DIR, else /var/lib/takt for root and "
+         "~/.local/state/takt for others)")
+      ->type_name("DIR");
   app.add_flag("--resume", options.resume, "take up the deployment that was running when this node ended");
   app.add_flag("--require-realtime", options.require_real_time,
                "refuse to run where the system refuses real-time scheduling");
@@ -42,6 +47,16 @@ int main(int argc, char** argv) {
       "--check-realtime", options.check_real_time,
       "see what modules do that no real-time code may: allocations, locks, system calls, page faults");
   app.add_flag("--quiet", options.quiet, "say nothing but errors");
+  app.set_version_flag("--version", TAKT_VERSION);
+  app.footer(R"(
+SIGTERM and SIGINT end the device in order. A cell that runs then is kept for --resume, as it is when the power
+fails; takt undeploy ends it for good.
+
+Environment: TAKT_COMPONENT_PATH, TAKT_DOMAIN, TAKT_INTERFACE and TAKT_STATE_DIR, as for takt.
+Status: 0 ended in order, 1 refused or failed with the reason on standard error, 2 wrong usage.)");
+  takt::tool::tidy_help(app);
+  if (argc == 3 && std::string_view{argv[1]} == takt::tool::kWritePages)
+    return takt::tool::write_pages(app, argv[2], 8);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -112,7 +112,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
         ->add_option("--cpu", options->settings.cpu,
                      "the processor of the real-time threads; else the last one")
         ->type_name("N")
-        ->check(CLI::Range(0, 1023));
+        ->check(CLI::Range(0, 1023).description(""));
     command->add_flag("--load", options->settings.load, "run stress-ng on all processors beside it");
     command->add_flag("--json", options->json, "print one JSON object");
     command->callback([options, run, &chosen] {
@@ -152,7 +152,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
     added.first
         ->add_option("--domain", added.second->settings.domain, "the DDS domain of the nodes that it starts")
         ->type_name("N")
-        ->check(CLI::Range(0, 232));
+        ->check(CLI::Range(0, 232).description(""));
   };
 
   const auto cases = add(
@@ -179,13 +179,13 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   cell.first->add_option("--devices", cell.second->settings.cell.devices, "each with a node of its own")
       ->type_name("N")
       ->capture_default_str()
-      ->check(CLI::Range(2, 64));
+      ->check(CLI::Range(2, 64).description(""));
   cell.first
       ->add_option("--pairs", cell.second->settings.cell.pairs,
                    "of modules on each device, one sends and one receives")
       ->type_name("N")
       ->capture_default_str()
-      ->check(CLI::Range(1, 100));
+      ->check(CLI::Range(1, 100).description(""));
 
   // The other processes of measurements.
   bench->add_subcommand("peer")->group("")->callback([&chosen] { chosen = bench::serve_as_peer; });

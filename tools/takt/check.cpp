@@ -1,6 +1,8 @@
 #include <cstdio>
 #include <fstream>
 
+#include <takt/descriptor/descriptor.hpp>
+
 #include "check_report.hpp"
 #include "commands.hpp"
 #include "load.hpp"
@@ -9,6 +11,11 @@
 namespace takt::tool {
 
 int check(const CheckOptions& options) {
+  if (options.expanded) {
+    const auto flat = descriptor::flatten(options.file);
+    if (!flat) complain(flat.problems());
+    return flat && print(*flat) ? 0 : 1;
+  }
   Problems missing;
   const auto loaded = load(options.file, options.remote ? &missing : nullptr);
   for (const Problem& problem : missing) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "network.hpp"
 #include "proof.hpp"
@@ -14,8 +15,9 @@ namespace takt::tool {
 struct CheckOptions {
   std::string file;
   bool json = false;
-  std::string svg;      ///< where to write the picture; empty: nowhere
-  bool remote = false;  ///< components that are not on this machine are warnings
+  std::string svg;        ///< where to write the picture; empty: nowhere
+  bool expanded = false;  ///< print the descriptor without includes and templates instead
+  bool remote = false;    ///< components that are not on this machine are warnings
   ProofOptions proof;
 };
 int check(const CheckOptions& options);
@@ -32,16 +34,10 @@ struct RunOptions {
 };
 int run(const RunOptions& options);
 
-struct DescribeOptions {
-  std::string file;
-  bool json = false;
-  bool xml = false;  ///< a <module> element to paste into a descriptor
-};
-int describe(const DescribeOptions& options);
-
 /// What the command line asks for, once it was read.
 using Chosen = std::function<int()>;
 /// Each adds its command, which sets `chosen`. Both outlive the parsing.
+void add_new(CLI::App& app, Chosen& chosen);
 void add_graph(CLI::App& app, Chosen& chosen);
 void add_simulate(CLI::App& app, Chosen& chosen);
 void add_deploy(CLI::App& app, Chosen& chosen);
@@ -54,6 +50,8 @@ void add_echo(CLI::App& app, Chosen& chosen);
 void add_record(CLI::App& app, Chosen& chosen);
 void add_play(CLI::App& app, Chosen& chosen);
 void add_plot(CLI::App& app, Chosen& chosen);
+void add_describe(CLI::App& app, Chosen& chosen);
+void add_call(CLI::App& app, Chosen& chosen);
 void add_doctor(CLI::App& app, Chosen& chosen);
 void add_bench(CLI::App& app, Chosen& chosen);
 

@@ -87,6 +87,7 @@ std::vector<std::string> stale_by_design(const model::Cell& cell) {
 std::string end_text(const model::Endpoint& end) { return end.given() ? to_text(end) : "other programs"; }
 
 std::string kind_text(const Connection& connection) {
+  if (connection.carries != model::Carries::samples) return model::to_text(connection.carries);
   if (connection.kind == model::ConnectionKind::latest) return model::to_text(connection.kind);
   return fmt::format("queue of {}", connection.depth);
 }

@@ -14,7 +14,7 @@ namespace takt::tool {
 /// "robot.servo.setpoint"; "other programs" for an end that is not Takt's.
 std::string end_text(const model::Endpoint& end);
 
-/// "latest", "queue of 8".
+/// "latest", "queue of 8"; "requests" and "replies" of a service.
 std::string kind_text(const model::Connection& connection);
 
 /// "queue of 8, reliable, deadline 20 ms, error when stale, lifespan 1 s, topic rt/x in domain 3".

@@ -1,15 +1,16 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <CLI/CLI.hpp>
 
+#include <takt/core/words.hpp>
+#include <takt/descriptor/descriptor.hpp>
 #include <takt/host/component_path.hpp>
-#include <takt/host/inspect.hpp>
-#include <takt/model/validate.hpp>
 
 #include "commands.hpp"
+#include "describe_report.hpp"
 #include "load.hpp"
 #include "terminal.hpp"
 
@@ -17,124 +18,165 @@ namespace takt::tool {
 
 namespace {
 
-std::string as_text(const std::string& path, const host::Description& component) {
-  std::string text = fmt::format("{}  ({})\n", component.name, path);
-  text += fmt::format("  interface   {}\n", component.interface);
-  if (!component.hooks.empty()) text += fmt::format("  hooks       {}\n", fmt::join(component.hooks, ", "));
-  if (component.interface == "c") text += "  properties  any; initialize() reads them\n";
-  if (component.interface == "process")
-    text += "  properties  any; the program gets each as an argument NAME=VALUE\n";
-  for (const model::Port& port : component.ports) {
-    text += fmt::format("  {:<11} {:<16} {}{}{}\n", to_text(port.direction), port.name, port.type.name,
-                        port.text.empty() ? "" : "  ", port.text);
-  }
-  if (component.interface != "c++") return text;
-  text += component.properties.empty() ? "  properties  none\n" : "  properties\n";
-  for (const auto& p : component.properties) {
-    text += fmt::format("    {:<16} {:<8} {}{}{}{}{}\n", p.name, p.type, p.default_value,
-                        p.unit.empty() ? "" : " " + p.unit, p.range.empty() ? "" : "  (" + p.range + ")",
-                        p.text.empty() ? "" : "  ", p.text);
-  }
-  return text;
+struct Options {
+  std::vector<std::string> words;  ///< files; modules of a descriptor; "name=value" each for a program
+  bool json = false;
+  bool xml = false;
+  bool iso = false;
+  std::string operation;  ///< for the profile
+};
+
+bool is_property(const std::string& word) {
+  return word.find('=') != std::string::npos && !std::filesystem::exists(word);
 }
 
-std::string as_json(const host::Description& component) {
-  nlohmann::ordered_json properties = nlohmann::ordered_json::array();
-  for (const auto& p : component.properties) {
-    properties.push_back({{"name", p.name},
-                          {"type", p.type},
-                          {"default", p.default_value},
-                          {"range", p.range},
-                          {"unit", p.unit},
-                          {"text", p.text}});
+int refuse(const Problems& problems) {
+  complain(problems);
+  return 1;
+}
+
+int list(const std::vector<std::string>& folders, const Options& options) {
+  const auto files = host::list_components(folders);
+  if (files.empty()) {
+    std::string looked;
+    for (const std::string& folder : folders) looked += (looked.empty() ? "" : ", ") + folder;
+    return refuse({fail("there are no components (looked in " + looked + ")",
+                        "build some, or add their folder to TAKT_COMPONENT_PATH")});
   }
-  return nlohmann::ordered_json{
-             {"name", component.name},
-             {"interface", component.interface},
-             {"hooks", component.hooks},
-             {"properties", properties},
-             {"ports", nlohmann::ordered_json::parse(model::ports_json(component.ports))["ports"]}}
-             .dump() +
-         "\n";
+  return print(options.json ? component_list_json(files) : component_list_text(files, terminal_style())) ? 0
+                                                                                                         : 1;
 }
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
+Result<Described> describe_module(const model::Cell& cell, const model::Device& device,
+                                  const model::Module& module) {
+  const auto at_line = [&](Problems problems) {
+    for (Problem& problem : problems)
+      problem = model::problem_at(cell.texts(), module.line, std::move(problem.what), std::move(problem.fix));
+    return problems;
+  };
+  auto path = host::find_component(module.filename, cell.file);
+  if (!path) return at_line(path.problems());
+  const bool process = module.type == model::ModuleType::process;
+  auto component = host::describe(*path, process ? host::arguments_of(module) : host::Arguments{});
+  if (!component) return at_line(component.problems());
+  return Described{std::move(*path), std::move(*component), cell.name, device.name, module};
 }
 
-/// The file's stem, as far as a module may be named so.
-std::string proposed_name(const std::string& path) {
-  std::string name = model::file_stem(path).substr(0, model::kMaxNameLength);
-  for (char& c : name) {
-    if (!model::is_valid_name(std::string{"_"} + c)) c = '_';
-  }
-  if (!model::is_valid_name(name)) name = "_" + name.substr(0, model::kMaxNameLength - 1);
-  return name;
-}
-
-/// A descriptor could not say it, so the component keeps its default.
-bool is_unsayable(const host::PropertyDescription& property) {
-  const std::string& value = property.default_value;
-  return property.type == "double" && (value.ends_with("inf") || value.ends_with("nan"));
-}
-
-// What has an event port is offered as sporadic and released by it, a module in the C form that has a
-// condition as sporadic, everything else as periodic.
-std::string as_xml(const std::string& path, const host::Description& component) {
-  const bool thread = component.interface != "process";
-  const bool has_event =
-      std::any_of(component.ports.begin(), component.ports.end(),
-                  [](const model::Port& port) { return port.direction == model::Direction::event; });
-  const bool sporadic = has_event || std::find(component.hooks.begin(), component.hooks.end(), "condition") !=
-                                         component.hooks.end();
-  std::string text = "<module>\n";
-  text += fmt::format("  <name>{}</name>\n", proposed_name(path));
-  text +=
-      fmt::format("  <filename>{}</filename>\n", escaped(std::filesystem::path{path}.filename().string()));
-  text += fmt::format("  <moduletype>{}</moduletype>\n", thread ? "thread" : "process");
-  text += fmt::format("  <operationtype>{}</operationtype>\n", sporadic ? "sporadic" : "periodic");
-  text += fmt::format("  <{0}>1000000</{0}> <!-- ns -->\n", sporadic ? "deadline" : "period");
-  if (has_event) text += "  <dispatch>immediate</dispatch> <!-- connect an event port -->\n";
-  text += "  <priority>1</priority> <!-- the lowest value goes first -->\n";
-  if (!std::all_of(component.properties.begin(), component.properties.end(), is_unsayable)) {
-    text += "  <property>\n";
-    for (const auto& p : component.properties) {
-      if (is_unsayable(p)) continue;
-      text += fmt::format("    <value name=\"{}\">{}</value>\n", escaped(p.name), escaped(p.default_value));
+/// The modules of a descriptor that `names` names, DEVICE.MODULE or MODULE; all of them without names.
+Result<std::vector<Described>> describe_cell(const std::string& file, const std::vector<std::string>& names) {
+  auto cell = descriptor::load(file);
+  if (!cell) return cell.problems();
+  std::vector<Described> all;
+  Problems problems;
+  std::vector<std::string> known;
+  std::vector<bool> found(names.size());
+  for (const model::Device& device : cell->devices) {
+    for (const model::Module& module : device.modules) {
+      known.push_back(device.name + "." + module.name);
+      bool wanted = names.empty();
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        if (names[i] != known.back() && names[i] != module.name) continue;
+        wanted = found[i] = true;
+      }
+      if (!wanted) continue;
+      auto described = describe_module(*cell, device, module);
+      if (described)
+        all.push_back(std::move(*described));
+      else
+        std::copy(described.problems().begin(), described.problems().end(), std::back_inserter(problems));
     }
-    text += "  </property>\n";
   }
-  return text + "</module>\n";
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (found[i]) continue;
+    std::vector<std::string_view> choices;
+    for (const std::string_view path : known)
+      choices.push_back(names[i].find('.') == std::string::npos ? path.substr(path.find('.') + 1) : path);
+    problems.push_back({file, "there is no module " + in_quotes(names[i]), suggestion(names[i], choices)});
+  }
+  if (!problems.empty()) return problems;
+  return all;
+}
+
+Result<std::vector<Described>> describe_files(const std::vector<std::string>& files,
+                                              const host::Arguments& properties) {
+  std::vector<Described> all;
+  Problems problems;
+  for (const std::string& file : files) {
+    auto path = host::find_component(file, "");
+    auto component = path ? host::describe(*path, properties) : Result<host::Description>{path.problems()};
+    if (component)
+      all.push_back({std::move(*path), std::move(*component)});
+    else
+      std::copy(component.problems().begin(), component.problems().end(), std::back_inserter(problems));
+  }
+  if (!problems.empty()) return problems;
+  return all;
+}
+
+std::optional<model::Operation> operation_named(const std::string& name) {
+  for (const auto operation :
+       {model::Operation::periodic, model::Operation::sporadic, model::Operation::non_real}) {
+    if (name == to_text(operation)) return operation;
+  }
+  return std::nullopt;
+}
+
+int describe(const Options& options) {
+  std::vector<std::string> files;
+  host::Arguments properties;
+  for (const std::string& word : options.words) (is_property(word) ? properties : files).push_back(word);
+  if (files.empty()) return list(host::component_folders(), options);
+  std::error_code error;
+  if (files.size() == 1 && std::filesystem::is_directory(files[0], error)) return list({files[0]}, options);
+
+  const bool of_cell = files[0].ends_with(".xml");
+  if ((of_cell || files.size() > 1) && !properties.empty())
+    return refuse({fail("a property, " + in_quotes(properties[0]) + ", with more than one component",
+                        "give it to one program at a time; a descriptor gives its own")});
+  auto all =
+      of_cell ? describe_cell(files[0], {files.begin() + 1, files.end()}) : describe_files(files, properties);
+  if (!all) return refuse(all.problems());
+  if (options.iso && all->size() != 1)
+    return refuse({fail("a profile is of one module, and here are " + std::to_string(all->size()),
+                        of_cell ? "name one, DEVICE.MODULE, behind the descriptor" : "name one file")});
+  std::string text;
+  for (const Described& described : *all) {
+    if (options.json)
+      text += describe_json(described);
+    else if (options.xml)
+      text += describe_xml(described);
+    else if (options.iso)
+      text += iso22166_profile(described, options.operation.empty() ? operation_of(described)
+                                                                    : operation_named(options.operation));
+    else
+      text += (text.empty() ? "" : "\n") + describe_text(described, terminal_style());
+  }
+  return print(text) ? 0 : 1;
 }
 
 }  // namespace
 
-int describe(const DescribeOptions& options) {
-  const auto path = host::find_component(options.file, "");
-  if (!path) {
-    complain(path.problems());
-    return 1;
-  }
-  const auto component = host::describe(*path);
-  if (!component) {
-    complain(component.problems());
-    return 1;
-  }
-  const std::string text = options.json  ? as_json(*component)
-                           : options.xml ? as_xml(*path, *component)
-                                         : as_text(*path, *component);
-  return print(text) ? 0 : 1;
+void add_describe(CLI::App& app, Chosen& chosen) {
+  const auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand(
+      "describe",
+      "Print what a component is: its ports, properties and hooks; without FILE, which there are");
+  command->add_option("FILE", options->words,
+                      "components' .so or .exe; a folder of them; or a descriptor, and which of its modules, "
+                      "DEVICE.MODULE. NAME=VALUE: a property of a program, on which its ports may depend");
+  auto* json =
+      command->add_flag("--json", options->json, "print a JSON object a line, one for each component");
+  auto* xml = command->add_flag("--xml", options->xml, "print a <module> element to paste into a descriptor")
+                  ->excludes(json);
+  auto* iso =
+      command->add_flag("--iso22166", options->iso, "print a module profile in the terms of ISO 22166-202")
+          ->excludes(json)
+          ->excludes(xml);
+  command->add_option("--operation", options->operation, "how the profile's module is released")
+      ->type_name("periodic|sporadic|non-real")
+      ->check(CLI::IsMember({"periodic", "sporadic", "non-real"}))
+      ->needs(iso);
+  command->callback([options, &chosen] { chosen = [options] { return describe(*options); }; });
 }
 
 }  // namespace takt::tool

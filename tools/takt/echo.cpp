@@ -83,6 +83,12 @@ int echo(const EchoOptions& options) {
   if (!answer) return refuse(answer.problems());
   const auto place = nlohmann::json::parse(answer->data, nullptr, false);
   if (!place.is_object()) return refuse({fail("the device's answer is of another version of Takt")});
+  if (place.contains("reply")) {
+    return refuse(
+        {fail(options.port + " is a service", "takt call " + options.port +
+                                                  " asks it; takt echo of the client's NAME/request and "
+                                                  "NAME/reply shows what is asked and answered")});
+  }
   auto type = model::parse_type(place.value("type", ""));
   if (!type) return refuse(type.problems());
 

@@ -104,6 +104,7 @@ Json connection_json(const Cell& cell, const Connection& connection) {
     json["stale"] = model::to_text(connection.stale);
   }
   if (connection.lifespan) json["lifespan_ns"] = connection.lifespan->count();
+  if (connection.carries != model::Carries::samples) json["carries"] = model::to_text(connection.carries);
   json["topic"] = topic_of(cell, connection);
   if (connection.domain) json["domain"] = *connection.domain;
   return json;
@@ -225,11 +226,15 @@ Json graph_json(const Cell& cell, const CellHealth& health) {
     connections.push_back(connection_json(cell, cell.connections[i]));
     if (const auto* known = find(health.connections, i)) connections.back()["health"] = health_json(*known);
   }
+  Json services = Json::array();
+  for (const model::Service& service : cell.services)
+    services.push_back({{"client", to_text(service.client)}, {"server", to_text(service.server)}});
   return Json{{"cell", cell.name},
               {"domain", cell.domain},
               {"discovery", discovery_json(cell)},
               {"devices", std::move(devices)},
-              {"connections", std::move(connections)}};
+              {"connections", std::move(connections)},
+              {"services", std::move(services)}};
 }
 
 }  // namespace takt::tool

@@ -1,17 +1,15 @@
 // The command line.
 #include <cstdlib>
 #include <string>
+#include <string_view>
 
 #include <cstdio>
 
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "pages.hpp"
 #include "ranges.hpp"
-
-#ifndef TAKT_VERSION
-#define TAKT_VERSION "unknown"
-#endif
 
 namespace {
 
@@ -32,6 +30,16 @@ int serve(int argc, char** argv) {
   app.set_version_flag("--version", TAKT_VERSION);
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);
+  app.footer(R"(
+Environment:
+  TAKT_COMPONENT_PATH         folders, separated by ':', where the files of components are looked up after the
+                              descriptor's own and before the ready components
+  TAKT_DOMAIN                 the DDS domain where no --domain is given
+  TAKT_INTERFACE              addresses, separated by ',', of the network cards that are used; all unless set
+  TAKT_STATE_DIR              where takt-node keeps what it is to resume
+  NO_COLOR                    no colours
+
+Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong usage.)");
 
   CheckOptions check_options;
   auto* check_command =
@@ -40,6 +48,8 @@ int serve(int argc, char** argv) {
   check_command->add_flag("--json", check_options.json, "print one JSON object");
   check_command->add_option("--svg", check_options.svg, "write the tables as a picture to this file")
       ->type_name("OUT");
+  check_command->add_flag("--expanded", check_options.expanded,
+                          "print the descriptor as it is without includes and templates, and no tables");
   check_command->add_flag("--remote", check_options.remote,
                           "a component that is not on this machine is a warning, no error");
   check_command
@@ -57,7 +67,7 @@ int serve(int argc, char** argv) {
       ->add_option("--cpus", check_options.proof.processors,
                    "a device has this many processors (else as many as this machine)")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+      ->check(CLI::Range(1, 1024).description(""));
 
   Chosen chosen;
   add_graph(app, chosen);
@@ -82,6 +92,7 @@ int serve(int argc, char** argv) {
   run_command->add_flag("--quiet", run_options.quiet, "no line for each event, only the closing report");
   add_network_options(*run_command, run_options.network);
 
+  add_new(app, chosen);
   add_simulate(app, chosen);
   add_deploy(app, chosen);
   add_undeploy(app, chosen);
@@ -93,17 +104,13 @@ int serve(int argc, char** argv) {
   add_record(app, chosen);
   add_play(app, chosen);
   add_plot(app, chosen);
+  add_call(app, chosen);
   add_doctor(app, chosen);
   add_bench(app, chosen);
+  add_describe(app, chosen);
 
-  DescribeOptions describe_options;
-  auto* describe_command =
-      app.add_subcommand("describe", "Print what a component is: its interface, hooks and properties");
-  describe_command->add_option("FILE", describe_options.file, "a component's .so or .exe")->required();
-  auto* describe_json = describe_command->add_flag("--json", describe_options.json, "print one JSON object");
-  describe_command
-      ->add_flag("--xml", describe_options.xml, "print a <module> element to paste into a descriptor")
-      ->excludes(describe_json);
+  tidy_help(app);
+  if (argc == 3 && std::string_view{argv[1]} == kWritePages) return write_pages(app, argv[2], 1);
 
   const auto is_meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_meant).empty()) {
@@ -118,8 +125,7 @@ int serve(int argc, char** argv) {
   if (for_option->count() != 0) run_options.seconds = seconds;
   if (chosen) return chosen();
   if (*check_command) return check(check_options);
-  if (*run_command) return run(run_options);
-  return describe(describe_options);
+  return run(run_options);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ inline void add_network_options(CLI::App& app, Network& network) {
   app.add_option("--domain", network.domain,
                  "the DDS domain, 0 to 232 (else TAKT_DOMAIN, else the descriptor's, else 0)")
       ->type_name("N")
-      ->check(CLI::Range(0, 232));
+      ->check(CLI::Range(0, 232).description(""));
   auto* peers =
       app.add_option("--peers", network.peers, "find each other by these addresses, not by multicast")
           ->type_name("A,B,...");

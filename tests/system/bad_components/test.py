@@ -16,7 +16,7 @@ WRONG = [
     (r"<module>", r"module not_executable: \S+/not_a_library\.so is not a program that this user may execute; "),
     (r"<module>", r"module not_a_program: \S+/fine\.so is a shared object; "),
     (r"<module>", r"module not_a_thread: \S+/fine\.exe is no shared object \(\.so\) of this machine; "),
-    (r'name="gian"', r"module unknown_property: component CppProperties has no property 'gian'; it has enabled, count, "),
+    (r'name="gian"', r"module unknown_property: component CppProperties has no property 'gian'; did you mean gain\?"),
     (r'name="enabled"', r"module wrong_properties: property 'enabled' cannot be 'perhaps'; it takes true or false"),
     (r'name="count"', r"module wrong_properties: property 'count' cannot be '11'; it takes a whole number, 1 to 10"),
     (r'name="offset"', r"module wrong_properties: property 'offset' cannot be '1\.5'; it takes a whole number"),

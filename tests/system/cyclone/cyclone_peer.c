@@ -5,7 +5,7 @@
  *   cyclone_peer DOMAIN write TYPE TOPIC COUNT PERIOD_MS RELIABILITY
  *   cyclone_peer DOMAIN read TYPE TOPIC COUNT SECONDS RELIABILITY   until COUNT have come
  *
- * TYPE: Sample, Mixed, BeltCommand, BeltState, PartSeen. RELIABILITY: reliable, best-effort. "-" stands for no module. */
+ * TYPE: Sample, Mixed, BeltCommand, BeltState, Part. RELIABILITY: reliable, best-effort. "-" stands for no module. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -254,15 +254,15 @@ static void fill_belt_state(void *sample, unsigned number) {
 }
 
 static void print_part(const void *sample) {
-  const line_PartSeen *s = sample;
-  printf("{\"number\": %u, \"offset\": %g", s->number, s->offset);
+  const line_Part *s = sample;
+  printf("{\"number\": %u, \"y\": %g", s->number, s->y);
   print_text("kind", s->kind);
   printf("}\n");
 }
 static void fill_part(void *sample, unsigned number) {
-  line_PartSeen *s = sample;
+  line_Part *s = sample;
   s->number = number;
-  s->offset = 0.01;
+  s->y = 0.01;
   snprintf(s->kind, sizeof s->kind, "box");
 }
 
@@ -275,7 +275,7 @@ static const struct port_type {
               {"Mixed", &test_Mixed_desc, print_mixed, fill_mixed},
               {"BeltCommand", &line_BeltCommand_desc, print_belt_command, fill_belt_command},
               {"BeltState", &line_BeltState_desc, print_belt_state, fill_belt_state},
-              {"PartSeen", &line_PartSeen_desc, print_part, fill_part}};
+              {"Part", &line_Part_desc, print_part, fill_part}};
 
 static const struct port_type *type_of(const char *name) {
   for (size_t i = 0; i < sizeof kTypes / sizeof *kTypes; ++i) {
@@ -301,7 +301,7 @@ static int write_port(dds_entity_t participant, char **words) {
       test_Sample sample;
       test_Mixed mixed;
       line_BeltState state;
-      line_PartSeen part;
+      line_Part part;
     } value;
     memset(&value, 0, sizeof value);
     type->fill(&value, (unsigned)number);

@@ -175,13 +175,13 @@ class Cyclone(unittest.TestCase):
 
     def test_a_port_of_the_demonstration(self):
         """The IDL of the components that come with Takt."""
-        shape = {"name": "line::PartSeen", "fields": [
+        shape = {"name": "line::Part", "fields": [
             {"name": "number", "type": "unsigned long"}, {"name": "kind", "type": "string", "bound": 15},
-            {"name": "offset", "type": "double"}]}
+            {"name": "x", "type": "double"}, {"name": "y", "type": "double"}, {"name": "angle", "type": "double"}]}
         show = self.takt("show", "part", "reliable", "32", self.type_file(shape))
-        self.cyclone("write", "PartSeen", "part", "3", "5", "reliable")
+        self.cyclone("write", "Part", "part", "3", "5", "reliable")
         for number in (1, 2, 3):
-            self.assertEqual({"number": number, "kind": "box", "offset": 0.01}, json.loads(show.line()))
+            self.assertEqual({"number": number, "kind": "box", "x": 0, "y": 0.01, "angle": 0}, json.loads(show.line()))
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ class Foreign(takt_system.Case):
 
         # Samples both ways: the belt runs as Cyclone says, and tells it so.
         write = self.cyclone("write", "BeltCommand", "belt_command", 40, 20, "best-effort")
-        parts = self.cyclone("read", "PartSeen", "parts", 1, 30, "reliable")
+        parts = self.cyclone("read", "Part", "parts", 1, 30, "reliable")
         self.assertEqual(0, write.wait(30).status, write.err)
         seen = self.cyclone("read", "BeltState", "belt_state", 300, 20, "best-effort").wait(30)
         self.assertEqual(0, seen.status, seen.err)

@@ -102,10 +102,9 @@ class Network(takt_system.Case):
             walked[name] = executor["cycles"] + executor["missed"]
         print("rows of the robot: %d, of which missed %d" % (walked["after"] - walked["before"],
               after["robot"]["executors"][0]["missed"] - before["robot"]["executors"][0]["missed"]))
-        parts = len(nodes["station"].printed("panel"))
-        time.sleep(6)
-        seen = [int(re.search(r"(\d+) parts", text)[1]) for text in nodes["station"].printed("panel")[parts:] if "parts" in text]
-        self.assertGreater(seen[-1], seen[0], "parts come again")
+        placed = lambda: int(re.search(r"(\d+) placed;", nodes["station"].printed("panel")[-1])[1])
+        before = placed()
+        wait_until(lambda: placed() > before + 1, 30, "parts are placed again")
         self.end(nodes)
 
     def test_without_multicast_by_peers(self):

@@ -46,6 +46,28 @@ class Ports(takt_system.Case):
         self.assertGreater(seen["last"], 250)
         self.assertEqual((0, 0), (self.seen("objects")["gaps"], self.seen("objects")["wrong"]))
 
+    def test_properties_say_which_ports_a_program_has(self):
+        run = self.takt("run", "named.xml", "--for", "1", "--json")
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(["b"], [p["name"] for p in run.modules("d")["first"]["ports"] if p["samples"] > 50])
+        self.assertEqual(["c"], [p["name"] for p in run.modules("d")["second"]["ports"] if p["samples"] > 50])
+        out, = self.done("describe --json port_named.exe ports=x,y")
+        self.assertEqual(["x", "y"], [p["name"] for p in json.loads(out)["ports"]])
+
+    def test_what_a_program_says_of_its_properties_is_said_at_their_line(self):
+        with open(self.beside("named.xml")) as file:
+            text = file.read()
+        wrong = self.write("wrong.xml", text.replace(">c<", "><").replace(">a,b<", ">a<"))
+        run = self.takt("check", wrong)
+        self.assertEqual(1, run.status)
+        self.assertRegex(run.err, r"wrong.xml:13: error: module second: property 'ports' is missing; name the ports")
+        self.assertRegex(run.err, r"wrong.xml:10: error: module second: there is nothing to do\n")
+        self.assertRegex(run.err, r"wrong.xml:21: error: .*first has no port")
+        self.refused({"describe port_named.exe": r"property 'ports' is missing; name the ports",
+                      "describe port_named.exe ports=": r"property 'ports' is missing; name the ports",
+                      "describe port_named.exe ports=a,a": r"there are two ports 'a'",
+                      "describe port_sink.so file=x": r"do not depend on properties"})
+
 
 if __name__ == "__main__":
     takt_system.main()

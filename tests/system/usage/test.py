@@ -9,7 +9,7 @@ EXAMPLE = os.path.join(takt_system.SOURCE, "deploy", "module.xml")
 
 class Usage(takt_system.Case):
     def test_wrong_usage_is_status_2(self):
-        for arguments in ([], ["nonsense"], ["run"], ["check"], ["graph"], ["describe"], ["run", EXAMPLE, "more"], ["run", EXAMPLE, "--nope"],
+        for arguments in ([], ["nonsense"], ["run"], ["check"], ["graph"], ["describe", "--json", "--xml"], ["run", EXAMPLE, "more"], ["run", EXAMPLE, "--nope"],
                           ["check", "--for", "1", EXAMPLE], ["run", EXAMPLE, "--for"], ["run", EXAMPLE, "--for", "soon"],
                           ["run", EXAMPLE, "--for", "-1"], ["run", EXAMPLE, "--for", "0"], ["run", EXAMPLE, "--for", "inf"],
                           ["run", EXAMPLE, "--for", "nan"], ["run", EXAMPLE, "--for", "1e300"]):
@@ -64,12 +64,12 @@ class Usage(takt_system.Case):
     def test_describe_a_component_in_cpp(self):
         run = self.takt("describe", "cpp_properties.so", "--json")
         self.assertEqual((0, ""), (run.status, run.err))
-        self.assertEqual(["name", "interface", "hooks", "properties", "ports"], list(run.report))
+        self.assertEqual(["name", "text", "interface", "operation", "hooks", "properties", "ports", "file"], list(run.report))
         self.assertEqual(("CppProperties", "c++"), (run.report["name"], run.report["interface"]))
         properties = {p["name"]: p for p in run.report["properties"]}
         self.assertEqual(["enabled", "count", "offset", "gain", "ratio", "label"], list(properties))
-        self.assertEqual({"name": "count", "type": "integer", "default": "3", "range": "1 to 10", "unit": "parts",
-                          "text": "At a time."}, properties["count"])
+        self.assertEqual({"name": "count", "type": "integer", "default": "3", "range": "1 to 10", "min": 1, "max": 10,
+                          "unit": "parts", "text": "At a time."}, properties["count"])
         self.assertEqual(["bool", "integer", "integer", "double", "double", "string"], [p["type"] for p in properties.values()])
         text = self.takt("describe", "cpp_properties.so").out
         for word in list(properties) + ["c++", "1 to 10", "parts", "At a time."]:
@@ -81,7 +81,8 @@ class Usage(takt_system.Case):
         self.assertEqual(["initialize", "start", "run", "error", "recover", "destruct"], c["hooks"])
         self.assertIn("condition", self.takt("describe", "fine_sporadic.so").out)
         process = self.takt("describe", "fine.exe", "--json").report
-        self.assertEqual({"name": "fine", "interface": "process", "hooks": [], "properties": [], "ports": []}, process)
+        self.assertEqual(("fine", "process", "periodic", [], [], []),
+                         tuple(process[key] for key in ("name", "interface", "operation", "hooks", "properties", "ports")))
         self.assertIn("process", self.takt("describe", "fine.exe").out)
 
     def test_what_describe_gives_to_paste_runs(self):
@@ -111,7 +112,7 @@ class Usage(takt_system.Case):
         for file, words in (("not_a_library.so", "neither a shared object nor a program"), ("no_such_file.so", "there is no file"),
                             ("no_run.so", "has no function run()"), ("undefined_symbol.so", "takt_test_defined_nowhere"),
                             ("wrong_default.so", "a property 'speed' whose default 20 is out of its range: 0 to 10"),
-                            (self.folder, "is not a file")):
+                            (self.folder, "there are no components")):
             with self.subTest(file=file):
                 run = self.takt("describe", file)
                 self.assertEqual((1, ""), (run.status, run.out))

@@ -1,3 +1,4 @@
+#include <takt/property.h>
 #include <takt/component.hpp>
 
 #include <gmock/gmock.h>
@@ -117,6 +118,99 @@ TEST(Property, HasBoundsThatBelongToIt) {
   EXPECT_EQ(reason(component.gain, "0"), "");
 }
 
+TEST(Property, WithoutAComponentIsOfWhoeverTakesIt) {
+  static_cast<void>(take_loose_properties());
+  Property<double> speed{"speed", 0.5, {.unit = "m/s", .min = 0.0, .max = 2.0}};
+  Property<std::string> label{"label", "none"};
+  { const Property<bool> gone{"gone", true}; }
+  EXPECT_EQ(take_loose_properties(), (std::vector<PropertyBase*>{&speed, &label}));
+  EXPECT_TRUE(take_loose_properties().empty());
+}
+
+TEST(Property, KeepsItsDefaultInMind) {
+  Everything component;
+  ASSERT_TRUE(component.count.assign("7"));
+  EXPECT_EQ(component.count.default_text(), "3");
+  EXPECT_EQ(component.count.min_text(), "1");
+  EXPECT_EQ(component.count.max_text(), "10");
+  EXPECT_EQ(component.gain.max_text(), "");
+}
+
+TEST(Property, IsDeclaredOnceAndBeginsWithinItsRange) {
+  struct Wrong : Component {
+    Property<double> a{*this, "a", 1.0, {.min = 2.0}};
+    Property<double> twice{*this, "twice", 1.0};
+    Property<double> again{*this, "twice", 1.0};
+    void run(const Cycle&) noexcept override {}
+  } wrong;
+  const Problems problems = check_declared(wrong.properties(), "it");
+  EXPECT_EQ(to_text(problems),
+            "error: it has a property 'a' whose default 1 is out of its range: at least 2; give it a default "
+            "that is "
+            "within its range, or mend the range\n"
+            "error: it has two properties 'twice'; give each a name of its own");
+  EXPECT_TRUE(check_declared(Everything{}.properties(), "it").empty());
+}
+
+// What the macros of <takt/property.h> do.
+struct CProperties {
+  double number = 0.5;
+  std::int64_t integer = 3;
+  int flag = 1;
+  const char* text = "none";
+  takt_property all[4] = {
+      {"number", TAKT_IS_NUMBER, &number, 0, 2, 0, 0, "m/s", "Of the belt.", nullptr},
+      {"integer", TAKT_IS_INTEGER, &integer, 0, 0, 1, INT64_MAX, "", "", nullptr},
+      {"flag", TAKT_IS_FLAG, &flag, 0, 0, 0, 0, "", "", nullptr},
+      {"text", TAKT_IS_STRING, &text, 0, 0, 0, 0, "", "", nullptr},
+  };
+
+  CProperties() {
+    static_cast<void>(take_loose_properties());
+    for (takt_property& property : all) takt_add_property(&property);
+    taken = take_loose_properties();
+  }
+  ~CProperties() {
+    for (takt_property& property : all) takt_remove_property(&property);
+  }
+  CProperties(const CProperties&) = delete;
+  CProperties& operator=(const CProperties&) = delete;
+
+  std::vector<PropertyBase*> taken;
+};
+
+TEST(CProperty, SaysOfItselfWhatItWasDeclaredWith) {
+  const CProperties c;
+  ASSERT_EQ(c.taken.size(), 4U);
+  EXPECT_EQ(c.taken[0]->range_text(), "0 to 2");
+  EXPECT_EQ(c.taken[0]->unit(), "m/s");
+  EXPECT_EQ(c.taken[0]->text(), "Of the belt.");
+  EXPECT_EQ(c.taken[0]->default_text(), "0.5");
+  EXPECT_EQ(c.taken[1]->range_text(), "at least 1");
+  EXPECT_STREQ(to_text(c.taken[2]->type()), "bool");
+  EXPECT_EQ(c.taken[3]->default_text(), "none");
+}
+
+TEST(CProperty, IsAVariableThatIsWrittenWhenItIsTakenOver) {
+  const CProperties c;
+  EXPECT_EQ(c.number, 0.5);
+  EXPECT_STREQ(c.text, "none");
+  ASSERT_TRUE(c.taken[0]->propose("1.25"));
+  EXPECT_EQ(c.number, 0.5) << "a call may be going on";
+  c.taken[0]->take_over();
+  EXPECT_EQ(c.number, 1.25);
+  EXPECT_FALSE(c.taken[1]->assign("0"));
+  EXPECT_EQ(c.integer, 3);
+  ASSERT_TRUE(c.taken[1]->assign("9000000000"));
+  EXPECT_EQ(c.integer, 9000000000);
+  ASSERT_TRUE(c.taken[2]->assign("false"));
+  EXPECT_EQ(c.flag, 0);
+  for (const char* text : {"short", "a text that has memory of its own, as it is long enough"}) {
+    ASSERT_TRUE(c.taken[3]->assign(text));
+    EXPECT_STREQ(c.text, text);
+  }
+}
+
 TEST(Property, OfTextTakesTheWordsOfItsChoices) {
   Everything component;
   Property<std::string> mode{component, "mode", "slow", {.choices = {"slow", "fast", "off"}}};
@@ -124,7 +218,8 @@ TEST(Property, OfTextTakesTheWordsOfItsChoices) {
   EXPECT_TRUE(mode.assign("fast"));
   const auto refused = mode.assign("Fast");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(in_words(refused.problems()), "property 'mode' cannot be 'Fast'; it takes text, slow, fast or off");
+  EXPECT_EQ(in_words(refused.problems()),
+            "property 'mode' cannot be 'Fast'; it takes text, slow, fast or off");
   EXPECT_EQ(mode.value(), "fast");
 }
 

@@ -133,7 +133,7 @@ class Mutations {
 
 const std::set<std::string> kTextElements{"name",     "filename", "moduletype",   "operationtype", "period",
                                           "deadline", "dispatch", "interarrival", "priority",      "executor",
-                                          "budget",   "value",    "offset",       "overrun"};
+                                          "budget",   "value",    "offset",       "overrun",       "set"};
 
 /// Breaks what XML asks of a tag: each of these is not well-formed.
 void Mutations::break_markup(const Element& e) {
@@ -314,6 +314,9 @@ void Mutations::break_attributes(const Element& e) {
        {"10.0.0.1", "10.0.0.1:", ":11811", "10.0.0.1:0", "10.0.0.1:65536", "10.0.0.1:+1", "10.0.0.1:01",
         "10.0.0.1:11811 10.0.0.2:11811", "10.0.0.1:x", "[::1]:11811", "10.0.0.256:11811"}},
       {"server-device", {"nobody", "robt", "Robot", "robot line", "robot.trajectory"}},
+      {"template", {"nobody", "Axis", "7x", "axis pair"}},
+      {"port", {"7x", "a.b", "a b"}},
+      {"of", {"servo", "servo.", ".setpoint", "nobody.x", "servo.a.b", "robot.first.state"}},
       {"name", {"7x", "a.b", "a b", "gr\u00f6\u00dfe", std::string(64, 'x')}},
   };
   for (const Attribute& a : e.attributes) {
@@ -396,7 +399,8 @@ const std::vector<Base>& bases() {
   static const std::vector<Base> kBases{{"/deploy/module.xml", kDefaults},
                                         {kGood + "cell.xml", cell},
                                         {kGood + "everything.xml", everything},
-                                        {kGood + "peers.xml", kDefaults}};
+                                        {kGood + "peers.xml", kDefaults},
+                                        {kGood + "template.xml", kDefaults}};
   return kBases;
 }
 

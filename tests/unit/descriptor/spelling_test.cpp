@@ -13,6 +13,8 @@
 #include <takt/core/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
+#include "saying.hpp"
+
 namespace takt::descriptor {
 namespace {
 
@@ -24,45 +26,9 @@ std::string content_of(const std::string& file) {
   return content.str();
 }
 
-/// Everything that a cell says, but where it says it.
-class Saying {
- public:
-  explicit Saying(const model::Cell& cell) {
-    say("cell", cell.name, cell.domain, cell.domain_given, to_text(cell.discovery.kind),
-        cell.discovery.server, cell.discovery.serve, cell.server_device);
-    for (const auto& peer : cell.discovery.peers) say("peer", peer);
-    for (const auto& device : cell.devices) {
-      say("device", device.name);
-      for (const auto& e : device.executors)
-        say("executor", e.name, e.cpu.value_or(-1), e.priority, to_text(e.wakeup));
-      for (const auto& module : device.modules) say_module(module);
-    }
-    for (const auto& c : cell.connections) {
-      say("connection", to_text(c.from), to_text(c.to), to_text(c.kind), c.depth, to_text(c.reliability),
-          ns(c.deadline), ns(c.lifespan), to_text(c.stale), c.topic, c.domain.value_or(-1));
-    }
-  }
-  [[nodiscard]] std::string text() const { return text_.str(); }
-
- private:
-  static std::int64_t ns(const std::optional<Nanoseconds>& time) { return time ? time->count() : -1; }
-  template <class... Words>
-  void say(const Words&... words) {
-    ((text_ << in_quotes((std::ostringstream{} << words).str()) << ' '), ...);
-    text_ << '\n';
-  }
-  void say_module(const model::Module& m) {
-    say("module", m.name, m.filename, to_text(m.type), to_text(m.operation), ns(m.period), ns(m.deadline),
-        to_text(m.miss), to_text(m.dispatch), ns(m.interarrival), m.priority, m.executor, ns(m.budget),
-        m.recovery.attempts, m.recovery.backoff.count(), to_text(m.recovery.then));
-    for (const auto& p : m.properties) say("property", p.name, p.value);
-  }
-  std::ostringstream text_;
-};
-
 std::string said(const std::string& xml) {
   const auto cell = parse(xml, "f.xml");
-  return cell ? Saying{*cell}.text() : "refused: " + to_text(cell.problems());
+  return cell ? said_of(*cell) : "refused: " + to_text(cell.problems());
 }
 
 /// The text with each match of the pattern made into something else.
@@ -143,7 +109,7 @@ std::vector<std::pair<std::string, std::string>> spellings(const std::string& xm
 
 TEST(DescriptorSpelling, OfOneCellGivesOneCell) {
   std::set<std::string> changed;
-  for (const char* file : {"everything.xml", "peers.xml", "cell.xml"}) {
+  for (const char* file : {"everything.xml", "peers.xml", "cell.xml", "template.xml"}) {
     std::string xml =
         each(content_of(kGood + file), R"(<!--[^]*?-->|<\?[^]*?\?>)", [](const auto&) { return ""; });
     xml.erase(0, xml.find('<'));

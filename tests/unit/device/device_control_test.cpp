@@ -68,7 +68,7 @@ TEST_F(DeviceProperties, AreRefusedInTheWordsOfTheComponentAndStay) {
   EXPECT_EQ(high.text, "property 'step' cannot be '1001'; it takes a whole number, 1 to 1000, in mm");
   const Outcome unknown = set(0, "stop", "1");
   EXPECT_EQ(unknown.code, REPLY_REFUSED);
-  EXPECT_EQ(unknown.text, "component Live has no property 'stop'; it has step, label, file");
+  EXPECT_EQ(unknown.text, "component Live has no property 'stop'; did you mean step?");
   EXPECT_EQ(get(0, "stop").text, unknown.text);
   run_for(milliseconds{30});
   take_down();
@@ -101,8 +101,8 @@ TEST_F(DeviceProperties, OfCModulesAndProgramsAreThoseOfTheDescriptor) {
   EXPECT_EQ(get(0, "ns").value, "1000");
   EXPECT_EQ(get(0, "every").text, "the descriptor gives c no property 'every'; it gives ns");
   EXPECT_EQ(set(0, "ns", "2000").text,
-            "c is written in C: it reads its properties in initialize(); undeploy the cell, change the "
-            "descriptor and deploy it again");
+            "c is written in C and declares no properties: it reads them in initialize(); undeploy the cell, "
+            "change the descriptor and deploy it again");
   EXPECT_EQ(get(1, "every").value, "3");
   EXPECT_EQ(get(1, "ns").code, REPLY_REFUSED);
   const Outcome refused = set(1, "every", "4");

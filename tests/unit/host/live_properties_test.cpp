@@ -1,6 +1,8 @@
 // Properties that are set while their component runs.
 #include <takt/host/live_properties.hpp>
 
+#include <takt/component/component.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +27,7 @@ struct Drive : Component {
 
 class LivePropertiesOfADrive : public testing::Test {
  protected:
-  void SetUp() override { live.serve(&drive, "Drive"); }
+  void SetUp() override { live.serve(drive.properties(), "Drive"); }
   std::string reason(const LiveProperties::Values& values) {
     const auto set = live.set(values);
     return set ? "" : to_text(set.problems());
@@ -69,7 +71,7 @@ TEST_F(LivePropertiesOfADrive, AreRefusedWithTheirRangeAndWhatWaitsStays) {
 TEST_F(LivePropertiesOfADrive, OfOneRequestAreAllSetOrNone) {
   EXPECT_EQ(reason({{"gain", "3"}, {"high", "0"}, {"speed", "1"}, {"low", "7"}}),
             "error: property 'high' cannot be '0'; it takes a whole number, at least 1\n"
-            "error: component Drive has no property 'speed'; it has low, high, gain, label");
+            "error: component Drive has no property 'speed'; it can be low, high, gain or label");
   live.take_over();
   EXPECT_EQ(drive.gain, 1.5);
   EXPECT_EQ(drive.low, 0);
@@ -81,13 +83,13 @@ TEST_F(LivePropertiesOfADrive, AreToldByNameAndAnotherIsNone) {
   const auto none = live.get("Gain\n");
   ASSERT_FALSE(none);
   EXPECT_EQ(to_text(none.problems()),
-            R"(error: component Drive has no property 'Gain\n'; it has low, high, gain, label)");
+            R"(error: component Drive has no property 'Gain\n'; did you mean gain?)");
 }
 
 TEST_F(LivePropertiesOfADrive, OfAComponentThatIsLoadedAfreshWaitForNobody) {
   ASSERT_EQ(reason({{"gain", "9"}}), "");
   Drive fresh;
-  live.serve(&fresh, "Drive");
+  live.serve(fresh.properties(), "Drive");
   live.take_over();
   EXPECT_EQ(fresh.gain, 1.5);
   EXPECT_EQ(drive.gain, 1.5);
@@ -98,6 +100,7 @@ TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
   std::vector<std::unique_ptr<Property<std::string>>> more;  // so that to take over takes a while
   for (int i = 0; i < 30; ++i)
     more.push_back(std::make_unique<Property<std::string>>(drive, "more" + std::to_string(i), "0"));
+  live.serve(drive.properties(), "Drive");
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   constexpr std::int64_t kRequests = 2'000;
 #else

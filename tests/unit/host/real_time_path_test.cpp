@@ -23,6 +23,7 @@
 
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
+#include <takt/component/component.hpp>
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/host/executor_threads.hpp>
@@ -32,6 +33,7 @@
 #include <takt/schedule/plan.hpp>
 
 #include "../../system/components/sample.hpp"
+#include "connected_service.hpp"
 #include "system_call_trap.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -305,7 +307,7 @@ TEST_F(RealTimePath, TakesOverPropertiesThatAreSetWhileItRuns) {
     void run(const Cycle&) noexcept override {}
   } component;
   LiveProperties live;
-  live.serve(&component, "Named");
+  live.serve(component.properties(), "Named");
   std::atomic<std::uint64_t> changes{0};
   double last = 0;
   bodies[1].on_run = [&](const Cycle&) {
@@ -384,6 +386,61 @@ TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
   for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
   EXPECT_EQ(wrong, 0U);
   EXPECT_GT(read, 2000U);
+  std::map<std::uint64_t, int> rings;
+  for (const SystemCall& call : row_calls) {
+    EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
+    if (is_futex(call, FUTEX_WAKE_BITSET, &bell, sizeof bell)) ++rings[call.stamp];
+  }
+  for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
+}
+
+TEST_F(RealTimePath, ServicesAllocateAndLockNothingAndRingOnceACycle) {
+  struct Answers : Plain {
+    Service<samples::Count, samples::Count> answer{*this, "answer"};
+  } server;
+  Asking<samples::Count> objects;
+  Asking<samples::Count> bytes;
+  const ConnectedService first{objects, server, "answer", true};
+  const ConnectedService second{bytes, server, "answer", false, channel::kSporadicBit};
+  PortContext context{.start_ns = 1, .bell = &bell};
+  for (Component* each : std::initializer_list<Component*>{&objects, &bytes, &server})
+    serve_all(*each, context);
+  samples::Count count;
+  samples::Count answer;
+  count.few().reserve(4);
+  answer.few().reserve(4);
+  std::array<std::uint64_t, 6> told{};
+  std::uint64_t wrong = 0;
+  std::uint64_t last = 0;
+  bodies[1].on_run = [&](const Cycle& cycle) {
+    context.start_ns = to_ns(cycle.start);
+    for (auto* each : {&objects, &bytes}) {
+      const CallStatus status = each->ask.poll();
+      ++told[static_cast<std::size_t>(status)];
+      if (status == CallStatus::pending) continue;
+      if (status == CallStatus::replied &&
+          (!is_whole(each->ask.reply()) || each->ask.reply().number() % 2 != 0))
+        ++wrong;
+      fill(count, ++last);
+      each->ask.call(count, milliseconds{20});
+    }
+  };
+  bodies[2].on_run = [&](const Cycle&) {
+    while (server.answer.take()) {
+      if (server.answer.request().number() % 7 == 0) {
+        server.answer.refuse("a multiple of 7");
+      } else if (server.answer.request().number() % 13 != 0) {
+        fill(answer, 2 * server.answer.request().number());
+        server.answer.reply(answer);
+      }
+    }
+  };
+  run(2000);
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_GT(told[static_cast<std::size_t>(CallStatus::replied)], 100U);
+  EXPECT_GT(told[static_cast<std::size_t>(CallStatus::refused)], 10U);
+  EXPECT_GT(told[static_cast<std::size_t>(CallStatus::timed_out)], 3U);
   std::map<std::uint64_t, int> rings;
   for (const SystemCall& call : row_calls) {
     EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;

@@ -143,5 +143,90 @@ TEST(Difference, IsTheFirstOne) {
   EXPECT_EQ(difference(first, second), "position is double[6] in the first and float[6] in the second");
 }
 
+/// robot.a serves "grip", line.b is a client "ask" of the same, line.a one of something else.
+class Services : public Connections {
+ protected:
+  static Type around(const char* suffix, const char* field, const Type& inner) {
+    Field middle = ::takt::model::field(field, Scalar::structure);
+    middle.type_name = inner.name;
+    middle.fields = inner.fields;
+    return {inner.name + suffix, {::takt::model::field("client", Scalar::uint64), middle}};
+  }
+  void SetUp() override {
+    Connections::SetUp();
+    const auto add = [this](std::size_t device, std::size_t module, const std::string& name, Role role,
+                            const Type& request, const Type& reply) {
+      const bool client = role == Role::client;
+      ports[device][module]->push_back({name + "/request", client ? Direction::out : Direction::in,
+                                        around("_Request", "request", request), "", true, role});
+      ports[device][module]->push_back({name + "/reply", client ? Direction::event : Direction::out,
+                                        around("_Reply", "reply", reply), "", true, role});
+    };
+    add(0, 0, "grip", Role::handler, pick(), joint());
+    add(1, 1, "ask", Role::client, pick(), joint());
+    add(1, 0, "ask", Role::client, joint(), joint());
+    add(0, 1, "ask", Role::client, pick(), joint(7));
+  }
+  std::string check_service(Endpoint client, Endpoint server) {
+    cell.services = {{.client = std::move(client), .server = std::move(server), .line = 9}};
+    cell.connections.clear();
+    connect_services(cell);
+    return text(check_connections(cell, ports));
+  }
+};
+
+TEST_F(Services, OfTypesThatFitAreRight) {
+  EXPECT_EQ(check_service({"line", "b", "ask"}, {"robot", "a", "grip"}), "");
+}
+
+TEST_F(Services, OfOtherTypesAreRefusedWithTheTypes) {
+  EXPECT_EQ(check_service({"line", "a", "ask"}, {"robot", "a", "grip"}),
+            "cell.xml:9: error: client line.a.ask has requests of type motion::Joint and service "
+            "robot.a.grip of type "
+            "motion::Pick; connect a client and a service of the same types");
+  EXPECT_EQ(
+      check_service({"robot", "b", "ask"}, {"robot", "a", "grip"}),
+      "cell.xml:9: error: client robot.b.ask and service robot.a.grip know different types motion::Joint: "
+      "position is double[7] in the first and double[6] in the second; build both components from the same "
+      "IDL");
+}
+
+TEST_F(Services, ThatAreNoneAreRefusedWithTheOneThatWasMeant) {
+  EXPECT_EQ(check_service({"line", "b", "ask"}, {"robot", "a", "gripp"}),
+            "cell.xml:9: error: module robot.a has no service 'gripp'; did you mean grip?");
+  EXPECT_EQ(
+      check_service({"line", "b", "ask"}, {"robot", "a", "moved"}),
+      "cell.xml:9: error: 'moved' of module robot.a is a port and no service; connect it with <connection "
+      "from=\"...\" to=\"...\"/>");
+  EXPECT_EQ(
+      check_service({"robot", "a", "grip"}, {"line", "b", "ask"}),
+      "cell.xml:9: error: 'grip' of module robot.a is a service and stands for the client; client=\"...\" "
+      "asks "
+      "and server=\"...\" answers\n"
+      "cell.xml:9: error: 'ask' of module line.b is a client and stands for the service; client=\"...\" asks "
+      "and server=\"...\" answers");
+}
+
+TEST_F(Services, AreNotToBeConnectedAsPorts) {
+  EXPECT_EQ(text(check({"robot", "a", "state"}, {"robot", "a", "grip"})),
+            "cell.xml:12: error: module robot.a has the service 'grip' and no port 'grip'; say <service "
+            "client=\"...\" "
+            "server=\"...\"/>");
+  EXPECT_EQ(text(check({"robot", "a", "state"}, {"robot", "a", "grip/request"}))
+                .find("cell.xml:12: error: module robot.a "
+                      "has the service 'grip'"),
+            0U);
+}
+
+TEST(PortsJson, KeepsWhatAPortIsThereFor) {
+  std::vector<Port> all{{"s/request", Direction::in, pick(), "t", true, Role::handler},
+                        {"p", Direction::out, pick(), "", false, Role::plain}};
+  const auto again = parse_ports(ports_json(all));
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(*again, all);
+  EXPECT_EQ(name_of_service(all[0]), "s");
+  EXPECT_EQ(name_of_service(all[1]), "p");
+}
+
 }  // namespace
 }  // namespace takt::model

@@ -190,6 +190,51 @@ TEST_F(WiringPlanned, AWriterThatIsAheadHasRoomForThat) {
   EXPECT_EQ(links[3].options.depth, 1U) << "a sporadic module is not ahead";
 }
 
+/// a serves by a handler, b is a client of it, and so is "there".
+TEST_F(WiringPlanned, AServiceHasAWayForEachClientInOneOrder) {
+  const model::Type type{"t::T", {{.name = "x", .scalar = model::Scalar::float64}}};
+  const auto add = [&](std::size_t module, Direction request, Direction reply, model::Role role) {
+    ports[module]->push_back({"s/request", request, type, "", true, role});
+    ports[module]->push_back({"s/reply", reply, type, "", true, role});
+  };
+  add(0, Direction::in, Direction::out, model::Role::handler);
+  add(1, Direction::out, Direction::event, model::Role::client);
+  cell.services = {{.client = end("there", "x", "s"), .server = end("here", "a", "s")},
+                   {.client = end("here", "b", "s"), .server = end("here", "a", "s")},
+                   {.client = end("here", "b", "s"), .server = end("there", "x", "s")}};
+  model::connect_services(cell);
+  const WiringPlan plan = this->plan();
+  std::vector<LinkEnd> asked;
+  std::vector<LinkEnd> answered;
+  for (const PlannedLink& link : plan.links) {
+    if (link.to == LinkEnd{0, "s/request"}) {
+      asked.push_back(link.from);
+      EXPECT_EQ(link.options.wake_bits, channel::kServiceBit);
+      EXPECT_TRUE(link.options.is_queue);
+    }
+    if (link.from == LinkEnd{0, "s/reply"}) answered.push_back(link.to);
+  }
+  // The far client, the near one, and at the end whoever else asks.
+  ASSERT_EQ(asked.size(), 3U);
+  EXPECT_EQ(asked, (std::vector<LinkEnd>{{}, {1, "s/request"}, {}}));
+  EXPECT_EQ(answered, (std::vector<LinkEnd>{{}, {1, "s/reply"}, {}}));
+
+  const PlannedFlow& from_there = flow(plan, "takt/cell/there/x/s/request");
+  EXPECT_TRUE(!from_there.outgoing && from_there.connected && from_there.reliable);
+  const PlannedFlow& to_there = flow(plan, "takt/cell/there/x/s/reply");
+  EXPECT_TRUE(to_there.outgoing && to_there.connected && to_there.reliable);
+  EXPECT_EQ(to_there.carries, model::Carries::replies);
+  const PlannedFlow& anybody = flow(plan, "takt/cell/here/a/s/request");
+  EXPECT_TRUE(!anybody.outgoing && !anybody.connected && anybody.depth == 8);
+  EXPECT_FALSE(flow(plan, "takt/cell/here/a/s/reply").connected);
+
+  const PlannedFlow& asks_there = flow(plan, "takt/cell/here/b/s/request");
+  EXPECT_TRUE(asks_there.outgoing && asks_there.connected);
+  EXPECT_FALSE(plan.links.at(asks_there.links.at(0)).options.enabled) << "until somebody is there to answer";
+  const PlannedFlow& answers_here = flow(plan, "takt/cell/here/b/s/reply");
+  EXPECT_FALSE(answers_here.outgoing);
+}
+
 TEST_F(WiringPlanned, WhatIsNotKnownHasNoLink) {
   ports[1].reset();
   connect(end("here", "a", "out"), end("here", "b", "in"));

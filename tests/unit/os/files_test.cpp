@@ -67,5 +67,28 @@ TEST_F(Files, AFailureSaysWhatAndLeavesTheOldFile) {
   EXPECT_FALSE(replace_file("/proc/nowhere/file", "x").ok());
 }
 
+__attribute__((used, section("takt_test"))) const char kInASection[] = "in a section";
+
+TEST_F(Files, ASectionOfAProgramIsReadByItsName) {
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe");
+  EXPECT_EQ(read_section(self, "takt_test"), std::string(kInASection, sizeof kInASection));
+  EXPECT_FALSE(read_section(self, "takt_tes"));
+  EXPECT_FALSE(read_section(self, ".bss")) << "it has nothing in the file";
+}
+
+TEST_F(Files, WhatIsNoWholeObjectHasNoSection) {
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe");
+  std::filesystem::create_directories(folder_);
+  EXPECT_FALSE(read_section(folder_, "takt_test"));
+  EXPECT_FALSE(read_section(folder_ + "/none", "takt_test"));
+  std::string bytes(65536, '\0');
+  std::ifstream{self, std::ios::binary}.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  for (const std::size_t size : {0UL, 3UL, 20UL, 64UL, 65536UL}) {
+    const std::string part = folder_ + "/part";
+    std::ofstream{part, std::ios::binary | std::ios::trunc} << bytes.substr(0, size);
+    EXPECT_FALSE(read_section(part, "takt_test")) << size;
+  }
+}
+
 }  // namespace
 }  // namespace takt::os

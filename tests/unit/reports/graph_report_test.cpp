@@ -230,7 +230,7 @@ TEST(GraphJson, HasEverythingThatACellSays) {
       {"from": "d.a.out", "to": "d.s.in", "kind": "queue", "depth": 8, "reliability": "reliable", "deadline_ns": 20000000,
        "stale": "error", "lifespan_ns": 1000000000, "topic": "rt/x", "domain": 3},
       {"from": "d.a.x", "to": "d.s.y", "kind": "latest", "reliability": "best-effort", "topic": "takt/c/d/a/x"},
-      {"from": null, "to": "d.s.z", "kind": "latest", "reliability": "best-effort", "topic": "t"}]})")
+      {"from": null, "to": "d.s.z", "kind": "latest", "reliability": "best-effort", "topic": "t"}], "services": []})")
                                             .dump());
 }
 

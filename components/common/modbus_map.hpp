@@ -1,0 +1,289 @@
+// Which value of a Modbus device is which port: the text of the property `map` of modbus_master and
+// modbus_device, one point a line, as the master sees it:
+//
+//   lamp         out coil 0 safe 0
+//   button       in  discrete 3
+//   speed        out register 10 scale 0.001 unit m/s safe 0
+//   temperature  in  input-register 4 int16 scale 0.1 unit degC
+//   position     in  register 20 float32 order low-first      # two registers, the low word in the first
+//
+// Addresses are those in the frames, from 0. Not for real-time threads.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "modbus_value.hpp"
+
+namespace modbus {
+
+/// As many points as one map may have.
+inline constexpr std::size_t kMaxPoints = 256;
+
+enum class Table { coil, discrete, holding, input };
+inline constexpr std::array kTables{Table::coil, Table::discrete, Table::holding, Table::input};
+
+inline const char* to_text(Table table) noexcept {
+  switch (table) {
+    case Table::coil:
+      return "coil";
+    case Table::discrete:
+      return "discrete";
+    case Table::holding:
+      return "register";
+    case Table::input:
+      return "input-register";
+  }
+  return "";
+}
+inline bool is_bit(Table table) noexcept { return table == Table::coil || table == Table::discrete; }
+
+struct Point {
+  std::string name{};  ///< of its port
+  bool out = false;    ///< the master writes it
+  Table table = Table::coil;
+  std::uint16_t address = 0;
+  Encoding encoding{};  ///< of a register
+  std::string unit{};
+  std::optional<double> safe{};  ///< of an output, when its master ends or its values stop
+
+  /// Bits or registers.
+  [[nodiscard]] unsigned width() const noexcept { return is_bit(table) ? 1 : words(encoding.type); }
+  [[nodiscard]] unsigned end() const noexcept { return address + width(); }
+};
+
+struct Mistake {
+  unsigned line = 0;  ///< of the map, from 1
+  std::string what;
+  std::string fix;
+};
+
+struct Map {
+  std::vector<Point> points;
+  std::vector<Mistake> mistakes;  ///< all of them; with one the points are of no use
+};
+
+/// Ports that the two programs have besides; no point may be named so.
+inline constexpr std::array<std::string_view, 5> kReserved{"connected", "exchanges", "failures", "clients",
+                                                           "requests"};
+
+namespace detail {
+
+/// As Takt has it for ports.
+inline bool is_name(std::string_view text) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  const auto later = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '-'; };
+  return !text.empty() && text.size() <= 63 && letter(text[0]) &&
+         std::all_of(text.begin(), text.end(), later);
+}
+
+/// All of the text, or none.
+template <class T>
+std::optional<T> number(std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Foreign text, fit to be shown.
+inline std::string in_quotes(std::string_view text) {
+  std::string result = "'";
+  for (const char c : text.substr(0, 60)) result += c >= ' ' && c <= '~' ? c : '?';
+  return result + (text.size() > 60 ? "...'" : "'");
+}
+
+class LineReader {
+ public:
+  LineReader(Map& map, unsigned line, std::string_view text) : map_(map), line_(line) {
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t begin = text.find_first_not_of(kBlanks, at);
+      if (begin == std::string_view::npos) break;
+      at = std::min(text.find_first_of(kBlanks, begin), text.size());
+      words_.push_back(text.substr(begin, at - begin));
+    }
+  }
+
+  void read() {
+    if (words_.empty()) return;
+    const std::size_t before = map_.mistakes.size();
+    if (words_.size() < 4) {
+      wrong(in_quotes(words_[0]) + " is not a whole point",
+            "write NAME in|out TABLE ADDRESS, as in 'lamp out coil 0'");
+      return;
+    }
+    name();
+    direction();
+    const bool table_known = table();
+    address();
+    read_options(table_known);
+    if (map_.mistakes.size() == before) check_whole();
+    if (map_.mistakes.size() == before) map_.points.push_back(std::move(point_));
+  }
+
+ private:
+  static constexpr std::string_view kBlanks = " \t\r";
+
+  void wrong(std::string what, std::string fix) {
+    map_.mistakes.push_back({line_, std::move(what), std::move(fix)});
+  }
+
+  void name() {
+    point_.name = words_[0];
+    if (!is_name(words_[0]))
+      wrong(in_quotes(words_[0]) + " is no name of a port",
+            "use up to 63 letters, digits, '_' and '-', beginning with a letter or '_'");
+    else if (std::find(kReserved.begin(), kReserved.end(), words_[0]) != kReserved.end())
+      wrong("the port " + in_quotes(words_[0]) + " is there already", "choose another name");
+    else if (std::any_of(map_.points.begin(), map_.points.end(),
+                         [&](const Point& p) { return p.name == words_[0]; }))
+      wrong("there are two points " + in_quotes(words_[0]), "give each a name of its own");
+  }
+
+  void direction() {
+    point_.out = words_[1] == "out";
+    if (!point_.out && words_[1] != "in")
+      wrong(in_quotes(words_[1]) + " is no direction",
+            "say 'in' for what the master reads, 'out' for what it writes");
+  }
+
+  bool table() {
+    for (const Table table : kTables) {
+      if (words_[2] != modbus::to_text(table)) continue;
+      point_.table = table;
+      if (point_.out && (table == Table::discrete || table == Table::input))
+        wrong("nobody can write " +
+                  std::string{table == Table::discrete ? "a discrete input" : "an input register"},
+              table == Table::discrete ? "say 'in', or 'out coil'" : "say 'in', or 'out register'");
+      return true;
+    }
+    wrong("there is no table " + in_quotes(words_[2]), "say coil, discrete, register or input-register");
+    return false;
+  }
+
+  void address() {
+    if (const auto address = number<std::uint16_t>(words_[3]))
+      point_.address = *address;
+    else
+      wrong(
+          "the address cannot be " + in_quotes(words_[3]),
+          "write the address that is in the frames, 0 to 65535 (register 40001 of a manual is 'register 0')");
+  }
+
+  void read_options(bool table_known) {
+    const bool bit = table_known && is_bit(point_.table);
+    for (std::size_t i = 4; i < words_.size(); ++i) {
+      const std::string_view key = words_[i];
+      if (const auto type = type_of(key)) {
+        point_.encoding.type = *type;
+        if (bit)
+          wrong("a " + std::string{modbus::to_text(point_.table)} + " has no type",
+                "leave out " + in_quotes(key));
+        continue;
+      }
+      if (key != "scale" && key != "offset" && key != "unit" && key != "order" && key != "safe") {
+        wrong(in_quotes(key) + " is not known here",
+              "say uint16, int16, uint32, int32, float32, scale X, offset X, unit U, order O or safe X");
+        continue;
+      }
+      if (++i == words_.size()) {
+        wrong("nothing follows " + in_quotes(key), "write '" + std::string{key} + " VALUE', or leave it out");
+        return;
+      }
+      if (bit && key != "safe") {
+        wrong("a " + std::string{modbus::to_text(point_.table)} + " has no " + std::string{key},
+              "leave it out");
+        continue;
+      }
+      option(key, words_[i]);
+    }
+  }
+
+  void option(std::string_view key, std::string_view value) {
+    if (key == "unit") {
+      point_.unit = value;
+      return;
+    }
+    if (key == "order") {
+      order_said_ = true;
+      point_.encoding.low_first = value == "low-first";
+      if (!point_.encoding.low_first && value != "high-first")
+        wrong("the order of the words cannot be " + in_quotes(value), "say high-first or low-first");
+      return;
+    }
+    const auto x = number<double>(value);
+    if (!x || !std::isfinite(*x) || (key == "scale" && *x == 0)) {
+      wrong("the " + std::string{key} + " cannot be " + in_quotes(value),
+            key == "scale" ? "write a number that is not 0" : "write a number");
+      return;
+    }
+    if (key == "scale") point_.encoding.scale = *x;
+    if (key == "offset") point_.encoding.offset = *x;
+    if (key == "safe") point_.safe = *x;
+  }
+
+  /// What needs the whole line.
+  void check_whole() {
+    if (point_.end() > 65536)
+      wrong("the two registers of " + in_quotes(point_.name) + " end beyond 65535",
+            "begin at 65534 or before");
+    if (order_said_ && point_.width() == 1)
+      wrong("a type of one word has no order of words", "leave out 'order', or say uint32, int32 or float32");
+    if (point_.safe && !point_.out) wrong("an input has no safe value", "leave out 'safe'");
+    if (point_.safe && is_bit(point_.table) && *point_.safe != 0 && *point_.safe != 1)
+      wrong("a coil cannot be as its safe value says", "say 'safe 0' or 'safe 1'");
+    if (point_.safe && !is_bit(point_.table) && !fits(point_.encoding, *point_.safe))
+      wrong("the safe value does not fit the type",
+            "with this scale and offset it may be " + range_text(point_.encoding));
+    for (const Point& other : map_.points) {
+      const bool overlap =
+          other.table == point_.table && other.address < point_.end() && point_.address < other.end();
+      if (point_.out && other.out && overlap)
+        wrong(in_quotes(point_.name) + " and " + in_quotes(other.name) + " write the same " +
+                  modbus::to_text(point_.table),
+              "give each an address of its own");
+    }
+    if (map_.points.size() == kMaxPoints)
+      wrong("there are more than " + std::to_string(kMaxPoints) + " points",
+            "have a second module for the others");
+  }
+
+  Map& map_;
+  unsigned line_;
+  std::vector<std::string_view> words_;
+  Point point_;
+  bool order_said_ = false;
+};
+
+}  // namespace detail
+
+/// Any text is taken; what it says wrongly is said, every mistake at once. A line ends with a line feed or
+/// ';', and '#' begins a comment to its end.
+inline Map parse_map(std::string_view text) {
+  Map map;
+  constexpr std::size_t kMostMistakes = 50;
+  unsigned line = 1;
+  while (!text.empty() && map.mistakes.size() < kMostMistakes) {
+    const std::size_t end = std::min(text.find_first_of("\n;"), text.size());
+    const bool comment_runs_on =
+        end < text.size() && text[end] == ';' && text.substr(0, end).find('#') != text.npos;
+    const std::size_t stop = comment_runs_on ? std::min(text.find('\n'), text.size()) : end;
+    const std::string_view one = text.substr(0, stop);
+    detail::LineReader{map, line, one.substr(0, one.find('#'))}.read();
+    if (stop < text.size() && text[stop] == '\n') ++line;
+    text.remove_prefix(std::min(stop + 1, text.size()));
+  }
+  if (map.points.empty() && map.mistakes.empty())
+    map.mistakes.push_back(
+        {1, "the map has no point", "write NAME in|out TABLE ADDRESS, as in 'lamp out coil 0'"});
+  return map;
+}
+
+}  // namespace modbus

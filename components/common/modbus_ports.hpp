@@ -1,0 +1,89 @@
+// The ports of a map's points, made when the map is known: a basic::Flag for a bit, a basic::Number for a
+// register. For programs, before initPeriodExe(); read() and write() for their cyclic body.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include <takt/process.hpp>
+
+#include <basic.hpp>
+
+#include "modbus_map.hpp"
+
+namespace modbus {
+
+inline std::string description(const Point& point) {
+  std::string text = std::string{to_text(point.table)} + " " + std::to_string(point.address);
+  if (point.width() == 2) text += " and " + std::to_string(point.address + 1);
+  return point.unit.empty() ? text : text + ", in " + point.unit;
+}
+
+/// What the cell says of a point.
+class PointInput {
+ public:
+  explicit PointInput(const Point& point) {
+    if (is_bit(point.table))
+      flag_ = std::make_unique<takt::InPort<basic::Flag>>(point.name, takt::PortOptions{description(point)});
+    else
+      number_ =
+          std::make_unique<takt::InPort<basic::Number>>(point.name, takt::PortOptions{description(point)});
+  }
+  /// True when a value has come, which is the newest then; a bit is 0 or 1.
+  bool read(double& value) noexcept {
+    bool news = false;
+    while (flag_ ? flag_->read() : number_->read()) news = true;
+    if (news) value = flag_ ? (flag_->value().value() ? 1 : 0) : number_->value().value();
+    return news;
+  }
+
+ private:
+  std::unique_ptr<takt::InPort<basic::Flag>> flag_;
+  std::unique_ptr<takt::InPort<basic::Number>> number_;
+};
+
+/// What the cell is told of a point.
+class PointOutput {
+ public:
+  explicit PointOutput(const Point& point) {
+    if (is_bit(point.table))
+      flag_ = std::make_unique<takt::OutPort<basic::Flag>>(point.name, takt::PortOptions{description(point)});
+    else
+      number_ =
+          std::make_unique<takt::OutPort<basic::Number>>(point.name, takt::PortOptions{description(point)});
+  }
+  void write(double value) noexcept {
+    if (flag_) {
+      basic::Flag flag;
+      flag.value(value != 0);
+      flag_->write(flag);
+    } else {
+      basic::Number number;
+      number.value(value);
+      number_->write(number);
+    }
+  }
+
+ private:
+  std::unique_ptr<takt::OutPort<basic::Flag>> flag_;
+  std::unique_ptr<takt::OutPort<basic::Number>> number_;
+};
+
+/// The points of the property `map`; says every mistake on standard error, a line each, and ends the program
+/// with status 1 when there is one.
+inline std::vector<Point> points_or_end(const std::string& text) {
+  if (text.empty()) {
+    std::fprintf(stderr, "property 'map' is missing; write a point a line, as in 'lamp out coil 0'\n");
+    std::exit(1);
+  }
+  Map map = parse_map(text);
+  for (const Mistake& mistake : map.mistakes)
+    std::fprintf(stderr, "property 'map', line %u: %s; %s\n", mistake.line, mistake.what.c_str(),
+                 mistake.fix.c_str());
+  if (!map.mistakes.empty()) std::exit(1);
+  return std::move(map.points);
+}
+
+}  // namespace modbus

@@ -1,0 +1,51 @@
+#include <takt/host/description.hpp>
+
+#include <nlohmann/json.hpp>
+
+namespace takt::host {
+
+using json = nlohmann::ordered_json;
+
+std::string to_json(const Description& description) {
+  // A bound as a number; null where there is none.
+  const auto bound = [](const std::string& text) {
+    return text.empty() ? json{} : json::parse(text, nullptr, false);
+  };
+  json properties = json::array();
+  for (const PropertyDescription& p : description.properties) {
+    properties.push_back({{"name", p.name},
+                          {"type", p.type},
+                          {"default", p.default_value},
+                          {"range", p.range},
+                          {"min", bound(p.min)},
+                          {"max", bound(p.max)},
+                          {"unit", p.unit},
+                          {"text", p.text}});
+  }
+  return json{{"name", description.name},
+              {"text", description.text},
+              {"interface", description.interface},
+              {"operation", description.operation},
+              {"hooks", description.hooks},
+              {"properties", properties},
+              {"ports", json::parse(model::ports_json(description.ports))["ports"]}}
+      .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+Result<std::vector<PropertyDescription>> parse_properties(const std::string& text) {
+  const json list = json::parse(text, nullptr, false);
+  if (!list.is_array()) return fail("a list of properties was expected and is none");
+  std::vector<PropertyDescription> properties;
+  for (const json& each : list) {
+    const auto member = [&each](const char* name) {
+      return each.is_object() && each.contains(name) && each[name].is_string() ? each[name].get<std::string>()
+                                                                               : "";
+    };
+    if (member("name").empty()) return fail("a property without a name");
+    properties.push_back({member("name"), member("type"), member("default"), member("range"), member("min"),
+                          member("max"), member("unit"), member("text")});
+  }
+  return properties;
+}
+
+}  // namespace takt::host

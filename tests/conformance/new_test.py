@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""What `takt new` writes builds outside the repository, passes its tests, and runs: each kind of component, and a cell.
+
+Usage: new_test.py PREFIX      where Takt is installed"""
+import itertools
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+prefix = sys.argv[1]
+environment = {name: value for name, value in os.environ.items() if not name.startswith("TAKT_")}
+environment.update({"PATH": os.path.join(prefix, "bin") + ":" + environment["PATH"], "CMAKE_PREFIX_PATH": prefix,
+                    "TAKT_INTERFACE": "127.0.0.1", "TAKT_DOMAIN": "152"})
+KINDS = list(itertools.product(("thread", "process"), ("periodic", "sporadic"), ("c++", "c")))
+
+
+def run(*command, cwd, status=0):
+    done = subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=300)
+    if done.returncode != status:
+        sys.exit(f"{' '.join(command)}: exit status {done.returncode}, not {status}\n{done.stdout}{done.stderr}")
+    return done
+
+
+def name_of(kind):
+    return "_".join(kind).replace("c++", "cpp")
+
+
+def test_every_kind(folder):
+    for kind in KINDS:
+        type_, operation, language = kind
+        run("takt", "new", name_of(kind), "--type", type_, "--operation", operation, "--language", language, cwd=folder)
+    # A folder of it does in a project that has found Takt, and by itself.
+    with open(os.path.join(folder, "CMakeLists.txt"), "w", encoding="utf-8") as file:
+        file.write("cmake_minimum_required(VERSION 3.25)\nproject(all LANGUAGES C CXX)\nfind_package(takt REQUIRED)\nenable_testing()\n")
+        file.writelines(f"add_subdirectory({name_of(kind)})\n" for kind in KINDS[1:])
+    alone = os.path.join(folder, name_of(KINDS[0]))
+    for project, count in ((folder, len(KINDS) - 1), (alone, 1)):
+        run("cmake", "-S", ".", "-B", "build", "-G", "Ninja", cwd=project)
+        run("cmake", "--build", "build", cwd=project)
+        passed = run("ctest", "--test-dir", "build", cwd=project).stdout
+        assert f"0 tests failed out of {3 * count}" in passed, passed
+    environment["TAKT_COMPONENT_PATH"] = ":".join(os.path.join(project, "build", "components") for project in (folder, alone))
+    for kind in KINDS:
+        name = name_of(kind)
+        place = os.path.join(folder, name)
+        file = name + (".so" if kind[0] == "thread" else ".exe")
+        described = json.loads(run("takt", "describe", file, "--json", cwd=place).stdout)
+        assert {p["name"] for p in described["ports"]} == {"in", "out"} and [p["name"] for p in described["properties"]] == ["gain"], described
+        run("takt", "check", name + ".xml", cwd=place)
+        report = json.loads(run("takt", "run", name + ".xml", "--for", "1", "--json", cwd=place).stdout)
+        module = report["devices"][0]["modules"][0]
+        assert (module["type"], module["operation"], module["state"], module["errors"]) == (kind[0], kind[1], "DESTRUCT", 0), module
+        if kind[1] == "periodic":
+            assert module["cycles"] > 500, module
+        refused = run("takt", "new", name, cwd=folder, status=1)
+        assert "is there already" in refused.stderr, refused.stderr
+
+
+def test_a_cell(folder):
+    run("takt", "new", "cell", "plant", cwd=folder)
+    report = json.loads(run("takt", "run", "plant/plant.xml", "--for", "2", "--json", cwd=folder).stdout)
+    assert [d["name"] for d in report["devices"]] == ["sensor", "controller"] and report["cell"] == "plant", report
+    modules = {m["name"]: m for d in report["devices"] for m in d["modules"]}
+    assert set(modules) == {"level", "filter", "limit"} and all(m["cycles"] > 100 and m["errors"] == 0 for m in modules.values()), modules
+
+
+def test_what_is_refused(folder):
+    for name, words in (("Pump", "does not do"), ("2nd", "does not do"), ("test", "has already")):
+        assert words in run("takt", "new", name, cwd=folder, status=1).stderr
+    run("takt", "new", "pump", "--type", "fibre", cwd=folder, status=2)
+    assert os.listdir(folder) == [], "nothing was written"
+
+
+for test in (test_what_is_refused, test_a_cell, test_every_kind):
+    with tempfile.TemporaryDirectory(prefix="takt-new-") as scratch:
+        test(scratch)
+print(f"{len(KINDS)} kinds and a cell")

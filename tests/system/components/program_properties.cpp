@@ -1,0 +1,23 @@
+// Properties of a sporadic program in C++.
+#include <takt/process.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+
+TAKT_TEXT("A program with properties in C++.");
+
+namespace {
+
+takt::Property<double> gain{
+    "gain", 1.5, {.unit = "1/s", .min = 0.0, .max = 100.0, .text = "How strong it is."}};
+takt::Property<std::string> label{"label", "none"};
+
+void say() { std::fprintf(stderr, "gain %g, label %s\n", gain.value(), label.value().c_str()); }
+
+}  // namespace
+
+int main() {
+  say();  // they have their values already
+  initSporadicExe();
+  while (true) waitSporadic();
+}

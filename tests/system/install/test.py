@@ -1,0 +1,300 @@
+import glob
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SOURCE = takt_system.SOURCE
+BUILD = os.path.dirname(takt_system.BIN)
+PAGE = open(os.path.join(SOURCE, "docs", "install.md"), encoding="utf-8").read()
+PREFIX = "/opt/takt"  # on the page
+CELL = os.path.join("share", "takt", "deploy", "palletizing.xml")
+
+
+def hidden(empty):
+    """What goes before a command so that it finds nothing of the source and the build tree; none where that is not allowed."""
+    alone = ["unshare", "--mount"] if os.getuid() == 0 else ["unshare", "--map-root-user", "--mount"]
+    before = alone + ["sh", "-c", 'for tree in "$1" "$2"; do mount --bind "$0" "$tree" || exit 9; done; shift 2; exec "$@"',
+                      empty, BUILD, SOURCE]
+    return before if subprocess.run(before + ["true"], capture_output=True).returncode == 0 else None
+
+
+def block(language, containing=""):
+    """The code on the page."""
+    found = [text for text in re.findall(r"```%s\n(.*?)```" % language, PAGE, re.S) if containing in text]
+    assert len(found) == 1, (language, containing, len(found))
+    return found[0]
+
+
+def setUpModule():
+    global WORK, INSTALLED, HIDDEN
+    WORK = tempfile.mkdtemp(prefix="takt-install-")
+    staged = os.path.join(WORK, "staged")
+    command = "cmake --install build/release --prefix /opt/takt"
+    assert command in PAGE
+    arguments = command.replace("build/release", BUILD).split()
+    subprocess.run(arguments, check=True, env=dict(os.environ, DESTDIR=staged), stdout=subprocess.DEVNULL)
+    INSTALLED = os.path.join(WORK, "moved", "takt")
+    shutil.move(staged + PREFIX, INSTALLED)
+    empty = os.path.join(WORK, "empty")
+    os.mkdir(empty)
+    HIDDEN = hidden(empty)
+
+
+def tearDownModule():
+    shutil.rmtree(WORK)
+
+
+class Installed(takt_system.Case):
+    def installed(self, *arguments, program="takt", folder="bin", root=None, hide=True, components="", **options):
+        """One of the installed programs, with nothing of the trees in sight."""
+        if hide and HIDDEN is None:
+            self.skipTest("no mount namespace is granted here")
+        environment = {"TAKT_COMPONENT_PATH": components, "PATH": "/usr/bin:/bin", "LD_LIBRARY_PATH": ""}
+        return self.program(program, *arguments, programs=os.path.join(root or INSTALLED, folder), environment=environment,
+                            before=HIDDEN if hide else (), **options).wait(60)
+
+    def assert_ran(self, run, modules):
+        self.assertEqual(0, run.status, run.err)
+        found = {m["name"]: m for d in run.report["devices"] for m in d["modules"]}
+        self.assertLessEqual(set(modules), set(found))
+        for name in modules:
+            self.assertEqual("DESTRUCT", found[name]["state"], name)
+            self.assertGreater(found[name]["cycles"], 0, name)
+        return found
+
+    def command(self, line, folder):
+        """A command of the page, with the folder that Takt was installed into."""
+        self.assertIn(line, PAGE)
+        run = subprocess.run(line.replace(PREFIX, INSTALLED), shell=True, cwd=folder, capture_output=True, text=True, timeout=300,
+                             env=dict(os.environ, TAKT_DOMAIN=str(self.domain)))
+        self.assertEqual(0, run.returncode, run.stdout + run.stderr)
+        return run
+
+    def test_runs_without_the_trees(self):
+        run = self.installed("run", os.path.join(INSTALLED, CELL), "--for", "2", "--json", "--quiet")
+        self.assert_ran(run, ["trajectory", "servo", "arm", "conveyor", "counter", "panel"])
+
+    def test_what_it_looks_up_is_there(self):
+        for component in ("servo.so", "panel.exe"):
+            self.assertEqual(0, self.installed("describe", component).status)
+        run = self.installed("describe", "nowhere.so")
+        self.assertIn(os.path.join(INSTALLED, "lib", "takt", "components"), run.err)
+        run = self.installed("run", os.path.join(INSTALLED, "share/takt/deploy/module.xml"), "--for", "0.5", "--check-realtime")
+        self.assertNotIn("libtakt_check", run.err)
+        self.assertRegex(run.err, "EXECUTING")
+
+    def test_a_node_finds_its_host(self):
+        if HIDDEN is None:
+            self.skipTest("no mount namespace is granted here")
+        node = self.program("takt-node", "--device", "robot", programs=os.path.join(INSTALLED, "bin"), before=HIDDEN)
+        node.wait_for_line("waits for a deployment")
+        node.signal(signal.SIGTERM)
+        self.assertEqual(0, node.wait(10).status, node.err)
+
+    def test_nothing_installed_names_the_trees(self):
+        for folder, _, names in os.walk(INSTALLED):
+            for name in names:
+                path = os.path.join(folder, name)
+                if os.path.islink(path):
+                    self.assertFalse(os.path.isabs(os.readlink(path)), path)
+                    self.assertTrue(os.path.exists(path), path)
+                    continue
+                with open(path, "rb") as file:
+                    content = file.read()
+                if content[:4] == b"\x7fELF":
+                    dynamic = subprocess.run(["objdump", "-p", path], capture_output=True, text=True).stdout
+                    for paths in re.findall(r"R(?:UN)?PATH +(\S+)", dynamic):
+                        self.assertRegex(paths, r"^\$ORIGIN[/.a-z]*$", path)
+                elif not path.endswith(".a"):
+                    self.assertNotIn(BUILD.encode(), content, path)
+                    self.assertNotIn(SOURCE.encode() + b"/", content, path)
+
+    def test_each_header_compiles_alone(self):
+        include = os.path.join(INSTALLED, "include")
+        headers = sorted(os.path.relpath(path, include) for path in glob.glob(include + "/takt/**/*.h*", recursive=True))
+        self.assertLess(20, len(headers))
+        for header in headers:
+            language = ["-x", "c", "-std=c11"] if header.endswith(".h") else ["-x", "c++", "-std=c++20"]
+            run = subprocess.run(["g++" if "c++" in language else "gcc", *language, "-Wall", "-Wextra", "-fsyntax-only", "-I", include, "-"],
+                                 input="#include <%s>\n" % header, capture_output=True, text=True)
+            self.assertEqual((0, ""), (run.returncode, run.stderr), header)
+
+    def test_the_project_of_the_page(self):
+        folder = os.path.join(self.folder, "project")
+        os.mkdir(folder)
+        for name, text in {"CMakeLists.txt": block("cmake"), "press.idl": block("idl"), "press.cpp": block("cpp", "// press.cpp"),
+                           "gauge.cpp": block("cpp", "// gauge.cpp"), "press_test.cpp": block("cpp", "// press_test.cpp"),
+                           "cell.xml": block("xml")}.items():
+            self.write(os.path.join("project", name), text)
+        self.command("cmake -S . -B build -DCMAKE_PREFIX_PATH=/opt/takt", folder)
+        self.command("cmake --build build", folder)
+        tests = self.command("ctest --test-dir build --output-on-failure", folder)
+        self.assertIn("press.Press.CountsItsStrokes", tests.stdout)
+        run = self.command("TAKT_COMPONENT_PATH=build/components /opt/takt/bin/takt run cell.xml --for 2", folder)
+        self.assertRegex(run.stderr, r"press\.gauge: \| stroke \d+ at 0\.0\d\d m")
+        run = self.installed("run", os.path.join(folder, "cell.xml"), "--for", "0.5", "--json", "--quiet",
+                             components=os.path.join(folder, "build", "components"))
+        self.assert_ran(run, ["press", "gauge"])
+        # The folder of the package, of no use to who wants another version.
+        self.write("project/CMakeLists.txt", block("cmake").replace("takt 0.1", "takt 0.2"))
+        refused = subprocess.run(["cmake", "-S", folder, "-B", os.path.join(self.folder, "other"), "-DCMAKE_PREFIX_PATH=" + INSTALLED],
+                                 capture_output=True, text=True)
+        self.assertNotEqual(0, refused.returncode)
+        self.assertIn('compatible with requested version "0.2"', re.sub(r"\s+", " ", refused.stderr))
+
+    def build(self, lines):
+        """A project of these lines in the test's folder. Returns where its components are."""
+        self.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(outside LANGUAGES C CXX)\n"
+                   "find_package(takt REQUIRED)\n" + "\n".join(lines) + "\n")
+        build = os.path.join(self.folder, "build")
+        for command in (["cmake", "-S", self.folder, "-B", build, "-DCMAKE_PREFIX_PATH=" + INSTALLED], ["cmake", "--build", build]):
+            run = subprocess.run(command, capture_output=True, text=True, timeout=300)
+            self.assertEqual(0, run.returncode, run.stdout + run.stderr)
+        return os.path.join(build, "components")
+
+    def test_the_figures_of_the_paper(self):
+        names = ["figure8.cpp", "figure9.c", "figure10.cpp", "figure11.cpp"]
+        for name in names:
+            shutil.copy(os.path.join(SOURCE, "tests", "unit", "component", "figures", name), self.folder)
+        components = self.build(["takt_add_%s(%s %s)" % ("process" if name[6:8] in ("9.", "11") else "component",
+                                                         name.split(".")[0], name) for name in names])
+        descriptor = shutil.copy(self.beside("figures.xml"), self.folder)
+        run = self.installed("run", descriptor, "--for", "1", "--json", components=components)
+        self.assert_ran(run, [name.split(".")[0] for name in names])
+        for name in names:
+            self.assertEqual(takt_system.LIFE, run.states(name.split(".")[0]))
+
+    def test_a_legacy_program_becomes_periodic(self):
+        with open(self.beside("legacy.c"), encoding="utf-8") as file:
+            legacy = file.read()
+        adapted = legacy.replace("#include <unistd.h>\n", "#include <unistd.h>\n#include <takt/process.h>\n")
+        adapted = adapted.replace("  while (1) {\n", "  initPeriodExe();\n  while (1) {\n").replace("usleep(1000);", "waitPeriod();")
+        self.write("legacy.c", legacy)
+        self.write("adapted.c", adapted)
+        components = self.build(["add_executable(legacy legacy.c)", "takt_add_process(adapted adapted.c)"])
+        self.write("cell.xml", """<cell name="legacy"><device name="d"><module><filename>adapted.exe</filename>
+          <moduletype>process</moduletype><operationtype>periodic</operationtype><period>1000000</period><priority>1</priority>
+          </module></device></cell>""")
+        before = subprocess.Popen([os.path.join(self.folder, "build", "legacy")], stdout=subprocess.PIPE, text=True)
+        time.sleep(2)
+        before.terminate()
+        usleep = before.communicate(timeout=10)[0]
+        run = self.installed("run", os.path.join(self.folder, "cell.xml"), "--for", "2", components=components)
+        self.assertEqual(0, run.status, run.err)
+        takt = "".join(run.printed("adapted"))
+        said = r"off by: median (\d+) us, p99 \d+ us, most \d+ us, in (\d+) periods"
+        for words in (usleep, takt):
+            self.assertGreater(int(re.search(said, words)[2]), 10)
+        print("\n  with usleep(): %s\n  with Takt:     %s" % (usleep.strip(), takt))
+
+    # What comes with it
+
+    def test_the_manual_has_a_page_for_each_command(self):
+        manual = os.path.join(INSTALLED, "share", "man")
+        commands = re.findall(r"^  ([a-z]+)  ", self.installed("--help").out.split("Subcommands:")[1].split("Environment:")[0], re.M)
+        self.assertLess(15, len(commands))
+        self.assertEqual(sorted("takt%s.1" % name for name in [""] + ["-" + c for c in commands]),
+                         sorted(os.listdir(os.path.join(manual, "man1"))))
+        for page in glob.glob(manual + "/man*/*"):
+            run = subprocess.run(["groff", "-man", "-ww", "-Tutf8", "-z", page], capture_output=True, text=True)
+            self.assertEqual((0, ""), (run.returncode, run.stderr), page)
+        with open(os.path.join(manual, "man1", "takt-run.1"), encoding="utf-8") as file:
+            run = subprocess.run(["groff", "-man", "-Tascii", "-P-cbou"], stdin=file, capture_output=True, text=True)
+        self.assertIn("--for SECONDS", run.stdout)
+        self.assertIn("end after this long", run.stdout)
+
+    def completed(self, line):
+        """What bash offers at the end of a line."""
+        script = os.path.join(INSTALLED, "share", "bash-completion", "completions", line.split()[0])
+        words = line.split(" ")
+        run = subprocess.run(["bash", "-c", 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); '
+                              'complete_with=$(complete -p "$1"); complete_with=${complete_with#*-F }; "${complete_with%% *}"; '
+                              'printf "%s\\n" "${COMPREPLY[@]}"', "bash", script] + words,
+                             capture_output=True, text=True, cwd=self.folder, timeout=10)
+        self.assertEqual((0, ""), (run.returncode, run.stderr), line)
+        return set(run.stdout.split())
+
+    def test_bash_completes(self):
+        self.write("cell.xml", "")
+        os.mkdir(os.path.join(self.folder, "case"))
+        offered = self.completed("takt s")
+        self.assertLessEqual({"status", "start", "stop", "set", "simulate"}, offered)
+        self.assertEqual({"s"}, {word[0] for word in offered})
+        self.assertEqual({"check"}, self.completed("takt che"))
+        self.assertLessEqual({"--for", "--json", "--domain", "--help"}, self.completed("takt run -"))
+        self.assertEqual({"--for"}, self.completed("takt run cell.xml --fo"))
+        self.assertEqual({"cell.xml", "case"}, self.completed("takt run c"))
+        self.assertEqual({"cell.xml", "case"}, self.completed("takt run --profile c"))
+        self.assertEqual(set(), self.completed("takt run --for c"))
+        self.assertEqual({"table1"}, self.completed("takt bench t"))
+        self.assertIn("--html", self.completed("takt bench table1 --"))
+        self.assertNotIn("--html", self.completed("takt run --"))
+        self.assertEqual({"--device"}, self.completed("takt-node --dev"))
+        self.assertEqual({"case"}, self.completed("takt-node --state-dir c"))
+
+    def assert_unit(self, path, program):
+        with open(path, encoding="utf-8") as file:
+            unit = file.read()
+        self.assertIn("\nExecStart=%s --device %%i --resume " % program, unit)
+        self.assertNotIn("@CMAKE", unit)
+
+    def test_the_unit_is_one(self):
+        path = os.path.join(INSTALLED, "lib", "systemd", "system", "takt-node@.service")
+        self.assert_unit(path, PREFIX + "/bin/takt-node")
+        if not shutil.which("systemd-analyze"):
+            self.skipTest("no systemd-analyze")
+        here = os.path.join(self.folder, "takt-node@.service")
+        with open(path, encoding="utf-8") as file:
+            self.write("takt-node@.service", file.read().replace(PREFIX, INSTALLED))
+        run = subprocess.run(["systemd-analyze", "verify", "--man=no", "--recursive-errors=no", here], capture_output=True, text=True)
+        self.assertEqual((0, ""), (run.returncode, run.stderr))
+
+    # Packages
+
+    @unittest.skipUnless(shutil.which("dpkg-shlibdeps"), "no dpkg-dev")
+    def test_the_packages(self):
+        command = "cd build/release && cpack -G DEB"
+        self.assertIn(command, PAGE)
+        packages = os.path.join(self.folder, "packages")
+        run = subprocess.run(["cpack", "-G", "DEB", "--config", os.path.join(BUILD, "CPackConfig.cmake"), "-B", packages],
+                             capture_output=True, text=True, timeout=240)
+        self.assertEqual(0, run.returncode, run.stdout + run.stderr)
+        self.assertEqual(["takt-dev_0.1.0", "takt_0.1.0"],
+                         sorted(os.path.basename(p).rsplit("_", 1)[0] for p in glob.glob(packages + "/*.deb")))
+        root = os.path.join(self.folder, "root")
+        fields = {}
+        content = {}
+        for name in ("takt", "takt-dev"):
+            package = glob.glob("%s/%s_*.deb" % (packages, name))[0]
+            fields[name] = subprocess.run(["dpkg-deb", "-f", package, "Depends"], capture_output=True, text=True, check=True).stdout
+            content[name] = subprocess.run(["dpkg-deb", "-c", package], capture_output=True, text=True, check=True).stdout
+            subprocess.run(["dpkg-deb", "-x", package, root], check=True)
+        for dependency in ("libfastrtps", "libtinyxml2", "libc6"):
+            self.assertIn(dependency, fields["takt"])
+        for dependency in ("takt (= 0.1.0)", "g++", "fastddsgen", "libfastcdr-dev"):
+            self.assertIn(dependency, fields["takt-dev"])
+        for path in ("bin/takt", "lib/takt/takt-host", "lib/takt/components/servo.so", "share/takt/takt.xsd", "share/man/man1/takt.1",
+                     "share/bash-completion/completions/takt", "lib/systemd/system/takt-node@.service"):
+            self.assertRegex(content["takt"], r" \./usr/%s\n" % re.escape(path))
+        self.assertNotIn("/include/", content["takt"])
+        self.assertRegex(content["takt-dev"], r" \./usr/include/takt/component\.hpp\n")
+        self.assertNotIn("/bin/", content["takt-dev"])
+        for listing in content.values():
+            self.assertNotRegex(listing, r" \./(?!usr/)\S")
+        self.assert_unit(os.path.join(root, "usr", "lib", "systemd", "system", "takt-node@.service"), "/usr/bin/takt-node")
+        run = self.installed("run", os.path.join(root, "usr", CELL), "--for", "1", "--json", "--quiet", root=os.path.join(root, "usr"))
+        self.assert_ran(run, ["trajectory", "conveyor", "panel"])
+
+
+if __name__ == "__main__":
+    takt_system.main()

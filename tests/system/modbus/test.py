@@ -1,0 +1,231 @@
+import json
+import os
+import signal
+import struct
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import modbus
+import takt_system
+from takt_system import wait_until
+
+
+class Modbus(takt_system.Case):
+    def descriptor(self, name, port, **changes):
+        with open(self.beside(name)) as file:
+            text = file.read().replace("PORT", str(port))
+        for old, new in changes.get("replace", ()):
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        return self.write(name, text)
+
+    def device(self):
+        device = modbus.Device()
+        self.addCleanup(device.close)
+        return device
+
+    def master(self, port):
+        def attempt():
+            try:
+                return modbus.Master(port)
+            except OSError:
+                return None
+        master = wait_until(attempt, 10, "a connection")
+        self.addCleanup(master.close)
+        return master
+
+    def run_cell(self, device, **options):
+        run = self.start("run", self.descriptor("cell.xml", device.port, **options), "--json")
+        run.wait_for_state("master", "EXECUTING")
+        return run
+
+    def end(self, run):
+        run.signal(signal.SIGINT)
+        run.wait(15)
+        self.assertEqual(0, run.status, run.err)
+        return run
+
+    def assert_on_time(self, run):
+        """Whatever the device did, the body came back to waitPeriod() before its next release."""
+        master = run.modules("plc")["master"]
+        self.assertEqual(0, master["errors"])
+        self.assertLessEqual(master["overruns"], 1)
+        self.assertGreater(master["cycles"], 5)
+
+    # The master, against a device of the specification's frames
+
+    def test_values_go_both_ways_in_few_requests(self):
+        device = self.device()
+        device.discrete[3] = 1
+        device.inputs[4] = -205 & 0xFFFF
+        low, high = struct.unpack(">HH", struct.pack("<f", -2.0)[1::-1] + struct.pack("<f", -2.0)[3:1:-1])
+        device.registers[20], device.registers[21] = low, high
+        run = self.run_cell(device)
+        # -20.5 is below what the register of the speed can hold, -2.0 fits the target.
+        wait_until(lambda: (device.coils[0], device.registers[10], device.registers[30], device.registers[31]) ==
+                   (1, 0, 0xFFFF, 0xFFFE), what="what was read, written")
+        device.inputs[4] = 25
+        wait_until(lambda: device.registers[10] == 2500, what="2.5 with a scale of 0.001")
+        device.discrete[3] = 0
+        wait_until(lambda: device.coils[0] == 0)
+        self.assert_on_time(self.end(run))
+        # A coil that nobody has a value for was left alone until the end, and neighbours were asked for together.
+        self.assertEqual({(2, 3, 1), (4, 4, 1), (3, 20, 2), (15, 0, 1), (16, 10, 1), (16, 30, 2), (15, 0, 2)},
+                         set(device.requests))
+        self.assertEqual((15, 0, 2), next(r for r in reversed(device.requests) if r[0] == 15))
+
+    def test_outputs_are_safe_when_the_cell_ends(self):
+        device = self.device()
+        device.discrete[3] = 1
+        device.inputs[4] = 25
+        run = self.run_cell(device)
+        wait_until(lambda: device.coils[0] == 1 and device.registers[10] == 2500)
+        self.end(run)
+        self.assertEqual((0, 1, 0), (device.coils[0], device.coils[1], device.registers[10]))
+
+    def test_outputs_are_safe_while_the_module_is_stopped(self):
+        device = self.device()
+        device.discrete[3] = 1
+        run = self.run_cell(device, replace=[('<value name="backoff">', '<value name="watchdog">0.3</value><value name="backoff">')])
+        wait_until(lambda: device.coils[0] == 1)
+        self.done("stop plc.master")
+        wait_until(lambda: (device.coils[0], device.coils[1]) == (0, 1), what="the safe values")
+        run.wait_for_line(r"plc.master: \| .*does not run: its outputs get their safe values")
+        self.done("start plc.master")
+        wait_until(lambda: device.coils[0] == 1, what="the values again")
+        self.end(run)
+
+    def test_a_device_that_misbehaves_is_said_once_and_costs_no_cycle(self):
+        device = self.device()
+        device.discrete[3] = 1
+        device.inputs[4] = 25
+        run = self.run_cell(device)
+        wait_until(lambda: device.coils[0] == 1)
+        # Which request it meets is open.
+        request = r"(reading|writing) [a-z ]+ \d+ to \d+ \(\w+\): "
+        for mood, words in (("refuses", "the device refuses " + request + "Illegal data address; mend the map"),
+                            ("garbage", "no proper answer to " + request + "Invalid data"),
+                            ("other", "no proper answer to " + request + "Invalid data"),
+                            ("silent", "no proper answer to " + request + "Connection timed out"),
+                            ("drip", "no proper answer to " + request + "Connection timed out")):
+            begun = len(run.raw)
+            device.mood = mood
+            run.wait_for_line(words, after=begun)
+            time.sleep(0.7)  # long enough to be said again
+            device.mood = "well"
+            run.wait_for_line(r"plc.master: \| 127.0.0.1:\d+: the exchange is well again, after \d", after=begun)
+            self.assertEqual(2, sum(" plc.master: | " in line for line in run.raw[begun:]), run.err)
+            device.coils[0] = 0
+            wait_until(lambda: device.coils[0] == 1, what="the lamp after " + mood)
+        self.assert_on_time(self.end(run))
+
+    def test_values_become_stale_while_the_device_is_off_and_come_back(self):
+        device = self.device()
+        run = self.run_cell(device)
+        wait_until(lambda: len(device.requests) > 50)
+
+        def late():
+            port = next(p for p in run.modules("plc")["master"]["ports"] if p["name"] == "target")
+            return port["late"]
+        device.close()
+        run.wait_for_line(r"plc.master: \| 127.0.0.1:%d: (no proper answer|no connection)" % device.port)
+        time.sleep(0.6)
+        again = modbus.Device(device.port)
+        self.addCleanup(again.close)
+        again.discrete[3] = 1
+        run.wait_for_line(r"the exchange is well again")
+        wait_until(lambda: again.coils[0] == 1)
+        self.assert_on_time(self.end(run))
+        self.assertEqual(1, late())
+
+    # Master and device of Takt's, and a stranger who is a master too
+
+    def test_what_one_end_has_the_other_gets(self):
+        port = modbus.free_port()
+        run = self.start("run", self.descriptor("pair.xml", port), "--json")
+        run.wait_for_state("device", "EXECUTING")
+        stranger = self.master(port)
+        stranger.write_bit(100, 1)
+        stranger.write_word(100, -125)
+        wait_until(lambda: stranger.read_bits(2, 3) == [1], what="the button")
+        wait_until(lambda: stranger.read_bits(1, 0) == [1], what="the lamp")
+        wait_until(lambda: stranger.read_words(3, 10, 2) == [0xFFFF, -1250 & 0xFFFF], what="the speed")
+        self.assertEqual([-125 & 0xFFFF], stranger.read_words(4, 4))
+        for pdu, code in ((struct.pack(">BHH", 1, 5000, 1), 2), (struct.pack(">BHH", 3, 10, 200), 3), (b"\x63\0\0\0\0", 1)):
+            with self.assertRaises(modbus.Refused) as refused:
+                stranger.ask(pdu)
+            self.assertEqual(code, refused.exception.args[0])
+        self.assertEqual([1], stranger.read_bits(1, 0))
+        self.end(run)
+
+    def test_a_device_survives_garbage_and_serves_others_meanwhile(self):
+        port = modbus.free_port()
+        run = self.start("run", self.descriptor("pair.xml", port), "--json")
+        run.wait_for_state("device", "EXECUTING")
+        good = self.master(port)
+        good.write_bit(100, 1)
+        for data in (b"GET / HTTP/1.1\r\nHost: x\r\n\r\n", b"\0\1\0\0\0\6\xff\1", bytes(range(256)) * 8, b"\0" * 7,
+                     b"\0\1\0\0\xff\xff\xff\x0f" + b"\xff" * 300, b"\0\1\0\0\0\x09\xff\x10\0\x0a\0\x02\xff\0\1"):
+            other = modbus.Master(port)
+            other.connection.sendall(data)
+            begun = time.monotonic()
+            self.assertEqual([1], good.read_bits(1, 100))
+            self.assertLess(time.monotonic() - begun, 1.5)
+            other.close()
+        many = [self.master(port) for _ in range(8)]
+        for one in many:
+            self.assertEqual([1], one.read_bits(1, 100))
+        self.end(run)
+
+    def test_a_killed_device_is_found_again(self):
+        port = modbus.free_port()
+        run = self.start("run", self.descriptor("pair.xml", port), "--json")
+        run.wait_for_state("device", "EXECUTING")
+        stranger = self.master(port)
+        stranger.write_bit(100, 1)
+        wait_until(lambda: stranger.read_bits(1, 0) == [1])
+        os.kill(run.one("modbus_device.exe").pid, signal.SIGKILL)
+        run.wait_for_line(r"post.device: RECOVER -> EXECUTING")
+        run.wait_for_line(r"plc.master: \| .*the exchange is well again")
+        again = self.master(port)
+        again.write_bit(100, 1)
+        wait_until(lambda: again.read_bits(1, 0) == [1], what="the lamp of the new device")
+        self.end(run)
+        self.assertRegex(run.printed("master")[0], r"no proper answer|no connection")
+        self.assertRegex(run.printed("master")[1], r"is well again")
+        master = run.modules("plc")["master"]
+        self.assertEqual((0, 0), (master["errors"], master["overruns"]))
+
+    def test_a_taken_port_is_said(self):
+        device = self.device()
+        run = self.takt("run", self.descriptor("pair.xml", device.port), "--for", "1")
+        self.assertEqual(1, run.status)
+        self.assertRegex(run.err, r"cannot listen on 127.0.0.1:%d: Address already in use; choose a port" % device.port)
+
+    # Before anything runs
+
+    def test_a_wrong_map_is_refused_with_its_lines(self):
+        wrong = self.descriptor("cell.xml", 1502, replace=[("discrete 3", "discret 3"), ("int16 scale 0.1", "int16 scale x"),
+                                                           ("register 30 int32", "input-register 30 int32")])
+        run = self.takt("check", wrong)
+        self.assertEqual(1, run.status)
+        at = r"cell.xml:12: error: module master: property 'map', line "
+        self.assertRegex(run.err, at + r"\d+: there is no table 'discret'; say coil, discrete, register or input-register\n")
+        self.assertRegex(run.err, at + r"\d+: the scale cannot be 'x'; write a number that is not 0\n")
+        self.assertRegex(run.err, at + r"\d+: nobody can write an input register; say 'in', or 'out register'")
+        self.assert_refused(self.takt("run", wrong, "--for", "1"), at)
+
+    def test_ports_are_the_points_of_the_map(self):
+        out, = self.done("describe --json modbus_device.exe 'map=lamp out coil 0; speed in register 4 unit m/s'")
+        ports = {p["name"]: (p["direction"], p["type"]["name"] if isinstance(p["type"], dict) else p["type"], p["text"])
+                 for p in json.loads(out)["ports"]}
+        self.assertEqual(("out", "basic::Flag", "coil 0"), ports["lamp"])
+        self.assertEqual(("in", "basic::Number", "register 4, in m/s"), ports["speed"])
+        self.refused({"describe modbus_master.exe": r"property 'map' is missing; write a point a line",
+                      "describe modbus_master.exe port=1.5 'map=a in coil 1'": r"property 'port' cannot be '1.5'; it takes a whole"})
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,123 @@
+"""The demo cell places as many parts as its timing predicts, and its emergency stop halts it."""
+import json
+import math
+import os
+import re
+import signal
+import socket
+import struct
+import sys
+import time
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import wait_until
+
+DEMO = os.path.join(takt_system.SOURCE, "deploy", "palletizing.xml")
+GOODBYE = re.compile(r"parts placed: (\d+); its timing predicts (\d+): one every ([\d.]+) s, of which the arm takes ([\d.]+) s, "
+                     r"in ([\d.]+) s(?: beside ([\d.]+) s of emergency stop)?(.*)")
+
+
+def free_port():
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+class PickAndPlace(takt_system.Case):
+    def demo(self, *arguments):
+        self.port = free_port()
+        with open(DEMO, encoding="utf-8") as file:
+            return self.start("run", self.write("palletizing.xml", file.read().replace("15020", str(self.port))), *arguments)
+
+    def modbus(self, function, address, count):
+        """The answer's data, of a client that has nothing to do with Takt."""
+        with socket.create_connection(("127.0.0.1", self.port), 5) as client:
+            client.sendall(struct.pack(">HHHBBHH", 1, 0, 6, 1, function, address, count))
+            head = client.recv(9, socket.MSG_WAITALL)
+            self.assertEqual(function, head[7], "no exception")
+            return client.recv(head[8], socket.MSG_WAITALL)
+
+    def lamp(self):
+        return self.modbus(1, 0, 1)[0] & 1
+
+    def display(self):
+        return struct.unpack(">I", self.modbus(3, 0, 2))[0]
+
+    def samples(self, port, count):
+        echo = self.takt("echo", port, "--count", count)
+        self.assertEqual(0, echo.status, echo.err)
+        return [json.loads(line) for line in echo.out.splitlines()]
+
+    def press(self, button, down):
+        self.assertEqual(0, self.takt("set", f"line.{button}", "down", down).status)
+
+    def test_places_what_its_timing_predicts_and_halts_at_the_emergency_stop(self):
+        cell = self.demo()
+        cell.wait_for_state("panel", "EXECUTING")
+        wait_until(lambda: self.lamp() == 1, 10, "the green lamp: it starts without a reset")
+        wait_until(lambda: self.display() == 1, 30, "the first part on the display")
+        wait_until(lambda: abs(self.samples("robot.trajectory.setpoint", 1)[0]["velocity"][0]) > 0.2, 20, "the arm is on its way")
+
+        self.press("stop_button", "true")
+        wait_until(lambda: self.lamp() == 0, 5, "the lamp goes out")
+        wait_until(lambda: max(map(abs, self.samples("robot.trajectory.setpoint", 1)[0]["velocity"])) == 0, 5, "the arm stands")
+        held = self.samples("robot.trajectory.setpoint", 1)[0]["position"]
+        self.assertEqual(0, self.samples("line.conveyor.state", 1)[0]["speed"])
+        self.press("reset_button", "true")  # is for nothing while the button is down
+        self.press("reset_button", "false")
+        self.press("stop_button", "false")
+        time.sleep(0.5)
+        self.assertEqual(held, self.samples("robot.trajectory.setpoint", 1)[0]["position"], "it waits for the reset")
+        self.assertEqual(0, self.lamp())
+        self.press("reset_button", "true")
+        wait_until(lambda: self.lamp() == 1, 5, "the lamp is green again")
+        self.press("reset_button", "false")
+        wait_until(lambda: self.display() >= 3, 40, "it goes on")
+
+        cell.signal(signal.SIGINT)
+        self.assertEqual(0, cell.wait(15).status, cell.err)
+        said = [GOODBYE.search(line) for line in cell.raw]
+        placed, predicted, each, arm, running, stopped, rest = next(s for s in said if s).groups()
+        self.assertEqual("", rest, "none refused or lost")
+        self.assertGreaterEqual(int(placed), 3)
+        self.assertGreater(float(stopped), 0.5)
+        self.assertAlmostEqual(1.34, float(each) - float(arm), delta=0.4)  # belt and camera, or the arm's way home
+        # What is under way counts when it is done. Braking and starting again at the emergency stop costs up to a second; what the
+        # machine took away, each its own.
+        self.assertLessEqual(abs(int(placed) - int(predicted)), 1)
+        self.assertLessEqual(int(placed), math.floor((float(running) + 0.5) / float(each)))
+        self.assertGreaterEqual(int(placed), math.floor((float(running) - 1.5) / float(each)))
+
+    @unittest.skipUnless(os.path.realpath(takt_system.BIN) == os.path.join(takt_system.SOURCE, "build", "release", "bin"),
+                         "tools/demo builds and runs build/release")
+    def test_the_demo_presses_the_emergency_stop_and_ends_by_itself(self):
+        demo = takt_system.Run([os.path.join(takt_system.SOURCE, "tools", "demo"), "--for", "20"], self.folder,
+                               environment={"TAKT_DOMAIN": str(self.domain)})
+        self.runs.append(demo)
+        self.assertEqual(0, demo.wait(120).status, demo.err)
+        orders = [line for line in demo.raw if line.startswith("demo: ")]
+        self.assertEqual(["demo: takt set line.%s" % order for order in ("stop_button down true", "stop_button down false",
+                                                                         "reset_button down true", "reset_button down false")], orders)
+        placed, predicted, _, _, running, stopped, _ = next(filter(None, map(GOODBYE.search, demo.raw))).groups()
+        self.assertGreater(int(placed), 0)
+        self.assertLessEqual(abs(int(placed) - int(predicted)), 1)
+        self.assertGreater(float(stopped), 2)
+        self.assertIn("cell palletizing", demo.out)
+
+    def test_a_camera_that_dies_is_started_again(self):
+        cell = self.demo()
+        cell.wait_for_state("camera", "EXECUTING")
+        wait_until(lambda: self.display() == 1, 30, "the first part")
+        status = json.loads(self.takt("status", "--json").out)
+        pid = next(m["pid"] for d in status["devices"] for m in d["modules"] if m["name"] == "camera")
+        os.kill(pid, signal.SIGKILL)
+        cell.wait_for_state("camera", "RECOVER")
+        wait_until(lambda: self.display() == 3, 40, "two more parts")
+        cell.signal(signal.SIGINT)
+        self.assertEqual(0, cell.wait(15).status, cell.err)
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,162 @@
+import json
+import os
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import wait_until
+
+FIVE = "number=5 same=[5,5,5,5,5,5]"
+
+
+class Services(takt_system.Case):
+    def seen(self, name):
+        return json.loads(self.read(name))
+
+    def running(self, descriptor):
+        """The run, once a service answers."""
+        run = self.start("run", descriptor, "--json")
+        for module in ("answers", "near"):
+            run.wait_for_state(module, "EXECUTING")
+        return run
+
+    def ended(self, run, status=0):
+        run.signal(signal.SIGINT)
+        run.wait(30)
+        self.assertEqual(status, run.status, run.err)
+
+    def test_every_client_gets_its_own_answers(self):
+        run = self.running("cell.xml")
+        run.wait_for_state("far", "EXECUTING")
+        time.sleep(3)
+        self.assertEqual(["number: 10\nsame: [10,10,10,10,10,10]\nfew: []"], self.done("call serve.answers.handled " + FIVE))
+        reply = json.loads(self.done("call serve.answers.polled --json " + FIVE)[0])
+        self.assertEqual({"number": 10, "same": [10] * 6, "few": []}, reply["reply"])
+        self.assertGreater(reply["ms"], 0)
+        self.done(*["call ask.relay.pass --timeout 5 " + FIVE] * 4)
+        self.ended(run)
+        for name in ("near", "near_polled", "far", "far_polled", "through"):
+            seen = self.seen(name)
+            print("%s: %s" % (name, seen))
+            self.assertEqual(0, seen["wrong"], name)
+            self.assertGreater(seen["replied"], 50, name)
+            self.assertGreater(seen["refused"], 5, name)
+            self.assertLess(seen["timed_out"], 10, name)
+        self.assertRegex(self.seen("near")["refusal"], "^a multiple of 7; ask for another$|^its handler threw: a multiple of 11$")
+        self.assertEqual("a multiple of 7", self.seen("through")["refusal"])
+
+    def test_takt_call_says_what_is_wrong(self):
+        run = self.running("cell.xml")
+        run.wait_for_state("relay", "EXECUTING")
+        self.done("call serve.answers.handled " + FIVE)
+        self.refused({
+            "call serve.answers": "'serve.answers' names no service; say DEVICE.MODULE.SERVICE",
+            "call serve.answers.handle": "module serve.answers has no port 'handle'; .*handled",
+            "call serve.near.ask": "'ask' of module serve.near is a client, which asks and is not asked",
+            "call serve.answers.handled nummer=5": "samples::Count: error: has no field 'nummer'; did you mean number",
+            "call serve.answers.handled number": "'number' is no field with a value; write field=value",
+            "call serve.answers.handled number=five": "samples::Count.number: error: cannot be \"five\"; write a whole number",
+            "call serve.answers.handled number=1 number=2": "samples::Count.number: error: is given twice",
+            "call serve.answers.handled few=[1,2,3,4,5]": "samples::Count.few: error: .*write a list of at most 4",
+            "call serve.answers.handled '{\"number\": }'": "this is no JSON",
+            "call serve.answers.handled": "serve.answers.handled refuses: a multiple of 7",
+            "call serve.answers.handled number=11 same=[11,11,11,11,11,11] few=[11]":
+                "serve.answers.handled refuses: its handler threw: a multiple of 11",
+            "call nobody.answers.handled": "nobody",
+        })
+        self.assertEqual(2, self.takt("call", "serve.answers.handled", "--timeout", "0").status)
+        self.done("stop serve.answers")
+        self.refused({"call serve.answers.handled": "module serve.answers is in START, where it answers nobody; takt start serve.answers",
+                      "echo serve.answers.handled": "serve.answers"})
+        begun = len(run.raw)
+        self.done("start serve.answers")
+        run.wait_for_line("answers: START -> EXECUTING", after=begun)
+        self.done("call serve.answers.handled " + FIVE)
+        self.ended(run)
+        seen = self.seen("near")
+        print("stopped for a while: %s" % seen)
+        self.assertEqual(0, seen["wrong"])
+        # Those of a handler are refused meanwhile; those that run() is to take find nobody in time, or a late run().
+        self.assertGreater(seen["refused"], 20)
+
+    def test_a_service_comes_back_with_its_host(self):
+        nodes = self.nodes("serve", "ask")
+        self.deploy("cell.xml")
+        for module in ("far", "far_polled"):
+            nodes["ask"].wait_for_state(module, "EXECUTING")
+        time.sleep(1)
+        begun = len(nodes["serve"].raw)
+        nodes["serve"].one("takt-host").kill()
+        nodes["serve"].wait_for_line(r"\.answers: START -> EXECUTING", after=begun)
+        self.done("call serve.answers.handled " + FIVE, "call serve.answers.polled " + FIVE)
+        time.sleep(1)
+        self.done("undeploy services")
+        for name in ("far", "far_polled"):
+            seen = self.seen(name)
+            print("%s: %s" % (name, seen))
+            self.assertEqual(0, seen["wrong"], name)
+            self.assertGreater(seen["replied"], 50, name)
+        self.end(nodes)
+
+    def test_a_node_that_is_gone_is_nobody(self):
+        nodes = self.nodes("serve", "ask")
+        self.deploy("cell.xml")
+        nodes["ask"].wait_for_state("far", "EXECUTING")
+        time.sleep(1)
+        nodes["serve"].kill_all()
+        time.sleep(5)
+        self.runs.remove(nodes["serve"])
+        self.refused({"undeploy services": "device serve: error: it is lost and could not be told"})
+        seen = self.seen("far")
+        print("far: %s" % seen)
+        self.assertEqual(0, seen["wrong"])
+        self.assertGreater(seen["nobody"], 100)
+        self.end({"ask": nodes["ask"]})
+
+    def test_a_handler_that_hangs_costs_its_module(self):
+        run = self.running("hang.xml")
+        run.wait_for_line("answers: EXECUTING -> RECOVER .*the handler of a service did not return within 5 s", limit=30)
+        run.wait_for_state("answers", "DESTRUCT")
+        self.refused({"call serve.answers.handled": "module serve.answers is in DESTRUCT"})
+        self.done("call serve.others.handled " + FIVE)
+        self.done("reset serve.answers")
+        self.done("initialize serve.answers")
+        self.done("start serve.answers")
+        self.done("call serve.answers.handled " + FIVE)
+        run.signal(signal.SIGINT)
+        run.wait(30)
+        near, other = self.seen("near"), self.seen("other")
+        print("near: %s\nother: %s" % (near, other))
+        self.assertGreater(near["timed_out"], 10)
+        self.assertEqual((0, 0), (near["wrong"], other["wrong"]))
+        self.assertLess(other["timed_out"], 5)
+        self.assertGreater(other["replied"], 100)
+
+    def test_a_handler_that_crashes_costs_its_module(self):
+        run = self.running("crash.xml")
+        run.wait_for_line("the host .*in the handler of a service", limit=30)
+        run.wait_for_state("answers", "DESTRUCT")
+        wait_until(lambda: run.states("others").count("EXECUTING") == 2, 20, "the others to go on")
+        self.done("call serve.others.handled " + FIVE)
+        run.signal(signal.SIGINT)
+        run.wait(30)
+        self.assertEqual(0, self.seen("other")["wrong"])
+
+    def test_takt_check_says_what_is_wrong(self):
+        check = self.takt("check", "bad.xml")
+        self.assertEqual(1, check.status)
+        for line, what in {
+            20: "client d.asks.ask has requests of type samples::Count and service d.belt.count of type basic::Count; "
+                "connect a client and a service of the same types",
+            21: "module d.answers has no service 'handle'; did you mean handled",
+            22: "'handled' of module d.answers is a service and stands for the client",
+            23: "'command' of module d.belt is a port and no client",
+            24: "module d.asks has the client 'ask' and no port 'ask'; say <service",
+        }.items():
+            self.assertRegex(check.err, r"bad\.xml:%d: error: .*%s" % (line, what.replace("(", r"\(")))
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,140 @@
+#include <components/common/modbus_map.hpp>
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace modbus {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+std::vector<std::string> told(std::string_view text) {
+  std::vector<std::string> lines;
+  for (const Mistake& m : parse_map(text).mistakes)
+    lines.push_back(std::to_string(m.line) + ": " + m.what + "; " + m.fix);
+  return lines;
+}
+
+TEST(Map, HasWhatEachLineSays) {
+  const Map map = parse_map(R"(
+    lamp         out coil 0 safe 0      # comment; with a semicolon
+    button       in  discrete 3
+    speed        out register 10 scale 0.001 unit m/s safe 0
+    temperature  in  input-register 4 int16 scale 0.1 offset -40
+    position     in  register 20 float32 order low-first ; a in coil 7;b in coil 8
+  )");
+  ASSERT_THAT(map.mistakes, IsEmpty());
+  ASSERT_THAT(map.points, SizeIs(7));
+  EXPECT_EQ(map.points[0].name, "lamp");
+  EXPECT_TRUE(map.points[0].out);
+  EXPECT_EQ(map.points[0].table, Table::coil);
+  EXPECT_EQ(map.points[0].safe, 0.0);
+  EXPECT_EQ(map.points[1].table, Table::discrete);
+  EXPECT_FALSE(map.points[1].out);
+  EXPECT_EQ(map.points[1].address, 3);
+  EXPECT_FALSE(map.points[1].safe);
+  EXPECT_EQ(map.points[2].encoding.scale, 0.001);
+  EXPECT_EQ(map.points[2].unit, "m/s");
+  EXPECT_EQ(map.points[3].encoding.type, Type::int16);
+  EXPECT_EQ(map.points[3].encoding.offset, -40);
+  EXPECT_EQ(map.points[4].encoding.type, Type::float32);
+  EXPECT_TRUE(map.points[4].encoding.low_first);
+  EXPECT_EQ(map.points[4].end(), 22U);
+  EXPECT_EQ(map.points[6].name, "b");
+}
+
+TEST(Map, TellsEveryMistakeWithItsLineAndWhatWouldBeRight) {
+  const std::vector<std::string> lines = told(
+      "ok out coil 0\n"
+      "1x sideways coils 65536\n"
+      "\n"
+      "lamp out discrete 4\n"
+      "t in input-register 1 scale 0\n"
+      "u in register 1 order low-first\n"
+      "v out coil 0\n"
+      "ok in coil 9\n"
+      "w in coil 9 safe 1\n"
+      "x out register 7 int16 safe 40000\n"
+      "y in register 65535 uint32\n"
+      "connected in coil 1\n"
+      "z in\n"
+      "q in coil 1 int16\n"
+      "r in register 1 unit\n"
+      "s in register 1 colour red\n");
+  EXPECT_THAT(
+      lines,
+      testing::ElementsAre(
+          HasSubstr("2: '1x' is no name of a port; use up to 63 letters"),
+          HasSubstr("2: 'sideways' is no direction; say 'in'"),
+          HasSubstr("2: there is no table 'coils'; say coil, discrete, register or input-register"),
+          HasSubstr("2: the address cannot be '65536'; "),
+          HasSubstr("4: nobody can write a discrete input; "), HasSubstr("5: the scale cannot be '0'; "),
+          HasSubstr("6: a type of one word has no order of words; "),
+          HasSubstr("7: 'v' and 'ok' write the same coil; "), HasSubstr("8: there are two points 'ok'; "),
+          HasSubstr("9: an input has no safe value; "),
+          HasSubstr("10: the safe value does not fit the type; with this scale and offset it may be -32768 "
+                    "to 32767"),
+          HasSubstr("11: the two registers of 'y' end beyond 65535; "),
+          HasSubstr("12: the port 'connected' is there already; "),
+          HasSubstr("13: 'z' is not a whole point; "), HasSubstr("14: a coil has no type; "),
+          HasSubstr("15: nothing follows 'unit'; "), HasSubstr("16: 'colour' is not known here; "),
+          HasSubstr("16: 'red' is not known here; ")));
+}
+
+TEST(Map, WithoutAPointIsAMistake) {
+  EXPECT_THAT(told(""), testing::ElementsAre(HasSubstr("1: the map has no point; ")));
+  EXPECT_THAT(told("# only; words\n\n"), testing::ElementsAre(HasSubstr("the map has no point")));
+}
+
+TEST(Map, HasAsManyPointsAsItMayAndNotOneMore) {
+  std::string text;
+  for (std::size_t i = 0; i < kMaxPoints; ++i)
+    text += "p" + std::to_string(i) + " in coil " + std::to_string(i) + "\n";
+  EXPECT_THAT(parse_map(text).mistakes, IsEmpty());
+  EXPECT_THAT(told(text + "q in coil 999\n"),
+              testing::ElementsAre(HasSubstr("257: there are more than 256 points")));
+}
+
+TEST(Map, TakesTheWholeRangeOfAddresses) {
+  EXPECT_THAT(told("a in coil 0; b in coil 65535; c in register 65534 float32"), IsEmpty());
+  EXPECT_THAT(told("a in coil -1"), SizeIs(1));
+  EXPECT_THAT(told("a in coil 0x10"), SizeIs(1));
+}
+
+// Whatever the text is, points and mistakes stay within their bounds, and there is one or the other.
+TEST(Map, SurvivesAnyText) {
+  const std::vector<std::string> pieces{"lamp",     "in",
+                                        "out",      "coil",
+                                        "register", "input-register",
+                                        "1",        "65535",
+                                        "1e999",    "nan",
+                                        "scale",    "safe",
+                                        "order",    "low-first",
+                                        "float32",  "\n",
+                                        ";",        "#",
+                                        "\t",       std::string{"\0\xff", 2},
+                                        "unit",     "offset",
+                                        "-0"};
+  std::mt19937 draw{7};
+  for (int i = 0; i < 20000; ++i) {
+    std::string text;
+    for (auto n = draw() % 24; n > 0; --n)
+      text += pieces[draw() % pieces.size()] + (draw() % 5 != 0 ? " " : "");
+    const Map map = parse_map(text);
+    ASSERT_TRUE(!map.points.empty() || !map.mistakes.empty()) << text;
+    for (const Point& point : map.points) {
+      ASSERT_LE(point.end(), 65536U) << text;
+      ASSERT_TRUE(std::isfinite(point.encoding.scale) && point.encoding.scale != 0) << text;
+      ASSERT_TRUE(!point.out || point.table == Table::coil || point.table == Table::holding) << text;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace modbus

@@ -1,0 +1,77 @@
+#include <components/common/modbus_value.hpp>
+
+#include <array>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace modbus {
+namespace {
+
+std::array<std::uint16_t, 2> encoded(const Encoding& encoding, double value) {
+  std::array<std::uint16_t, 2> words{0xAAAA, 0xAAAA};
+  EXPECT_TRUE(encode(encoding, value, words.data()));
+  return words;
+}
+
+TEST(Value, OfOneWordLeavesTheNextAlone) {
+  EXPECT_EQ(encoded({.type = Type::uint16}, 0x1234), (std::array<std::uint16_t, 2>{0x1234, 0xAAAA}));
+  EXPECT_EQ(encoded({.type = Type::int16}, -2), (std::array<std::uint16_t, 2>{0xFFFE, 0xAAAA}));
+}
+
+TEST(Value, OfTwoWordsHasTheHighOneFirstUnlessSaid) {
+  EXPECT_EQ(encoded({.type = Type::uint32}, 0x12345678), (std::array<std::uint16_t, 2>{0x1234, 0x5678}));
+  EXPECT_EQ(encoded({.type = Type::uint32, .low_first = true}, 0x12345678),
+            (std::array<std::uint16_t, 2>{0x5678, 0x1234}));
+  EXPECT_EQ(encoded({.type = Type::int32}, -2), (std::array<std::uint16_t, 2>{0xFFFF, 0xFFFE}));
+  // 1.0 in IEEE 754 is 3F800000.
+  EXPECT_EQ(encoded({.type = Type::float32}, 1), (std::array<std::uint16_t, 2>{0x3F80, 0}));
+  EXPECT_EQ(encoded({.type = Type::float32, .low_first = true}, 1),
+            (std::array<std::uint16_t, 2>{0, 0x3F80}));
+}
+
+TEST(Value, IsReadAsItWasWritten) {
+  for (const bool low_first : {false, true}) {
+    for (const Type type : {Type::uint16, Type::int16, Type::uint32, Type::int32, Type::float32}) {
+      const Encoding encoding{.type = type, .scale = 0.5, .offset = 3, .low_first = low_first};
+      const Range raw = raw_range(type);
+      for (const double x : {raw.min, raw.min / 2, 0.0, 1.0, 77.0, raw.max}) {
+        const double value = std::max(std::round(x), raw.min) * 0.5 + 3;
+        EXPECT_DOUBLE_EQ(decode(encoding, encoded(encoding, value).data()), value) << static_cast<int>(type);
+      }
+    }
+  }
+}
+
+TEST(Value, IsTheNearestThatTheScaleAllows) {
+  const Encoding encoding{.type = Type::int16, .scale = 0.1};
+  EXPECT_EQ(encoded(encoding, 20.06)[0], 201);
+  EXPECT_DOUBLE_EQ(decode(encoding, encoded(encoding, -20.06).data()), -20.1);
+}
+
+TEST(Value, StopsAtTheEndOfItsRange) {
+  EXPECT_EQ(encoded({.type = Type::uint16}, 70000)[0], 65535);
+  EXPECT_EQ(encoded({.type = Type::uint16}, -1)[0], 0);
+  EXPECT_EQ(encoded({.type = Type::int16}, -40000)[0], 0x8000);
+  EXPECT_EQ(encoded({.type = Type::uint16}, std::numeric_limits<double>::infinity())[0], 65535);
+  EXPECT_EQ(decode({.type = Type::int32}, encoded({.type = Type::int32}, 1e30).data()), 2147483647);
+  EXPECT_EQ(decode({.type = Type::float32}, encoded({.type = Type::float32}, 1e300).data()),
+            static_cast<double>(std::numeric_limits<float>::max()));
+  // A scale below zero turns the range round.
+  EXPECT_EQ(decode({.scale = -1}, encoded({.scale = -1}, 5).data()), 0);
+}
+
+TEST(Value, ThatIsNoNumberIsNotWritten) {
+  std::array<std::uint16_t, 2> words{1, 2};
+  EXPECT_FALSE(encode({}, std::numeric_limits<double>::quiet_NaN(), words.data()));
+  EXPECT_EQ(words, (std::array<std::uint16_t, 2>{1, 2}));
+}
+
+TEST(Value, FitsOrDoesNot) {
+  EXPECT_TRUE(fits({.type = Type::int16, .scale = 0.1}, 3276.7));
+  EXPECT_FALSE(fits({.type = Type::int16, .scale = 0.1}, 3277));
+  EXPECT_EQ(range_text({.type = Type::int16, .scale = -0.1}), "-3276.7 to 3276.8");
+}
+
+}  // namespace
+}  // namespace modbus

@@ -1,0 +1,45 @@
+#include <takt/host/description.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace takt::host {
+namespace {
+
+TEST(Description, OfPropertiesIsReadFromWhatAProgramSays) {
+  const auto read = parse_properties(
+      R"([{"name":"speed","type":"double","default":"0.5","range":"0 to 2","min":"0","max":"2","unit":"m/s","text":"Of \"it\"."}])");
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read.value(), (std::vector<PropertyDescription>{
+                              {"speed", "double", "0.5", "0 to 2", "0", "2", "m/s", "Of \"it\"."}}));
+  EXPECT_TRUE(parse_properties("[]").value().empty());
+}
+
+TEST(Description, OfPropertiesThatIsNoneIsRefused) {
+  for (const char* text : {"", "{}", "[1]", R"([{"type":"double"}])", "[", "[{\"name\":3}]"})
+    EXPECT_FALSE(parse_properties(text)) << text;
+}
+
+TEST(Description, AsJsonHasBoundsAsNumbersAndNullWithout) {
+  const auto object =
+      nlohmann::json::parse(to_json({.name = "n",
+                                     .text = "t",
+                                     .interface = "c",
+                                     .operation = {},
+                                     .hooks = {"run"},
+                                     .properties = {{"a", "integer", "3", "at least 1", "1", "", "", ""}},
+                                     .ports = {}}));
+  EXPECT_EQ(object["properties"][0]["min"], 1);
+  EXPECT_TRUE(object["properties"][0]["max"].is_null());
+  EXPECT_EQ(object["properties"][0]["range"], "at least 1");
+  EXPECT_TRUE(object["ports"].empty());
+}
+
+TEST(Description, OnlyAComponentInCppWithoutPropertiesTakesNone) {
+  EXPECT_FALSE((Description{.interface = "c++"}.takes_any_property()));
+  EXPECT_TRUE((Description{.interface = "c"}.takes_any_property()));
+  EXPECT_FALSE((Description{.interface = "process", .properties = {{.name = "a"}}}.takes_any_property()));
+}
+
+}  // namespace
+}  // namespace takt::host

@@ -1,0 +1,182 @@
+#include "describe_report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <sstream>
+
+namespace takt::tool {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+model::Port port(const std::string& name, model::Direction direction, const std::string& text = {}) {
+  model::Type type{"line::Part", {{.name = "number", .scalar = model::Scalar::uint32}}};
+  type.fields.push_back({.name = "at", .scalar = model::Scalar::float64, .dimensions = {3}});
+  return {name, direction, type, text};
+}
+
+host::PropertyDescription speed() {
+  return {"speed", "double", "0.5", "0 to 2", "0", "2", "m/s", "Of the belt."};
+}
+
+Described belt() {
+  return {"/c/belt.so",
+          {.name = "Belt",
+           .text = "Moves parts & <waits>.",
+           .interface = "c++",
+           .operation = {},
+           .hooks = {},
+           .properties = {speed(), {"label", "string", "", "", "", "", "", ""}},
+           .ports = {port("stop", model::Direction::in, "Whether to stand."),
+                     port("part", model::Direction::out)}}};
+}
+
+Described in_a_cell() {
+  Described described = belt();
+  described.cell = "plant";
+  described.device = "line";
+  described.module = model::Module{};
+  described.module->name = "first";
+  described.module->operation = model::Operation::sporadic;
+  described.module->properties = {{.name = "speed", .value = "1.25"}};
+  return described;
+}
+
+std::size_t longest_line(const std::string& text) {
+  std::size_t longest = 0;
+  std::istringstream lines{text};
+  for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+  return longest;
+}
+
+TEST(DescribeReport, SaysWhatAPersonNeeds) {
+  EXPECT_EQ(describe_text(belt(), {}),
+            "Belt: Moves parts & <waits>.\n"
+            "  file        /c/belt.so\n"
+            "  interface   c++\n"
+            "  properties\n"
+            "    name   type    default  range   unit\n"
+            "    speed  double  0.5      0 to 2  m/s   Of the belt.\n"
+            "    label  string  ''\n"
+            "  ports\n"
+            "    in     stop  line::Part\n"
+            "           Whether to stand.\n"
+            "           unsigned long number, double[3] at\n"
+            "    out    part  line::Part\n"
+            "           unsigned long number, double[3] at\n");
+}
+
+TEST(DescribeReport, BreaksLongSentencesAndKeepsToTheWidth) {
+  Described described = belt();
+  for (int i = 0; i < 30; ++i) described.component.properties[0].text += "word and word ";
+  described.component.ports[0].text = described.component.properties[0].text;
+  for (int i = 0; i < 40; ++i)
+    described.component.ports[0].type.fields.push_back({.name = "x" + std::to_string(i)});
+  const std::string text = describe_text(described, {});
+  EXPECT_LE(longest_line(text), 100U) << text;
+  EXPECT_THAT(text, HasSubstr("\n                                          and word word"));
+}
+
+TEST(DescribeReport, OfAModuleOfADescriptorSaysWhatItIsGiven) {
+  const std::string text = describe_text(in_a_cell(), {});
+  EXPECT_THAT(text, AllOf(HasSubstr("line.first: Moves"), HasSubstr("default  given  range"),
+                          HasSubstr("0.5      1.25   0 to 2"), HasSubstr("sporadic")));
+}
+
+TEST(DescribeReport, OfAProgramThatDeclaresNothingItTakesAny) {
+  Described described{"/c/p.exe", {.name = "p", .interface = "process"}};
+  EXPECT_THAT(describe_text(described, {}),
+              AllOf(HasSubstr("any; each is an argument"), HasSubstr("ports       none")));
+  described.component.properties.push_back(speed());
+  EXPECT_THAT(describe_text(described, {}), Not(HasSubstr("any;")));
+}
+
+TEST(DescribeReport, IsOneObjectALineForAProgram) {
+  const std::string text = describe_json(in_a_cell());
+  EXPECT_EQ(text.find('\n'), text.size() - 1);
+  const auto object = nlohmann::json::parse(text);
+  EXPECT_EQ(object["properties"][0]["min"], 0);
+  EXPECT_EQ(object["properties"][0]["range"], "0 to 2");
+  EXPECT_TRUE(object["properties"][1]["max"].is_null());
+  EXPECT_EQ(object["module"]["given"]["speed"], "1.25");
+  EXPECT_EQ(object["ports"][1]["direction"], "out");
+}
+
+TEST(DescribeReport, OffersAProgramAsWhatItCalls) {
+  Described described{"/c/p.exe", {.name = "p", .text = "A -- b --- c", .interface = "process"}};
+  EXPECT_THAT(describe_xml(described),
+              AllOf(HasSubstr("<operationtype>periodic<"), HasSubstr("<!-- A - b - c -->")));
+  described.component.operation = "sporadic";
+  EXPECT_THAT(describe_xml(described), AllOf(HasSubstr("<operationtype>sporadic<"), HasSubstr("<deadline>"),
+                                             Not(HasSubstr("<dispatch>"))));
+  described.component.operation = "non-real";
+  EXPECT_THAT(describe_xml(described), AllOf(HasSubstr("<operationtype>non-real<"),
+                                             Not(HasSubstr("<period>")), Not(HasSubstr("<priority>"))));
+}
+
+TEST(Iso22166Profile, SaysWhatIsKnownAndNothingElse) {
+  EXPECT_EQ(iso22166_profile(belt(), std::nullopt),
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+            "<module>\n"
+            "  <generalInfo>\n"
+            "    <moduleName>Belt</moduleName>\n"
+            "    <description>Moves parts &amp; &lt;waits&gt;.</description>\n"
+            "  </generalInfo>\n"
+            "  <properties>\n"
+            "    <property>\n"
+            "      <name>speed</name>\n"
+            "      <type>double</type>\n"
+            "      <value>0.5</value>\n"
+            "      <unit>m/s</unit>\n"
+            "      <description>Of the belt.</description>\n"
+            "    </property>\n"
+            "    <property>\n"
+            "      <name>label</name>\n"
+            "      <type>string</type>\n"
+            "    </property>\n"
+            "  </properties>\n"
+            "  <ioVariables>\n"
+            "    <inputs>\n"
+            "      <input>\n"
+            "        <name>stop</name>\n"
+            "        <type>line::Part</type>\n"
+            "        <description>Whether to stand.</description>\n"
+            "      </input>\n"
+            "    </inputs>\n"
+            "    <outputs>\n"
+            "      <output>\n"
+            "        <name>part</name>\n"
+            "        <type>line::Part</type>\n"
+            "      </output>\n"
+            "    </outputs>\n"
+            "  </ioVariables>\n"
+            "</module>\n");
+}
+
+TEST(Iso22166Profile, OfAModuleOfADescriptorHasItsValuesAndHowItIsReleased) {
+  const Described described = in_a_cell();
+  EXPECT_THAT(iso22166_profile(described, operation_of(described)),
+              AllOf(HasSubstr("<exeType>EVENTDRIVEN</exeType>"), HasSubstr("<value>1.25</value>")));
+  EXPECT_THAT(iso22166_profile(belt(), model::Operation::periodic), HasSubstr("<exeType>PERIODIC</exeType>"));
+  EXPECT_THAT(iso22166_profile(belt(), model::Operation::non_real), HasSubstr("<exeType>NONRT</exeType>"));
+}
+
+TEST(ComponentList, IsByFolderWithASentenceEach) {
+  const std::vector<host::ComponentFile> files{
+      {"/a/belt.so", "c++", "Moves parts."}, {"/a/counter.exe", "process", ""}, {"/b/x.so", "c", "Does."}};
+  EXPECT_EQ(component_list_text(files, {}),
+            "/a\n"
+            "  belt.so      c++      Moves parts.\n"
+            "  counter.exe  process\n"
+            "\n"
+            "/b\n"
+            "  x.so  c  Does.\n");
+  EXPECT_EQ(nlohmann::json::parse(component_list_json(files))["components"][2]["file"], "x.so");
+}
+
+}  // namespace
+}  // namespace takt::tool

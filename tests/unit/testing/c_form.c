@@ -1,0 +1,20 @@
+/* A thread module in C, with variables that a second one of it must not share. */
+#include <takt/module.h>
+
+#include <basic_c.h>
+
+TAKT_IN_PORT(basic_Number, in);
+TAKT_OUT_PORT(basic_Number, out);
+
+static double sum = 0;
+
+void run(void);
+void recover(void);
+void run(void) {
+  basic_Number number;
+  if (takt_read(&in, &number)) sum += number.value;
+  if (sum < 0) takt_fail("the sum is negative");
+  number.value = sum + (double)takt_cycle();
+  takt_write(&out, &number);
+}
+void recover(void) { sum = 0; }

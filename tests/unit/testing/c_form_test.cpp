@@ -1,0 +1,77 @@
+// A thread module in C.
+#include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
+
+#include <basic.hpp>
+
+namespace {
+
+using takt::lifecycle::State;
+using takt::testing::Module;
+
+basic::Number number(double value) {
+  basic::Number result;
+  result.value(value);
+  return result;
+}
+
+TEST(ModuleInC, ReadsAndWritesAndKnowsItsCycle) {
+  Module module{{.file = C_FORM}};
+  auto& in = module.in<basic::Number>("in");
+  auto& out = module.out<basic::Number>("out");
+  ASSERT_TRUE(module.start());
+  in.write(number(10));
+  module.step(3);
+  EXPECT_EQ(out.value().value(), 12);
+}
+
+TEST(ModuleInC, SharesNoVariablesWithAnother) {
+  Module one{{.file = C_FORM}};
+  Module other{{.file = C_FORM}};
+  auto& in = one.in<basic::Number>("in");
+  auto& out = other.out<basic::Number>("out");
+  ASSERT_TRUE(one.start());
+  ASSERT_TRUE(other.start());
+  in.write(number(10));
+  one.step();
+  other.step();
+  EXPECT_EQ(out.value().value(), 0);
+}
+
+TEST(ModuleInC, BeginsAfreshAfterAReset) {
+  Module module{{.file = C_FORM}};
+  auto& in = module.in<basic::Number>("in");
+  auto& out = module.out<basic::Number>("out");
+  ASSERT_TRUE(module.start());
+  in.write(number(10));
+  module.step();
+  ASSERT_TRUE(module.destruct());
+  ASSERT_TRUE(module.reset());
+  ASSERT_TRUE(module.start());
+  module.step();
+  EXPECT_EQ(out.value().value(), 1);  // the number of the cycle
+}
+
+TEST(ModuleInC, SaysWhatFailed) {
+  Module module{{.file = C_FORM}};
+  auto& in = module.in<basic::Number>("in");
+  ASSERT_TRUE(module.start());
+  in.write(number(-1));
+  module.step();
+  EXPECT_EQ(module.state(), State::recover);
+  EXPECT_EQ(module.last_error().text, "the sum is negative");
+  ASSERT_TRUE(module.recover());
+  EXPECT_EQ(module.step(2), 2U);
+}
+
+TEST(ModuleInC, IsGivenPropertiesBeforeItIsInitialisedOnly) {
+  Module module{{.file = C_FORM}};
+  ASSERT_TRUE(module.set("anything", "1"));
+  ASSERT_TRUE(module.start());
+  EXPECT_FALSE(module.set("anything", "2"));
+  EXPECT_EQ(*module.get("anything"), "1");
+  EXPECT_FALSE(module.get("nothing"));
+}
+
+}  // namespace

@@ -1,0 +1,3 @@
+// A library that is no component.
+extern "C" void walk();
+extern "C" void walk() {}

@@ -1,0 +1,57 @@
+// A program that does nothing wrong but what its first argument says.
+#include <takt/process.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <basic.hpp>
+
+namespace {
+takt::InPort<basic::Number> in{"in"};
+takt::OutPort<basic::Count> out{"out"};
+int lives = 0;  // of this copy of the variables
+
+void tell(std::int64_t what) {
+  basic::Count count;
+  count.value(what);
+  out.write(count);
+}
+void say_goodbye() { tell(-1); }
+}  // namespace
+
+int main(int argc, char* argv[]) {
+  const std::string_view how = argc > 1 ? std::string_view{argv[1]} : "";
+  std::vector<int> many(1000, ++lives);  // never freed: waitPeriod() does not return at the end
+  if (how == "how=return") return 3;
+  if (how == "how=exit") {
+    std::fprintf(stderr, "property 'how' cannot be 'exit'\n");
+    std::exit(1);
+  }
+  if (how == "how=throw") throw std::runtime_error("no file");
+  if (how == "how=wait") waitPeriod();
+  if (how == "how=sporadic") initSporadicExe();
+  takt::OutPort<basic::Number> late{"late"};
+  initPeriodExe();
+  if (how == "how=twice") initPeriodExe();
+  std::atexit(say_goodbye);
+  const bool exits_at_first = how == "how=attached";
+  if (exits_at_first) std::exit(4);
+  while (true) {
+    waitPeriod();
+    try {
+      if (in.read() && in.value().value() < 0) throw std::runtime_error("negative");
+    } catch (const std::exception&) {
+      if (how == "how=waits_in_catch")
+        waitPeriod();
+      else
+        std::exit(5);
+    }
+    if (in.value().value() > 1000) return 0;
+    tell(static_cast<std::int64_t>(in.value().value()) + static_cast<std::int64_t>(takt_cycle()) * 100 +
+         takt_period_ns() * 100'000 + many.front() * 10);
+  }
+}

@@ -1,0 +1,25 @@
+/* Figure 11: every third release is a body. */
+#include <takt/process.h>
+
+#include <basic_c.h>
+
+TAKT_EVENT_PORT(basic_Count, order);
+TAKT_OUT_PORT(basic_Count, bodies);
+
+static int releases = 0;
+
+static int condition(void) {
+  waitSporadic();
+  return ++releases % 3 == 0 || takt_has_news(&order) ? TRUE : FALSE;
+}
+
+int main(void) {
+  basic_Count count = {0};
+  basic_Count ordered;
+  initSporadicExe();
+  while (1) {
+    if (!condition()) continue;
+    count.value += takt_read(&order, &ordered) ? ordered.value : 1;
+    takt_write(&bodies, &count);
+  }
+}

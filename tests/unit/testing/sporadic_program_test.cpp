@@ -1,0 +1,31 @@
+// A sporadic program in the form of Figure 11, in C.
+#include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
+
+#include <basic.hpp>
+
+namespace {
+
+using takt::testing::Module;
+
+TEST(SporadicProgram, RunsABodyWhenItsConditionHolds) {
+  Module module{{.sporadic = true}};
+  auto& order = module.in<basic::Count>("order");
+  auto& bodies = module.out<basic::Count>("bodies");
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(9), 9U);  // releases
+  EXPECT_EQ(bodies.value().value(), 3);
+  basic::Count ordered;
+  ordered.value(10);
+  order.write(ordered);
+  module.step();
+  EXPECT_EQ(bodies.value().value(), 13);
+}
+
+TEST(SporadicProgram, IsRefusedWhereTheTestSaysPeriodic) {
+  Module module;
+  EXPECT_NE(module.start().text().find("initSporadicExe(): the test says periodic"), std::string::npos);
+}
+
+}  // namespace

@@ -1,0 +1,68 @@
+// A component that does nothing wrong but what its properties say.
+#include <takt/component.hpp>
+
+#include <stdexcept>
+
+#include <basic.hpp>
+#include <line.hpp>
+
+class Subject : public takt::Component {
+  takt::InPort<basic::Number> in{*this, "in"};
+  takt::InPort<basic::Count> orders{*this, "orders"};
+  takt::OutPort<basic::Number> out{*this, "out"};
+  takt::OutPort<basic::Count> told{*this, "told", {.text = "Each hook, and the orders."}};
+  takt::InPort<line::BeltState> belt{*this, "belt"};
+  takt::OutPort<line::BeltState> state{*this, "state"};
+  takt::Property<double> gain{*this, "gain", 2, {.unit = "1", .min = 0, .max = 10}};
+  takt::Property<std::string> how{*this, "how", "", {.text = "What goes wrong: say, throw, other, bound."}};
+  takt::Property<std::int64_t> at{*this, "at", -1, {.text = "In which cycle."}};
+  takt::Property<bool> starts{*this, "starts", true};
+  takt::Property<bool> recovers{*this, "recovers", true};
+
+  void tell(std::int64_t what) {
+    basic::Count count;
+    count.value(what);
+    told.write(count);
+  }
+
+  takt::Result<void> initialize() override {
+    if (how.value() == "initialize") return takt::fail("no air pressure", "open the valve");
+    tell(-1);
+    return {};
+  }
+  takt::Result<void> start() override {
+    if (!starts) throw std::runtime_error("the drive is off");
+    tell(-2);
+    return {};
+  }
+  void run(const takt::Cycle& cycle) override {
+    in.read();
+    while (orders.read()) tell(orders.value().value());
+    if (static_cast<std::int64_t>(cycle.number) == at) {
+      if (how.value() == "say") fail("the axis is blocked");
+      if (how.value() == "throw") throw std::runtime_error("division by zero");
+      if (how.value() == "other") throw 1;
+      if (how.value() == "bound") {
+        line::BeltState none;
+        none.mode(static_cast<line::BeltMode>(7));
+        state.write(none);
+      }
+    }
+    basic::Number result;
+    result.value(how.value() == "number"   ? static_cast<double>(cycle.number)
+                 : how.value() == "period" ? cycle.seconds()
+                 : how.value() == "time"   ? static_cast<double>(takt::to_ns(cycle.time))
+                 : how.value() == "age"    ? static_cast<double>(in.age().count())
+                 : how.value() == "tied"   ? (in.connected() ? 1 : 0)
+                                           : gain * in.value().value());
+    out.write(result);
+  }
+  void error(takt::ErrorType type) override { tell(-10 - static_cast<std::int64_t>(type)); }
+  takt::Result<void> recover() override {
+    if (!recovers) return takt::fail("still blocked");
+    tell(-3);
+    return {};
+  }
+  void destruct() override { tell(-4); }
+};
+TAKT_COMPONENT(Subject)

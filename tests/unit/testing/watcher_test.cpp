@@ -1,0 +1,57 @@
+// A sporadic C++ component.
+#include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
+
+#include <basic.hpp>
+
+namespace {
+
+using takt::lifecycle::State;
+using takt::testing::Module;
+
+basic::Number number(double value) {
+  basic::Number result;
+  result.value(value);
+  return result;
+}
+
+TEST(SporadicComponent, RunsWhenAnEventHasCome) {
+  Module module{{.sporadic = true, .file = WATCHER}};
+  auto& alarm = module.in<basic::Number>("alarm");
+  auto& sum = module.out<basic::Number>("sum");
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(10), 0U);
+  EXPECT_EQ(module.state(), State::start);
+  alarm.write(number(1));
+  alarm.write(number(2));
+  EXPECT_EQ(module.step(10), 1U);
+  EXPECT_EQ(module.state(), State::executing);
+  EXPECT_EQ(sum.value().value(), 3);
+}
+
+TEST(SporadicComponent, RunsWhileItsConditionHolds) {
+  Module module{{.sporadic = true, .file = WATCHER}};
+  auto& level = module.in<basic::Number>("level");
+  ASSERT_TRUE(module.start());
+  level.write(number(11));
+  EXPECT_EQ(module.step(10), 10U);
+  level.write(number(10));
+  EXPECT_EQ(module.step(10), 0U);
+}
+
+TEST(SporadicComponent, GoesToRecoverWhereItsConditionFails) {
+  Module module{{.sporadic = true, .file = WATCHER}};
+  ASSERT_TRUE(module.start());
+  module.step();
+  ASSERT_TRUE(module.set("fails", "true"));
+  EXPECT_EQ(module.step(3), 0U);
+  EXPECT_EQ(module.state(), State::recover);
+  EXPECT_EQ(module.last_error().text, "no idea");
+  EXPECT_EQ(module.last_error().cycle, 1U);
+  ASSERT_TRUE(module.set("fails", "false"));
+  ASSERT_TRUE(module.recover());
+  EXPECT_EQ(module.state(), State::start);
+}
+
+}  // namespace

@@ -1,0 +1,31 @@
+// What `takt new` writes, apart from writing it.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <takt/core/result.hpp>
+#include <takt/model/cell.hpp>
+
+namespace takt::tool {
+
+struct NewFile {
+  std::string name;  ///< in the new folder
+  std::string text;
+};
+
+struct NewComponent {
+  std::string name;
+  model::ModuleType type = model::ModuleType::thread;
+  model::Operation operation = model::Operation::periodic;  ///< or sporadic
+  bool in_c = false;
+};
+
+/// A component with its types, its descriptor, its tests and its page. Fails on a name that would not do in
+/// C++, IDL or CMake.
+Result<std::vector<NewFile>> new_component(const NewComponent& wanted);
+/// A cell of two devices, made of ready components.
+Result<std::vector<NewFile>> new_cell(const std::string& name);
+
+}  // namespace takt::tool

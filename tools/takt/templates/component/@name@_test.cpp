@@ -1,0 +1,43 @@
+// @name@ on virtual time, without a cell: <takt/testing.hpp> says what else can be done with it.
+#include <gtest/gtest.h>
+
+#include <takt/testing.hpp>
+
+#include <@name@_types.hpp>
+
+namespace {
+
+const takt::testing::Options kOptions{.period = std::chrono::milliseconds{1}, .sporadic = @sporadic@};
+
+@name@_types::Value value(double number) {
+  @name@_types::Value value;
+  value.value(number);
+  return value;
+}
+
+TEST(@Name@, MultipliesWhatComesIn) {
+  takt::testing::Module module{kOptions};
+  ASSERT_TRUE(module.set("gain", "3"));
+  auto& in = module.in<@name@_types::Value>("in");
+  auto& out = module.out<@name@_types::Value>("out");
+  ASSERT_TRUE(module.start());
+  in.write(value(2));
+  module.step();
+  ASSERT_EQ(out.count(), 1U);
+  EXPECT_EQ(out.value().value(), 6);
+}
+
+TEST(@Name@, SaysNothingWhenNothingComes) {
+  takt::testing::Module module{kOptions};
+  auto& out = module.out<@name@_types::Value>("out");
+  ASSERT_TRUE(module.start());
+  module.step(1000);
+  EXPECT_EQ(out.count(), 0U);
+}
+
+TEST(@Name@, RefusesAGainThatIsNoNumber) {
+  takt::testing::Module module{kOptions};
+  EXPECT_FALSE(module.set("gain", "much"));
+}
+
+}  // namespace

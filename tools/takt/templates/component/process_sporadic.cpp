@@ -1,0 +1,27 @@
+// A sporadic process module: a program of its own that the scheduler releases, and that looks what has come.
+#include <takt/process.hpp>
+
+#include <@name@_types.hpp>
+
+TAKT_TEXT("Multiplies what comes in, when it comes.");
+
+namespace {
+
+takt::EventPort<@name@_types::Value> in{"in", {.text = "What is multiplied."}};
+takt::OutPort<@name@_types::Value> out{"out", {.text = "The same, times the gain."}};
+takt::Property<double> gain{"gain", 2, {.min = -1000, .max = 1000, .text = "What it is multiplied with."}};
+
+}  // namespace
+
+int main() {
+  initSporadicExe();
+  // Here one may allocate, open and take time: the module is ready when it waits for the first time.
+  @name@_types::Value result;
+  while (true) {
+    waitSporadic();
+    while (in.read()) {
+      result.value(gain * in.value().value());
+      out.write(result);
+    }
+  }
+}

@@ -1,0 +1,23 @@
+/* A sporadic thread module in C: run() is called by the scheduler when condition() holds. */
+#include <takt/module.h>
+
+#include <@name@_types_c.h>
+
+TAKT_TEXT("Multiplies what comes in, when it comes.");
+TAKT_EVENT_PORT(@name@_types_Value, in);
+TAKT_OUT_PORT(@name@_types_Value, out);
+TAKT_NUMBER(gain, 2, -1000, 1000, "", "What it is multiplied with.");
+
+/* Here one may allocate, open and fail: takt_fail("what is wrong"); */
+void initialize(void) {}
+
+/* Both on the real-time thread: no lock, no allocation, no system call, no log. */
+int condition(void) { return takt_has_news(&in) ? TRUE : FALSE; }
+
+void run(void) {
+  @name@_types_Value value;
+  while (takt_read(&in, &value)) {
+    value.value *= gain;
+    takt_write(&out, &value);
+  }
+}

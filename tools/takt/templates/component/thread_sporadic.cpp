@@ -1,0 +1,25 @@
+// A sporadic thread module: called by the scheduler when something has come.
+#include <takt/component.hpp>
+
+#include <@name@_types.hpp>
+
+class @Name@ : public takt::Component {
+  // While it has an event that was not read, run() is called. For a condition of one's own: bool condition() override.
+  takt::EventPort<@name@_types::Value> in{*this, "in", {.text = "What is multiplied."}};
+  takt::OutPort<@name@_types::Value> out{*this, "out", {.text = "The same, times the gain."}};
+  takt::Property<double> gain{*this, "gain", 2, {.min = -1000, .max = 1000, .text = "What it is multiplied with."}};
+
+  @name@_types::Value result_;
+
+  // Here one may allocate, open and fail: return takt::fail("what is wrong", "what would be right");
+  takt::Result<void> initialize() override { return {}; }
+
+  // On the real-time thread: no lock, no allocation, no system call, no log.
+  void run(const takt::Cycle&) noexcept override {
+    while (in.read()) {
+      result_.value(gain * in.value().value());
+      out.write(result_);
+    }
+  }
+};
+TAKT_COMPONENT(@Name@, "Multiplies what comes in, when it comes.")
