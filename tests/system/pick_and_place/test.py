@@ -46,7 +46,7 @@ class PickAndPlace(takt_system.Case):
         return struct.unpack(">I", self.modbus(3, 0, 2))[0]
 
     def samples(self, port, count):
-        echo = self.takt("echo", port, "--count", count)
+        echo = self.takt("echo", port, "--count", str(count))
         self.assertEqual(0, echo.status, echo.err)
         return [json.loads(line) for line in echo.out.splitlines()]
 
