@@ -9,8 +9,8 @@ namespace {
 
 const takt::testing::Options kOptions{.period = std::chrono::milliseconds{1}, .sporadic = @sporadic@};
 
-@name@_types::Value value(double number) {
-  @name@_types::Value value;
+@name@_types::Sample value(double number) {
+  @name@_types::Sample value;
   value.value(number);
   return value;
 }
@@ -18,8 +18,8 @@ const takt::testing::Options kOptions{.period = std::chrono::milliseconds{1}, .s
 TEST(@Name@, MultipliesWhatComesIn) {
   takt::testing::Module module{kOptions};
   ASSERT_TRUE(module.set("gain", "3"));
-  auto& in = module.in<@name@_types::Value>("in");
-  auto& out = module.out<@name@_types::Value>("out");
+  auto& in = module.in<@name@_types::Sample>("in");
+  auto& out = module.out<@name@_types::Sample>("out");
   ASSERT_TRUE(module.start());
   in.write(value(2));
   module.step();
@@ -29,7 +29,7 @@ TEST(@Name@, MultipliesWhatComesIn) {
 
 TEST(@Name@, SaysNothingWhenNothingComes) {
   takt::testing::Module module{kOptions};
-  auto& out = module.out<@name@_types::Value>("out");
+  auto& out = module.out<@name@_types::Sample>("out");
   ASSERT_TRUE(module.start());
   module.step(1000);
   EXPECT_EQ(out.count(), 0U);

@@ -4,12 +4,12 @@
 #include <@name@_types_c.h>
 
 TAKT_TEXT("Multiplies what comes in.");
-TAKT_IN_PORT(@name@_types_Value, in);
-TAKT_OUT_PORT(@name@_types_Value, out);
+TAKT_IN_PORT(@name@_types_Sample, in);
+TAKT_OUT_PORT(@name@_types_Sample, out);
 TAKT_NUMBER(gain, 2, -1000, 1000, "", "What it is multiplied with.");
 
 int main(void) {
-  @name@_types_Value value;
+  @name@_types_Sample value;
   initPeriodExe();
   /* Here one may allocate, open and take time: the module is ready when it waits for the first time. */
   while (1) {

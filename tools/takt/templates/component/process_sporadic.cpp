@@ -7,8 +7,8 @@ TAKT_TEXT("Multiplies what comes in, when it comes.");
 
 namespace {
 
-takt::EventPort<@name@_types::Value> in{"in", {.text = "What is multiplied."}};
-takt::OutPort<@name@_types::Value> out{"out", {.text = "The same, times the gain."}};
+takt::EventPort<@name@_types::Sample> in{"in", {.text = "What is multiplied."}};
+takt::OutPort<@name@_types::Sample> out{"out", {.text = "The same, times the gain."}};
 takt::Property<double> gain{"gain", 2, {.min = -1000, .max = 1000, .text = "What it is multiplied with."}};
 
 }  // namespace
@@ -16,7 +16,7 @@ takt::Property<double> gain{"gain", 2, {.min = -1000, .max = 1000, .text = "What
 int main() {
   initSporadicExe();
   // Here one may allocate, open and take time: the module is ready when it waits for the first time.
-  @name@_types::Value result;
+  @name@_types::Sample result;
   while (true) {
     waitSporadic();
     while (in.read()) {

@@ -4,11 +4,11 @@
 #include <@name@_types.hpp>
 
 class @Name@ : public takt::Component {
-  takt::InPort<@name@_types::Value> in{*this, "in", {.text = "What is multiplied."}};
-  takt::OutPort<@name@_types::Value> out{*this, "out", {.text = "The same, times the gain."}};
+  takt::InPort<@name@_types::Sample> in{*this, "in", {.text = "What is multiplied."}};
+  takt::OutPort<@name@_types::Sample> out{*this, "out", {.text = "The same, times the gain."}};
   takt::Property<double> gain{*this, "gain", 2, {.min = -1000, .max = 1000, .text = "What it is multiplied with."}};
 
-  @name@_types::Value result_;
+  @name@_types::Sample result_;
 
   // Here one may allocate, open and fail: return takt::fail("what is wrong", "what would be right");
   takt::Result<void> initialize() override { return {}; }

@@ -4,8 +4,8 @@
 #include <@name@_types_c.h>
 
 TAKT_TEXT("Multiplies what comes in, when it comes.");
-TAKT_EVENT_PORT(@name@_types_Value, in);
-TAKT_OUT_PORT(@name@_types_Value, out);
+TAKT_EVENT_PORT(@name@_types_Sample, in);
+TAKT_OUT_PORT(@name@_types_Sample, out);
 TAKT_NUMBER(gain, 2, -1000, 1000, "", "What it is multiplied with.");
 
 /* Here one may allocate, open and fail: takt_fail("what is wrong"); */
@@ -15,7 +15,7 @@ void initialize(void) {}
 int condition(void) { return takt_has_news(&in) ? TRUE : FALSE; }
 
 void run(void) {
-  @name@_types_Value value;
+  @name@_types_Sample value;
   while (takt_read(&in, &value)) {
     value.value *= gain;
     takt_write(&out, &value);

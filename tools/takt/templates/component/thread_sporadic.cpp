@@ -5,11 +5,11 @@
 
 class @Name@ : public takt::Component {
   // While it has an event that was not read, run() is called. For a condition of one's own: bool condition() override.
-  takt::EventPort<@name@_types::Value> in{*this, "in", {.text = "What is multiplied."}};
-  takt::OutPort<@name@_types::Value> out{*this, "out", {.text = "The same, times the gain."}};
+  takt::EventPort<@name@_types::Sample> in{*this, "in", {.text = "What is multiplied."}};
+  takt::OutPort<@name@_types::Sample> out{*this, "out", {.text = "The same, times the gain."}};
   takt::Property<double> gain{*this, "gain", 2, {.min = -1000, .max = 1000, .text = "What it is multiplied with."}};
 
-  @name@_types::Value result_;
+  @name@_types::Sample result_;
 
   // Here one may allocate, open and fail: return takt::fail("what is wrong", "what would be right");
   takt::Result<void> initialize() override { return {}; }
