@@ -32,7 +32,7 @@ def module(name, filename, *properties, sporadic=False):
     return text if properties else re.sub(r"(?s) *<property>.*</property>\n", "", text)
 
 
-# Programs that are nothing without a property, which says what their ports are.
+# Programs that are nothing without a property, and say so.
 ASKED_WITH = {"modbus_master.exe": ["map=lamp out coil 0"], "modbus_device.exe": ["map=lamp out coil 0"]}
 
 
