@@ -109,7 +109,7 @@ class PickAndPlace(takt_system.Case):
     def test_a_camera_that_dies_is_started_again(self):
         cell = self.demo()
         cell.wait_for_state("camera", "EXECUTING")
-        wait_until(lambda: self.display() == 1, 30, "the first part")
+        wait_until(lambda: self.display() == 1, 60, "the first part")
         status = json.loads(self.takt("status", "--json").out)
         pid = next(m["pid"] for d in status["devices"] for m in d["modules"] if m["name"] == "camera")
         os.kill(pid, signal.SIGKILL)
