@@ -36,7 +36,7 @@ class Ros2(takt_system.Case):
                     "pub rt/cell/x std_msgs::msg::dds_::Float64_ reliable",
                     "sub rt/cell/text std_msgs::msg::dds_::String_ reliable",
                     "sub rt/cmd_vel geometry_msgs::msg::dds_::Twist_ best-effort"}
-        wait_until(lambda: expected <= {line for _, line in list(names.out_lines)}, 20, "the topics, as ROS 2 calls them")
+        wait_until(lambda: expected <= {line.strip() for _, line in list(names.out_lines)}, 20, "the topics, as ROS 2 calls them")
 
         before = time.time()
         states = self.peer("sub", "JointState", "/joint_states", 20, 20).wait(30)
@@ -73,12 +73,13 @@ class Ros2(takt_system.Case):
         names.wait(10)
 
     def test_a_type_that_ros2_does_not_know_is_refused(self):
-        text = open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "cell.xml")).read()
+        with open(self.beside("cell.xml"), encoding="utf-8") as file:
+            text = file.read()
         path = self.write("wrong.xml", text.replace('from="robot.joint_states.joint_states" topic', 'from="robot.arm.measured" topic'))
         run = self.takt("check", path)
         self.assertEqual(1, run.status)
         line = 1 + text[:text.index('topic="/joint_states"')].count("\n")
-        self.assertIn(f"wrong.xml:{line}: error: port 'robot.arm.measured' is of type motion::JointState, which no program of ROS 2 knows",
+        self.assertIn(f"wrong.xml:{line}: error: port robot.arm.measured is of type motion::JointState, which no program of ROS 2 knows",
                       run.err)
 
 
