@@ -37,7 +37,7 @@ TEST(@Name@, SaysNothingWhenNothingComes) {
 
 TEST(@Name@, RefusesAGainThatIsNoNumber) {
   takt::testing::Module module{kOptions};
-  EXPECT_FALSE(module.set("gain", "much"));
+  EXPECT_FALSE(module.set("gain", "much") && module.start());
 }
 
 }  // namespace
