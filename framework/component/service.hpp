@@ -203,7 +203,7 @@ class Service final : public ServiceBase {
     busy_ = false;
     answer_.code = code;
     const std::size_t length = std::min(reason.size(), kReasonLength);
-    std::memcpy(answer_.reason.data(), reason.data(), length);
+    std::copy_n(reason.begin(), length, answer_.reason.begin());  // of no reason there is no address
     answer_.reason[length] = '\0';
     // The reply goes the way that belongs to the request's: the connections of both are made in one order.
     out_.write_to(from_, answer_);
