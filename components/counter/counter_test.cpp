@@ -30,6 +30,15 @@ TEST(Rate, ForgetsWhatIsOlderThanAMinute) {
   EXPECT_EQ(per_minute, 0);
 }
 
+TEST(Rate, TakesNoPartsFromACountThatBeginsAnew) {
+  counter_rate rate{};
+  double per_minute = 0;
+  for (int i = 0; i < 10 * 50; ++i) per_minute = counter_rate_step(&rate, 10, 0.02);
+  EXPECT_NEAR(per_minute, 60, 1);
+  for (int i = 0; i < 10 * 50; ++i) per_minute = counter_rate_step(&rate, 3, 0.02);
+  EXPECT_NEAR(per_minute, 30, 1);
+}
+
 using namespace std::chrono_literals;
 
 TEST(Counter, SaysHowManyPartsCameInAMinute) {

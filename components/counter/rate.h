@@ -20,7 +20,7 @@ struct counter_rate {
 static inline double counter_rate_step(struct counter_rate* rate, uint32_t parts, double dt) {
   uint32_t sum = 0;
   double seconds = 0;
-  rate->slots[rate->at] += parts - rate->last;
+  if (parts > rate->last) rate->slots[rate->at] += parts - rate->last; /* fewer: counting began anew */
   rate->last = parts;
   rate->second += dt;
   for (uint32_t i = 0; i < COUNTER_SLOTS; ++i) sum += rate->slots[i];
