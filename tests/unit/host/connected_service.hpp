@@ -26,7 +26,7 @@ class TestLink {
     link = channel::Link{start};
     void* values = as_objects ? from.make_values(link.buffers()) : nullptr;
     // They are for ever, as the host's are; whoever looks for leaks is to find them.
-    static std::vector<void*> kept;
+    static auto& kept = *new std::vector<void*>;
     kept.push_back(values);
     from.connect(link, values);
     to.connect(link, values);
