@@ -3,12 +3,12 @@
 #include <takt/component.hpp>
 
 #include <algorithm>
-#include <chrono>
 
 #include <basic.hpp>
 #include <line.hpp>
 #include <motion.hpp>
 
+#include "../common/enabled.hpp"
 #include "belt.hpp"
 
 class Conveyor : public takt::Component {
@@ -67,7 +67,8 @@ class Conveyor : public takt::Component {
     }
     if (count.take()) recount();
     waited_ += cycle.seconds();
-    const bool came = belt_.step(is_enabled() ? command.value().speed() : 0, cycle.seconds());
+    const bool came =
+        belt_.step(common::is_enabled(enable, enable_timeout) ? command.value().speed() : 0, cycle.seconds());
     if (came || (belt_.holding && waited_ >= repeat)) tell_part();
     tell_state();
     tell_scene();
@@ -80,12 +81,6 @@ class Conveyor : public takt::Component {
     counted_.value(belt_.parts);
     belt_.recount(static_cast<std::uint32_t>(number));
     count.reply(counted_);
-  }
-
-  [[nodiscard]] bool is_enabled() const noexcept {
-    const bool heard =
-        enable_timeout <= 0 || enable.age() <= std::chrono::duration<double>(enable_timeout.value());
-    return heard && (!enable.has_value() || enable.value().value());
   }
 
   // The one thing a belt must do when nobody tells it how fast to run.

@@ -1,7 +1,6 @@
 // A thread module in C++: the set points of an arm of six axes that takes parts away when it is asked to.
 #include <takt/component.hpp>
 
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 #include <basic.hpp>
 #include <motion.hpp>
 
+#include "../common/enabled.hpp"
 #include "path.hpp"
 
 class Trajectory : public takt::Component {
@@ -97,19 +97,13 @@ class Trajectory : public takt::Component {
     if (!path_.busy() && !planning_ && request.read()) take_on(request.value());
     asked_ += cycle.seconds();
     if (planning_) go_on_planning();
-    path_.advance(is_enabled(), most_acceleration_, cycle.seconds());
+    path_.advance(common::is_enabled(enable, enable_timeout), most_acceleration_, cycle.seconds());
     if (path_.busy()) watch_part();
     if (path_.ended().any) end_leg(path_.ended().step);
     state_.position() = path_.position();
     state_.velocity() = path_.velocity();
     setpoint.write(state_);
     grip.write(closed_);
-  }
-
-  [[nodiscard]] bool is_enabled() const noexcept {
-    const bool heard =
-        enable_timeout <= 0 || enable.age() <= std::chrono::duration<double>(enable_timeout.value());
-    return heard && (!enable.has_value() || enable.value().value());
   }
 
   [[nodiscard]] bool is_off_the_path() const noexcept {

@@ -84,7 +84,7 @@ void Guest::check_ports(const char* function) {
   }
 }
 
-// Somebody wants to know what we are before anything is started. What the program would do is not for now.
+// Whoever started us only asks what we are: answered, and the program ends before it does anything.
 void Guest::describe(channel::SeatKind kind) {
   os::MessageSocket asker{os::take_fd_from_environment("TAKT_DESCRIBE_FD")};
   if (!asker.fd()) return;

@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include <time.h>
 
-#include "../../../components/common/argument.h"
+#include "argument.h"
 
 int main(int argc, char* argv[]) {
   struct timespec now;

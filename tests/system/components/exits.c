@@ -1,7 +1,7 @@
 /* Returns from main with `status` (0) after `after` releases (100); with 0 before it ever waits. */
 #include <takt/process.h>
 
-#include "../../../components/common/argument.h"
+#include "argument.h"
 
 int main(int argc, char* argv[]) {
   long after = (long)argument_number(argc, argv, "after", 100, 0, 1e9);

@@ -6,7 +6,7 @@
 #include <takt/process.h>
 #include <time.h>
 
-#include "../../../components/common/argument.h"
+#include "argument.h"
 
 static long every = 10;
 static long releases = 0;

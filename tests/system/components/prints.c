@@ -3,7 +3,7 @@
  * feed on each. */
 #include <takt/process.h>
 
-#include "../../../components/common/argument.h"
+#include "argument.h"
 
 static void print_long(FILE* out, long length) {
   for (long i = 0; i < length; ++i) fputc('x', out);

@@ -4,7 +4,7 @@
 #include <takt/process.h>
 #include <time.h>
 
-#include "../../../components/common/argument.h"
+#include "argument.h"
 
 static int64_t now_ns(void) {
   struct timespec now;

@@ -3,7 +3,7 @@
 #include <takt/process.h>
 #include <unistd.h>
 
-#include "../../../components/common/argument.h"
+#include "argument.h"
 
 int main(int argc, char* argv[]) {
   long after = (long)argument_number(argc, argv, "after", 100, 0, 1e9);

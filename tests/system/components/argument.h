@@ -1,8 +1,7 @@
-/* The properties of a process module are its program's arguments, one "name=value" each. What this header
- * adds is a refusal in the author's words of a value that is none, before the module attaches: exit status 1
- * and a reason on standard error. */
-#ifndef TAKT_COMPONENTS_ARGUMENT_H
-#define TAKT_COMPONENTS_ARGUMENT_H
+/* For programs that declare no properties and read their arguments themselves, as legacy ones do: one "name=value"
+ * each. A value that is none is refused before the module attaches: exit status 1 and a reason on standard error. */
+#ifndef TAKT_TESTS_ARGUMENT_H
+#define TAKT_TESTS_ARGUMENT_H
 
 #include <math.h>
 #include <stdio.h>
@@ -30,17 +29,6 @@ static inline double argument_number(int argc, char* argv[], const char* name, d
     exit(1);
   }
   return value;
-}
-
-/* The same for a whole number. */
-static inline int argument_whole(int argc, char* argv[], const char* name, int fallback, int min, int max) {
-  const double value = argument_number(argc, argv, name, fallback, min, max);
-  if (value != floor(value)) {
-    fprintf(stderr, "property '%s' cannot be '%s'; it takes a whole number, %d to %d\n", name,
-            argument_text(argc, argv, name, ""), min, max);
-    exit(1);
-  }
-  return (int)value;
 }
 
 #endif
