@@ -83,6 +83,9 @@ class [[nodiscard]] Result<void> {
 };
 
 /// A failure in one line: `return fail("the sensor does not answer", "switch it on");`
-inline Problem fail(std::string what, std::string fix = {}) { return {{}, std::move(what), std::move(fix)}; }
+[[nodiscard("return it: nobody hears of it otherwise")]] inline Problem fail(std::string what,
+                                                                             std::string fix = {}) {
+  return {{}, std::move(what), std::move(fix)};
+}
 
 }  // namespace takt
