@@ -85,10 +85,10 @@ class CellReader {
     const Element element{xml, kService, report_};
     model::Service service;
     service.line = element.line();
-    const bool known =
-        read_side(element, "client", service.client) & read_side(element, "server", service.server);
+    const bool client = read_side(element, "client", service.client);
+    const bool server = read_side(element, "server", service.server);
     reading_.cell.services.push_back(std::move(service));
-    reading_.gaps.without_sides.push_back(!known);
+    reading_.gaps.without_sides.push_back(!client || !server);
   }
 
   bool read_side(const Element& element, const char* side, model::Endpoint& end) {
