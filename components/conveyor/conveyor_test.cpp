@@ -265,35 +265,27 @@ TEST(Conveyor, GoesOnCountingFromANumber) {
   auto& command = module.in<line::BeltCommand>("command");
   auto& part = module.out<line::Part>("part");
   auto& taken = module.in<motion::PickDone>("taken", {.queue = 8});
-  auto& request = module.in<takt::ServiceRequest<basic::Count>>("count/request");
-  auto& reply = module.out<takt::ServiceReply<basic::Count>>("count/reply");
   ASSERT_TRUE(module.start());
   command.write(speed(0.5));
   ASSERT_TRUE(module.step_until([&] { return part.count() == 1; }, 1000));
 
-  takt::ServiceRequest<basic::Count> recount{
-      .client = 1, .number = 1, .timeout_ns = 1'000'000'000, .request = {}};
-  recount.request.value(41);
-  request.write(recount);
-  module.step();
-  EXPECT_EQ(reply.value().code, takt::ServiceCode::refused) << "the part at the barrier has its number";
+  const auto recount = [&module](std::int64_t from) {
+    basic::Count number;
+    number.value(from);
+    return module.call<basic::Count, basic::Count>("count", number);
+  };
+  EXPECT_FALSE(recount(41)) << "the part at the barrier has its number";
   taken.write(done(1));
   module.step();
-  recount.number = 2;
-  request.write(recount);
-  module.step();
-  EXPECT_EQ(reply.value().code, takt::ServiceCode::replied) << reply.value().reason.data();
-  EXPECT_EQ(reply.value().number, 2U);
-  EXPECT_EQ(reply.value().reply.value(), 1);
+  const auto last = recount(41);
+  ASSERT_TRUE(last) << takt::in_words(last.problems());
+  EXPECT_EQ(last->value(), 1);
   ASSERT_TRUE(module.step_until([&] { return part.count() == 2; }, 1000));
   EXPECT_EQ(part.value().number(), 42U);
 
   taken.write(done(42));
   module.step();
-  recount.request.value(-1);
-  request.write(recount);
-  module.step();
-  EXPECT_STREQ(reply.value().reason.data(), "a count is 0 to 1000000000");
+  EXPECT_EQ(takt::in_words(recount(-1).problems()), "a count is 0 to 1000000000");
 }
 
 TEST(Conveyor, RefusesWhatNoBeltCanDo) {

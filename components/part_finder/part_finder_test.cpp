@@ -2,10 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
+#include <thread>
 #include <vector>
+
+#include <takt/testing.hpp>
+
+#include <line.hpp>
 
 #include "finder.hpp"
 
@@ -87,6 +94,83 @@ TEST(PartFinder, TakesTwoThatTouchForNone) {
   Camera camera{{}};
   const std::vector<PlacedPart> parts{{.x = 0.02, .y = 0}, {.x = -0.05, .y = 0}};
   EXPECT_TRUE(vision::find_parts(camera.take(parts, 0), {}).empty());
+}
+
+using namespace std::chrono_literals;
+
+line::Part lying(const char* kind, double x, double y, double angle) {
+  line::Part part;
+  part.kind(kind);
+  part.x(x);
+  part.y(y);
+  part.angle(angle);
+  return part;
+}
+line::BeltState holding(std::uint32_t number) {
+  line::BeltState state;
+  state.mode(line::BELT_HOLDING);
+  state.parts(number);
+  return state;
+}
+
+class PartFinderProgram : public ::testing::Test {
+ protected:
+  PartFinderProgram() { lies({lying("box", 0.01, -0.02, 0.4), lying("box", -0.14, 0, 0)}); }
+  void lies(const std::vector<line::Part>& parts) {
+    line::Scene now;
+    for (const line::Part& one : parts) now.parts().push_back(one);
+    scene.write(now);
+  }
+  /// Looking has a thread and a clock of its own, which a body on virtual time would outrun.
+  bool comes(const std::function<bool()>& true_by_then) {
+    for (const auto limit = std::chrono::steady_clock::now() + 20s;
+         std::chrono::steady_clock::now() < limit;) {
+      if (module.step_until(true_by_then, 1)) return true;
+      std::this_thread::sleep_for(1ms);
+    }
+    return false;
+  }
+
+  takt::testing::Module module{{.period = 40ms}};
+  takt::testing::In<line::Scene>& scene = module.in<line::Scene>("scene");
+  takt::testing::In<line::BeltState>& belt = module.in<line::BeltState>("belt");
+  takt::testing::Out<line::Scene>& seen = module.out<line::Scene>("seen");
+  takt::testing::Out<line::Part>& part = module.out<line::Part>("part");
+};
+
+TEST_F(PartFinderProgram, TellsOnceWhereThePartLiesThatWaits) {
+  ASSERT_TRUE(module.set("repeat", "3600"));
+  ASSERT_TRUE(module.start());
+  ASSERT_TRUE(comes([&] { return seen.has_value() && !seen.value().parts().empty(); }));
+  EXPECT_FALSE(part.has_value()) << "the belt holds none";
+  belt.write(holding(5));
+  ASSERT_TRUE(comes([&] { return part.has_value(); }));
+  EXPECT_EQ(part.value().number(), 5U);
+  EXPECT_EQ(part.value().kind(), "box");
+  EXPECT_NEAR(part.value().x(), 0.01, 0.001);
+  EXPECT_NEAR(part.value().y(), -0.02, 0.001);
+  EXPECT_NEAR(between_axes(part.value().angle(), 0.4), 0, 0.02);
+  const std::uint64_t pictures = seen.count();
+  ASSERT_TRUE(comes([&] { return seen.count() >= pictures + 5; }));
+  EXPECT_EQ(part.count(), 1U);
+  belt.write(holding(6));
+  ASSERT_TRUE(comes([&] { return part.count() == 2; }));
+  EXPECT_EQ(part.value().number(), 6U);
+}
+
+TEST_F(PartFinderProgram, TellsOfAPartAgainThatStillWaits) {
+  ASSERT_TRUE(module.set("repeat", "0.1"));
+  ASSERT_TRUE(module.start());
+  belt.write(holding(5));
+  EXPECT_TRUE(comes([&] { return part.count() == 3; }));
+}
+
+TEST_F(PartFinderProgram, TellsNothingWhereNoneLies) {
+  lies({});
+  ASSERT_TRUE(module.start());
+  belt.write(holding(5));
+  ASSERT_TRUE(comes([&] { return seen.count() == 10; }));
+  EXPECT_FALSE(part.has_value());
 }
 
 }  // namespace

@@ -211,8 +211,7 @@ void Host::start_services(std::uint32_t index) {
                              .bell = *bell_},
       [instance = modules_[index].get()] { return instance->has_request(); },
       [instance = modules_[index].get(), &block] {
-        const bool executing = block.in_tables.load(std::memory_order_seq_cst) != 0;
-        return instance->serve(executing ? nullptr : "its module is not in EXECUTING");
+        return instance->serve(block.in_tables.load(std::memory_order_seq_cst) != 0);
       });
 }
 

@@ -336,8 +336,9 @@ bool ThreadModule::has_request() noexcept {
                      [](const ServiceBase* service) { return service->has_request(); });
 }
 
-bool ThreadModule::serve(const char* refusal) {
+bool ThreadModule::serve(bool executing) {
   if (!has_handlers()) return false;
+  const char* refusal = executing ? nullptr : "its module is not in EXECUTING";
   handler_context_.start_ns = to_ns(now());
   const InHook in_hook{now(), period_};
   const auto& services = component_->services();

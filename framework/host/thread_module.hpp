@@ -68,9 +68,9 @@ class ThreadModule final : public executor::Body {
   }
   /// A request waits for a handler. As serve().
   [[nodiscard]] bool has_request() noexcept;
-  /// Has one answered, by its handler or, where `refusal` is not null, with that. False when there was none.
-  /// For a thread of its own beside run() and condition(); not at once with anything else.
-  bool serve(const char* refusal);
+  /// Has one answered: by its handler, or, while the module is not EXECUTING, with that. False when there was
+  /// none. For a thread of its own beside run() and condition(); not at once with anything else.
+  bool serve(bool executing);
 
   /// Null for a module in the C form.
   [[nodiscard]] const Component* component() const noexcept { return component_; }

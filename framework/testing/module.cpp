@@ -106,6 +106,8 @@ struct Module::Inside {
   irp::Property::Values values;
   lifecycle::Machine machine;
   Failure failure;
+  std::vector<std::pair<std::string, std::unique_ptr<Responder>>> responders;  // by the client
+  std::uint64_t calls = 0;
   std::uint64_t pending_misses = 0;
   bool wanted = false;  // start() and no stop() since
   bool was_started = false;
@@ -188,6 +190,7 @@ Answer Module::Inside::fails(ErrorType type, std::string text, std::uint64_t cyc
 
 void Module::Inside::collect() {
   for (Tied& tie : tied) tie.wire->collect();
+  for (const auto& [client, responder] : responders) responder->answer(clock.now());
 }
 
 Answer Module::Inside::initialize() {
@@ -398,6 +401,15 @@ Module::Tie Module::find(const std::string& port, Side side, const TypeInfo& typ
   const std::uint32_t queue = wanted->queue;
   return {.queue = queue == 0 && found->direction() == PortDirection::event ? 64 : queue};
 }
+
+void Module::respond(const std::string& client, std::unique_ptr<Responder> responder) {
+  for (const auto& [name, other] : inside_->responders) {
+    if (name == client) throw Error("client " + in_quotes(client) + " is served already; call serve() once");
+  }
+  inside_->responders.emplace_back(client, std::move(responder));
+}
+
+std::uint64_t Module::call_number() { return ++inside_->calls; }
 
 void Module::tie(const std::string& port, std::unique_ptr<Wire> wire, const Connection& connection) {
   inside_->tied.push_back({.port = port,

@@ -58,7 +58,8 @@ class Subject {
 
   /// What the executor calls or releases.
   virtual void enter(executor::Unit& unit) = 0;
-  /// After each row: what was released runs. An error type where it went wrong.
+  /// After each row: what was released runs, and what was asked is answered by its handler. An error type
+  /// where it went wrong.
   virtual void serve(channel::ModuleBlock& block) = 0;
 };
 

@@ -18,11 +18,16 @@
 // that takes no time. Works with any test framework: wrong use throws takt::testing::Error.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -31,6 +36,7 @@
 
 #include <takt/channel/link.hpp>
 #include <takt/component/component.hpp>
+#include <takt/component/service_type.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 #include <takt/lifecycle/table.hpp>
@@ -177,6 +183,55 @@ class Out final : public Wire {
   std::uint64_t count_ = 0;
 };
 
+/// What answers a client of the module.
+class Responder {
+ public:
+  Responder() = default;
+  Responder(const Responder&) = delete;
+  Responder& operator=(const Responder&) = delete;
+  virtual ~Responder() = default;
+
+ private:
+  friend class Module;
+  virtual void answer(Instant now) = 0;
+};
+
+/// The service that a client of the module asks, see Module::serve().
+template <class Request, class Reply>
+class Server final : public Responder {
+ public:
+  using Handler = std::function<Result<Reply>(const Request&)>;
+
+  /// How many requests there were.
+  [[nodiscard]] std::uint64_t asked() const { return asked_; }
+  /// The last one; Request{} before the first.
+  [[nodiscard]] const Request& request() const { return request_; }
+
+ private:
+  friend class Module;
+  struct Due {
+    Instant at;
+    ServiceReply<Reply> reply;
+  };
+  Server(Out<ServiceRequest<Request>>& requests, In<ServiceReply<Reply>>& replies, Handler handler,
+         Nanoseconds after)
+      : requests_(requests),
+        replies_(replies),
+        handler_(std::move(handler)),
+        after_(after),
+        seen_(requests.count()) {}
+  void answer(Instant now) override;
+
+  Out<ServiceRequest<Request>>& requests_;
+  In<ServiceReply<Reply>>& replies_;
+  Handler handler_;
+  Nanoseconds after_;
+  std::uint64_t seen_;  // of what was ever written there
+  std::uint64_t asked_ = 0;
+  Request request_{};
+  std::deque<Due> due_;
+};
+
 /// One component, on virtual time. For one thread.
 class Module {
  public:
@@ -203,6 +258,20 @@ class Module {
   /// The same for an output.
   template <class T>
   Out<T>& out(const std::string& port);
+
+  /// Asks a service of the module as another module does, and steps until it answers: its reply, or why it
+  /// refused, or that it had not answered when `timeout` was over. A handler is called between two rows, while
+  /// the module is EXECUTING. Throws Error as in(), and as step().
+  template <class Request, class Reply>
+  Result<Reply> call(const std::string& service, const Request& request,
+                     Nanoseconds timeout = std::chrono::seconds{1});
+  /// Answers what the module's client `client` asks, by `handler`: a reply, or takt::fail("why not"). The
+  /// module has it `after` later, at the earliest in its next run(); after its time-out, it is too late. The
+  /// reference is good as long as the module. Once for each client; throws Error as in().
+  template <class Request, class Reply>
+  Server<Request, Reply>& serve(const std::string& client,
+                                typename Server<Request, Reply>::Handler handler,
+                                Nanoseconds after = Nanoseconds{0});
 
   // The lifecycle, as framework/lifecycle says: what is not allowed in a state is refused with the states in
   // which it is, and changes nothing.
@@ -257,6 +326,9 @@ class Module {
   void tie(const std::string& port, std::unique_ptr<Wire> wire, const Connection& connection);
   /// So many samples that one run() hardly writes more, in memory that is bounded.
   static std::uint32_t most_of_a_run(const TypeInfo& type);
+  void respond(const std::string& client, std::unique_ptr<Responder> responder);
+  /// Of the call that comes next.
+  std::uint64_t call_number();
 
   struct Inside;
   std::unique_ptr<Inside> inside_;
@@ -317,6 +389,55 @@ Out<T>& Module::out(const std::string& port) {
   Out<T>& result = *wire;
   tie(port, std::move(wire), Connection{});
   return result;
+}
+
+template <class Request, class Reply>
+Result<Reply> Module::call(const std::string& service, const Request& request, Nanoseconds timeout) {
+  auto& requests = in<ServiceRequest<Request>>(service + kRequestPort);
+  auto& replies = out<ServiceReply<Reply>>(service + kReplyPort);
+  const std::uint64_t number = call_number();
+  requests.write({.client = 1, .number = number, .timeout_ns = timeout.count(), .request = request});
+  for (const Instant until = next_release() + timeout; next_release() <= until;) {
+    step();
+    for (const ServiceReply<Reply>& answer : replies.values()) {
+      if (answer.number != number) continue;
+      if (answer.code == ServiceCode::replied) return answer.reply;
+      return fail(answer.reason.data());
+    }
+  }
+  return fail("no reply came within " + to_text(timeout));
+}
+
+template <class Request, class Reply>
+Server<Request, Reply>& Module::serve(const std::string& client,
+                                      typename Server<Request, Reply>::Handler handler, Nanoseconds after) {
+  auto& requests = out<ServiceRequest<Request>>(client + kRequestPort);
+  auto& replies = in<ServiceReply<Reply>>(client + kReplyPort);
+  std::unique_ptr<Server<Request, Reply>> server{
+      new Server<Request, Reply>(requests, replies, std::move(handler), after)};
+  Server<Request, Reply>& result = *server;
+  respond(client, std::move(server));
+  return result;
+}
+
+template <class Request, class Reply>
+void Server<Request, Reply>::answer(Instant now) {
+  for (; seen_ < requests_.count(); ++seen_) {
+    const auto& asked = requests_.values().at(requests_.values().size() - (requests_.count() - seen_));
+    ++asked_;
+    request_ = asked.request;
+    ServiceReply<Reply> reply{.client = asked.client, .number = asked.number};
+    Result<Reply> result = handler_(request_);
+    if (result) {
+      reply.reply = std::move(*result);
+    } else {
+      reply.code = ServiceCode::refused;
+      const std::string words = in_words(result.problems());
+      std::copy_n(words.begin(), std::min(words.size(), kReasonLength), reply.reason.begin());
+    }
+    due_.push_back({now + after_, std::move(reply)});
+  }
+  for (; !due_.empty() && due_.front().at <= now; due_.pop_front()) replies_.write(due_.front().reply);
 }
 
 }  // namespace takt::testing

@@ -77,7 +77,10 @@ class ThreadSubject final : public Subject {
   }
 
   void enter(executor::Unit& unit) override { unit.body = &module_; }
-  void serve(channel::ModuleBlock&) override {}  // the executor has called it
+  void serve(channel::ModuleBlock& block) override {  // the executor has called its run()
+    while (module_.serve(block.in_tables != 0)) {
+    }
+  }
 
  private:
   std::string path_;

@@ -6,6 +6,7 @@
 #include "check_report.hpp"
 #include "commands.hpp"
 #include "load.hpp"
+#include "network.hpp"
 #include "terminal.hpp"
 
 namespace takt::tool {
@@ -17,7 +18,7 @@ int check(const CheckOptions& options) {
     return flat && print(*flat) ? 0 : 1;
   }
   Problems missing;
-  const auto loaded = load(options.file, options.remote ? &missing : nullptr);
+  auto loaded = load(options.file, options.remote ? &missing : nullptr);
   for (const Problem& problem : missing) {
     std::fprintf(stderr, "%s: warning: %s; its node will look for it\n", problem.where.c_str(),
                  problem.what.c_str());
@@ -26,6 +27,12 @@ int check(const CheckOptions& options) {
     complain(loaded.problems());
     return 1;
   }
+  const auto domain = domain_of({}, &loaded->cell);
+  if (!domain) {
+    complain(domain.problems());
+    return 1;
+  }
+  loaded->cell.domain = *domain;
   std::optional<Proof> proof;
   // Without being asked, where the descriptor says all that it takes.
   if (options.proof.given() || schedule::all_state_budgets(loaded->cell)) {

@@ -5,11 +5,14 @@
 #include <cstdio>
 #include <deque>
 #include <mutex>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <takt/dds/gateway.hpp>
+#include <takt/dds/words.hpp>
 #include <takt/model/type.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/signals.hpp>
@@ -25,6 +28,7 @@ namespace {
 
 constexpr auto kTapped = std::chrono::seconds{30};
 constexpr auto kAskAgain = std::chrono::seconds{10};
+constexpr auto kQuiet = std::chrono::seconds{2};
 
 struct EchoOptions {
   std::string port;
@@ -58,6 +62,20 @@ class Samples {
   std::atomic<std::uint64_t> seen_{0};
 };
 
+/// Why nothing comes, as far as it can be told from here.
+void say_quiet(const Client& client, const std::string& device, const std::string& module,
+               const std::string& port) {
+  std::string state;
+  for (const dds::SeenDevice& seen : client.observer->devices(device)) {
+    const auto& modules = seen.deployment.modules;
+    if (const auto found = modules.find(module); found != modules.end())
+      state = fmt::format("; {}.{} is in {}{}", device, module, to_text(found->second.state()),
+                          seen.alive ? "" : ", and its device is lost");
+  }
+  std::fprintf(stderr, "nothing has come from %s for %lld s%s\n", port.c_str(),
+               static_cast<long long>(kQuiet.count()), state.c_str());
+}
+
 int echo(const EchoOptions& options) {
   const auto refuse = [](const Problems& problems) {
     complain(problems);
@@ -72,10 +90,12 @@ int echo(const EchoOptions& options) {
   const auto client = connect(options.network);
   if (!client) return refuse(client.problems());
 
+  const std::string device = options.port.substr(0, first);
+  const std::string module = options.port.substr(first + 1, second - first - 1);
   const auto ask = [&] {
     return client::accepted(client->asker->ask({.kind = COMMAND_TAP,
-                                                .device = options.port.substr(0, first),
-                                                .module = options.port.substr(first + 1, second - first - 1),
+                                                .device = device,
+                                                .module = module,
                                                 .property = options.port.substr(second + 1),
                                                 .time_ns = wall_ns() + Nanoseconds{kTapped}.count()}));
   };
@@ -106,6 +126,8 @@ int echo(const EchoOptions& options) {
   Instant told = os::now();
   std::uint64_t told_samples = 0;
   std::uint64_t printed = 0;
+  std::optional<Instant> quiet_at = os::now() + kQuiet;  // empty: it was said
+  std::uint64_t heard = 0;
   while (options.count == 0 || printed < options.count) {
     os::wait_readable({&signals->fd()}, 20);
     if (signals->next()) break;
@@ -113,6 +135,14 @@ int echo(const EchoOptions& options) {
     if (now >= again) {
       again = now + kAskAgain;
       if (const auto longer = ask(); !longer) return refuse(longer.problems());
+    }
+    if (const std::uint64_t seen = samples.seen(); seen != heard) {
+      heard = seen;
+      quiet_at = now + kQuiet;
+    }
+    if (quiet_at && now >= *quiet_at) {
+      say_quiet(*client, device, module, options.port);
+      quiet_at.reset();
     }
     const auto came = samples.take();
     if (options.rate) {

@@ -166,6 +166,13 @@ class Deploy(takt_system.Case):
         self.assertEqual(0, run.status, run.err)
         numbers = [json.loads(line)["number"] for line in run.out.splitlines()]
         self.assertEqual(list(range(numbers[0], numbers[0] + 5)), numbers)
+        # Why nothing comes is said, and that it goes on when something does.
+        self.done("stop line.source")
+        echo = self.start("echo", "line.source.out", "--count", "1")
+        wait_until(lambda: "nothing has come from line.source.out for 2 s; line.source is in START" in echo.err, 10,
+                   "the silence is explained")
+        self.done("start line.source")
+        self.assertEqual(0, echo.wait(10).status, echo.err)
         described = self.done("describe cpp_properties.so")[0]
         for name in ("enabled", "count", "offset", "gain", "ratio", "label"):
             self.assertRegex(described, r"(?m)^ +%s\b" % name)

@@ -1,0 +1,169 @@
+// Services and clients of a component on virtual time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <takt/component/service.hpp>
+#include <takt/testing.hpp>
+
+#include <basic.hpp>
+
+namespace {
+
+using namespace std::chrono_literals;
+using takt::CallStatus;
+using takt::lifecycle::State;
+using takt::testing::Error;
+using takt::testing::Module;
+using ::testing::HasSubstr;
+
+basic::Count count(std::int64_t value) {
+  basic::Count result;
+  result.value(value);
+  return result;
+}
+basic::Number number(double value) {
+  basic::Number result;
+  result.value(value);
+  return result;
+}
+
+takt::Result<basic::Number> call(Module& module, const std::string& service, std::int64_t value,
+                                 takt::Nanoseconds timeout = 1s) {
+  return module.call<basic::Count, basic::Number>(service, count(value), timeout);
+}
+std::string refusal(const takt::Result<basic::Number>& answer) {
+  return answer.ok() ? "it was answered" : takt::in_words(answer.problems());
+}
+
+TEST(TestedService, OfAHandlerAnswersAfterTheRow) {
+  Module module;
+  ASSERT_TRUE(module.start());
+  const auto answer = call(module, "half", 7);
+  ASSERT_TRUE(answer.ok());
+  EXPECT_EQ(answer->value(), 3.5);
+  EXPECT_EQ(module.runs(), 1U);
+  EXPECT_EQ(call(module, "half", 8)->value(), 4) << "the answer of this call, not of the one before";
+}
+
+TEST(TestedService, RefusesWithItsWords) {
+  Module module;
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(refusal(call(module, "half", -1)), "it is negative; give a positive one");
+  EXPECT_EQ(refusal(call(module, "half", 13)), "its handler threw: not that one");
+  EXPECT_EQ(module.state(), State::executing);
+}
+
+TEST(TestedService, OfAHandlerRefusesWhileTheModuleIsNotExecuting) {
+  Module module;
+  ASSERT_TRUE(module.start());
+  module.step();
+  ASSERT_TRUE(module.stop());
+  EXPECT_EQ(refusal(call(module, "half", 7)), "its module is not in EXECUTING");
+  ASSERT_TRUE(module.start());
+  EXPECT_TRUE(call(module, "half", 7).ok());
+}
+
+TEST(TestedService, OfRunAnswersWhenItIsDone) {
+  Module module{{.period = 2ms}};
+  ASSERT_TRUE(module.set("cycles", "5"));
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(call(module, "slow", 4)->value(), 40);
+  EXPECT_EQ(module.runs(), 6U);
+}
+
+TEST(TestedService, ThatDoesNotAnswerInTimeIsNotWaitedFor) {
+  Module module;
+  ASSERT_TRUE(module.set("cycles", "30"));
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(refusal(call(module, "slow", 4, 20ms)), "no reply came within 20 ms");
+  EXPECT_EQ(module.runs(), 21U);
+  EXPECT_EQ(call(module, "slow", 5, 100ms)->value(), 50) << "the late answer was to the call before";
+}
+
+TEST(TestedService, ThatIsNotThereIsSaid) {
+  Module module;
+  ASSERT_TRUE(module.start());
+  try {
+    static_cast<void>(call(module, "quarter", 7));
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("testing_services.so has no port 'quarter/request'; it has "));
+    EXPECT_THAT(error.what(), HasSubstr("in half/request (basic::Count_Request)"));
+  }
+}
+
+class TestedClient : public ::testing::Test {
+ protected:
+  Module module;
+  takt::testing::In<basic::Count>& order = module.in<basic::Count>("order");
+  takt::testing::Out<basic::Count>& status = module.out<basic::Count>("status");
+  takt::testing::Out<basic::Number>& got = module.out<basic::Number>("got");
+  static constexpr auto kDouble = [](const basic::Count& request) -> takt::Result<basic::Number> {
+    if (request.value() < 0) return takt::fail("it is negative", "give a positive one");
+    return number(2.0 * static_cast<double>(request.value()));
+  };
+  CallStatus after(std::uint64_t releases) {
+    module.step(releases);
+    return static_cast<CallStatus>(status.value().value());
+  }
+};
+
+TEST_F(TestedClient, IsAnsweredInTheNextRun) {
+  auto& server = module.serve<basic::Count, basic::Number>("ask", kDouble);
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(after(1), CallStatus::idle);
+  EXPECT_EQ(server.asked(), 0U);
+  order.write(count(21));
+  EXPECT_EQ(after(1), CallStatus::pending);
+  EXPECT_EQ(server.request().value(), 21);
+  EXPECT_EQ(after(1), CallStatus::replied);
+  EXPECT_EQ(got.value().value(), 42);
+  EXPECT_EQ(after(10), CallStatus::replied);
+  EXPECT_EQ(server.asked(), 1U);
+  order.write(count(-21));
+  EXPECT_EQ(after(2), CallStatus::refused);
+  EXPECT_EQ(server.asked(), 2U);
+}
+
+TEST_F(TestedClient, IsAnsweredLater) {
+  module.serve<basic::Count, basic::Number>("ask", kDouble, 10ms);
+  ASSERT_TRUE(module.start());
+  order.write(count(1));
+  EXPECT_EQ(after(11), CallStatus::pending);
+  EXPECT_EQ(after(1), CallStatus::replied);
+}
+
+TEST_F(TestedClient, GivesUpWhenNoAnswerComesInTime) {
+  module.serve<basic::Count, basic::Number>("ask", kDouble, 30ms);
+  ASSERT_TRUE(module.start());
+  order.write(count(1));
+  EXPECT_EQ(after(20), CallStatus::pending);
+  EXPECT_EQ(after(1), CallStatus::timed_out);
+  EXPECT_EQ(after(20), CallStatus::timed_out) << "a late answer is none";
+}
+
+TEST_F(TestedClient, HasNobodyToAskWhereNothingServes) {
+  ASSERT_TRUE(module.start());
+  order.write(count(1));
+  EXPECT_EQ(after(1), CallStatus::nobody);
+}
+
+TEST_F(TestedClient, IsServedOnce) {
+  module.serve<basic::Count, basic::Number>("ask", kDouble);
+  EXPECT_THROW((module.serve<basic::Count, basic::Number>("ask", kDouble)), Error);
+}
+
+TEST_F(TestedClient, MayAskAgainAfterItsModuleRecovered) {
+  auto& server = module.serve<basic::Count, basic::Number>("ask", kDouble);
+  ASSERT_TRUE(module.start());
+  order.write(count(0));
+  module.step();
+  EXPECT_EQ(module.state(), State::recover);
+  ASSERT_TRUE(module.recover());
+  order.write(count(3));
+  EXPECT_EQ(after(2), CallStatus::replied);
+  EXPECT_EQ(got.value().value(), 6);
+  EXPECT_EQ(server.asked(), 1U);
+}
+
+}  // namespace
