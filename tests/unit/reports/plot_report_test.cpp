@@ -1,0 +1,70 @@
+#include "plot_report.hpp"
+
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace takt::tool {
+namespace {
+
+using testing::DoubleEq;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Plot, MarksAreRoundNumbers) {
+  EXPECT_THAT(ticks(0, 10, 5),
+              ElementsAre(DoubleEq(0), DoubleEq(2), DoubleEq(4), DoubleEq(6), DoubleEq(8), DoubleEq(10)));
+  EXPECT_THAT(ticks(-0.11, 0.26, 4),
+              ElementsAre(DoubleEq(-0.1), testing::DoubleNear(0, 1e-12), DoubleEq(0.1), DoubleEq(0.2)));
+  EXPECT_THAT(ticks(3, 3, 5), ElementsAre(3));
+  for (const double from : {-1e300, 1e-300, 1e15, 123.456})
+    for (const double to : {from + std::abs(from) * 1e-14, from + 1, 1e301})
+      EXPECT_LE(ticks(from, to, 5).size(), 21U);
+}
+
+TEST(Plot, TimeHasTheUnitThatIsReadBest) {
+  EXPECT_STREQ("us", unit_of_time(0.0005).name);
+  EXPECT_STREQ("ms", unit_of_time(0.5).name);
+  EXPECT_STREQ("s", unit_of_time(60).name);
+  EXPECT_STREQ("min", unit_of_time(3600).name);
+  EXPECT_STREQ("h", unit_of_time(86400).name);
+}
+
+TEST(Plot, DrawsCurvesGapsAndNames) {
+  Plot plot{.title = "cell", .subtitle = "x", .from = 0, .to = 10};
+  plot.panels.push_back({.title = "speed",
+                         .series = {{.name = "a.b.c.speed & <more>",
+                                     .curves = {{{0, 1}, {4, 2}}, {{6, 2}, {9, 3}}, {{10, 1}}}}}});
+  plot.panels.push_back({.title = "mode",
+                         .series = {{.name = "a.b.c.mode", .curves = {{{0, 0}, {5, 1}, {10, 0}}}}},
+                         .labels = {"OFF", "RUNS"}});
+  const std::string svg = plot_svg(plot);
+  const auto count = [&](const std::string& what) {
+    std::size_t n = 0;
+    for (auto at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(3U, count("class=\"curve"));  // two parts of the first, one of the second
+  EXPECT_EQ(1U, count("<circle"));
+  EXPECT_THAT(svg, HasSubstr("a.b.c.speed &amp; &lt;more&gt;"));
+  EXPECT_THAT(svg, HasSubstr(">RUNS<"));
+  EXPECT_THAT(svg, HasSubstr("time in s"));
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+}
+
+TEST(Plot, HasNoNumbersThatAreNone) {
+  for (const double value : {0.0, 1e308, -1e308, 1e-320}) {
+    Plot plot{.title = "t", .subtitle = "", .from = 0, .to = 0};
+    plot.panels.push_back(
+        {.title = "p", .series = {{.name = "s", .curves = {{{0, value}, {0, value}, {0, -value}}}}}});
+    const std::string svg = plot_svg(plot);
+    EXPECT_THAT(svg, Not(HasSubstr("nan"))) << value;
+    EXPECT_THAT(svg, Not(HasSubstr("inf"))) << value;
+  }
+}
+
+}  // namespace
+}  // namespace takt::tool
