@@ -88,7 +88,8 @@ TEST(Control3, KeepsTheResonanceOutOfTheTorque) {
 TEST(Control3, RefusesAFrequencyThatItsRateCannotHold) {
   takt::testing::Module module{{.period = 100us}};
   ASSERT_TRUE(module.set("notch_hz", "5000"));
-  EXPECT_EQ(module.start().text(), "property 'notch_hz' cannot be '5000'; it takes a number, 1 to 4999, in Hz");
+  EXPECT_EQ(module.start().text(),
+            "property 'notch_hz' cannot be '5000'; it takes a number, 1 to 4999, in Hz");
 }
 
 }  // namespace

@@ -142,7 +142,8 @@ TEST(Controller1, BeginsAtItsOriginAgainAfterAnError) {
 TEST(Controller1, RefusesWhatItCannotCountTo) {
   takt::testing::Module module;
   ASSERT_TRUE(module.set("counter", "0"));
-  EXPECT_EQ(module.start().text(), "property 'counter' cannot be '0'; it takes a whole number, 1 to 1000000, in periods");
+  EXPECT_EQ(module.start().text(),
+            "property 'counter' cannot be '0'; it takes a whole number, 1 to 1000000, in periods");
 }
 
 }  // namespace

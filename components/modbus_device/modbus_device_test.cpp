@@ -37,7 +37,8 @@ class Listener {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
     auto* any = reinterpret_cast<sockaddr*>(&address);
-    if (::bind(socket_, any, size) != 0 || ::listen(socket_, 1) != 0 || ::getsockname(socket_, any, &size) != 0)
+    if (::bind(socket_, any, size) != 0 || ::listen(socket_, 1) != 0 ||
+        ::getsockname(socket_, any, &size) != 0)
       throw std::runtime_error("no free port");
     port = ntohs(address.sin_port);
   }

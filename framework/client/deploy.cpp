@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
 #include <takt/model/ports.hpp>
 
 namespace takt::client {
@@ -47,11 +48,11 @@ model::CellPorts ports_of(const model::Cell& cell, const std::vector<dds::WholeR
   model::CellPorts ports;
   for (const model::Device& device : cell.devices) ports.emplace_back(device.modules.size());
   for (const dds::WholeReply& reply : replies) {
-    const json data = json::parse(reply.data, nullptr, false);
+    const json data = model::parse_json(reply.data);
     if (!data.is_object()) continue;
     for (const json& entry : data.value("modules", json::array())) {
       if (!entry.is_object() || !entry.contains("ports") || entry["ports"].is_null()) continue;
-      auto known = model::parse_ports(entry["ports"].dump());
+      auto known = model::parse_ports(model::json_text(entry["ports"]));
       for (std::size_t d = 0; known && d < cell.devices.size(); ++d) {
         const model::Device& device = cell.devices[d];
         for (std::size_t m = 0; reply.head.device() == device.name && m < device.modules.size(); ++m) {
@@ -278,7 +279,7 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
     Undeployed one{.device = devices.names[i]};
     const auto answer = accepted(std::move(answers[i]));
     if (answer) {
-      const json data = json::parse(answer->data, nullptr, false);
+      const json data = model::parse_json(answer->data);
       if (data.is_object()) {
         one.report = data.value("report", json{});
         one.failures = data.value("failures", std::vector<std::string>{});
@@ -318,7 +319,7 @@ Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
   const auto answer = accepted(asker.ask({.kind = COMMAND_REPORT, .device = *names.begin()}));
   std::set<std::string> lost;
   if (answer) {
-    const json report = json::parse(answer->data, nullptr, false);
+    const json report = model::parse_json(answer->data);
     std::set<std::string> whole;
     if (report.is_object()) {
       for (const json& device : report.value("lost", json::array())) lost.insert(device.value("name", ""));

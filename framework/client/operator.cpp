@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
 
 namespace takt::client {
 
@@ -213,7 +214,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
 
 Problems problems_of(const dds::WholeReply& reply) {
   Problems problems;
-  const json list = json::parse(reply.data, nullptr, false);
+  const json list = model::parse_json(reply.data);
   if (list.is_array()) {
     for (const json& entry : list) {
       if (!entry.is_object() || !entry.contains("what")) continue;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
 
 namespace takt::client {
 
@@ -78,7 +79,7 @@ void Reports::ask(Operator& asker, const std::set<std::string>& names) {
       continue;
     }
     try {
-      hear(name, json::parse(answer->data));
+      hear(name, model::parse_json(answer->data));
     } catch (const json::exception&) {
       problems.push_back({"device " + name, "its report cannot be read", "is it of the same version?"});
     }

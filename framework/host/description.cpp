@@ -2,15 +2,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/model/json.hpp>
+
 namespace takt::host {
 
 using json = nlohmann::ordered_json;
 
 std::string to_json(const Description& description) {
   // A bound as a number; null where there is none.
-  const auto bound = [](const std::string& text) {
-    return text.empty() ? json{} : json::parse(text, nullptr, false);
-  };
+  const auto bound = [](const std::string& text) { return text.empty() ? json{} : model::parse_json(text); };
   json properties = json::array();
   for (const PropertyDescription& p : description.properties) {
     properties.push_back({{"name", p.name},
@@ -22,18 +22,17 @@ std::string to_json(const Description& description) {
                           {"unit", p.unit},
                           {"text", p.text}});
   }
-  return json{{"name", description.name},
-              {"text", description.text},
-              {"interface", description.interface},
-              {"operation", description.operation},
-              {"hooks", description.hooks},
-              {"properties", properties},
-              {"ports", json::parse(model::ports_json(description.ports))["ports"]}}
-      .dump(-1, ' ', false, json::error_handler_t::replace);
+  return model::json_text({{"name", description.name},
+                           {"text", description.text},
+                           {"interface", description.interface},
+                           {"operation", description.operation},
+                           {"hooks", description.hooks},
+                           {"properties", properties},
+                           {"ports", model::parse_json(model::ports_json(description.ports))["ports"]}});
 }
 
 Result<std::vector<PropertyDescription>> parse_properties(const std::string& text) {
-  const json list = json::parse(text, nullptr, false);
+  const json list = model::parse_json(text);
   if (!list.is_array()) return fail("a list of properties was expected and is none");
   std::vector<PropertyDescription> properties;
   for (const json& each : list) {

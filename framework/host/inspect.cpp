@@ -12,6 +12,7 @@
 #include <takt/core/words.hpp>
 #include <takt/host/component_path.hpp>
 #include <takt/host/thread_module.hpp>
+#include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
 #include <takt/os/message_socket.hpp>
@@ -22,7 +23,7 @@ namespace takt::host {
 
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 constexpr auto kLimit = std::chrono::seconds{5};
 
 json problems_json(const Problems& problems) {
@@ -37,8 +38,6 @@ Problems problems_from(const json& list) {
   return problems;
 }
 
-std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
-
 /// As model::parse_ports() reads it.
 std::string ports_of(const ThreadModule& module) {
   json list = json::array();
@@ -50,7 +49,7 @@ std::string ports_of(const ThreadModule& module) {
                     {"text", port->text()},
                     {"object", port->value_size() != 0}});
   }
-  return dump({{"ports", list}});
+  return model::json_text({{"ports", list}});
 }
 
 /// What a program that ended with a mistake said of it on standard error: a problem a line, "what; fix".
@@ -76,8 +75,8 @@ struct Answer {
 Result<Answer> parse_answer(const std::string& text) {
   auto ports = model::parse_ports(text);
   if (!ports) return ports.problems();
-  const json answer = json::parse(text, nullptr, false);  // it is an object, or it had no ports
-  auto properties = parse_properties(dump(answer.value("properties", json::array())));
+  const json answer = model::parse_json(text);  // it is an object, or it had no ports
+  auto properties = parse_properties(model::json_text(answer.value("properties", json::array())));
   if (!properties) return properties.problems();
   return Answer{answer.value("operation", ""), std::move(*ports), std::move(*properties),
                 problems_from(answer.value("problems", json::array()))};
@@ -253,18 +252,18 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
   const auto work = [&path]() -> std::string {
     ThreadModule module;
     if (auto loaded = module.load(path, os::Library::Globals::shared, false); !loaded) {
-      return dump({{"problems", problems_json(loaded.problems())}});
+      return model::json_text({{"problems", problems_json(loaded.problems())}});
     }
-    return dump(describe_loaded(module, path));
+    return model::json_text(describe_loaded(module, path));
   };
   auto text = os::in_child("loading " + path, work, kLimit);
   if (!text) return text.problems();
-  const json answer = json::parse(*text, nullptr, false);
+  const json answer = model::parse_json(*text);
   if (answer.is_discarded()) return fail("loading " + path + " gave no answer");
   if (answer.contains("problems")) return problems_from(answer["problems"]);
   auto ports = model::parse_ports(answer["ports"]);
   if (!ports) return ports.problems();
-  auto properties = parse_properties(dump(answer["properties"]));
+  auto properties = parse_properties(model::json_text(answer["properties"]));
   if (!properties) return properties.problems();
   return Description{.name = answer["name"],
                      .text = component_text(path),
@@ -353,8 +352,8 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   }
   for (const auto& [path, uses] : thread_modules) {
     auto text = os::in_child(
-        "loading " + path, [&] { return dump(check_uses(path, cell, uses)); }, kLimit);
-    const json answer = text ? json::parse(*text, nullptr, false) : json{};
+        "loading " + path, [&] { return model::json_text(check_uses(path, cell, uses)); }, kLimit);
+    const json answer = text ? model::parse_json(*text) : json{};
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const model::Module& module = cell.devices[uses[i].device].modules[uses[i].module];
       if (answer.is_array()) {

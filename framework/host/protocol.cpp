@@ -2,13 +2,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/model/json.hpp>
+
 namespace takt::host {
 
 namespace {
 
-using nlohmann::json;
-
-std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
+using json = nlohmann::ordered_json;
 
 json from_duration(const std::optional<Nanoseconds>& duration) {
   return duration ? json(duration->count()) : json(nullptr);
@@ -113,7 +113,7 @@ Request request_from(const json& value) {
 template <class T, class Read>
 Result<T> decoded(const std::string& text, Read&& read) {
   try {
-    return T{read(json::parse(text))};
+    return T{read(model::parse_json(text))};
   } catch (const json::exception& exception) {
     return fail(std::string{"a message between node and host cannot be read: "} + exception.what(),
                 "install takt-node and takt-host of one version");
@@ -130,24 +130,24 @@ std::string encode(const Setup& setup) {
   json links = json::array();
   for (const PortLink& link : setup.links)
     links.push_back({link.module, link.port, link.fd, link.typed, link.stale_is_error});
-  return dump({{"name", setup.device.name},
-               {"modules", modules},
-               {"executors", executors},
-               {"paths", setup.paths},
-               {"executor_cpus", setup.executor_cpus},
-               {"background_cpus", setup.background_cpus},
-               {"seat_fds", setup.seat_fds},
-               {"bell_fd", setup.bell_fd},
-               {"links", links}});
+  return model::json_text({{"name", setup.device.name},
+                           {"modules", modules},
+                           {"executors", executors},
+                           {"paths", setup.paths},
+                           {"executor_cpus", setup.executor_cpus},
+                           {"background_cpus", setup.background_cpus},
+                           {"seat_fds", setup.seat_fds},
+                           {"bell_fd", setup.bell_fd},
+                           {"links", links}});
 }
 
-std::string encode(const Request& request) { return dump(to_json(request)); }
+std::string encode(const Request& request) { return model::json_text(to_json(request)); }
 
 std::string encode(const Answer& answer) {
-  return dump({{"request", to_json(answer.request)},
-               {"ok", answer.ok},
-               {"text", answer.text},
-               {"warnings", answer.warnings}});
+  return model::json_text({{"request", to_json(answer.request)},
+                           {"ok", answer.ok},
+                           {"text", answer.text},
+                           {"warnings", answer.warnings}});
 }
 
 Result<Setup> decode_setup(const std::string& text) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/core/words.hpp>
+#include <takt/model/json.hpp>
 
 namespace takt::model {
 
@@ -18,7 +19,7 @@ Json value_of(const Field& field, const std::string& text) {
   const bool quoted = field.scalar == Scalar::text || field.scalar == Scalar::enumeration ||
                       field.scalar == Scalar::character;
   const bool list = field.sequence != 0 || !field.dimensions.empty();
-  const Json value = Json::parse(text, nullptr, false);
+  const Json value = parse_json(text);
   if (quoted && !list) return value.is_string() ? value : Json(text);
   return value.is_discarded() ? Json(text) : value;
 }
@@ -73,7 +74,7 @@ Result<std::string> json_of_words(const Type& type, const std::vector<std::strin
     }
   }
   if (!problems.empty()) return problems;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(json);
 }
 
 Result<std::string> json_of_input(const Type& type, const std::vector<std::string>& words) {

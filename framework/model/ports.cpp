@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/core/words.hpp>
+#include <takt/model/json.hpp>
 
 namespace takt::model {
 
@@ -318,11 +319,11 @@ std::string ports_json(const std::vector<Port>& ports) {
                     {"text", port.text},
                     {"object", port.object}});
   }
-  return json{{"ports", list}}.dump(-1, ' ', false, json::error_handler_t::replace);
+  return json_text({{"ports", list}});
 }
 
 Result<std::vector<Port>> parse_ports(const std::string& text) {
-  const json value = json::parse(text, nullptr, false);
+  const json value = parse_json(text);
   if (!value.is_object() || !value.contains("ports") || !value["ports"].is_array())
     return fail("a list of ports was expected and is none");
   std::vector<Port> ports;

@@ -15,6 +15,7 @@
 
 #include <takt/core/cdr.hpp>
 #include <takt/core/words.hpp>
+#include <takt/model/json.hpp>
 
 namespace takt::model {
 namespace {
@@ -171,16 +172,14 @@ class Printer {
         structure(field.fields);
     }
   }
-  void quoted(const std::string& characters) {
-    text += nlohmann::json(characters).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  }
+  void quoted(const std::string& characters) { text += json_text(characters); }
 
   CdrReader& from_;
 };
 
 // ---- sample_bytes
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 class Filler {
  public:
@@ -204,7 +203,7 @@ class Filler {
   void problem(const std::string& where, const Json& json, std::string fix) {
     const std::string given = json.is_array()    ? "a list of " + std::to_string(json.size())
                               : json.is_object() ? "an object"
-                                                 : json.dump(-1, ' ', false, Json::error_handler_t::replace);
+                                                 : json_text(json);
     add({where, "cannot be " + brief(given), std::move(fix)});
   }
   void add(Problem problem) {
@@ -341,7 +340,7 @@ std::string sample_json(const Type& type, const std::byte* bytes, std::size_t si
 }
 
 Result<std::vector<std::byte>> sample_bytes(const Type& type, const std::string& text) {
-  const Json json = Json::parse(text, nullptr, false);
+  const Json json = parse_json(text);
   if (json.is_discarded())
     return Problem{type.name, "this is no JSON: " + in_quotes(text), R"(write {"field": value})"};
   std::vector<std::byte> bytes(max_size(type));

@@ -11,6 +11,7 @@
 
 #include <takt/core/cdr.hpp>
 #include <takt/core/words.hpp>
+#include <takt/model/json.hpp>
 
 namespace takt::model {
 namespace {
@@ -304,7 +305,7 @@ Result<Type> parse_type(const std::string& text) {
   if (text.size() > kMaxDescription)
     return Problem{"the type", "its description has " + std::to_string(text.size()) + " bytes",
                    "it has at most " + std::to_string(kMaxDescription)};
-  const Json json = Json::parse(text, nullptr, false);
+  const Json json = parse_json(text);
   if (json.is_discarded()) return Problem{"the type", "its description is no JSON", {}};
   Reader reader;
   auto type = reader.type(json);
@@ -316,7 +317,7 @@ Result<Type> parse_type(const std::string& text) {
 }
 
 std::string to_text(const Type& type) {
-  return Json{{"name", type.name}, {"fields", to_json(type.fields)}}.dump();
+  return json_text({{"name", type.name}, {"fields", to_json(type.fields)}});
 }
 
 std::size_t max_size(const Type& type) { return padded_sample(kEncapsulation + span_of(type.fields)[0]); }

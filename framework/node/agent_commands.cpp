@@ -7,6 +7,7 @@
 
 #include <takt/core/words.hpp>
 #include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
 #include <takt/node/agent_deployment.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/problems_json.hpp>
@@ -93,7 +94,7 @@ void Agent::report(const Command& command) {
   if (deployment_) {
     for (const model::Device& device : deployment_->cell.devices) report["devices"].push_back(device.name);
   }
-  answer(command, REPLY_OK, "", dump(report));
+  answer(command, REPLY_OK, "", model::json_text(report));
 }
 
 // The other devices of this cell that do not live, as they were last heard: who comes later is told nothing
@@ -160,7 +161,8 @@ void Agent::described(const Result<Inspected>& result) {
     if (result)
       answer(describer, REPLY_OK, "", d.description);
     else
-      answer(describer, REPLY_FAILED, in_words(result.problems()), dump(problems_json(result.problems())));
+      answer(describer, REPLY_FAILED, in_words(result.problems()),
+             model::json_text(problems_json(result.problems())));
   }
 }
 
@@ -226,7 +228,7 @@ void Agent::tap(const Command& command) {
       {"topic", tapped->topic}, {"type", tapped->type}, {"reliable", tapped->reliable}};
   if (!tapped->reply_topic.empty())
     told["reply"] = {{"topic", tapped->reply_topic}, {"type", tapped->reply_type}};
-  answer(command, REPLY_OK, "", dump(told));
+  answer(command, REPLY_OK, "", model::json_text(told));
 }
 
 void Agent::order(const Command& command, Verb verb) {
@@ -261,7 +263,7 @@ void Agent::order(const Command& command, Verb verb) {
              code == REPLY_OK ? ""
                               : std::to_string(count - all->done) + " of " + std::to_string(count) +
                                     " modules did not do it: " + all->why,
-             dump(all->outcomes));
+             model::json_text(all->outcomes));
     });
   }
 }

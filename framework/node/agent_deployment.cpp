@@ -7,6 +7,7 @@
 
 #include <takt/dds/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/log.hpp>
 #include <takt/node/problems_json.hpp>
@@ -43,9 +44,9 @@ std::string ports_of(const model::Device& device, const std::vector<model::Modul
   for (std::size_t i = 0; i < device.modules.size(); ++i) {
     const bool known = i < ports.size() && ports[i];
     modules.push_back({{"name", device.modules[i].name},
-                       {"ports", known ? json::parse(model::ports_json(*ports[i])) : json(nullptr)}});
+                       {"ports", known ? model::parse_json(model::ports_json(*ports[i])) : json(nullptr)}});
   }
-  return dump({{"modules", modules}});
+  return model::json_text({{"modules", modules}});
 }
 
 }  // namespace
@@ -67,7 +68,7 @@ void Agent::prepare(const dds::WholeCommand& command) {
   const std::string id = head.deployment().to_string();
   if (!clash_.empty()) {
     answer(head, REPLY_REFUSED, clash_,
-           dump(problems_json({{"device " + options_.device, clash_, "end one of them"}})));
+           model::json_text(problems_json({{"device " + options_.device, clash_, "end one of them"}})));
     return;
   }
   if (ending_) {
@@ -83,7 +84,7 @@ void Agent::prepare(const dds::WholeCommand& command) {
   }
   if (deployment_) {
     Problem problem{"", occupied(), deployment_->over ? "undeploy it first" : ""};
-    answer(head, REPLY_REFUSED, in_words({problem}), dump(problems_json({problem})));
+    answer(head, REPLY_REFUSED, in_words({problem}), model::json_text(problems_json({problem})));
     return;
   }
   auto deployment = std::make_unique<Deployment>();
@@ -169,7 +170,7 @@ void Agent::refuse(const Problems& problems) {
     last_refusal_ = to_text(problems[0]);
   }
   for (const Command& preparer : deployment_->preparers)
-    answer(preparer, REPLY_FAILED, in_words({problems[0]}), dump(problems_json(problems)));
+    answer(preparer, REPLY_FAILED, in_words({problems[0]}), model::json_text(problems_json(problems)));
   for (const Command& undeployer : deployment_->undeployers) answer(undeployer, REPLY_OK, "");
   clear();
 }
@@ -279,7 +280,7 @@ void Agent::finish() {
   nlohmann::ordered_json texts = nlohmann::ordered_json::array();
   for (const Problem& problem : failures) texts.push_back(to_text(problem));
   last_id_ = d.id;
-  last_data_ = dump({{"report", d.supervised->report()}, {"failures", texts}});
+  last_data_ = model::json_text({{"report", d.supervised->report()}, {"failures", texts}});
   if (!started && preparers.empty() && undeployers.empty() && !failures.empty())
     last_refusal_ = to_text(failures[0]);
 
@@ -295,7 +296,7 @@ void Agent::finish() {
   tell_status();  // who has the answer finds the device free
   const Problems reasons = failures.empty() ? Problems{fail("it was undeployed")} : failures;
   for (const Command& preparer : preparers)
-    answer(preparer, REPLY_FAILED, in_words({reasons[0]}), dump(problems_json(reasons)));
+    answer(preparer, REPLY_FAILED, in_words({reasons[0]}), model::json_text(problems_json(reasons)));
   for (const Command& undeployer : undeployers) answer(undeployer, REPLY_OK, "", last_data_);
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/channel/link.hpp>
+#include <takt/model/json.hpp>
 #include <takt/model/ports.hpp>
 #include <takt/node/log.hpp>
 #include <takt/node/problems_json.hpp>
@@ -165,17 +166,17 @@ Result<void> FarGateway::spawn() {
   if (!child) return child.problems();
   child_ = std::move(*child);
   started_ = os::now();
-  socket_.send(dump({{"device", options_.device},
-                     {"domain", options_.domain},
-                     {"peers", options_.peers},
-                     {"bell", options_.bell->fd().get()},
-                     {"place", options_.place},
-                     {"flows", flows}}));
+  socket_.send(model::json_text({{"device", options_.device},
+                                 {"domain", options_.domain},
+                                 {"peers", options_.peers},
+                                 {"bell", options_.bell->fd().get()},
+                                 {"place", options_.place},
+                                 {"flows", flows}}));
   return {};
 }
 
 void FarGateway::hear(const std::string& text) {
-  const json news = json::parse(text, nullptr, false);
+  const json news = model::parse_json(text);
   if (news.contains("problems")) {
     const Problems problems = problems_from(news["problems"]);
     if (opened_) log(options_.device, "", in_words(problems));
@@ -211,15 +212,15 @@ int run_far_gateway(const std::vector<std::string>& interfaces) {
   os::survive_broken_pipes();
   os::MessageSocket node{os::take_fd_from_environment(kGatewayFd)};
   const auto text = node.receive_wait();
-  const json request = text ? json::parse(*text, nullptr, false) : json{};
+  const json request = text ? model::parse_json(*text) : json{};
   if (!request.is_object()) return 1;
   Program program;
   if (auto opened = program.open(request, interfaces); !opened) {
-    node.send_wait(dump({{"problems", problems_json(opened.problems())}}));
+    node.send_wait(model::json_text({{"problems", problems_json(opened.problems())}}));
     return 1;
   }
   int told = 0;
-  while (node.send_wait(dump(program.health()))) {
+  while (node.send_wait(model::json_text(program.health()))) {
     os::wait_readable({&node.fd()}, kTellEveryMs);
     static_cast<void>(node.receive());
     if (node.closed()) break;

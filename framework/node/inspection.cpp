@@ -7,6 +7,7 @@
 
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/host/component_path.hpp>
+#include <takt/model/json.hpp>
 #include <takt/node/problems_json.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
@@ -38,11 +39,11 @@ class Program final : public Inspection {
     if (!child) return child.problems();
     program->child_ = std::move(*child);
     program->begun_ = os::now();
-    program->socket_.send(dump({{"text", request.text},
-                                {"file", request.file},
-                                {"device", request.device},
-                                {"as_written", request.as_written},
-                                {"describe", request.describe}}));
+    program->socket_.send(model::json_text({{"text", request.text},
+                                            {"file", request.file},
+                                            {"device", request.device},
+                                            {"as_written", request.as_written},
+                                            {"describe", request.describe}}));
     return {std::move(program)};
   }
 
@@ -62,11 +63,11 @@ class Program final : public Inspection {
   }
 
   static Result<Inspected> read(const std::string& text) {
-    const json answer = json::parse(text, nullptr, false);
+    const json answer = model::parse_json(text);
     if (answer.is_discarded()) return failed("gave an answer that cannot be read");
     if (answer.contains("problems")) return problems_from(answer["problems"]);
     Inspected inspected{.paths = answer.at("paths").get<host::ComponentPaths>()};
-    if (answer.contains("description")) inspected.description = dump(answer["description"]);
+    if (answer.contains("description")) inspected.description = model::json_text(answer["description"]);
     for (const json& module : answer.at("ports")) {
       inspected.ports.emplace_back();
       if (module.is_null()) continue;
@@ -82,18 +83,18 @@ class Program final : public Inspection {
   Instant begun_{};
 };
 
-// With the ports that the check found out: those of a program may depend on its properties. A program that was
-// not asked then may not know how to answer.
+// With the ports that the check found out: those of a program may depend on its properties. A program that
+// was not asked then may not know how to answer.
 json describe(const model::Module& module, const std::string& path, const model::ModulePorts& ports) {
   json entry{{"name", module.name}, {"path", path}};
-  entry["ports"] = ports ? json::parse(model::ports_json(*ports)) : json(nullptr);
+  entry["ports"] = ports ? model::parse_json(model::ports_json(*ports)) : json(nullptr);
   if (module.type == model::ModuleType::process && !ports) {
     entry["interface"] = "process";
     return entry;
   }
   const auto found = host::describe(path);
   if (!found) return entry;
-  const json description = json::parse(host::to_json(*found));
+  const json description = model::parse_json(host::to_json(*found));
   entry["component"] = found->name;
   for (const char* member : {"text", "interface", "operation", "hooks", "properties"})
     entry[member] = description[member];
@@ -173,13 +174,13 @@ int run_inspection() {
   os::survive_broken_pipes();
   os::MessageSocket node{os::take_fd_from_environment(kInspectFd)};
   const auto text = node.receive_wait();
-  const json request = text ? json::parse(*text, nullptr, false) : json{};
+  const json request = text ? model::parse_json(*text) : json{};
   if (!request.is_object()) return 1;
-  node.send_wait(dump(inspect_here({.text = request.at("text"),
-                                    .file = request.at("file"),
-                                    .device = request.at("device"),
-                                    .as_written = request.at("as_written"),
-                                    .describe = request.at("describe")})));
+  node.send_wait(model::json_text(inspect_here({.text = request.at("text"),
+                                                .file = request.at("file"),
+                                                .device = request.at("device"),
+                                                .as_written = request.at("as_written"),
+                                                .describe = request.at("describe")})));
   return 0;
 }
 

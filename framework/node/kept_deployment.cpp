@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
 #include <takt/node/problems_json.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/files.hpp>
@@ -43,11 +44,11 @@ DeploymentFile::DeploymentFile(const std::string& folder, const std::string& dev
 
 // A line that says what follows and what it must sum up to, and the deployment.
 Result<void> DeploymentFile::keep(const KeptDeployment& deployment) const {
-  const std::string body = dump({{"id", deployment.id},
-                                 {"file", deployment.file},
-                                 {"text", deployment.text},
-                                 {"require_real_time", deployment.require_real_time},
-                                 {"t0_ns", deployment.t0_ns}});
+  const std::string body = model::json_text({{"id", deployment.id},
+                                             {"file", deployment.file},
+                                             {"text", deployment.text},
+                                             {"require_real_time", deployment.require_real_time},
+                                             {"t0_ns", deployment.t0_ns}});
   return os::replace_file(path_, std::string{kFormat} + " " + checksum(body) + "\n" + body);
 }
 
@@ -64,7 +65,7 @@ Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
   const std::string body = (*content)->substr(line + 1);
   if ((*content)->substr(0, line) != std::string{kFormat} + " " + checksum(body))
     return damaged("its checksum is another");
-  const json value = json::parse(body, nullptr, false);
+  const json value = model::parse_json(body);
   try {
     return std::optional{KeptDeployment{.id = value.at("id"),
                                         .file = value.at("file"),

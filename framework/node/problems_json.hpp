@@ -25,9 +25,4 @@ inline Problems problems_from(const nlohmann::ordered_json& list) {
   return problems;
 }
 
-/// One line; bytes that are no UTF-8 are replaced.
-inline std::string dump(const nlohmann::ordered_json& value) {
-  return value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 }  // namespace takt::node

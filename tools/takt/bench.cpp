@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/real_time.hpp>
 
@@ -57,7 +58,7 @@ int table1(const BenchOptions& options) {
     return 1;
   }
   if (!say(bench::table1_foot())) return 1;
-  if (options.json && !print(bench::table1_json(*result).dump() + "\n")) return 1;
+  if (options.json && !print(model::json_text(bench::table1_json(*result)) + "\n")) return 1;
   if (options.html.empty()) return 0;
   page << bench::table1_page(*result);
   if (!page.flush()) {
@@ -92,7 +93,10 @@ int measure(const char* name, Benchmark benchmark, const BenchOptions& options) 
   }
   report.stolen = os::stolen_time() - stolen;
   report.sections = std::move(*sections);
-  return print(options.json ? bench::report_json(report).dump() + "\n" : bench::report_text(report)) ? 0 : 1;
+  return print(options.json ? model::json_text(bench::report_json(report)) + "\n"
+                            : bench::report_text(report))
+             ? 0
+             : 1;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include <takt/dds/gateway.hpp>
 #include <takt/model/field_values.hpp>
+#include <takt/model/json.hpp>
 #include <takt/model/type.hpp>
 #include <takt/os/clock.hpp>
 
@@ -57,7 +58,7 @@ class Answer {
   Answer(model::Type type, std::uint64_t client) : type_(std::move(type)), client_(client) {}
 
   void take(const std::byte* bytes, std::size_t size) {
-    Json reply = Json::parse(model::sample_json(type_, bytes, size), nullptr, false);
+    Json reply = model::parse_json(model::sample_json(type_, bytes, size));
     if (!reply.is_object() || reply.value("client", std::uint64_t{0}) != client_) return;
     const std::lock_guard lock{mutex_};
     reply_ = std::move(reply);
@@ -101,7 +102,7 @@ Result<Place> find(Client& client, const CallOptions& options) {
                                           .property = options.service.substr(second + 1),
                                           .time_ns = wall_ns() + Nanoseconds{open_for}.count()}));
   if (!answer) return answer.problems();
-  const auto told = nlohmann::json::parse(answer->data, nullptr, false);
+  const auto told = model::parse_json(answer->data);
   if (!told.is_object()) return fail("the device's answer is of another version of Takt");
   if (!told.contains("reply"))
     return fail(options.service + " is a port and no service", "takt echo " + options.service + " shows it");
@@ -124,8 +125,8 @@ Result<std::vector<std::byte>> request_of(const Place& place, const CallOptions&
   const Json whole{{"client", client},
                    {"number", 1},
                    {"timeout_ns", static_cast<std::int64_t>(options.timeout * 1e9)},
-                   {"request", Json::parse(*typed)}};
-  return model::sample_bytes(place.request, whole.dump());
+                   {"request", model::parse_json(*typed)}};
+  return model::sample_bytes(place.request, model::json_text(whole));
 }
 
 int call(const CallOptions& options) {
@@ -172,12 +173,12 @@ int call(const CallOptions& options) {
   }
   if (reply.value("code", "") != "SERVICE_REPLIED")
     return refuse({fail(options.service + " refuses: " + reply.value("reason", ""))});
-  const std::string text = reply.at("reply").dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = model::json_text(reply.at("reply"));
   if (options.json)
     return print(fmt::format("{{\"reply\": {}, \"ms\": {:.3f}}}\n", text, milliseconds)) ? 0 : 1;
   std::string lines;
   for (const auto& [name, value] : reply.at("reply").items())
-    lines += fmt::format("{}: {}\n", name, value.dump(-1, ' ', false, Json::error_handler_t::replace));
+    lines += fmt::format("{}: {}\n", name, model::json_text(value));
   return print(lines.empty() ? "done\n" : lines) ? 0 : 1;
 }
 

@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
 
 #include "check_report.hpp"
 #include "commands.hpp"
@@ -53,8 +54,9 @@ int check(const CheckOptions& options) {
       return 1;
     }
   }
-  const std::string text = options.json ? check_json(loaded->cell, loaded->plans, proof).dump() + "\n"
-                                        : check_text(loaded->cell, loaded->plans, terminal_style(), proof);
+  const std::string text = options.json
+                               ? model::json_text(check_json(loaded->cell, loaded->plans, proof)) + "\n"
+                               : check_text(loaded->cell, loaded->plans, terminal_style(), proof);
   const bool printed = print(text);
   if (!proof || proof->missed.empty()) return printed ? 0 : 1;
   std::fflush(stdout);  // the table before what is said of it

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <takt/model/json.hpp>
 #include <takt/model/validate.hpp>
 
 #include "page.hpp"
@@ -212,7 +213,7 @@ std::string describe_text(const Described& described, Style style) {
 }
 
 std::string describe_json(const Described& described) {
-  auto object = nlohmann::ordered_json::parse(host::to_json(described.component));
+  auto object = model::parse_json(host::to_json(described.component));
   object["file"] = described.path;
   if (described.module) {
     const model::Module& module = *described.module;
@@ -224,7 +225,7 @@ std::string describe_json(const Described& described) {
                         {"operation", to_text(module.operation)},
                         {"given", values}};
   }
-  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return model::json_text(object) + "\n";
 }
 
 std::string describe_xml(const Described& described) {
@@ -284,9 +285,7 @@ std::string component_list_json(const std::vector<host::ComponentFile>& files) {
                     {"interface", file.interface},
                     {"text", file.text}});
   }
-  return nlohmann::ordered_json{{"components", list}}.dump(-1, ' ', false,
-                                                           nlohmann::json::error_handler_t::replace) +
-         "\n";
+  return model::json_text({{"components", list}}) + "\n";
 }
 
 std::string escaped(const std::string& text) {

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <takt/model/json.hpp>
 #include <takt/node/diagnosis.hpp>
 #include <takt/os/environment.hpp>
 
@@ -53,8 +54,7 @@ json report_of(const os::Machine& machine, const os::Trial& trial) {
 int doctor(const DoctorOptions& options) {
   const os::Machine machine = os::read_machine();
   const json report = report_of(machine, os::try_machine(kMoment));
-  if (!print(options.json ? report.dump(-1, ' ', false, json::error_handler_t::replace) + "\n"
-                          : doctor_text(report, terminal_style()))) {
+  if (!print(options.json ? model::json_text(report) + "\n" : doctor_text(report, terminal_style()))) {
     return 1;
   }
   return report["spoils"].get<std::size_t>() == 0 ? 0 : 1;

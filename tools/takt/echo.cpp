@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <deque>
 #include <mutex>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 
 #include <takt/dds/gateway.hpp>
 #include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
 #include <takt/model/type.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/signals.hpp>
@@ -101,7 +101,7 @@ int echo(const EchoOptions& options) {
   };
   const auto answer = ask();
   if (!answer) return refuse(answer.problems());
-  const auto place = nlohmann::json::parse(answer->data, nullptr, false);
+  const auto place = model::parse_json(answer->data);
   if (!place.is_object()) return refuse({fail("the device's answer is of another version of Takt")});
   if (place.contains("reply")) {
     return refuse(
@@ -126,7 +126,8 @@ int echo(const EchoOptions& options) {
   Instant told = os::now();
   std::uint64_t told_samples = 0;
   std::uint64_t printed = 0;
-  std::optional<Instant> quiet_at = os::now() + kQuiet;  // empty: it was said
+  Instant quiet_at = os::now() + kQuiet;
+  bool quiet_said = false;
   std::uint64_t heard = 0;
   while (options.count == 0 || printed < options.count) {
     os::wait_readable({&signals->fd()}, 20);
@@ -139,10 +140,11 @@ int echo(const EchoOptions& options) {
     if (const std::uint64_t seen = samples.seen(); seen != heard) {
       heard = seen;
       quiet_at = now + kQuiet;
+      quiet_said = false;
     }
-    if (quiet_at && now >= *quiet_at) {
+    if (now >= quiet_at && !quiet_said) {
       say_quiet(*client, device, module, options.port);
-      quiet_at.reset();
+      quiet_said = true;
     }
     const auto came = samples.take();
     if (options.rate) {

@@ -5,6 +5,7 @@
 
 #include <takt/client/status.hpp>
 #include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
 
 #include "client.hpp"
 #include "commands.hpp"
@@ -64,8 +65,8 @@ int graph(const GraphOptions& options) {
     }
     if (!options.json) return 0;
   }
-  const std::string text =
-      options.json ? graph_json(*cell, health).dump() + "\n" : graph_text(*cell, health, terminal_style());
+  const std::string text = options.json ? model::json_text(graph_json(*cell, health)) + "\n"
+                                        : graph_text(*cell, health, terminal_style());
   return print(text) ? 0 : 1;
 }
 

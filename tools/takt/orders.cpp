@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
 
 #include "client.hpp"
 #include "commands.hpp"
@@ -65,7 +66,7 @@ int order(const Order& order, const std::string& text, const Network& network) {
   if (!answer) return refuse(answer.problems());
 
   // A whole device answers for each of its modules.
-  const auto outcomes = nlohmann::json::parse(answer->data, nullptr, false);
+  const auto outcomes = model::parse_json(answer->data);
   if (target->module.empty() && outcomes.is_array()) {
     std::string lines;
     for (const auto& each : outcomes) {

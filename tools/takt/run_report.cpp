@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <takt/model/json.hpp>
+
 namespace takt::tool {
 
 namespace {
@@ -123,7 +125,7 @@ std::string run_json(json status) {
   for (json& device : status["devices"]) {
     for (json& executor : device["executors"]) executor.erase("margin_us");
   }
-  return status.dump() + "\n";
+  return model::json_text(status) + "\n";
 }
 
 }  // namespace takt::tool

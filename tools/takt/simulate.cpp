@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
 #include <takt/schedule/longest_runs.hpp>
@@ -106,7 +107,8 @@ int show(const SimulateOptions& options, const model::Cell& cell,
     complain({{options.trace, "the trace could not be written in full", "see whether the disk is full"}});
     return 1;
   }
-  const bool printed = print(options.json ? course->report.dump() + "\n" : run_text(course->report));
+  const bool printed =
+      print(options.json ? model::json_text(course->report) + "\n" : run_text(course->report));
   const double simulated_s = std::chrono::duration<double>(simulated.length).count();
   std::fprintf(stderr, "takt: simulated %g s in %.3f s, %.0f times as fast; seed %llu\n", simulated_s,
                took.count(), simulated_s / took.count(), static_cast<unsigned long long>(simulated.seed));

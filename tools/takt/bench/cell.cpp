@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 
 #include "bare_dds.hpp"
@@ -92,7 +93,7 @@ class Nodes {
   Result<json> status() {
     std::string text;
     if (auto told = tell({"status", "--json"}, &text); !told) return told.problems();
-    return json::parse(text);
+    return model::parse_json(text);
   }
 
   /// Until each of them is on the network.

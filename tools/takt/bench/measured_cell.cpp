@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <takt/model/json.hpp>
 #include <takt/os/files.hpp>
 #include <takt/os/platform.hpp>
 
@@ -47,7 +48,7 @@ Result<Measured> run_measured(const Table1Case& one, const RunSettings& settings
   const auto output = run_beside("takt", arguments, patience);
   if (!output) return output.problems();
 
-  const json report = json::parse(*output);
+  const json report = model::parse_json(*output);
   const json& device = report["devices"][0];
   Measured measured{.jitter = Recording::read(record),
                     .cycles = device["executors"][0]["cycles"].get<std::uint64_t>(),

@@ -15,6 +15,7 @@
 #include <takt/client/operator.hpp>
 #include <takt/core/words.hpp>
 #include <takt/dds/gateway.hpp>
+#include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
 #include <takt/os/signals.hpp>
@@ -161,7 +162,7 @@ class Recorder {
       const auto answer = client::accepted(std::move(answers[i]));
       if (!answer) continue;
       const std::string& device = questions[i].device;
-      const auto report = nlohmann::json::parse(answer->data, nullptr, false);
+      const auto report = model::parse_json(answer->data);
       try {
         for (const auto& module : report.at("modules")) add_outputs(device, module);
         const dds::SeenDevice& seen = devices.at(device);
@@ -172,7 +173,7 @@ class Recorder {
     }
   }
 
-  void add_outputs(const std::string& device, const nlohmann::json& module) {
+  void add_outputs(const std::string& device, const nlohmann::ordered_json& module) {
     if (!module.contains("ports")) return;
     for (const auto& port : module.at("ports")) {
       if (port.at("direction") != "out") continue;
@@ -186,7 +187,7 @@ class Recorder {
 
   Result<void> listen(const std::string& path, Source& source, const std::string& data,
                       const std::string& cell) {
-    const auto place = nlohmann::json::parse(data, nullptr, false);
+    const auto place = model::parse_json(data);
     if (!place.is_object()) return fail("the device's answer is of another version of Takt");
     const std::string topic = place.value("topic", "");
     const std::string text = place.value("type", "");
