@@ -43,7 +43,7 @@ failures = []
 
 
 def compiles(room, include):
-    entry = next(c for c in commands if f"/rooms/{room}/alone/" in c["file"])
+    entry = next(c for c in commands if f"CMakeFiles/takt_{room}.dir/" in c["command"])
     arguments = shlex.split(entry["command"])
     if "ccache" in os.path.basename(arguments[0]):
         arguments = arguments[1:]
