@@ -1,5 +1,6 @@
 // takt call: a request to a service, and its reply.
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <cstdio>
 #include <mutex>
@@ -173,9 +174,10 @@ int call(const CallOptions& options) {
   }
   if (reply.value("code", "") != "SERVICE_REPLIED")
     return refuse({fail(options.service + " refuses: " + reply.value("reason", ""))});
-  const std::string text = model::json_text(reply.at("reply"));
-  if (options.json)
-    return print(fmt::format("{{\"reply\": {}, \"ms\": {:.3f}}}\n", text, milliseconds)) ? 0 : 1;
+  if (options.json) {
+    const double rounded = std::round(milliseconds * 1e3) / 1e3;
+    return print(model::json_text({{"reply", reply.at("reply")}, {"ms", rounded}}) + "\n") ? 0 : 1;
+  }
   std::string lines;
   for (const auto& [name, value] : reply.at("reply").items())
     lines += fmt::format("{}: {}\n", name, model::json_text(value));
