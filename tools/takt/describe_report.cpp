@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -120,6 +121,13 @@ void add_ports(Page& page, const std::vector<model::Port>& all) {
     for (const model::Field& field : ports[i].type.fields)
       fields.push_back(spelled(field) + " " + field.name);
     page.words(11, "", fields);
+    std::set<std::string> told;
+    for (const model::Field& field : ports[i].type.fields) {
+      Page::Words values = field.enumerators;
+      if (values.empty() || !told.insert(field.type_name).second) continue;
+      values[0] = field.type_name + ": " + values[0];
+      page.words(11, "", values);
+    }
   }
 }
 

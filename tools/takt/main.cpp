@@ -1,11 +1,13 @@
 // The command line.
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <string_view>
-
-#include <cstdio>
+#include <vector>
 
 #include <CLI/CLI.hpp>
+
+#include <takt/core/words.hpp>
 
 #include "commands.hpp"
 #include "pages.hpp"
@@ -114,7 +116,14 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
 
   const auto is_meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_meant).empty()) {
-    std::fprintf(stderr, "takt: there is no command '%s'\n\n%s", argv[1], app.help().c_str());
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    const std::string_view meant = nearest(argv[1], {names.begin(), names.end()});
+    const std::string wrong = "takt: there is no command " + in_quotes(argv[1]);
+    if (meant.empty())
+      std::fprintf(stderr, "%s\n\n%s", wrong.c_str(), app.help().c_str());
+    else
+      std::fprintf(stderr, "%s; did you mean %s?\n", wrong.c_str(), std::string{meant}.c_str());
     return 2;
   }
   try {

@@ -45,7 +45,8 @@ Result<Target> target_of(const std::string& text, bool module_needed) {
                      target.module.find('.') == std::string::npos;
   if (!right) {
     return fail("'" + text + "' names no " + (module_needed ? "module" : "device or module"),
-                module_needed ? "say DEVICE.MODULE" : "say DEVICE or DEVICE.MODULE");
+                module_needed ? "say DEVICE.MODULE, and the property after a blank"
+                              : "say DEVICE or DEVICE.MODULE");
   }
   return target;
 }

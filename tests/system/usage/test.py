@@ -19,6 +19,13 @@ class Usage(takt_system.Case):
                 self.assertIn("Usage: takt", run.err)
                 self.assertLess(max(map(len, run.err.splitlines())), 200)
 
+    def test_a_slip_is_guessed(self):
+        run = self.takt("staus")
+        self.assertEqual((2, "", "takt: there is no command 'staus'; did you mean status?"), (run.status, run.out, run.err.strip()))
+        run = self.takt("get", "line.belt.speed", "speed")
+        self.assertEqual((1, ""), (run.status, run.out))
+        self.assertIn("'line.belt.speed' names no module; say DEVICE.MODULE, and the property after a blank", run.err)
+
     def test_help_and_version_are_no_errors(self):
         for arguments in (["--help"], ["run", "--help"], ["--version"]):
             run = self.takt(*arguments)

@@ -70,6 +70,18 @@ TEST(DescribeReport, SaysWhatAPersonNeeds) {
             "           unsigned long number, double[3] at\n");
 }
 
+TEST(DescribeReport, NamesEnumeratorsOnce) {
+  Described described = belt();
+  const model::Field mode{.name = "mode",
+                          .scalar = model::Scalar::enumeration,
+                          .type_name = "line::Mode",
+                          .enumerators = {"STANDS", "RUNS"}};
+  described.component.ports[1].type.fields = {mode, mode};
+  EXPECT_THAT(describe_text(described, {}), HasSubstr("           line::Mode mode, line::Mode mode\n"
+                                                      "           line::Mode: STANDS, RUNS\n"));
+  EXPECT_THAT(describe_text(described, {}), Not(HasSubstr("RUNS\n           line::Mode:")));
+}
+
 TEST(DescribeReport, BreaksLongSentencesAndKeepsToTheWidth) {
   Described described = belt();
   for (int i = 0; i < 30; ++i) described.component.properties[0].text += "word and word ";

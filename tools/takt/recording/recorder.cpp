@@ -278,7 +278,7 @@ int record(const RecordOptions& options) {
   if (const auto right = check_ports(options.ports); !right) return refuse(right.problems());
   const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return refuse(signals.problems());
-  const auto writer = RecordingWriter::create(options.recording);
+  auto writer = RecordingWriter::create(options.recording);
   if (!writer) return refuse(writer.problems());
 
   std::atomic<bool> news{true};
@@ -308,7 +308,12 @@ int record(const RecordOptions& options) {
         fmt::format("  {} ({}): {}", port.path, port.type, count == counts.end() ? 0 : count->second));
   }
   if (!finished) return refuse(finished.problems());
-  return recorder.recorded().empty() ? 1 : 0;
+  if (!recorder.recorded().empty()) return 0;
+  if (!options.recording.append) {  // a file of nothing is only in the way of the next attempt
+    writer->reset();
+    if (const auto removed = os::remove_file(file); !removed) return refuse(removed.problems());
+  }
+  return 1;
 }
 
 }  // namespace takt::tool
