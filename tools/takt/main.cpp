@@ -118,8 +118,8 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_meant).empty()) {
     std::vector<std::string> names;
     for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-    const std::string_view meant = nearest(argv[1], {names.begin(), names.end()});
-    const std::string wrong = "takt: there is no command " + in_quotes(argv[1]);
+    const std::string_view meant = takt::nearest(argv[1], {names.begin(), names.end()});
+    const std::string wrong = "takt: there is no command " + takt::in_quotes(argv[1]);
     if (meant.empty())
       std::fprintf(stderr, "%s\n\n%s", wrong.c_str(), app.help().c_str());
     else
