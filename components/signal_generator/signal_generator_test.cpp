@@ -44,6 +44,27 @@ TEST(SignalGenerator, KeepsItsPhaseOverAMillionCyclesAndMissedReleases) {
   EXPECT_NEAR(out.value().value(), 1 + 3 * std::sin(2 * std::numbers::pi * 0.252), 1e-6);
 }
 
+TEST(SignalGenerator, RepeatsEveryShapePeriodAfterPeriod) {
+  for (const char* shape : {"sine", "square", "triangle", "sawtooth"}) {
+    takt::testing::Module module{{.period = milliseconds{1}}};
+    auto& out = module.out<basic::Number>("out");
+    auto& flag = module.out<basic::Flag>("flag");
+    ASSERT_TRUE(module.set("shape", shape));
+    ASSERT_TRUE(module.set("frequency", "7.8125"));  // 128 cycles, an exact number in binary
+    ASSERT_TRUE(module.start());
+    module.step(128);
+    const auto first = out.values();
+    ASSERT_EQ(first.size(), 128U);
+    EXPECT_FALSE(flag.value().value()) << shape;
+    module.step(20 * 128);
+    for (std::size_t i = 0; i < out.values().size(); ++i)
+      ASSERT_NEAR(out.values()[i].value(), first[i % 128].value(), 1e-9) << shape << ", cycle " << 128 + i;
+    EXPECT_FALSE(flag.value().value()) << shape;
+    module.step();
+    EXPECT_TRUE(flag.value().value()) << shape;
+  }
+}
+
 TEST(SignalGenerator, ChangesItsFrequencyWithoutAJump) {
   takt::testing::Module module{{.period = milliseconds{1}}};
   auto& out = module.out<basic::Number>("out");

@@ -158,6 +158,24 @@ TEST(Timer, TakesANewTimeForTheRunningOne) {
   EXPECT_FALSE(q.value().value());
 }
 
+TEST(Timer, BeginsAnewAsAnotherKind) {
+  takt::testing::Module module{{.period = milliseconds{10}}};
+  auto& in = module.in<basic::Flag>("in");
+  auto& q = module.out<basic::Flag>("q");
+  auto& et = module.out<basic::Number>("et");
+  ASSERT_TRUE(module.set("kind", "TP"));
+  ASSERT_TRUE(module.start());  // 1 s
+  in.write(flag(true));
+  module.step(60);
+  EXPECT_TRUE(q.value().value());
+  ASSERT_TRUE(module.set("kind", "TON"));
+  module.step(61);
+  EXPECT_FALSE(q.value().value()) << "what the pulse had run does not count";
+  EXPECT_NEAR(et.value().value(), 0.6, 1e-9);
+  module.step(40);
+  EXPECT_TRUE(q.value().value());
+}
+
 TEST(Timer, RefusesAKindThatIsNone) {
   takt::testing::Module module;
   const auto refused = module.set("kind", "TONR");

@@ -142,6 +142,18 @@ TEST_F(TestedClient, GivesUpWhenNoAnswerComesInTime) {
   EXPECT_EQ(after(20), CallStatus::timed_out) << "a late answer is none";
 }
 
+TEST_F(TestedClient, TakesALateAnswerForNoAnswerToTheNextCall) {
+  auto& server = module.serve<basic::Count, basic::Number>("ask", kDouble, 30ms);
+  ASSERT_TRUE(module.start());
+  order.write(count(1));
+  EXPECT_EQ(after(25), CallStatus::timed_out);
+  order.write(count(2));
+  EXPECT_EQ(after(15), CallStatus::pending) << "the answer to the first has come by now";
+  EXPECT_EQ(server.asked(), 2U);
+  EXPECT_EQ(after(10), CallStatus::timed_out);
+  EXPECT_FALSE(got.has_value());
+}
+
 TEST_F(TestedClient, HasNobodyToAskWhereNothingServes) {
   ASSERT_TRUE(module.start());
   order.write(count(1));
