@@ -246,7 +246,7 @@ class Parser(Cursor):
         shape = self.type_of(shown, self.token, [f.name for f in struct.fields])
         for token, own, whole in self.declarators(shape, "a field", full):
             if token.text.lower() == struct.name.split("::")[-1].lower():
-                self.problem(token, f"{struct.name}.{token.text} has the name of its struct; take another name")
+                self.problem(token, f"{struct.name}.{token.text} has the name of its struct (IDL knows no case); take another name")
             if whole.sequence and whole.scalar in ("enum", "string"):
                 # Fast CDR has no function for vectors of these within other things.
                 what = ("an array of sequences", "the sequence", "an array") if whole.dimensions else \

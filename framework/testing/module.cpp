@@ -402,6 +402,34 @@ Module::Tie Module::find(const std::string& port, Side side, const TypeInfo& typ
   return {.queue = queue == 0 && found->direction() == PortDirection::event ? 64 : queue};
 }
 
+void Module::find_service(const std::string& name, bool is_client, const TypeInfo& request,
+                          const TypeInfo& reply) const {
+  const Inside& in = *inside_;
+  // The types of what it is made of carry these names with something behind them.
+  const auto type_of = [&in](const std::string& service, const char* half) {
+    const PortBase* port = in.port(service + half);
+    const std::string type = port == nullptr ? "" : port->type().name;
+    return type.substr(0, type.rfind('_'));
+  };
+  const auto spelled = [](bool client, const std::string& service, const std::string& from,
+                          const std::string& to) {
+    return std::string{client ? "client " : "service "} + service + " (" + from + " -> " + to + ")";
+  };
+  std::string all;
+  for (const PortBase* port : in.subject->ports()) {
+    if (port->role() == PortRole::plain || !port->name().ends_with(kRequestPort)) continue;
+    const std::string other =
+        port->name().substr(0, port->name().size() - std::string_view{kRequestPort}.size());
+    const bool client = port->role() == PortRole::client;
+    const std::string from = type_of(other, kRequestPort);
+    const std::string to = type_of(other, kReplyPort);
+    if (other == name && client == is_client && from == request.name && to == reply.name) return;
+    all += (all.empty() ? "" : ", ") + spelled(client, other, from, to);
+  }
+  throw Error(in.name() + " has no " + spelled(is_client, name, request.name, reply.name) + "; it has " +
+              (all.empty() ? "none" : all));
+}
+
 void Module::respond(const std::string& client, std::unique_ptr<Responder> responder) {
   for (const auto& [name, other] : inside_->responders) {
     if (name == client) throw Error("client " + in_quotes(client) + " is served already; call serve() once");

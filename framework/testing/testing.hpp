@@ -183,6 +183,26 @@ class Out final : public Wire {
   std::uint64_t count_ = 0;
 };
 
+/// What came of Module::call(): a reply, or why there is none.
+template <class Reply>
+class [[nodiscard]] Called : public Answer {
+ public:
+  Called(Reply reply) : reply_(std::move(reply)) {}  // NOLINT(google-explicit-constructor)
+  Called(Problem problem)
+      : Answer(Result<void>(std::move(problem))) {}  // NOLINT(google-explicit-constructor)
+
+  /// Throws where there is none, with text().
+  [[nodiscard]] const Reply& value() const {
+    if (!ok()) throw Error("there is no reply: " + text());
+    return reply_;
+  }
+  const Reply& operator*() const { return value(); }
+  const Reply* operator->() const { return &value(); }
+
+ private:
+  Reply reply_{};
+};
+
 /// What answers a client of the module.
 class Responder {
  public:
@@ -260,17 +280,16 @@ class Module {
   Out<T>& out(const std::string& port);
 
   /// Asks a service of the module as another module does, and steps until it answers: its reply, or why it
-  /// refused, or that it had not answered when `timeout` was over. A handler is called between two rows, while
-  /// the module is EXECUTING. Throws Error as in(), and as step().
+  /// refused, or that it had not answered when `timeout` was over. A handler is called between two rows,
+  /// while the module is EXECUTING. Throws Error as in(), and as step().
   template <class Request, class Reply>
-  Result<Reply> call(const std::string& service, const Request& request,
+  Called<Reply> call(const std::string& service, const Request& request,
                      Nanoseconds timeout = std::chrono::seconds{1});
   /// Answers what the module's client `client` asks, by `handler`: a reply, or takt::fail("why not"). The
   /// module has it `after` later, at the earliest in its next run(); after its time-out, it is too late. The
   /// reference is good as long as the module. Once for each client; throws Error as in().
   template <class Request, class Reply>
-  Server<Request, Reply>& serve(const std::string& client,
-                                typename Server<Request, Reply>::Handler handler,
+  Server<Request, Reply>& serve(const std::string& client, typename Server<Request, Reply>::Handler handler,
                                 Nanoseconds after = Nanoseconds{0});
 
   // The lifecycle, as framework/lifecycle says: what is not allowed in a state is refused with the states in
@@ -326,6 +345,9 @@ class Module {
   void tie(const std::string& port, std::unique_ptr<Wire> wire, const Connection& connection);
   /// So many samples that one run() hardly writes more, in memory that is bounded.
   static std::uint32_t most_of_a_run(const TypeInfo& type);
+  /// Throws where there is none of these types.
+  void find_service(const std::string& name, bool is_client, const TypeInfo& request,
+                    const TypeInfo& reply) const;
   void respond(const std::string& client, std::unique_ptr<Responder> responder);
   /// Of the call that comes next.
   std::uint64_t call_number();
@@ -392,7 +414,8 @@ Out<T>& Module::out(const std::string& port) {
 }
 
 template <class Request, class Reply>
-Result<Reply> Module::call(const std::string& service, const Request& request, Nanoseconds timeout) {
+Called<Reply> Module::call(const std::string& service, const Request& request, Nanoseconds timeout) {
+  find_service(service, false, PortType<Request>::info, PortType<Reply>::info);
   auto& requests = in<ServiceRequest<Request>>(service + kRequestPort);
   auto& replies = out<ServiceReply<Reply>>(service + kReplyPort);
   const std::uint64_t number = call_number();
@@ -411,6 +434,7 @@ Result<Reply> Module::call(const std::string& service, const Request& request, N
 template <class Request, class Reply>
 Server<Request, Reply>& Module::serve(const std::string& client,
                                       typename Server<Request, Reply>::Handler handler, Nanoseconds after) {
+  find_service(client, true, PortType<Request>::info, PortType<Reply>::info);
   auto& requests = out<ServiceRequest<Request>>(client + kRequestPort);
   auto& replies = in<ServiceReply<Reply>>(client + kReplyPort);
   std::unique_ptr<Server<Request, Reply>> server{

@@ -160,7 +160,7 @@ void add_describe(CLI::App& app, Chosen& chosen) {
   const auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
       "describe",
-      "Print what a component is: its ports, properties and hooks; without FILE, which there are");
+      "Print what a component is: its ports, services, properties and hooks; without FILE, which there are");
   command->add_option("FILE", options->words,
                       "components' .so or .exe; a folder of them; or a descriptor, and which of its modules, "
                       "DEVICE.MODULE. NAME=VALUE: a property of a program, on which its ports may depend");

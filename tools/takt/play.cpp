@@ -314,7 +314,8 @@ int play(const PlayOptions& options) {
   const Played& played = player.played();
   std::fprintf(
       stderr, "takt play: %s\n",
-      fmt::format("{} samples of {} ports, at most {:.1f} ms late{}{}", played.samples, topics->size(),
+      fmt::format("{} samples of {} port{}, at most {:.1f} ms late{}{}", played.samples, topics->size(),
+                  topics->size() == 1 ? "" : "s",
                   std::chrono::duration<double, std::milli>(played.latest).count(),
                   played.refused == 0 ? "" : fmt::format("; DDS did not take {}", played.refused),
                   played.wrong == 0 ? "" : fmt::format("; {} are damaged and were left out", played.wrong))

@@ -192,7 +192,12 @@ class Plotter {
     }
     if (options_.from) range_.first_ns = selection_.from_ns;
     if (options_.to) range_.last_ns = std::max(range_.first_ns, selection_.to_ns);
-    if (!any) return Problem{on_one_line(options_.file), "no sample is in that time", "see takt play --list"};
+    if (!any) {
+      const bool bounded = options_.from || options_.to;
+      return Problem{on_one_line(options_.file),
+                     bounded ? "no sample is in that time" : "holds no sample of that",
+                     "see takt play --list"};
+    }
     // What is narrower than a pixel is not seen.
     const std::int64_t pixel =
         (range_.last_ns - range_.first_ns) / static_cast<std::int64_t>(kPlotColumns) + 1;

@@ -34,8 +34,9 @@ void add_record(CLI::App& app, Chosen& chosen) {
       ->add_option("--full", options->record.recording.full,
                    "when it has reached that: stop, or oldest: drop the oldest samples")
       ->type_name("stop|oldest")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Full>{{"stop", Full::stop}, {"oldest", Full::oldest}}));
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, Full>{{"stop", Full::stop}, {"oldest", Full::oldest}})
+              .description(""));
   command->add_option("--flush", options->flush, "a sample is on the disk after this long")
       ->type_name("SECONDS")
       ->check(within(0.01, 3600))

@@ -49,7 +49,7 @@ class Recording(takt_system.Case):
         recorder = self.record(6, "source.xml")
         self.assertEqual(0, recorder.status, recorder.err)
         self.assertRegex(recorder.err, r"records d\.source\.out \(samples::Count\)")
-        self.assertRegex(recorder.err, r"takt record: \d+ samples of 1 ports in 6\.\d s")
+        self.assertRegex(recorder.err, r"takt record: \d+ samples of 1 port in 6\.\d s")
 
         # The file
         self.assertEqual(["a.takt"], [f for f in os.listdir(self.folder) if f.startswith("a.takt")])
@@ -92,7 +92,7 @@ class Recording(takt_system.Case):
             took = time.monotonic() - began
             self.assertEqual(0, play.status, play.err)
             self.assertNotIn("nobody reads", play.err)
-            self.assertRegex(play.err, r"takt play: %d samples of 1 ports" % len(expected))
+            self.assertRegex(play.err, r"takt play: %d samples of 1 port" % len(expected))
             if not options:
                 self.assertGreater(took, (times[-1] - times[0]) / 1e9)
             time.sleep(0.5)
@@ -124,7 +124,7 @@ class Recording(takt_system.Case):
         wait_until(lambda: self.count() > before + 50, 40, "more samples in the file")
         run.signal(signal.SIGINT)
         run.wait(20)
-        self.assertRegex("\n".join(run.printed("recorder")), r"recorder: \d+ samples of 1 ports .* in a\.takt; \d+ lost")
+        self.assertRegex("\n".join(run.printed("recorder")), r"recorder: \d+ samples of 1 port .* in a\.takt; \d+ lost")
         numbers = self.numbers()
         self.assertEqual(sorted(set(numbers)), numbers)
         self.assertEqual(1, len(self.rows("select * from port")))

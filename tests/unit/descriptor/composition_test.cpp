@@ -192,6 +192,18 @@ TEST(Composition, TellsTheLineOfTheTemplateAndThatOfTheUse) {
                   HasSubstr("of module 'b_l' (used at " + parts_file + ":6, used at " + cell + ":5); ")));
 }
 
+TEST(Composition, HoldsTextOfAFragmentAgainstWhatItIsPutInto) {
+  const Folder folder;
+  folder.write("parts.xml", "<fragment>\nstray words\n</fragment>");
+  const std::string cell =
+      folder.write("cell.xml", "<cell name='c'>\n<include file='parts.xml'/>\n<device name='d'>" +
+                                   module("m", "1000", "1") + "</device></cell>");
+  EXPECT_THAT(texts_of(load(cell)),
+              ElementsAre(HasSubstr(folder.file("parts.xml") +
+                                    ":2: error: text 'stray words' in <cell> (included at " + cell +
+                                    ":2); remove it")));
+}
+
 // A node has the text and no files, and says the same.
 TEST(Composition, TellsTheSameOfABundle) {
   const Folder folder;

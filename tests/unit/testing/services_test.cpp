@@ -27,12 +27,22 @@ basic::Number number(double value) {
   return result;
 }
 
-takt::Result<basic::Number> call(Module& module, const std::string& service, std::int64_t value,
-                                 takt::Nanoseconds timeout = 1s) {
+takt::testing::Called<basic::Number> call(Module& module, const std::string& service, std::int64_t value,
+                                          takt::Nanoseconds timeout = 1s) {
   return module.call<basic::Count, basic::Number>(service, count(value), timeout);
 }
-std::string refusal(const takt::Result<basic::Number>& answer) {
-  return answer.ok() ? "it was answered" : takt::in_words(answer.problems());
+std::string refusal(const takt::testing::Called<basic::Number>& answer) {
+  return answer.ok() ? "it was answered" : answer.text();
+}
+
+template <class Call>
+std::string error_of(Call&& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
 }
 
 TEST(TestedService, OfAHandlerAnswersAfterTheRow) {
@@ -83,13 +93,28 @@ TEST(TestedService, ThatDoesNotAnswerInTimeIsNotWaitedFor) {
 TEST(TestedService, ThatIsNotThereIsSaid) {
   Module module;
   ASSERT_TRUE(module.start());
-  try {
-    static_cast<void>(call(module, "quarter", 7));
-    FAIL() << "nothing was thrown";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("testing_services.so has no port 'quarter/request'; it has "));
-    EXPECT_THAT(error.what(), HasSubstr("in half/request (basic::Count_Request)"));
-  }
+  const std::string all =
+      "; it has service half (basic::Count -> basic::Number), service slow (basic::Count -> basic::Number), "
+      "client ask (basic::Count -> basic::Number)";
+  EXPECT_EQ(error_of([&] { static_cast<void>(call(module, "quarter", 7)); }),
+            "testing_services.so has no service quarter (basic::Count -> basic::Number)" + all);
+  EXPECT_EQ(error_of([&] { static_cast<void>(module.call<basic::Count, basic::Flag>("half", count(7))); }),
+            "testing_services.so has no service half (basic::Count -> basic::Flag)" + all);
+  EXPECT_EQ(error_of([&] { static_cast<void>(call(module, "ask", 7)); }),
+            "testing_services.so has no service ask (basic::Count -> basic::Number)" + all);
+  EXPECT_EQ(error_of([&] {
+              module.serve<basic::Count, basic::Number>("half",
+                                                        [](const basic::Count&) { return number(1); });
+            }),
+            "testing_services.so has no client half (basic::Count -> basic::Number)" + all);
+}
+
+TEST(TestedService, WithoutAReplyThrowsWhyWhereItsValueIsTaken) {
+  Module module;
+  ASSERT_TRUE(module.start());
+  const auto refused = call(module, "half", -1);
+  EXPECT_EQ(error_of([&] { static_cast<void>(refused->value()); }),
+            "there is no reply: it is negative; give a positive one");
 }
 
 class TestedClient : public ::testing::Test {

@@ -189,6 +189,8 @@ class Recorder {
                       const std::string& cell) {
     const auto place = model::parse_json(data);
     if (!place.is_object()) return fail("the device's answer is of another version of Takt");
+    if (place.contains("reply"))
+      return fail("it is a service", "record the client's NAME/request and NAME/reply");
     const std::string topic = place.value("topic", "");
     const std::string text = place.value("type", "");
     if (source.tap && topic == source.topic && text == source.type) {
@@ -298,9 +300,10 @@ int record(const RecordOptions& options) {
     recorder.say(on_one_line(file) + " is full at " + bytes_text(options.recording.max_bytes) +
                  ", so it ended");
   recorder.say(fmt::format(
-      "{} samples of {} ports in {:.1f} s, {} in {}; {} lost{}", health.samples, recorder.recorded().size(),
-      std::chrono::duration<double>(recorder.took()).count(), bytes_text(health.bytes), on_one_line(file),
-      recorder.lost(), health.dropped == 0 ? "" : fmt::format(", {} of the oldest dropped", health.dropped)));
+      "{} samples of {} port{} in {:.1f} s, {} in {}; {} lost{}", health.samples, recorder.recorded().size(),
+      recorder.recorded().size() == 1 ? "" : "s", std::chrono::duration<double>(recorder.took()).count(),
+      bytes_text(health.bytes), on_one_line(file), recorder.lost(),
+      health.dropped == 0 ? "" : fmt::format(", {} of the oldest dropped", health.dropped)));
   const auto counts = (*writer)->counts();
   for (const auto& [id, port] : recorder.recorded()) {
     const auto count = counts.find(id);

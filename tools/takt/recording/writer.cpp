@@ -47,7 +47,7 @@ Result<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const Recording
     return Problem{where, "a bound of " + std::to_string(options.max_bytes) + " bytes is too small",
                    "1 MB is the least"};
   if (there && !options.append)
-    return Problem{where, "is there already", "append to it, or record into another file"};
+    return Problem{where, "is there already", "add to it by --append, or record into another file"};
   auto database = Database::open(options.file, there ? Access::append : Access::create);
   if (!database) return database.problems();
   std::unique_ptr<RecordingWriter> writer{new RecordingWriter{options, std::move(*database)}};
