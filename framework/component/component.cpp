@@ -67,27 +67,34 @@ bool Component::condition() {
   });
 }
 
-// Of the module that this thread loads: its constructors run within dlopen().
 namespace {
-std::vector<PortBase*>& loose_ports() {
-  thread_local std::vector<PortBase*> ports;
-  return ports;
+/// Of the module that this thread loads: its constructors run within dlopen(). Null when the thread's list is
+/// gone already; ports that are global variables end after it.
+template <class T>
+std::vector<T*>* loose() {
+  thread_local bool gone = false;
+  struct List {
+    std::vector<T*> all;
+    ~List() { gone = true; }
+  };
+  thread_local List list;
+  return gone ? nullptr : &list.all;
 }
-std::vector<PropertyBase*>& loose_properties() {
-  thread_local std::vector<PropertyBase*> properties;
-  return properties;
+template <class T>
+void remove_loose(T& one) noexcept {
+  if (auto* all = loose<T>()) std::erase(*all, &one);
 }
 }  // namespace
 
-std::vector<PortBase*> take_loose_ports() { return std::exchange(loose_ports(), {}); }
-std::vector<PropertyBase*> take_loose_properties() { return std::exchange(loose_properties(), {}); }
+std::vector<PortBase*> take_loose_ports() { return std::exchange(*loose<PortBase>(), {}); }
+std::vector<PropertyBase*> take_loose_properties() { return std::exchange(*loose<PropertyBase>(), {}); }
 
 namespace detail {
 const char* take_said() noexcept { return take_failure(); }
-void add_loose_port(PortBase& port) { loose_ports().push_back(&port); }
-void remove_loose_port(PortBase& port) noexcept { std::erase(loose_ports(), &port); }
-void add_loose_property(PropertyBase& property) { loose_properties().push_back(&property); }
-void remove_loose_property(PropertyBase& property) noexcept { std::erase(loose_properties(), &property); }
+void add_loose_port(PortBase& port) { loose<PortBase>()->push_back(&port); }
+void remove_loose_port(PortBase& port) noexcept { remove_loose(port); }
+void add_loose_property(PropertyBase& property) { loose<PropertyBase>()->push_back(&property); }
+void remove_loose_property(PropertyBase& property) noexcept { remove_loose(property); }
 }  // namespace detail
 
 }  // namespace takt
