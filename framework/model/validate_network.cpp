@@ -404,6 +404,7 @@ void Network::check_connections() {
   Connections comparable;
   for (std::size_t index = 0; index < cell_.connections.size() && !full(); ++index) {
     const Connection& connection = cell_.connections[index];
+    if (connection.carries != Carries::samples) continue;  // made of a service, at which it is looked below
     check_connection(connection);
     if (index < gaps_.without_ends.size() && gaps_.without_ends[index]) continue;
     if (check_ends(connection)) comparable.push_back(&connection);

@@ -33,7 +33,14 @@ void check_cell(const takt::model::Cell& cell) {
   using namespace takt::model;
   TAKT_CHECK(validate(cell).empty());
   TAKT_CHECK(cell.connections.size() <= kMaxConnections);
+  std::size_t of_services = 0;
   for (const Connection& connection : cell.connections) {
+    if (connection.carries != Carries::samples) {
+      ++of_services;
+      TAKT_CHECK(connection.from.given() && connection.to.given());
+      TAKT_CHECK(is_valid_topic(topic_of(cell, connection)));
+      continue;
+    }
     TAKT_CHECK(connection.from.given() || connection.to.given());
     for (const Endpoint* end : {&connection.from, &connection.to}) {
       TAKT_CHECK(end->given() == is_valid_name(end->device));
@@ -47,6 +54,7 @@ void check_cell(const takt::model::Cell& cell) {
     TAKT_CHECK(!on_dds || is_valid_topic(topic_of(cell, connection)));
     TAKT_CHECK(connection.stale == Stale::hold || (connection.deadline && connection.to.given()));
   }
+  TAKT_CHECK(of_services == 2 * cell.services.size());
   for (const Device& device : cell.devices) {
     for (const Module& module : device.modules) {
       const bool sporadic = module.operation == Operation::sporadic;

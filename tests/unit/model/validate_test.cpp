@@ -484,5 +484,14 @@ TEST(Validate, NamesTheCellWhereThereIsNoFile) {
   EXPECT_THAT(validate(made), ElementsAre(said("cell made", "no device")));
 }
 
+TEST(Validate, FindsWhatAServiceWasMadeOfAsRightAsTheService) {
+  Cell cell = takt::model::cell();
+  cell.services = {{.client = {"robot", "a", "ask"}, .server = {"robot", "b", "grip"}, .line = 7}};
+  EXPECT_THAT(validate(cell), IsEmpty());
+  connect_services(cell);
+  EXPECT_EQ(cell.connections.size(), 2U);
+  EXPECT_THAT(validate(cell), IsEmpty());
+}
+
 }  // namespace
 }  // namespace takt::model
