@@ -4,11 +4,9 @@
 
 #include <array>
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <thread>
 
 #include <arpa/inet.h>
 #include <modbus/modbus.h>
@@ -20,6 +18,7 @@
 #include <basic.hpp>
 
 #include "../common/basic_values.hpp"
+#include "../common/beside_threads.hpp"
 
 namespace {
 
@@ -64,14 +63,9 @@ class Device : public ::testing::Test {
     EXPECT_TRUE(module.set("map", kMap));
     EXPECT_TRUE(module.set("port", std::to_string(port)));
   }
-  /// The server has a thread and a clock of its own, which a body on virtual time would outrun.
-  bool comes(const std::function<bool()>& true_by_then) {
-    for (const auto limit = std::chrono::steady_clock::now() + 20s;
-         std::chrono::steady_clock::now() < limit;) {
-      if (module.step_until(true_by_then, 1)) return true;
-      std::this_thread::sleep_for(1ms);
-    }
-    return false;
+  template <class Done>
+  bool comes(Done&& done) {
+    return common::comes_in_time(module, done);
   }
   void connect() { ASSERT_EQ(modbus_connect(master.get()), 0) << modbus_strerror(errno); }
 

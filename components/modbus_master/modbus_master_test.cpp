@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -22,6 +21,7 @@
 #include <basic.hpp>
 
 #include "../common/basic_values.hpp"
+#include "../common/beside_threads.hpp"
 
 namespace {
 
@@ -103,14 +103,9 @@ class Master : public ::testing::Test {
     EXPECT_TRUE(module.set("port", std::to_string(port)));
     EXPECT_TRUE(module.set("cycle", "0.002"));
   }
-  /// The exchange has a thread and a clock of its own, which a body on virtual time would outrun.
-  bool comes(const std::function<bool()>& true_by_then) {
-    for (const auto limit = std::chrono::steady_clock::now() + 20s;
-         std::chrono::steady_clock::now() < limit;) {
-      if (module.step_until(true_by_then, 1)) return true;
-      std::this_thread::sleep_for(1ms);
-    }
-    return false;
+  template <class Done>
+  bool comes(Done&& done) {
+    return common::comes_in_time(module, done);
   }
   bool lamp_is(bool lit) {
     return device->with_tables([&](modbus_mapping_t& tables) { return (tables.tab_bits[0] != 0) == lit; });

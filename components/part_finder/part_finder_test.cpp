@@ -4,16 +4,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <random>
-#include <thread>
 #include <vector>
 
 #include <takt/testing.hpp>
 
 #include <line.hpp>
 
+#include "../common/beside_threads.hpp"
 #include "finder.hpp"
 
 namespace {
@@ -121,14 +120,9 @@ class PartFinderProgram : public ::testing::Test {
     for (const line::Part& one : parts) now.parts().push_back(one);
     scene.write(now);
   }
-  /// Looking has a thread and a clock of its own, which a body on virtual time would outrun.
-  bool comes(const std::function<bool()>& true_by_then) {
-    for (const auto limit = std::chrono::steady_clock::now() + 20s;
-         std::chrono::steady_clock::now() < limit;) {
-      if (module.step_until(true_by_then, 1)) return true;
-      std::this_thread::sleep_for(1ms);
-    }
-    return false;
+  template <class Done>
+  bool comes(Done&& done) {
+    return common::comes_in_time(module, done);
   }
 
   takt::testing::Module module{{.period = 40ms}};
