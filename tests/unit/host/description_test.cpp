@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <utility>
+
 namespace takt::host {
 namespace {
 
@@ -33,6 +35,10 @@ TEST(Description, AsJsonHasBoundsAsNumbersAndNullWithout) {
   EXPECT_TRUE(object["properties"][0]["max"].is_null());
   EXPECT_EQ(object["properties"][0]["range"], "at least 1");
   EXPECT_TRUE(object["ports"].empty());
+  EXPECT_EQ(object["hooks"], nlohmann::json::array({"run"}));
+  for (const auto& [member, value] :
+       {std::pair{"name", "n"}, {"text", "t"}, {"interface", "c"}, {"operation", ""}})
+    EXPECT_EQ(object[member], value);
 }
 
 TEST(Description, OnlyAComponentInCppWithoutPropertiesTakesNone) {
