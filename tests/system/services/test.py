@@ -65,6 +65,8 @@ class Services(takt_system.Case):
             "call serve.answers.handled number=11 same=[11,11,11,11,11,11] few=[11]":
                 "serve.answers.handled refuses: its handler threw: a multiple of 11",
             "call nobody.answers.handled": "nobody",
+            "record serve.answers.handled --out none.takt --for 2":
+                "waits for serve.answers.handled: it is a service; record the client's NAME/request and NAME/reply",
         })
         self.assertEqual(2, self.takt("call", "serve.answers.handled", "--timeout", "0").status)
         self.done("stop serve.answers")
