@@ -62,6 +62,22 @@ function(takt_precompile target)
     "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow>")
 endfunction()
 
+# OpenSSL comes with Fast DDS, and its guard lies with that one's; the room that may name it says so by a definition.
+find_path(TAKT_OPENSSL_INCLUDE openssl/x509.h)
+file(GLOB headers RELATIVE ${TAKT_OPENSSL_INCLUDE} ${TAKT_OPENSSL_INCLUDE}/openssl/*.h)
+foreach(header IN LISTS headers)
+  file(WRITE ${CMAKE_BINARY_DIR}/rooms/.guard/fastdds/${header}.new
+"#pragma GCC system_header
+#if __INCLUDE_LEVEL__ <= 2 && !defined(TAKT_MAY_NAME_OPENSSL)
+#error \"<${header}> is named only in framework/security; use that room's interface\"
+#else
+#include_next <${header}>
+#endif
+")
+  file(COPY_FILE ${CMAKE_BINARY_DIR}/rooms/.guard/fastdds/${header}.new
+       ${CMAKE_BINARY_DIR}/rooms/.guard/fastdds/${header} ONLY_IF_DIFFERENT)
+endforeach()
+
 function(takt_room name)
   cmake_parse_arguments(ROOM "SHARED;NOT_REAL_TIME" "" "USES;LINKS;MAY_NAME;FOR_AUTHORS;EXCEPT;PRECOMPILED" ${ARGN})
   set(root ${CMAKE_BINARY_DIR}/rooms/${name})
@@ -112,6 +128,9 @@ function(takt_room name)
       target_include_directories(takt_${name} BEFORE PRIVATE ${CMAKE_BINARY_DIR}/rooms/.guard/${library})
     endif()
   endforeach()
+  if(openssl IN_LIST ROOM_MAY_NAME)
+    target_compile_definitions(takt_${name} PRIVATE TAKT_MAY_NAME_OPENSSL)
+  endif()
   foreach(room IN LISTS ROOM_USES)
     target_link_libraries(takt_${name} PUBLIC takt_${room})
   endforeach()

@@ -26,6 +26,8 @@ namespace modbus {
 
 /// As many points as one map may have.
 inline constexpr std::size_t kMaxPoints = 256;
+/// After as many mistakes no more is read.
+inline constexpr std::size_t kMostMistakes = 50;
 
 enum class Table { coil, discrete, holding, input };
 inline constexpr std::array kTables{Table::coil, Table::discrete, Table::holding, Table::input};
@@ -84,6 +86,9 @@ inline bool is_name(std::string_view text) {
          std::all_of(text.begin(), text.end(), later);
 }
 
+/// What moves a cursor and is no character.
+inline bool is_control(char c) { return (c >= 0 && c < ' ') || c == 0x7f; }
+
 /// All of the text, or none.
 template <class T>
 std::optional<T> number(std::string_view text) {
@@ -132,6 +137,7 @@ class LineReader {
   static constexpr std::string_view kBlanks = " \t\r";
 
   void wrong(std::string what, std::string fix) {
+    if (map_.mistakes.size() == kMostMistakes) return;
     map_.mistakes.push_back({line_, std::move(what), std::move(fix)});
   }
 
@@ -209,6 +215,8 @@ class LineReader {
   void option(std::string_view key, std::string_view value) {
     if (key == "unit") {
       point_.unit = value;
+      if (std::any_of(value.begin(), value.end(), is_control))
+        wrong("the unit " + in_quotes(value) + " cannot be shown", "write letters, as in 'm/s'");
       return;
     }
     if (key == "order") {
@@ -268,7 +276,6 @@ class LineReader {
 /// ';', and '#' begins a comment to its end.
 inline Map parse_map(std::string_view text) {
   Map map;
-  constexpr std::size_t kMostMistakes = 50;
   unsigned line = 1;
   while (!text.empty() && map.mistakes.size() < kMostMistakes) {
     const std::size_t end = std::min(text.find_first_of("\n;"), text.size());

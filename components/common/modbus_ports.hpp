@@ -49,10 +49,11 @@ class PointOutput {
  public:
   explicit PointOutput(const Point& point) {
     if (is_bit(point.table))
-      flag_ = std::make_unique<takt::OutPort<basic::Flag>>(point.name, takt::PortOptions{description(point)});
+      flag_ = std::make_unique<takt::OutPort<basic::Flag>>(
+          point.name, takt::OutPort<basic::Flag>::Options{.text = description(point)});
     else
-      number_ =
-          std::make_unique<takt::OutPort<basic::Number>>(point.name, takt::PortOptions{description(point)});
+      number_ = std::make_unique<takt::OutPort<basic::Number>>(
+          point.name, takt::OutPort<basic::Number>::Options{.text = description(point)});
   }
   void write(double value) noexcept {
     if (flag_) {

@@ -15,7 +15,9 @@ class EmergencyStop : public takt::Component {
   takt::InPort<basic::Flag> channel_b{*this, "channel_b", {.text = "The same, by the second contact."}};
   takt::InPort<basic::Flag> reset{*this, "reset", {.text = "A rising edge permits, once both are closed."}};
   takt::OutPort<basic::Flag> run_permitted{
-      *this, "run_permitted", {.text = "Every cycle: read it with a deadline and stale=\"error\"."}};
+      *this,
+      "run_permitted",
+      {.text = "Every cycle: read it with a deadline. Its safe value is false.", .safe = basic::Flag{}}};
   takt::OutPort<basic::Count> state{
       *this, "state", {.text = "0 permitted, 1 stopped, 2 waits for the reset, 3 discrepancy, 4 no signal."}};
   takt::Property<double> discrepancy_time{

@@ -20,7 +20,8 @@ class Interlock : public takt::Component {
                           Input{*this, "in_7"},
                           Input{*this, "in_8"}};
   Input reset{*this, "reset", {.text = "A rising edge forgets the first-out, once all hold."}};
-  takt::OutPort<basic::Flag> permitted{*this, "permitted", {.text = "All that are connected are true."}};
+  takt::OutPort<basic::Flag> permitted{
+      *this, "permitted", {.text = "All that are connected are true.", .safe = basic::Flag{}}};
   takt::OutPort<basic::Count> first_out{
       *this, "first_out", {.text = "The input that dropped first, 1 to 8; 0: none since the reset."}};
   takt::Property<bool> latching{

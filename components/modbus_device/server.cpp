@@ -113,7 +113,6 @@ void Server::accept_client() {
   clients_.push_back(client);
 }
 
-/// False when the master is to be cut off.
 bool Server::serve(int socket) {
   modbus_set_socket(context_.get(), socket);
   std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> request{};

@@ -55,6 +55,10 @@ class Server {
   std::string listen();
   /// The thread's work, for ever.
   [[noreturn]] void work();
+  /// Of that work: the next request of a master is read and answered. False: the master is to be cut off.
+  [[nodiscard]] bool serve(int socket);
+  /// Of that work: what masters wrote so far is in `image`.
+  void publish();
 
   /// As many masters as are served at once; another is turned away.
   static constexpr std::size_t kMaxClients = 16;
@@ -63,12 +67,10 @@ class Server {
   using Clock = std::chrono::steady_clock;
 
   void accept_client();
-  [[nodiscard]] bool serve(int socket);
   void take_inputs();
   void written(Table table, unsigned address, unsigned count);
   void note_writes(const std::uint8_t* request, int length);
   void watch_masters();
-  void publish();
   [[nodiscard]] bool put(const Point& point, double value);
 
   const std::vector<Point> points_;

@@ -43,6 +43,7 @@ class Pid : public takt::Component {
   takt::Property<double> output_min{*this, "output_min", -1, {.text = "Below output_max."}};
   takt::Property<double> output_max{*this, "output_max", 1, {.text = "Above output_min."}};
 
+  takt::Saved<double> kept_{*this, 1};  // the output
   pid::PidLoop loop_;
   common::Releases releases_;
   basic::Number output_;
@@ -78,6 +79,11 @@ class Pid : public takt::Component {
     return {};
   }
 
+  takt::Result<void> start() override {
+    if (kept_.restored()) loop_.reset(*kept_);
+    return {};
+  }
+
   void run(const takt::Cycle& cycle) noexcept override {
     const double dt = cycle.seconds() * static_cast<double>(releases_.step(cycle.number));
     common::read_newest(setpoint_in);
@@ -98,6 +104,7 @@ class Pid : public takt::Component {
     output_.value(manual.value().value() ? loop_.manual(wanted, is, by_hand, dt)
                                          : loop_.automatic(wanted, is, dt));
     output.write(output_);
+    *kept_ = loop_.output();
   }
 
   takt::Result<void> recover() override {

@@ -328,6 +328,19 @@ TEST_F(PidModule, ChangesItsGainLiveWithoutAJump) {
   EXPECT_NEAR(output.value().value(), before + 20 * 0.5 * 0.01 / 0.5, 1e-9);
 }
 
+TEST_F(PidModule, GoesOnFromItsOutputAfterACrash) {
+  ASSERT_TRUE(module.set("setpoint", "1"));
+  ASSERT_TRUE(module.start());
+  measured.write(number(0));
+  module.step(100);
+  const double before = output.value().value();
+  EXPECT_GT(before, 1);
+  ASSERT_TRUE(module.crash());
+  ASSERT_TRUE(module.recover());
+  module.step();
+  EXPECT_NEAR(output.value().value(), before, 2 * 0.01 / 0.5 + 1e-9);
+}
+
 TEST_F(PidModule, CountsMissedReleases) {
   ASSERT_TRUE(module.set("setpoint", "1"));
   ASSERT_TRUE(module.start());

@@ -16,25 +16,28 @@ class UpDownCounter : public takt::Component {
   takt::OutPort<basic::Flag> empty{*this, "empty", {.text = "QD, Q of CTD: the value is at most 0."}};
   takt::Property<std::int64_t> preset{*this, "preset", 10, {.text = "PV."}};
 
-  up_down_counter::IecCounter counter_;
-  common::RisingEdge up_;
-  common::RisingEdge down_;
+  struct Kept {
+    up_down_counter::IecCounter counter;
+    common::RisingEdge up, down;  // or an input that stays true counted once more
+  };
+  takt::Saved<Kept> kept_{*this, 1};
   basic::Count count_;
   basic::Flag flag_;
 
   void run(const takt::Cycle&) noexcept override {
     common::read_newest(reset);
     common::read_newest(load);
-    counter_.step({.up = common::count_rising(up, up_),
-                   .down = common::count_rising(down, down_),
-                   .reset = reset.value().value(),
-                   .load = load.value().value()},
-                  preset);
-    count_.value(counter_.value());
+    up_down_counter::IecCounter& counter = kept_->counter;
+    counter.step({.up = common::count_rising(up, kept_->up),
+                  .down = common::count_rising(down, kept_->down),
+                  .reset = reset.value().value(),
+                  .load = load.value().value()},
+                 preset);
+    count_.value(counter.value());
     value.write(count_);
-    flag_.value(counter_.full(preset));
+    flag_.value(counter.full(preset));
     full.write(flag_);
-    flag_.value(counter_.empty());
+    flag_.value(counter.empty());
     empty.write(flag_);
   }
 };

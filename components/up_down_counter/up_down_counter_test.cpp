@@ -98,6 +98,28 @@ TEST(UpDownCounter, KeepsItsCountOverARecovery) {
   EXPECT_EQ(value.value().value(), 1);
 }
 
+TEST(UpDownCounter, KeepsItsCountOverACrashUntilAReset) {
+  takt::testing::Module module;
+  auto& up = module.in<basic::Flag>("up");
+  auto& value = module.out<basic::Count>("value");
+  ASSERT_TRUE(module.start());
+  for (const bool each : {true, false, true}) {
+    up.write(flag(each));
+    module.step();
+  }
+  ASSERT_TRUE(module.crash());
+  ASSERT_TRUE(module.recover());
+  up.write(flag(true));  // still: no edge
+  module.step();
+  EXPECT_EQ(value.value().value(), 2);
+  ASSERT_TRUE(module.destruct());
+  ASSERT_TRUE(module.reset());
+  ASSERT_TRUE(module.start());
+  up.write(flag(false));
+  module.step();
+  EXPECT_EQ(value.value().value(), 0);
+}
+
 TEST(UpDownCounter, TakesANewPresetLive) {
   takt::testing::Module module;
   auto& up = module.in<basic::Flag>("up");

@@ -32,19 +32,20 @@ const char* to_text(Doing doing) noexcept {
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0005;  // "takt", layout 5
+constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0008;  // "takt", layout 8
 
 struct alignas(64) Header {
   std::uint64_t magic;
+  std::uint64_t hosts;
   std::uint64_t executors;
   std::uint64_t modules;
 };
 
-constexpr std::size_t kHostAt = sizeof(Header);
-constexpr std::size_t kExecutorsAt = kHostAt + sizeof(HostBlock);
+constexpr std::size_t kHostsAt = sizeof(Header);
 
-std::size_t size_of(std::size_t executors, std::size_t modules) {
-  return kExecutorsAt + executors * sizeof(ExecutorBlock) + modules * sizeof(ModuleBlock);
+std::size_t executors_at(std::size_t hosts) { return kHostsAt + hosts * sizeof(HostBlock); }
+std::size_t size_of(std::size_t hosts, std::size_t executors, std::size_t modules) {
+  return executors_at(hosts) + executors * sizeof(ExecutorBlock) + modules * sizeof(ModuleBlock);
 }
 
 template <class T>
@@ -54,13 +55,15 @@ T& at(const os::SharedMemory& memory, std::size_t offset) {
 
 }  // namespace
 
-Result<Channel> Channel::create(const std::vector<std::string>& executors,
+Result<Channel> Channel::create(std::size_t hosts, const std::vector<std::string>& executors,
                                 const std::vector<std::string>& modules) {
-  auto memory = os::SharedMemory::create("takt-channel", size_of(executors.size(), modules.size()));
+  auto memory = os::SharedMemory::create("takt-channel", size_of(hosts, executors.size(), modules.size()));
   if (!memory) return memory.problems();
-  at<Header>(*memory, 0) = {.magic = kMagic, .executors = executors.size(), .modules = modules.size()};
+  at<Header>(*memory, 0) = {
+      .magic = kMagic, .hosts = hosts, .executors = executors.size(), .modules = modules.size()};
   Channel channel;
   channel.memory_ = std::move(*memory);
+  channel.hosts_ = hosts;
   channel.executors_ = executors.size();
   channel.modules_ = modules.size();
   for (std::size_t i = 0; i < executors.size(); ++i) channel.executor(i).name.assign(executors[i]);
@@ -73,29 +76,33 @@ Result<Channel> Channel::attach(os::Fd fd) {
   if (!memory) return memory.problems();
   Channel channel;
   channel.memory_ = std::move(*memory);
-  if (channel.memory_.size() < kExecutorsAt) return fail("this is no channel", "start the host by takt-node");
+  if (channel.memory_.size() < sizeof(Header))
+    return fail("this is no channel", "start the host by takt-node");
   const auto& header = at<Header>(channel.memory_, 0);
+  channel.hosts_ = header.hosts;
   channel.executors_ = header.executors;
   channel.modules_ = header.modules;
   const std::size_t size = channel.memory_.size();
-  // Neither is more than the bytes there are, so that their size is no number that has gone round.
-  if (header.magic != kMagic || header.executors > size || header.modules > size ||
-      size != size_of(header.executors, header.modules)) {
+  // None is more than the bytes there are, so that their size is no number that has gone round.
+  if (header.magic != kMagic || header.hosts > size || header.executors > size || header.modules > size ||
+      size != size_of(header.hosts, header.executors, header.modules)) {
     return fail("the channel was laid out by another version",
                 "install takt-node and takt-host of one version");
   }
   return channel;
 }
 
-HostBlock& Channel::host() const noexcept { return at<HostBlock>(memory_, kHostAt); }
+HostBlock& Channel::host(std::size_t index) const noexcept {
+  return at<HostBlock>(memory_, kHostsAt + index * sizeof(HostBlock));
+}
 
 ExecutorBlock& Channel::executor(std::size_t index) const noexcept {
-  return at<ExecutorBlock>(memory_, kExecutorsAt + index * sizeof(ExecutorBlock));
+  return at<ExecutorBlock>(memory_, executors_at(hosts_) + index * sizeof(ExecutorBlock));
 }
 
 ModuleBlock& Channel::module(std::size_t index) const noexcept {
-  return at<ModuleBlock>(memory_,
-                         kExecutorsAt + executors_ * sizeof(ExecutorBlock) + index * sizeof(ModuleBlock));
+  return at<ModuleBlock>(
+      memory_, executors_at(hosts_) + executors_ * sizeof(ExecutorBlock) + index * sizeof(ModuleBlock));
 }
 
 }  // namespace takt::channel

@@ -1,5 +1,5 @@
-// The channel of one device: one block for the host, one for each executor, one for each module, in one piece
-// of shared memory. The node creates it and keeps it over restarts of the host; counters go on.
+// The channel of one device: one block for each host, one for each executor, one for each module, in one
+// piece of shared memory. The node creates it and keeps it over restarts of the host; counters go on.
 #pragma once
 
 #include <cstdint>
@@ -15,21 +15,24 @@ namespace takt::channel {
 class Channel {
  public:
   Channel() = default;
-  static Result<Channel> create(const std::vector<std::string>& executors,
+  static Result<Channel> create(std::size_t hosts, const std::vector<std::string>& executors,
                                 const std::vector<std::string>& modules);
   /// Fails when the memory was laid out by another version.
   static Result<Channel> attach(os::Fd fd);
 
-  [[nodiscard]] HostBlock& host() const noexcept;
+  /// index < hosts()
+  [[nodiscard]] HostBlock& host(std::size_t index) const noexcept;
   /// index < executors()
   [[nodiscard]] ExecutorBlock& executor(std::size_t index) const noexcept;
   [[nodiscard]] ModuleBlock& module(std::size_t index) const noexcept;
+  [[nodiscard]] std::size_t hosts() const noexcept { return hosts_; }
   [[nodiscard]] std::size_t executors() const noexcept { return executors_; }
   [[nodiscard]] std::size_t modules() const noexcept { return modules_; }
   [[nodiscard]] const os::Fd& fd() const noexcept { return memory_.fd(); }
 
  private:
   os::SharedMemory memory_;
+  std::size_t hosts_ = 0;
   std::size_t executors_ = 0;
   std::size_t modules_ = 0;
 };

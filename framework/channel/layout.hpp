@@ -2,7 +2,9 @@
 // is its initial state; every field has one writer at a time.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 
 #include <takt/channel/activity.hpp>
@@ -33,6 +35,7 @@ struct alignas(64) ModuleBlock {
 
   std::atomic<std::uint64_t> over_budget;  ///< runs of a thread module that took longer
   std::atomic<std::uint32_t> in_a_row;     ///< of these, the last without a shorter one between
+  std::atomic<std::uint32_t> on_trial;     ///< 1 while an instance that was swapped in may still be put back
 
   alignas(64) Statistics jitter;  ///< Eq. (1), P_n - T_n; of thread modules
   alignas(64) Statistics run;     ///< of thread modules
@@ -68,18 +71,28 @@ struct alignas(64) ExecutorBlock {
   Statistics jitter;  ///< of the row's start
 };
 
+/// A place in the code of a thread that crashed.
+struct CrashFrame {
+  std::uint64_t address;  ///< as the file that it was loaded from counts
+  FixedText<216> object;  ///< this file; empty: the program itself
+};
+
 /// The last words of a host that crashed, or was ended by a module that called exit().
 struct Crash {
   static constexpr std::int32_t kExit = -1;  ///< it called exit()
+  static constexpr std::size_t kFrames = 32;
 
   std::atomic<std::int32_t> signal;
   std::atomic<std::uint32_t> module;  ///< its index + 1; 0: none was running in that thread
   std::atomic<Doing> doing;
+  std::atomic<std::uint32_t> depth;        ///< of `frames` that are written. SYNC: crash frame
+  std::array<CrashFrame, kFrames> frames;  ///< innermost first
 };
 
 struct alignas(64) HostBlock {
   std::atomic<std::int64_t> t0_ns;  ///< T0 of all executors; 0 before the first row is agreed
   Activity hooks;                   ///< of the thread that calls hooks
+  Activity swap;                    ///< of the thread that prepares an instance to be swapped in
   Crash crash;
 };
 

@@ -18,6 +18,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include <takt/core/check.hpp>
 
@@ -50,6 +51,8 @@ struct SlotWord {
 };
 
 inline constexpr std::uint32_t kMaxLinkDepth = 65536;
+/// Of BasicLinkBlock::trusted_from.
+inline constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max();
 /// A time that does not come.
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
@@ -57,7 +60,7 @@ inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 /// is std::atomic but in a test, which wants to be there between any two steps.
 template <template <class> class Atomic>
 struct alignas(64) BasicLinkBlock {
-  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0003;  // "link", layout 3
+  static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0004;  // "link", layout 4
 
   // Written before anybody uses it.
   std::uint64_t magic;
@@ -67,6 +70,11 @@ struct alignas(64) BasicLinkBlock {
   std::uint32_t wake_bits;  ///< of the bell, pending when a sample was written; 0: nobody waits for one
   std::int64_t deadline_ns;       ///< a value older than this is stale; 0: never
   Atomic<std::uint32_t> enabled;  ///< 0: a writer does not write here (nobody listens). Set by the node.
+  std::uint32_t safe_room;        ///< bytes of the place of a safe value; 0: this link has none
+  /// Of a link with such a place: samples with a lower number are not given to anybody. kNobody while the
+  /// writer does not execute. Set by the node that looks after the reader. SYNC: trusted
+  Atomic<std::uint64_t> trusted_from;
+  Atomic<std::uint32_t> safe_size;  ///< bytes of the safe value; 0: it is not known yet. SYNC: safe value
 
   // Written by the writer.
   alignas(64) Atomic<std::uint64_t> written;  ///< samples so far
@@ -100,8 +108,8 @@ struct BasicSampleHead {
 template <template <class> class Atomic>
 class BasicLinkLayout {
  public:
-  constexpr BasicLinkLayout(std::uint32_t depth, std::uint32_t stride) noexcept
-      : depth_(depth), stride_(stride) {}
+  constexpr BasicLinkLayout(std::uint32_t depth, std::uint32_t stride, std::uint32_t safe = 0) noexcept
+      : depth_(depth), stride_(stride), safe_(safe) {}
   [[nodiscard]] constexpr std::uint32_t depth() const noexcept { return depth_; }
   [[nodiscard]] constexpr std::uint32_t stride() const noexcept { return stride_; }
   [[nodiscard]] constexpr std::uint32_t buffers() const noexcept { return depth_ + 2; }
@@ -112,14 +120,18 @@ class BasicLinkLayout {
   [[nodiscard]] constexpr std::size_t payloads() const noexcept {
     return up(heads() + std::size_t{buffers()} * sizeof(BasicSampleHead<Atomic>));
   }
-  [[nodiscard]] constexpr std::size_t size() const noexcept {
+  /// Behind the payloads.
+  [[nodiscard]] constexpr std::size_t safe() const noexcept {
     return payloads() + std::size_t{buffers()} * stride_;
   }
+  [[nodiscard]] constexpr std::uint32_t safe_room() const noexcept { return safe_; }
+  [[nodiscard]] constexpr std::size_t size() const noexcept { return up(safe() + safe_); }
 
  private:
   static constexpr std::size_t up(std::size_t n) noexcept { return (n + 63) / 64 * 64; }
   std::uint32_t depth_;
   std::uint32_t stride_;
+  std::uint32_t safe_;
 };
 
 /// A link's memory, as both sides use it. Copies refer to the same memory.
@@ -134,10 +146,11 @@ class BasicLink {
   /// Memory of Layout::size() bytes that was formatted, aligned to 64. Depth and stride are read once: what a
   /// program that writes where it should not makes of them later leads nobody out of the memory.
   explicit BasicLink(std::byte* memory) noexcept
-      : block_(reinterpret_cast<Block*>(memory)), layout_(block_->depth, block_->stride) {
+      : block_(reinterpret_cast<Block*>(memory)), layout_(block_->depth, block_->stride, block_->safe_room) {
     slots_ = reinterpret_cast<Atomic<std::uint64_t>*>(memory + layout_.slots());
     heads_ = reinterpret_cast<Head*>(memory + layout_.heads());
     payloads_ = memory + layout_.payloads();
+    safe_ = memory + layout_.safe();
   }
 
   struct Options {
@@ -147,16 +160,17 @@ class BasicLink {
     std::uint32_t wake_bits = 0;
     std::int64_t deadline_ns = 0;
     bool enabled = true;
+    std::uint32_t safe = 0;  ///< most bytes of a safe value; 0: the link has none
   };
   static constexpr Layout layout(const Options& options) noexcept {
-    return {options.depth, (options.payload + 63) / 64 * 64};
+    return {options.depth, (options.payload + 63) / 64 * 64, options.safe};
   }
   /// Whether the memory of somebody else is a link of this version, whole.
   static bool is_link(const std::byte* memory, std::size_t size) noexcept {
     if (size < sizeof(Block)) return false;
     const auto* block = reinterpret_cast<const Block*>(memory);
     return block->magic == Block::kMagic && block->depth >= 1 && block->depth <= kMaxLinkDepth &&
-           block->stride % 64 == 0 && size >= Layout{block->depth, block->stride}.size();
+           block->stride % 64 == 0 && size >= Layout{block->depth, block->stride, block->safe_room}.size();
   }
   /// Makes a link of memory that nobody uses. What was in it is gone.
   static void format(std::byte* memory, const Options& options) noexcept {
@@ -169,6 +183,9 @@ class BasicLink {
     block->is_queue = options.is_queue ? 1 : 0;
     block->wake_bits = options.wake_bits;
     block->deadline_ns = options.deadline_ns;
+    block->safe_room = options.safe;
+    block->safe_size.store(0, relaxed);
+    block->trusted_from.store(options.safe == 0 ? 0 : kNobody, relaxed);
     block->newest_ns.store(0, relaxed);
     for (auto* counter : {&block->written, &block->overwritten, &block->unfit, &block->taken, &block->refused,
                           &block->late}) {
@@ -209,12 +226,41 @@ class BasicLink {
     return payloads_ + std::size_t{buffer} * layout_.stride();
   }
 
+  /// The link has a place for a safe value: what its reader gets in place of samples that are not to be
+  /// trusted.
+  [[nodiscard]] bool has_safe_place() const noexcept { return layout_.safe_room() != 0; }
+  /// It, as CDR; empty while it is not known. SYNC: safe value
+  [[nodiscard]] std::span<const std::byte> safe() const noexcept {
+    const std::uint32_t size = block_->safe_size.load(std::memory_order_acquire);
+    return {safe_, std::min(size, layout_.safe_room())};
+  }
+  /// Once, by the node. What does not fit is no value of the type, and is left out.
+  void give_safe(std::span<const std::byte> value) const noexcept {
+    if (value.size() > layout_.safe_room()) return;
+    std::copy(value.begin(), value.end(), safe_);
+    block_->safe_size.store(static_cast<std::uint32_t>(value.size()), std::memory_order_release);
+  }
+  /// The writer does not execute: nothing that it wrote is given to anybody. By the node, while it may be
+  /// writing.
+  void withhold() const noexcept { block_->trusted_from.store(kNobody, std::memory_order_release); }
+  /// It executes, or is about to: what it writes from now on is given to the reader.
+  void trust() const noexcept {
+    if (block_->trusted_from.load(std::memory_order_relaxed) != kNobody) return;
+    const std::uint64_t written = block_->written.load(std::memory_order_relaxed);
+    block_->trusted_from.store(written + 1, std::memory_order_release);
+  }
+  [[nodiscard]] bool is_withheld() const noexcept { return trusted_from() == kNobody; }
+  [[nodiscard]] std::uint64_t trusted_from() const noexcept {
+    return block_->trusted_from.load(std::memory_order_acquire);
+  }
+
  private:
   Block* block_ = nullptr;
   Layout layout_{1, 0};
   Atomic<std::uint64_t>* slots_ = nullptr;
   Head* heads_ = nullptr;
   std::byte* payloads_ = nullptr;
+  std::byte* safe_ = nullptr;
 };
 
 /// What belongs to a side that nobody serves at present: its buffer, and the last sample it published, or is
@@ -280,12 +326,19 @@ void drop_samples(const BasicLink<Atomic>& link) noexcept {
   link.block().newest_ns.store(0, order);
 }
 
+/// Whether a side is served at once, or from attach() on, because somebody else serves it until then.
+enum class Attach { now, later };
+
 /// The one writer of a link; one thread at a time. Real-time.
 template <template <class> class Atomic>
 class BasicLinkWriter {
  public:
   BasicLinkWriter() = default;
-  explicit BasicLinkWriter(BasicLink<Atomic> link) noexcept : link_(link) {
+  explicit BasicLinkWriter(BasicLink<Atomic> link, Attach when = Attach::now) noexcept : link_(link) {
+    if (when == Attach::now) attach();
+  }
+  /// Goes on where whoever served this side before has left it, who is not at work.
+  void attach() noexcept {
     const LinkPlace found = find_writer(link_);
     private_ = found.buffer;
     sequence_ = found.sequence + 1;
@@ -344,8 +397,11 @@ template <template <class> class Atomic>
 class BasicLinkReader {
  public:
   BasicLinkReader() = default;
-  /// Goes on after the last sample that was taken.
-  explicit BasicLinkReader(BasicLink<Atomic> link) noexcept : link_(link) {
+  explicit BasicLinkReader(BasicLink<Atomic> link, Attach when = Attach::now) noexcept : link_(link) {
+    if (when == Attach::now) attach();
+  }
+  /// Goes on after the last sample that was taken, by whoever served this side before and is not at work.
+  void attach() noexcept {
     const LinkPlace found = find_reader(link_);
     private_ = found.buffer;
     go_to(found.sequence + 1);

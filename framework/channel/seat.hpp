@@ -61,7 +61,7 @@ enum class SeatPhase : std::uint32_t {
 };
 
 struct alignas(64) Seat {
-  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0004;  // "seat", layout 4
+  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0005;  // "seat", layout 5
 
   // Written by the node before the program starts.
   std::uint64_t magic;
@@ -95,6 +95,8 @@ struct alignas(64) Seat {
   std::atomic<std::uint32_t> sleeping;          ///< it sleeps on the bell, or is about to. SYNC: sleeping
   std::atomic<SeatPhase> phase;
   std::atomic<std::int32_t> thread;
+  std::atomic<std::int64_t> body_began_ns;  ///< the last body that has ended, before `done` says so
+  std::atomic<std::int64_t> body_ended_ns;
   std::atomic<std::int64_t> margin_ns;
   std::atomic<std::uint64_t>
       late;  ///< bodies that ended after the deadline. SYNC: late, publishes late_by_ns
@@ -212,6 +214,7 @@ inline void clear_for_new_program(Seat& seat) noexcept {
   seat.released.store(0, std::memory_order_relaxed);
   seat.done.store(0, std::memory_order_relaxed);
   seat.end.store(0, std::memory_order_relaxed);
+  seat.body_ended_ns.store(0, std::memory_order_relaxed);
   seat.thread.store(0, std::memory_order_release);
 }
 

@@ -11,6 +11,7 @@
 #include <takt/dds/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/ports.hpp>
+#include <takt/model/safe.hpp>
 
 namespace takt::client {
 
@@ -89,6 +90,7 @@ class Deployment {
   const model::Cell& cell_;
   const DeployOptions& options_;
   std::string id_;
+  std::string safe_;  // the safe values of all outputs: each device knows its own components only
   std::chrono::steady_clock::time_point kept_{};
 };
 
@@ -211,7 +213,9 @@ Problems Deployment::prepare(const std::string& text) {
   }
   std::vector<dds::WholeReply> replies;
   if (Problems problems = ask(questions, &replies); !problems.empty()) return problems;
-  return model::check_connections(cell_, ports_of(cell_, replies));
+  const model::CellPorts ports = ports_of(cell_, replies);
+  safe_ = model::safe_json(model::safe_outputs(cell_, ports));
+  return model::check_connections(cell_, ports);
 }
 
 Problems Deployment::run(std::int64_t t0_ns) {
@@ -219,6 +223,7 @@ Problems Deployment::run(std::int64_t t0_ns) {
   for (const model::Device& device : cell_.devices) {
     Question q = question(COMMAND_RUN, device);
     q.time_ns = t0_ns;
+    q.data = safe_;
     q.limit = std::max(Nanoseconds{t0_ns - wall_ns()} - options_.margin, Nanoseconds{1});
     questions.push_back(std::move(q));
   }

@@ -37,41 +37,63 @@ class CInPort final : public InPortBase {
 
   bool read(void* value) noexcept {
     const bool found = next();
-    std::memcpy(value, last_->get(), c_type_.value_size);
-    return found;
+    if (watched() && know_safe()) settle(found);
+    std::memcpy(value, is_safe() ? safe_.get() : last_->get(), c_type_.value_size);
+    return is_new();
   }
 
   void connect(channel::Link link, void* values) override {
     TAKT_CHECK(values == nullptr);
-    add(link, nullptr);
+    if (const Source* before = add(link, nullptr); before != nullptr && decode(*before))
+      take_back(before->reader.info());
+    safe_known_ = false;
+  }
+  void take_over(PortBase& before) noexcept override {
+    auto& other = static_cast<CInPort&>(before);
+    follow(other);
+    std::memcpy(last_->get(), other.last_->get(), c_type_.value_size);
+    if (is_safe()) static_cast<void>(know_safe());
   }
   [[nodiscard]] void* make_values(std::uint32_t) const override { return nullptr; }
   [[nodiscard]] std::size_t value_size() const noexcept override { return 0; }
 
  private:
+  bool know_safe() noexcept {
+    if (safe_known_) return true;
+    const auto bytes = watched().safe();
+    safe_known_ =
+        !bytes.empty() && c_type_.decode(reinterpret_cast<const unsigned char*>(bytes.data()),
+                                         static_cast<std::uint32_t>(bytes.size()), safe_.get()) != 0;
+    return safe_known_;
+  }
   bool next() noexcept {
     begin_read();
     for (int refused = 0; refused < kMostRefused; ++refused) {
       Source* source = take();
       if (source == nullptr) return false;
-      const channel::SampleInfo info = source->reader.info();
-      const auto* bytes =
-          reinterpret_cast<const unsigned char*>(source->reader.link().payload(source->reader.buffer()));
-      if (c_type_.decode(bytes, info.size, other_->get()) == 0) {
+      if (!decode(*source)) {
         refuse(*source);
         continue;
       }
-      std::swap(last_, other_);
-      accept(info);
+      accept(source->reader.info());
       return true;
     }
     return false;
+  }
+  bool decode(const Source& source) noexcept {
+    const channel::LinkReader& reader = source.reader;
+    const auto* bytes = reinterpret_cast<const unsigned char*>(reader.link().payload(reader.buffer()));
+    if (c_type_.decode(bytes, reader.info().size, other_->get()) == 0) return false;
+    std::swap(last_, other_);
+    return true;
   }
 
   TypeInfo info_;
   const takt_type& c_type_;
   Value first_{c_type_.value_size};
   Value second_{c_type_.value_size};
+  Value safe_{c_type_.value_size};
+  bool safe_known_ = false;
   Value* last_ = &first_;  // what is no sample is decoded into the other one
   Value* other_ = &second_;
 };
@@ -149,6 +171,11 @@ int takt_port_connected(const takt_port* port) {
   const auto* reader = takt::reader_of(port);
   const auto* writer = takt::writer_of(port);
   return (reader != nullptr && reader->connected()) || (writer != nullptr && writer->connected()) ? 1 : 0;
+}
+
+int takt_port_is_safe(const takt_port* port) {
+  const auto* reader = takt::reader_of(port);
+  return reader != nullptr && reader->is_safe() ? 1 : 0;
 }
 
 uint64_t takt_port_sequence(const takt_port* port) {

@@ -1,6 +1,7 @@
 #include <takt/component/component.hpp>
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include <takt/component/module.h>
@@ -58,6 +59,17 @@ const Cycle* served_cycle() noexcept { return served; }
 Nanoseconds Component::period() noexcept { return served == nullptr ? Nanoseconds{0} : served->period; }
 
 void Component::fail(const char* text) noexcept { say_failure(text); }
+
+SavedBase::SavedBase(Component& owner, void* data, std::uint32_t size, std::uint32_t version)
+    : data_(data), size_(size), version_(version) {
+  owner.saved_.push_back(this);
+}
+
+Result<void> Component::restore(const SavedBefore& before) {
+  return takt::fail(
+      "it was saved by version " + std::to_string(before.version) + " of what it saves, and this is another",
+      "override restore() to take over what is still right");
+}
 
 void ServiceBase::enlist(Component& owner) { owner.services_.push_back(this); }
 

@@ -22,6 +22,7 @@
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/component/property.hpp>
+#include <takt/component/saved.hpp>
 #include <takt/component/service.hpp>
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
@@ -65,6 +66,12 @@ class Component {
   /// Properties are set. May allocate, open, connect. A failure says why and refuses the device's start:
   /// `return takt::fail("the sensor does not answer", "switch it on");`
   virtual Result<void> initialize() { return {}; }
+  /// A former instance, of another version of this component, saved this in its Saved: to be put into ours as
+  /// far as it is still right. Between initialize() and start(). What is refused here is not restored, which
+  /// is said; the module starts all the same. What was saved with our own version is there without being
+  /// asked for. An instance that is swapped in is asked again, also after start(), until what it is given is
+  /// the newest; there a refusal ends the swap.
+  virtual Result<void> restore(const SavedBefore& before);
   /// Every module of the device is initialised.
   virtual Result<void> start() { return {}; }
   /// Every period, or when condition() holds. No lock, no allocation, no system call, no log.
@@ -83,6 +90,8 @@ class Component {
   [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
   /// Those that a handler answers.
   [[nodiscard]] const std::vector<ServiceBase*>& services() const noexcept { return services_; }
+  /// What it saves; one at most is right.
+  [[nodiscard]] const std::vector<SavedBase*>& saved() const noexcept { return saved_; }
 
  protected:
   /// Of this module, in every hook: what initialize() holds its properties against. 0 of a module that has
@@ -96,14 +105,16 @@ class Component {
   friend class PropertyBase;
   friend class PortBase;
   friend class ServiceBase;
+  friend class SavedBase;
   std::vector<PropertyBase*> properties_;  // in the order of declaration
   std::vector<PortBase*> ports_;
   std::vector<ServiceBase*> services_;
+  std::vector<SavedBase*> saved_;
 };
 
 /// What a .so of a C++ component exports.
 struct ComponentFactory {
-  static constexpr std::uint32_t kAbi = 3;
+  static constexpr std::uint32_t kAbi = 5;
   std::uint32_t abi;
   std::uint32_t component_size;  ///< sizeof(Component) when the object was compiled
   const char* name;              ///< of the class

@@ -4,6 +4,10 @@
 //   ...
 //   effort.write(value);
 //
+// With a safe value, readers get that while this module does not execute, and when what it wrote is too old:
+//
+//   takt::OutPort<motion::JointEffort> effort{*this, "effort", {.safe = motion::JointEffort{}}};
+//
 // To everybody who is connected; to nobody when nobody is. Never waits: a reader that is slow loses its
 // oldest samples, and that is counted at the connection.
 #pragma once
@@ -12,6 +16,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,11 +32,26 @@ enum class Written {
   unfit,  ///< to nobody: a string or sequence is longer than its bound, or an enumerator is none; counted
 };
 
+template <class T>
+struct OutPortOptions {
+  std::string text{};  ///< one sentence for `takt describe`
+  std::optional<T>
+      safe{};  ///< what readers of the latest value get in place of it; a descriptor may change it
+};
+
 /// The part that does not depend on the type.
 class OutPortBase : public PortBase {
  public:
   [[nodiscard]] bool connected() const noexcept override {
-    return std::any_of(sinks_.begin(), sinks_.end(), [](const Sink& sink) { return sink.enabled(); });
+    const std::vector<Sink>& sinks = sinks_.empty() ? aside_ : sinks_;
+    return std::any_of(sinks.begin(), sinks.end(), [](const Sink& sink) { return sink.enabled(); });
+  }
+  [[nodiscard]] const std::vector<std::byte>& safe() const noexcept override { return safe_; }
+  void take_over(PortBase& port) noexcept override {
+    auto& before = static_cast<OutPortBase&>(port);
+    before.sinks_.swap(before.aside_);
+    if (sinks_.empty()) sinks_.swap(aside_);
+    for (Sink& sink : sinks_) sink.writer.attach();
   }
 
  protected:
@@ -45,9 +66,14 @@ class OutPortBase : public PortBase {
     [[nodiscard]] std::byte* payload() const noexcept { return writer.link().payload(writer.buffer()); }
   };
 
-  void add(channel::Link link, void* values) { sinks_.push_back({channel::LinkWriter{link}, values}); }
+  void be_safe_with(std::vector<std::byte> bytes) noexcept { safe_ = std::move(bytes); }
+  void add(channel::Link link, void* values) {
+    (attach() == channel::Attach::now ? sinks_ : aside_)
+        .push_back({channel::LinkWriter{link, attach()}, values});
+  }
   void publish(Sink& sink, std::uint32_t size) const noexcept {
     sink.writer.publish(size, context().start_ns, context().valid_ns);
+    record(channel::FlightKind::write);
     const std::uint32_t wake_bits = sink.writer.link().block().wake_bits;
     if (wake_bits != 0 && context().bell != nullptr) context().bell->note(wake_bits);
   }
@@ -99,20 +125,23 @@ class OutPortBase : public PortBase {
 
  private:
   std::vector<Sink> sinks_;
+  std::vector<Sink> aside_;  // in place of these, while the port stands by
+  std::vector<std::byte> safe_;
 };
 
 /// T is a struct of an IDL file, see takt_add_idl().
 template <class T>
 class OutPort : public OutPortBase {
  public:
-  using Options = PortOptions;
+  using Options = OutPortOptions<T>;
 
-  /// Of a component: a member of it.
+  /// Of a component: a member of it. Throws where the safe value is none of the type: a string or sequence
+  /// beyond its bound.
   OutPort(Component& owner, std::string name, Options options = {})
-      : OutPortBase(&owner, std::move(name), PortDirection::out, PortType<T>::info, std::move(options)) {}
+      : OutPort(&owner, std::move(name), std::move(options)) {}
   /// Of a program: a global variable, or one that is there before initPeriodExe() or initSporadicExe().
   explicit OutPort(std::string name, Options options = {})
-      : OutPortBase(nullptr, std::move(name), PortDirection::out, PortType<T>::info, std::move(options)) {}
+      : OutPort(nullptr, std::move(name), std::move(options)) {}
 
   /// Real-time, and for every other hook; one thread at a time. The sample's time is the beginning of the
   /// run() that it was written in.
@@ -132,7 +161,16 @@ class OutPort : public OutPortBase {
 
  protected:
   OutPort(Component* owner, std::string name, Options options)
-      : OutPortBase(owner, std::move(name), PortDirection::out, PortType<T>::info, std::move(options)) {}
+      : OutPortBase(owner, std::move(name), PortDirection::out, PortType<T>::info,
+                    {.text = std::move(options.text)}) {
+    if (!options.safe) return;
+    std::vector<std::byte> bytes(PortType<T>::info.max_size);
+    bytes.resize(PortType<T>::encode(*options.safe, bytes.data(), static_cast<std::uint32_t>(bytes.size())));
+    if (bytes.empty())
+      throw std::invalid_argument("the safe value of output '" + this->name() + "' is no " +
+                                  PortType<T>::info.name + ": a string or sequence is beyond its bound");
+    be_safe_with(std::move(bytes));
+  }
   /// To one of those who are connected.
   Written write_to(std::size_t index, const T& value) noexcept {
     if (!PortType<T>::fits(value)) return refuse();

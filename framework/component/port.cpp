@@ -33,6 +33,7 @@ const char* to_text(PortRole role) noexcept {
 }
 
 const PortContext PortBase::kNobody{};
+const std::vector<std::byte> PortBase::kNoSafe{};
 
 PortBase::PortBase(Component* owner, std::string name, PortDirection direction, const TypeInfo& type,
                    PortOptions options)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <takt/channel/flight.hpp>
 #include <takt/channel/link.hpp>
 #include <takt/channel/seat.hpp>
 #include <takt/component/port_type.hpp>
@@ -46,6 +47,9 @@ struct PortContext {
   channel::Bell* bell = nullptr;  ///< for links that wake somebody
   /// From when on what is written may be read: with timing="let" the end of the period; 0: at once.
   std::int64_t valid_ns = 0;
+  /// Where samples are recorded while run() is called; null: nowhere.
+  channel::FlightWriter* flight = nullptr;
+  std::uint32_t module = 0;  ///< its index on the device, for that record
 };
 
 class PortBase {
@@ -70,17 +74,28 @@ class PortBase {
 
   // For whoever runs the module, while it is not running.
 
-  /// The context outlives the port's use.
-  void serve(const PortContext& context) noexcept { context_ = &context; }
+  /// The context outlives the port's use. `place`: of the port among those of its module.
+  void serve(const PortContext& context, std::uint32_t place = 0) noexcept {
+    context_ = &context;
+    place_ = place;
+  }
   /// The port becomes a side of this link, beside those that it has. `values` are the payloads of a link
   /// without place for them: as many values of the port's type as the link has buffers, from make_values() of
   /// either end; null: the link carries bytes.
   virtual void connect(channel::Link link, void* values) = 0;
+  /// Another instance's port serves the links that are connected from now on, until take_over(): till then
+  /// nothing is read or written here.
+  void stand_by() noexcept { attach_ = channel::Attach::later; }
+  /// Goes on where `before` is: the same port of another instance of the module, with the same links. That
+  /// one stands by from now on. Real-time.
+  virtual void take_over(PortBase& before) noexcept = 0;
   /// Makes values with the room that they may need. They are for ever: nobody knows who still looks at one.
   /// Null from a port whose values are no C++ class.
   [[nodiscard]] virtual void* make_values(std::uint32_t number) const = 0;
   /// Bytes of one value; the same for two ports that share values.
   [[nodiscard]] virtual std::size_t value_size() const noexcept = 0;
+  /// Of an output, the safe value that its author gave it, as CDR; empty: none.
+  [[nodiscard]] virtual const std::vector<std::byte>& safe() const noexcept { return kNoSafe; }
 
  protected:
   /// Of a component; or, without one, of the program or of the module in C form that is being loaded.
@@ -88,9 +103,16 @@ class PortBase {
            PortOptions options);
   void be(PortRole role) noexcept { role_ = role; }
   [[nodiscard]] const PortContext& context() const noexcept { return *context_; }
+  [[nodiscard]] channel::Attach attach() const noexcept { return attach_; }
+  /// A sample went in or out, in run().
+  void record(channel::FlightKind kind) const noexcept {
+    const PortContext& context = *context_;
+    if (context.flight != nullptr) context.flight->add(kind, context.start_ns, context.module, place_);
+  }
 
  private:
   static const PortContext kNobody;
+  static const std::vector<std::byte> kNoSafe;
 
   std::string name_;
   PortDirection direction_;
@@ -99,6 +121,8 @@ class PortBase {
   PortOptions options_;
   bool owned_;
   const PortContext* context_ = &kNobody;
+  std::uint32_t place_ = 0;
+  channel::Attach attach_ = channel::Attach::now;
 };
 
 /// The ports without a component of this program, or of the module in C form that this thread has loaded

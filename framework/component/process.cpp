@@ -15,6 +15,7 @@
 #include <takt/component/port.hpp>
 #include <takt/component/program_properties.hpp>
 #include <takt/component/service.hpp>
+#include <takt/core/hex.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
@@ -95,7 +96,8 @@ void Guest::describe(channel::SeatKind kind) {
   for (const PortBase* port : ports()) {
     list += (list.empty() ? "{" : ",{") + member("name", port->name()) + "," +
             member("direction", to_text(port->direction())) + "," + member("role", to_text(port->role())) +
-            "," + member("description", port->type().description) + "," + member("text", port->text()) + "}";
+            "," + member("description", port->type().description) + "," + member("text", port->text()) + "," +
+            member("safe", in_hex(port->safe())) + "}";
   }
   std::string problems;
   for (const Problem& problem : check_program_properties()) {
@@ -247,6 +249,8 @@ void Guest::sleep_on_bell() {
 void Guest::body_done() {
   const Instant now = os::now();
   seat_->run.record((now - started_).count());
+  seat_->body_began_ns.store(to_ns(started_), std::memory_order_relaxed);
+  seat_->body_ended_ns.store(to_ns(now), std::memory_order_relaxed);
   if (seat_->deadline_ns == 0) return;
   const std::int64_t late = to_ns(now) - taken_.release_ns - seat_->deadline_ns;
   if (late <= 0) return;

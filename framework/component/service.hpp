@@ -60,7 +60,7 @@ template <class T>
 class ReplyOut final : public OutPort<ServiceReply<T>> {
  public:
   ReplyOut(Component* owner, const std::string& name, PortRole role, PortOptions options)
-      : OutPort<ServiceReply<T>>(owner, name + kReplyPort, std::move(options)) {
+      : OutPort<ServiceReply<T>>(owner, name + kReplyPort, {.text = std::move(options.text)}) {
     this->be(role);
   }
   using OutPort<ServiceReply<T>>::write_to;
@@ -70,7 +70,7 @@ template <class T>
 class RequestOut final : public OutPort<ServiceRequest<T>> {
  public:
   RequestOut(Component* owner, const std::string& name, PortOptions options)
-      : OutPort<ServiceRequest<T>>(owner, name + kRequestPort, std::move(options)) {
+      : OutPort<ServiceRequest<T>>(owner, name + kRequestPort, {.text = std::move(options.text)}) {
     this->be(PortRole::client);
   }
   /// The beginning of the present run().

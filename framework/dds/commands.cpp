@@ -14,9 +14,13 @@
 #include <vector>
 
 #include <takt/wire/taktPubSubTypes.h>
+#include <takt/dds/assembly.hpp>
 #include <takt/dds/guarded.hpp>
 #include <takt/dds/inside.hpp>
+#include <takt/dds/pace.hpp>
 #include <takt/dds/sensible.hpp>
+#include <takt/dds/watch.hpp>
+#include <takt/dds/words.hpp>
 
 namespace takt::dds {
 
@@ -26,11 +30,9 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::int32_t kDepth = 32;
-constexpr std::size_t kPart = 32768;              // of idl/takt.idl
 constexpr std::size_t kPaced = kDepth / 2;        // parts that are sent before their arrival is waited for
 constexpr std::size_t kRemembered = 256;          // commands: answered, in work or waiting
-constexpr std::size_t kUnfinished = 64;           // commands or replies of which parts are missing
-constexpr std::size_t kMostBytes = 4 * kMaxData;  // of the unfinished, of those waiting, of the answers
+constexpr std::size_t kMostBytes = 4 * kMaxData;  // of those waiting, of the answers
 constexpr auto kResend = milliseconds{1000};
 constexpr auto kSlowestResend = milliseconds{8000};  // of what has many parts
 constexpr auto kAcknowledge = milliseconds{2000};
@@ -58,71 +60,6 @@ void set_quality(Qos& qos) {
   qos.data_sharing().off();
 }
 
-/// Puts the parts of long data together. Parts of one id come from one writer in order; what is never
-/// finished makes room for what comes.
-template <class Head, class Whole>
-class Assembly {
- public:
-  /// The whole, once its last part has come. False for a part that makes no sense, or that others are missing
-  /// before.
-  bool add(const Head& part, const std::string& key, Whole& whole) {
-    const std::size_t parts = part.parts();
-    const bool last = part.part() + 1 == parts;
-    if (parts > kMaxData / kPart || (!last && part.data().size() != kPart) || part.data().size() > kPart) {
-      ++refused_;
-      return false;
-    }
-    const std::string_view data{reinterpret_cast<const char*>(part.data().data()), part.data().size()};
-    if (parts == 1) {
-      whole.head = part;
-      whole.data = data;
-      return true;
-    }
-    if (part.part() == 0) {
-      forget(key);
-      while (unfinished_.size() >= kUnfinished || bytes_ > kMostBytes - kMaxData) forget_oldest();
-      unfinished_[key].begun = ++begun_;
-    }
-    const auto found = unfinished_.find(key);
-    if (found == unfinished_.end() || found->second.next != part.part()) return false;
-    found->second.data += data;
-    bytes_ += data.size();
-    if (++found->second.next < parts) return false;
-    whole.head = part;
-    whole.data = std::move(found->second.data);
-    bytes_ -= whole.data.size();
-    unfinished_.erase(found);
-    return true;
-  }
-  [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
-
- private:
-  struct Unfinished {
-    std::uint64_t begun = 0;
-    std::uint32_t next = 0;  // part that is to come
-    std::string data;
-  };
-
-  void forget(const std::string& key) {
-    const auto found = unfinished_.find(key);
-    if (found == unfinished_.end()) return;
-    bytes_ -= found->second.data.size();
-    unfinished_.erase(found);
-  }
-  void forget_oldest() {
-    const auto oldest =
-        std::min_element(unfinished_.begin(), unfinished_.end(),
-                         [](const auto& a, const auto& b) { return a.second.begun < b.second.begun; });
-    bytes_ -= oldest->second.data.size();
-    unfinished_.erase(oldest);
-  }
-
-  std::map<std::string, Unfinished> unfinished_;
-  std::size_t bytes_ = 0;
-  std::uint64_t begun_ = 0;
-  std::uint64_t refused_ = 0;
-};
-
 /// Writes data in parts; waits now and then for the other side to have them, because the history keeps 32.
 template <class Whole>
 bool write_parts(fast::DataWriter& writer, const Whole& whole) {
@@ -147,9 +84,11 @@ class Ends : Remade {
   explicit Ends(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {}
   ~Ends() override { end(); }
 
+  /// `also_in`: another topic of the type of `in`, or null.
   Result<void> begin(const char* out, const fast::TypeSupport& out_type, const char* in,
-                     const fast::TypeSupport& in_type, fast::DataWriterListener* writer_listener,
-                     fast::DataReaderListener* reader_listener, std::function<void()> matches_are_gone) {
+                     const fast::TypeSupport& in_type, const char* also_in,
+                     fast::DataWriterListener* writer_listener, fast::DataReaderListener* reader_listener,
+                     std::function<void()> matches_are_gone) {
     OwnParticipant& mine = own(*participant_);
     writer_listener_ = writer_listener;
     reader_listener_ = reader_listener;
@@ -160,6 +99,11 @@ class Ends : Remade {
     topic = mine.topic(in, in_type);
     if (!topic) return topic.problems();
     in_topic_ = *topic;
+    if (also_in != nullptr) {
+      topic = mine.topic(also_in, in_type);
+      if (!topic) return topic.problems();
+      also_in_topic_ = *topic;
+    }
     undecoded_ = &undecoded(mine.participant(), *in_topic_);
     if (auto made = make(); !made) return made.problems();
     mine.enlist(*this);
@@ -170,9 +114,10 @@ class Ends : Remade {
   void end() {
     own(*participant_).dismiss(*this);
     unmake();
-    if (in_topic_ != nullptr) own(*participant_).release(in_topic_);
-    if (out_topic_ != nullptr) own(*participant_).release(out_topic_);
-    in_topic_ = out_topic_ = nullptr;
+    for (fast::Topic** topic : {&in_topic_, &also_in_topic_, &out_topic_}) {
+      if (*topic != nullptr) own(*participant_).release(*topic);
+      *topic = nullptr;
+    }
   }
 
   template <class Whole>
@@ -180,6 +125,7 @@ class Ends : Remade {
     const std::lock_guard lock{using_it_};
     if (writer_ != nullptr) write_parts(*writer_, whole);
   }
+  [[nodiscard]] OwnParticipant& participant() noexcept { return own(*participant_); }
   [[nodiscard]] std::uint64_t not_decoded() const {
     return undecoded_->count.load(std::memory_order_relaxed);
   }
@@ -200,21 +146,22 @@ class Ends : Remade {
     reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
     reader_ = mine.subscriber().create_datareader(in_topic_, reader_qos, reader_listener_,
                                                   fast::StatusMask::data_available());
-    if (writer_ == nullptr || reader_ == nullptr)
+    if (also_in_topic_ != nullptr) {
+      also_reader_ = mine.subscriber().create_datareader(also_in_topic_, reader_qos, reader_listener_,
+                                                         fast::StatusMask::data_available());
+    }
+    if (writer_ == nullptr || reader_ == nullptr || (also_in_topic_ != nullptr && also_reader_ == nullptr))
       return fail("DDS made no writer or reader for commands", "see what it printed");
     return {};
   }
   void unmake() {
-    if (reader_ != nullptr) {
-      reader_->set_listener(nullptr);
-      own(*participant_).subscriber().delete_datareader(reader_);
-      reader_ = nullptr;
+    for (fast::DataReader** reader : {&reader_, &also_reader_}) {
+      if (*reader == nullptr) continue;
+      (*reader)->set_listener(nullptr);
+      own(*participant_).subscriber().delete_datareader(*reader);
+      *reader = nullptr;
     }
-    if (writer_ != nullptr) {
-      writer_->set_listener(nullptr);
-      own(*participant_).publisher().delete_datawriter(writer_);
-      writer_ = nullptr;
-    }
+    own(*participant_).end(writer_);
   }
   void remake() override {
     const std::lock_guard lock{using_it_};
@@ -229,11 +176,19 @@ class Ends : Remade {
   std::function<void()> matches_are_gone_;
   fast::Topic* out_topic_ = nullptr;
   fast::Topic* in_topic_ = nullptr;
+  fast::Topic* also_in_topic_ = nullptr;
   std::mutex using_it_;
   fast::DataWriter* writer_ = nullptr;
   fast::DataReader* reader_ = nullptr;
+  fast::DataReader* also_reader_ = nullptr;
   Undecoded* undecoded_ = nullptr;
 };
+
+/// What changes no module, and may be asked by whoever may look.
+bool is_question(CommandKind kind) {
+  return kind == COMMAND_REPORT || kind == COMMAND_DESCRIBE || kind == COMMAND_GET || kind == COMMAND_TAP ||
+         kind == COMMAND_LOG || kind == COMMAND_TRACE;
+}
 
 std::uint64_t participant_of(const rtps::InstanceHandle_t& handle) {
   rtps::GuidPrefix_t prefix;
@@ -272,6 +227,8 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
   std::deque<std::string> asked_order;
   std::size_t answer_bytes = 0;
   std::uint64_t senseless = 0;
+  std::uint64_t too_many = 0;
+  Pace pace;
   std::multiset<std::uint64_t> matched;  // participants of reply readers
   std::thread handler;
   std::thread sender;
@@ -301,11 +258,41 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       }
       if (device != command.device().c_str()) continue;
       if (command.node().size() != 0 && node != command.node().c_str()) continue;
-      const std::uint64_t asker = number_of(info.sample_identity.writer_guid().guidPrefix);
+      const rtps::GuidPrefix_t& prefix = info.sample_identity.writer_guid().guidPrefix;
+      const std::uint64_t asker = number_of(prefix);
+      // Of what has several parts the first counts: those after one that was not taken are of no use.
+      if (command.part() == 0 && !pace.admit(asker, Clock::now())) {
+        ++too_many;
+        ends.participant().notices().tell("refused: more than " +
+                                          std::to_string(static_cast<int>(Pace::kEach.a_second)) +
+                                          " commands a second of one asker, or " +
+                                          std::to_string(static_cast<int>(Pace::kAll.a_second)) + " in all");
+        continue;
+      }
       WholeCommand whole;
-      if (assembly.add(command, std::to_string(asker) + command.id().c_str(), whole))
+      if (!assembly.add(command, std::to_string(asker) + '/' + command.id().c_str(), whole)) continue;
+      Watch* const watch = ends.participant().watch();
+      const bool only_looks = from->get_topicdescription()->get_name() == security::kQuestionTopic;
+      if (only_looks && watch != nullptr && !is_question(command.kind()))
+        refuse(std::move(whole), asker, watch->who(prefix));
+      else
         arrived(std::move(whole), asker);
     }
+  }
+
+  void refuse(WholeCommand command, std::uint64_t asker, const std::string& who) {
+    ends.participant().notices().tell("refused: " + who + " asked to " + to_text(command.head.kind()) +
+                                      ", which only an operator may");
+    const std::string id = command.head.id().to_string();
+    if (asked.contains(id)) return arrived(std::move(command), asker);  // is answered again
+    if (!make_room(0)) return;
+    asked[id].asker = asker;
+    asked_order.push_back(id);
+    WholeReply reply;
+    reply.head.id(id);
+    reply.head.code(REPLY_REFUSED);
+    reply.head.text((who + " may look and not " + to_text(command.head.kind())).substr(0, 255));
+    answered(reply);
   }
 
   void arrived(WholeCommand command, std::uint64_t asker) {
@@ -421,10 +408,12 @@ Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> partici
   inside->device = std::move(device);
   inside->node = std::move(node);
   inside->handle = std::move(handle);
+  // Without security nobody has less rights than another, and everybody asks on takt/command.
+  const char* questions = inside->ends.participant().watch() == nullptr ? nullptr : security::kQuestionTopic;
   if (auto made =
           inside->ends.begin("takt/reply", fast::TypeSupport{new Guarded<ReplyPubSubType>}, "takt/command",
-                             fast::TypeSupport{new Guarded<CommandPubSubType>}, inside.get(), inside.get(),
-                             [me = inside.get()] { me->matches_are_gone(); });
+                             fast::TypeSupport{new Guarded<CommandPubSubType>}, questions, inside.get(),
+                             inside.get(), [me = inside.get()] { me->matches_are_gone(); });
       !made) {
     return made.problems();
   }
@@ -445,7 +434,7 @@ void CommandServer::reply(const WholeReply& reply) {
 
 std::uint64_t CommandServer::refused() const {
   const std::lock_guard lock{inside_->mutex};
-  return inside_->senseless + inside_->assembly.refused() + inside_->ends.not_decoded();
+  return inside_->senseless + inside_->too_many + inside_->assembly.refused() + inside_->ends.not_decoded();
 }
 
 // ---- The asker's end
@@ -484,13 +473,19 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     fast::SampleInfo info;
     while (from->take_next_sample(&reply, &info) == ReturnCode::RETCODE_OK) {
       if (!info.valid_data || !make_sensible(reply)) continue;
+      Watch* const watch = ends.participant().watch();
+      const rtps::GUID_t& writer = info.sample_identity.writer_guid();
+      if (watch != nullptr && !watch->is_device(writer, reply.device().to_string())) {
+        watch->impostor(writer, "takt/reply", reply.device().to_string());
+        continue;
+      }
       WholeReply whole;
       {
         const std::lock_guard lock{mutex};
         // Replies to everybody come here; only those to our commands are ours.
         const auto mine = open.find(reply.id().c_str());
         if (mine == open.end()) continue;
-        const std::string key = std::string{reply.id().c_str()} + reply.node().c_str();
+        const std::string key = std::string{reply.id().c_str()} + '/' + reply.node().c_str();
         if (!assembly.add(reply, key, whole)) continue;
         open.erase(mine);
       }
@@ -544,10 +539,12 @@ Result<CommandClient> CommandClient::create(std::shared_ptr<Participant> partici
                                             std::function<void(const WholeReply&)> heard) {
   auto inside = std::make_unique<Inside>(std::move(participant));
   inside->heard = std::move(heard);
-  if (auto made =
-          inside->ends.begin("takt/command", fast::TypeSupport{new Guarded<CommandPubSubType>}, "takt/reply",
-                             fast::TypeSupport{new Guarded<ReplyPubSubType>}, inside.get(), inside.get(),
-                             [me = inside.get()] { me->matches_are_gone(); });
+  Watch* const watch = inside->ends.participant().watch();
+  const bool only_looks = watch != nullptr && watch->mine().subject.role == security::Role::observer;
+  const char* const topic = only_looks ? security::kQuestionTopic : "takt/command";
+  if (auto made = inside->ends.begin(topic, fast::TypeSupport{new Guarded<CommandPubSubType>}, "takt/reply",
+                                     fast::TypeSupport{new Guarded<ReplyPubSubType>}, nullptr, inside.get(),
+                                     inside.get(), [me = inside.get()] { me->matches_are_gone(); });
       !made) {
     return made.problems();
   }

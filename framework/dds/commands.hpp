@@ -9,6 +9,7 @@
 
 #include <takt/wire/takt.h>
 #include <takt/core/result.hpp>
+#include <takt/dds/assembly.hpp>
 #include <takt/dds/participant.hpp>
 
 namespace takt::dds {
@@ -22,7 +23,6 @@ struct WholeReply {
   Reply head;
   std::string data;
 };
-inline constexpr std::size_t kMaxData = 16 * 1024 * 1024;
 
 /// A node's end.
 class CommandServer {

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <typeindex>
 #include <vector>
@@ -21,7 +22,9 @@
 
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
+#include <takt/dds/notices.hpp>
 #include <takt/dds/participant.hpp>
+#include <takt/dds/sieved_transport.hpp>
 
 namespace takt::dds {
 
@@ -38,13 +41,28 @@ class Remade {
   virtual void remake() = 0;
 };
 
+class Watch;
+
 /// The one participant of the process, with its topics. Thread-safe.
 class OwnParticipant final : public Participant {
  public:
+  /// `watch`: none without DDS Security.
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
-                 fast::Subscriber* subscriber, bool only_loopback);
+                 fast::Subscriber* subscriber, bool only_loopback, std::unique_ptr<Notices> notices,
+                 std::unique_ptr<Watch> watch, std::shared_ptr<const Sieve> sieve);
   ~OwnParticipant() override;
   void rescan_interfaces() override;
+  [[nodiscard]] const std::optional<security::Identity>& identity() const noexcept override {
+    return identity_;
+  }
+  [[nodiscard]] std::uint64_t refused() const noexcept override {
+    return sieve_->refused.load(std::memory_order_relaxed);
+  }
+
+  /// Whom this process refuses.
+  [[nodiscard]] Notices& notices() noexcept { return *notices_; }
+  /// None without DDS Security.
+  [[nodiscard]] Watch* watch() noexcept { return watch_.get(); }
 
   /// The topic of this name, made if there is none yet. Fails where it has another type here, or its type is
   /// another one of the same name.
@@ -58,6 +76,9 @@ class OwnParticipant final : public Participant {
 
   [[nodiscard]] fast::DomainParticipant& participant() noexcept { return *participant_; }
   [[nodiscard]] fast::Publisher& publisher() noexcept { return *publisher_; }
+  /// Ends a writer, which may be null. Its samples go first: Fast DDS takes the room of each before it stops
+  /// the heartbeat, which in between counts from a sample to one that has no number any more, for ever.
+  void end(fast::DataWriter*& writer);
   [[nodiscard]] fast::Subscriber& subscriber() noexcept { return *subscriber_; }
 
  private:
@@ -71,6 +92,10 @@ class OwnParticipant final : public Participant {
     std::type_index decoder{typeid(void)};
     int topics = 0;
   };
+  std::unique_ptr<Notices> notices_;
+  std::unique_ptr<Watch> watch_;  // listens to the participant
+  std::shared_ptr<const Sieve> sieve_;
+  std::optional<security::Identity> identity_;
   fast::DomainParticipant* participant_;
   fast::Publisher* publisher_;
   fast::Subscriber* subscriber_;

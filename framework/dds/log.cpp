@@ -3,7 +3,9 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <utility>
 
 #include <fastdds/dds/log/Log.hpp>
 
@@ -16,10 +18,19 @@ namespace {
 namespace fast = eprosima::fastdds::dds;
 using Clock = std::chrono::steady_clock;
 
+std::mutex looking;
+std::function<bool(const std::string&)> look_first;
+
+bool is_taken(const std::string& message) {
+  const std::lock_guard lock{looking};
+  return look_first && look_first(message);
+}
+
 class ToStandardError final : public fast::LogConsumer {
  public:
   // On the log's own thread, one at a time.
   void Consume(const fast::Log::Entry& entry) override {
+    if (is_taken(entry.message)) return;
     const auto now = Clock::now();
     if (now - since_ > kSpan) {
       if (held_back_ > 0) print(std::to_string(held_back_) + " more messages");
@@ -49,6 +60,11 @@ class ToStandardError final : public fast::LogConsumer {
 };
 
 }  // namespace
+
+void look_at_log(std::function<bool(const std::string&)> look) {
+  const std::lock_guard lock{looking};
+  look_first = std::move(look);
+}
 
 void log_to_standard_error() {
   fast::Log::ClearConsumers();

@@ -17,6 +17,9 @@
 #include <takt/core/check.hpp>
 #include <takt/dds/inside.hpp>
 #include <takt/dds/log.hpp>
+#include <takt/dds/sieved_transport.hpp>
+#include <takt/dds/watch.hpp>
+#include <takt/os/clock.hpp>
 #include <takt/os/network.hpp>
 #include <takt/os/real_time.hpp>
 
@@ -110,7 +113,8 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   return {};
 }
 
-Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<std::string>& interfaces) {
+Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<std::string>& interfaces,
+                           std::shared_ptr<Sieve> sieve) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->receiveBufferSize = kReceiveBuffer;
   udp->non_blocking_send = true;
@@ -126,8 +130,46 @@ Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<st
     udp->interfaceWhiteList.push_back(address);
   }
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp);
+  qos.transport().user_transports.push_back(
+      std::make_shared<SievedDescriptor>(std::move(udp), std::move(sieve)));
   return {};
+}
+
+/// The identity of this folder, if it is in order and for this domain.
+Result<security::Identity> identity_for(const ParticipantOptions& options) {
+  if (options.discovery.kind == model::Discovery::Kind::server) {
+    return fail("DDS Security and a discovery server exclude each other in this version of Fast DDS",
+                "find each other by multicast or by --peers");
+  }
+  auto identity = security::read_identity(options.security, os::wall_ns() / 1'000'000'000);
+  if (!identity) return identity;
+  const std::vector<int>& domains = identity->domains;
+  if (std::find(domains.begin(), domains.end(), options.domain) != domains.end()) return identity;
+  std::string known;
+  for (const int domain : domains) known += (known.empty() ? "" : ", ") + std::to_string(domain);
+  return Problem{
+      options.security,
+      "this identity is for domain " + known + " and not for domain " + std::to_string(options.domain),
+      "use that domain, or takt secure update --domain " + std::to_string(options.domain)};
+}
+
+void set_security(fast::DomainParticipantQos& qos, const security::Identity& identity) {
+  auto& properties = qos.properties().properties();
+  const auto file = [&](const std::string& property, const char* name) {
+    properties.emplace_back(property, "file://" + identity.folder + "/" + name);
+  };
+  const std::string identity_plugin = "dds.sec.auth.builtin.PKI-DH.";
+  properties.emplace_back("dds.sec.auth.plugin", "builtin.PKI-DH");
+  file(identity_plugin + "identity_ca", security::kIdentityAuthority);
+  file(identity_plugin + "identity_certificate", security::kCertificate);
+  file(identity_plugin + "private_key", security::kPrivateKey);
+  file(identity_plugin + "identity_crl", security::kRevoked);
+  const std::string access_plugin = "dds.sec.access.builtin.Access-Permissions.";
+  properties.emplace_back("dds.sec.access.plugin", "builtin.Access-Permissions");
+  file(access_plugin + "permissions_ca", security::kAccessAuthority);
+  file(access_plugin + "governance", security::kGovernance);
+  file(access_plugin + "permissions", security::kPermissions);
+  properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
 }
 
 }  // namespace
@@ -154,11 +196,21 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
   if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
-  if (auto set = set_transport(qos, options.interfaces); !set) return refuse(set.problems());
+  auto notices = std::make_unique<Notices>(options.refused);
+  auto sieve = std::make_shared<Sieve>(*notices);
+  if (auto set = set_transport(qos, options.interfaces, sieve); !set) return refuse(set.problems());
+
+  std::unique_ptr<Watch> watch;
+  if (!options.security.empty()) {
+    auto identity = identity_for(options);
+    if (!identity) return refuse(identity.problems());
+    set_security(qos, *identity);
+    watch = std::make_unique<Watch>(std::move(*identity), *notices);
+  }
 
   auto* factory = fast::DomainParticipantFactory::get_instance();
   fast::DomainParticipant* made = factory->create_participant(static_cast<fast::DomainId_t>(options.domain),
-                                                              qos, nullptr, fast::StatusMask::none());
+                                                              qos, watch.get(), fast::StatusMask::none());
   if (made == nullptr) {
     return refuse({fail("DDS cannot be used on domain " + std::to_string(options.domain),
                         "see what it printed; each process takes ports from " +
@@ -168,19 +220,30 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
-      made, publisher, subscriber, options.interfaces.empty() && has_only_loopback());
+      made, publisher, subscriber, options.interfaces.empty() && has_only_loopback(), std::move(notices),
+      std::move(watch), std::move(sieve));
   if (publisher == nullptr || subscriber == nullptr) return fail("DDS made no publisher or subscriber");
   return participant;
 }
 
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
-                               fast::Subscriber* subscriber, bool only_loopback)
-    : participant_(participant),
+                               fast::Subscriber* subscriber, bool only_loopback,
+                               std::unique_ptr<Notices> notices, std::unique_ptr<Watch> watch,
+                               std::shared_ptr<const Sieve> sieve)
+    : notices_(std::move(notices)),
+      watch_(std::move(watch)),
+      sieve_(std::move(sieve)),
+      participant_(participant),
       publisher_(publisher),
       subscriber_(subscriber),
-      only_loopback_(only_loopback) {}
+      only_loopback_(only_loopback) {
+  if (watch_ == nullptr) return;
+  identity_ = watch_->mine();
+  look_at_log([watch = watch_.get()](const std::string& message) { return watch->look(message); });
+}
 
 OwnParticipant::~OwnParticipant() {
+  look_at_log(nullptr);
   participant_->delete_contained_entities();
   fast::DomainParticipantFactory::get_instance()->delete_participant(participant_);
   there_is_one = false;
@@ -239,6 +302,15 @@ Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::
   ++known.topics;
   topics_[name] = {made, 1};
   return made;
+}
+
+void OwnParticipant::end(fast::DataWriter*& writer) {
+  if (writer == nullptr) return;
+  writer->set_listener(nullptr);
+  std::size_t removed = 0;
+  static_cast<void>(writer->clear_history(&removed));
+  publisher_->delete_datawriter(writer);
+  writer = nullptr;
 }
 
 void OwnParticipant::release(fast::Topic* topic) {

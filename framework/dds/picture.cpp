@@ -29,7 +29,11 @@ void Picture::heard(const DeviceStatus& status, WriterId writer) {
     if (other.status.cell() != status.cell()) deployments_.erase(device_path(other.status));
     return true;
   });
-  nodes_[id] = {.status = status, .writer = writer, .alive = true};
+  const auto known = nodes_.find(id);
+  std::uint64_t back_at = 0;
+  if (known != nodes_.end())
+    back_at = known->second.alive ? known->second.back_at : status.sequence_number();
+  nodes_[id] = {.status = status, .writer = writer, .alive = true, .back_at = back_at};
 }
 
 void Picture::heard(const LifecycleStatus& status) {
@@ -72,6 +76,27 @@ void Picture::lost(WriterId writer) {
   for (auto& [id, node] : nodes_) {
     if (node.writer == writer) node.alive = false;
   }
+}
+
+bool Picture::executes(const std::string& cell, const std::string& device, const std::string& module) const {
+  const bool alive = std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& entry) {
+    const Node& node = entry.second;
+    return node.alive && node.status.device() == device && node.status.cell() == cell &&
+           (node.back_at == 0 || node.status.sequence_number() > node.back_at);
+  });
+  const auto deployment = deployments_.find(path_of(cell, device));
+  if (!alive || deployment == deployments_.end()) return false;
+  const auto found = deployment->second.modules.find(module);
+  return found != deployment->second.modules.end() && found->second.state() == STATE_EXECUTING;
+}
+
+std::vector<Picture::Heard> Picture::of_deployment(const std::string& id, const std::string& but) const {
+  std::vector<Heard> heard;
+  for (const auto& [node_id, node] : nodes_) {
+    if (node.status.deployment() == id && node.status.device() != but)
+      heard.push_back({node.status, node.alive});
+  }
+  return heard;
 }
 
 SeenDevice Picture::seen(const Node& node) const {

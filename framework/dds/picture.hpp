@@ -46,6 +46,17 @@ class Picture {
   /// The writer of a device's status.
   void lost(WriterId writer);
 
+  /// The module is in EXECUTING, and its device is alive. One that was lost is so again from the second status
+  /// on that comes after: what became of its modules meanwhile comes between the two.
+  [[nodiscard]] bool executes(const std::string& cell, const std::string& device,
+                              const std::string& module) const;
+  /// What was last heard of the devices of a deployment that are not `but`; those that are lost too.
+  struct Heard {
+    DeviceStatus status;
+    bool alive = true;
+  };
+  [[nodiscard]] std::vector<Heard> of_deployment(const std::string& id, const std::string& but) const;
+
   /// By device, then by node. Two that are alive under one name are two nodes of one name.
   [[nodiscard]] std::vector<SeenDevice> devices() const;
   /// The same of one name.
@@ -56,6 +67,7 @@ class Picture {
     DeviceStatus status;
     WriterId writer = 0;
     bool alive = true;
+    std::uint64_t back_at = 0;  // the first status since it was lost; 0: it never was
   };
   [[nodiscard]] SeenDevice seen(const Node& node) const;
 

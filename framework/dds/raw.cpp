@@ -122,10 +122,7 @@ Result<void> RawWriter::make() {
 }
 
 void RawWriter::unmake() {
-  if (writer_ == nullptr) return;
-  writer_->set_listener(nullptr);
-  own(*participant_).publisher().delete_datawriter(writer_);
-  writer_ = nullptr;
+  own(*participant_).end(writer_);
 }
 
 void RawWriter::remake() {

@@ -94,10 +94,19 @@ bool make_sensible(PortStatus& status) noexcept {
   return is_named(status) && are_given(status.port()) && are_names(status.port(), status.type());
 }
 
+bool make_sensible(FaultEvent& event) noexcept {
+  clean(event.cause());
+  clean(event.attachment());
+  return are_given(event.path(), event.cell(), event.device()) &&
+         are_names(event.path(), event.cell(), event.device(), event.name()) &&
+         exists(event.kind(), FAULT_NOT_REAL_TIME) && exists(event.severity(), SEVERITY_ERROR) &&
+         exists(event.error(), ERROR_OVERRUN);
+}
+
 bool make_sensible(Command& command) noexcept {
   clean(command.value());
   return is_part(command) && are_given(command.id(), command.device()) &&
-         exists(command.kind(), COMMAND_TAP) &&
+         exists(command.kind(), COMMAND_SWAP) &&
          are_names(command.id(), command.device(), command.node(), command.module_name(),
                    command.deployment(), command.property());
 }

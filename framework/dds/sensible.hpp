@@ -13,6 +13,7 @@ bool make_sensible(DeviceStatus& status) noexcept;
 bool make_sensible(ModuleStatistics& statistics) noexcept;
 bool make_sensible(ExecutorStatistics& statistics) noexcept;
 bool make_sensible(PortStatus& status) noexcept;
+bool make_sensible(FaultEvent& event) noexcept;
 /// Of one part of it: also that there is such a part.
 bool make_sensible(Command& command) noexcept;
 bool make_sensible(Reply& reply) noexcept;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <takt/wire/takt.h>
@@ -13,6 +15,7 @@
 #include <takt/dds/guarded.hpp>
 #include <takt/dds/inside.hpp>
 #include <takt/dds/sensible.hpp>
+#include <takt/dds/watch.hpp>
 
 namespace takt::dds {
 
@@ -23,12 +26,17 @@ constexpr int kMaxKeys =
 constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
 constexpr std::int32_t kReaderDepth =
     64;  ///< so that a burst is not overwritten before the listener has taken it
+constexpr std::int32_t kEventsKept = 64;  ///< of a device, for who comes later
 // A writer asks after what is not acknowledged; by default after 3 s, and a reader lets 5 ms pass before it
 // answers. A transition must not wait that long for the one before it.
 constexpr Nanoseconds kHeartbeat = std::chrono::milliseconds{5};
 constexpr Nanoseconds kNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kFirstAck = std::chrono::milliseconds{10};
 constexpr Nanoseconds kStep = std::chrono::milliseconds{20};  ///< of a wait, in which nobody else gets at it
+
+/// A state is kept for who comes later and its writer's life is watched; of events the last few are kept;
+/// what is measured is not.
+enum class Sort { state, measure, event };
 
 /// What the contract says of each topic.
 template <class T>
@@ -37,43 +45,47 @@ template <>
 struct TopicOf<LifecycleStatus> {
   using Generated = LifecycleStatusPubSubType;
   static constexpr const char* name = "takt/lifecycle";
-  static constexpr bool state = true;
+  static constexpr Sort sort = Sort::state;
 };
 template <>
 struct TopicOf<DeviceStatus> {
   using Generated = DeviceStatusPubSubType;
   static constexpr const char* name = "takt/device";
-  static constexpr bool state = true;
+  static constexpr Sort sort = Sort::state;
 };
 template <>
 struct TopicOf<ModuleStatistics> {
   using Generated = ModuleStatisticsPubSubType;
   static constexpr const char* name = "takt/statistics";
-  static constexpr bool state = false;
+  static constexpr Sort sort = Sort::measure;
 };
 template <>
 struct TopicOf<ExecutorStatistics> {
   using Generated = ExecutorStatisticsPubSubType;
   static constexpr const char* name = "takt/executor";
-  static constexpr bool state = false;
+  static constexpr Sort sort = Sort::measure;
 };
 template <>
 struct TopicOf<PortStatus> {
   using Generated = PortStatusPubSubType;
   static constexpr const char* name = "takt/port";
-  static constexpr bool state = false;
+  static constexpr Sort sort = Sort::measure;
+};
+template <>
+struct TopicOf<FaultEvent> {
+  using Generated = FaultEventPubSubType;
+  static constexpr const char* name = "takt/fault";
+  static constexpr Sort sort = Sort::event;
 };
 
-/// A state is kept for who comes later and its writer's life is watched; what is measured is not.
 template <class T, class Qos>
 void set_quality(Qos& qos, std::int32_t depth) {
-  qos.reliability().kind =
-      TopicOf<T>::state ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
-  qos.durability().kind =
-      TopicOf<T>::state ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
+  constexpr bool kKept = TopicOf<T>::sort != Sort::measure;
+  qos.reliability().kind = kKept ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
+  qos.durability().kind = kKept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
   qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = depth;
-  if (TopicOf<T>::state) {
+  if (TopicOf<T>::sort == Sort::state) {
     qos.liveliness().kind = fast::MANUAL_BY_TOPIC_LIVELINESS_QOS;
     qos.liveliness().lease_duration = duration(kLease);
     qos.liveliness().announcement_period = duration(kLease / 3);
@@ -91,6 +103,28 @@ fast::TypeSupport type_of() {
   return fast::TypeSupport{new Guarded<typename TopicOf<T>::Generated>};
 }
 
+/// "robot" of "cell/robot" and of "cell/robot/arm"; empty where there is none.
+std::string device_in(std::string_view path) {
+  const std::size_t begin = path.find('/');
+  if (begin == std::string_view::npos) return {};
+  const std::string_view rest = path.substr(begin + 1);
+  return std::string{rest.substr(0, rest.find('/'))};
+}
+
+/// With DDS Security a device speaks for itself alone, though all of them write these topics.
+template <class T>
+bool may_say(OwnParticipant& participant, const rtps::GUID_t& writer, const T& sample) {
+  Watch* const watch = participant.watch();
+  if (watch == nullptr) return true;
+  const std::string path = sample.path().to_string();
+  const std::string device = device_in(path);
+  const bool named =
+      sample.device().size() == 0 || sample.device().to_string() == device;  // none: a disposal
+  if (named && watch->is_device(writer, device)) return true;
+  watch->impostor(writer, TopicOf<T>::name, path);
+  return false;
+}
+
 template <class T>
 Problem no_entity(const char* what) {
   return fail(std::string{"DDS made no "} + what + " of " + TopicOf<T>::name, "see what it printed");
@@ -105,17 +139,18 @@ struct Writer<T>::Inside final : Remade {
   std::mutex using_it;
   fast::DataWriter* writer = nullptr;
   std::map<std::string, T> states;  // by path: what is to be said again
+  std::deque<T> events;             // the same, of events
   std::atomic<std::uint64_t> failures{0};
 
   ~Inside() override {
     own(*participant).dismiss(*this);
-    if (writer != nullptr) own(*participant).publisher().delete_datawriter(writer);
+    own(*participant).end(writer);
     if (topic != nullptr) own(*participant).release(topic);
   }
 
   Result<void> make() {
     fast::DataWriterQos qos;
-    set_quality<T>(qos, 1);
+    set_quality<T>(qos, TopicOf<T>::sort == Sort::event ? kEventsKept : 1);
     qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
     qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
     qos.reliable_writer_qos().times.nackResponseDelay = duration(kNackDelay);
@@ -127,9 +162,10 @@ struct Writer<T>::Inside final : Remade {
 
   void remake() override {
     const std::lock_guard lock{using_it};
-    if (writer != nullptr) own(*participant).publisher().delete_datawriter(writer);
+    own(*participant).end(writer);
     if (!make()) return;  // every write fails, and is counted
     for (auto& [path, sample] : states) writer->write(&sample);
+    for (T& sample : events) writer->write(&sample);
   }
 };
 
@@ -158,7 +194,12 @@ Writer<T>::~Writer() = default;
 template <class T>
 bool Writer<T>::write(const T& sample) {
   const std::lock_guard lock{inside_->using_it};
-  if (TopicOf<T>::state) inside_->states.insert_or_assign(sample.path().to_string(), sample);
+  if constexpr (TopicOf<T>::sort == Sort::state)
+    inside_->states.insert_or_assign(sample.path().to_string(), sample);
+  if constexpr (TopicOf<T>::sort == Sort::event) {
+    inside_->events.push_back(sample);
+    if (inside_->events.size() > kEventsKept) inside_->events.pop_front();
+  }
   // Fast DDS takes a pointer that is not const and does not write through it.
   const bool taken = inside_->writer != nullptr && inside_->writer->write(const_cast<T*>(&sample));
   if (!taken) inside_->failures.fetch_add(1, std::memory_order_relaxed);
@@ -262,7 +303,8 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Remade {
     while (from->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK) {
       const WriterId writer = number_of(info.sample_identity.writer_guid());
       if (info.valid_data) {
-        if (!make_sensible(sample)) {
+        if (!make_sensible(sample) ||
+            !may_say(own(*participant), info.sample_identity.writer_guid(), sample)) {
           refused.fetch_add(1, std::memory_order_relaxed);
           continue;
         }
@@ -273,6 +315,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Remade {
                  info.instance_state == fast::NOT_ALIVE_DISPOSED_INSTANCE_STATE && found != paths.end()) {
         T gone;
         gone.path(found->second.c_str());
+        if (!may_say(own(*participant), info.sample_identity.writer_guid(), gone)) continue;
         paths.erase(found);
         heard.disposed(gone, writer);
       }
@@ -333,10 +376,12 @@ template class Writer<DeviceStatus>;
 template class Writer<ModuleStatistics>;
 template class Writer<ExecutorStatistics>;
 template class Writer<PortStatus>;
+template class Writer<FaultEvent>;
 template class Reader<LifecycleStatus>;
 template class Reader<DeviceStatus>;
 template class Reader<ModuleStatistics>;
 template class Reader<ExecutorStatistics>;
 template class Reader<PortStatus>;
+template class Reader<FaultEvent>;
 
 }  // namespace takt::dds

@@ -7,6 +7,7 @@
 //   ModuleStatistics     takt/statistics   best effort, volatile, keep last 1
 //   ExecutorStatistics   takt/executor     the same
 //   PortStatus           takt/port         the same
+//   FaultEvent           takt/fault        an event: reliable, transient local, keep last 64
 #pragma once
 
 #include <chrono>

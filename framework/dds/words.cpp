@@ -132,6 +132,12 @@ const char* to_text(CommandKind kind) noexcept {
       return "set";
     case COMMAND_TAP:
       return "tap";
+    case COMMAND_LOG:
+      return "log";
+    case COMMAND_SWAP:
+      return "swap";
+    case COMMAND_TRACE:
+      return "trace";
   }
   return "?";
 }

@@ -154,9 +154,10 @@ std::optional<std::size_t> read_choice(const Given& given, const std::vector<std
 
 model::OverrunContract read_contract(const Given& word, const std::optional<Given>& limit, Report& report) {
   using model::Overrun;
-  constexpr Overrun kContracts[] = {Overrun::skip, Overrun::catch_up, Overrun::error, Overrun::stop_device};
+  constexpr Overrun kContracts[] = {Overrun::skip, Overrun::catch_up, Overrun::error, Overrun::stop_device,
+                                    Overrun::stop_cell};
   model::OverrunContract contract;
-  const auto choice = read_choice(word, {"skip", "catch-up", "error", "stop-device"}, report);
+  const auto choice = read_choice(word, {"skip", "catch-up", "error", "stop-device", "stop-cell"}, report);
   if (choice) contract.what = kContracts[*choice];
   if (!limit) return contract;
   const auto number = read_number(*limit, {1, model::kMaxCatchUp}, "", report);

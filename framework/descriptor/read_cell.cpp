@@ -13,11 +13,12 @@ namespace {
 
 // Of <use>, <template> and <include>, which may stand there, nothing is left when a cell is read.
 const Shape kRoot{.many = {"executor", "module", "use", "template", "include"}};
-const Shape kCell{.attributes = {"name", "domain", "discovery", "peers", "server", "server-device"},
-                  .many = {"device", "connection", "service", "template", "include"}};
+const Shape kCell{
+    .attributes = {"name", "domain", "discovery", "peers", "server", "server-device", "security"},
+    .many = {"device", "connection", "service", "template", "include"}};
 const Shape kDevice{.attributes = {"name"}, .many = {"executor", "module", "use", "template", "include"}};
-const Shape kExecutor{
-    .attributes = {"name", "cpu", "priority", "wakeup", "spin", "overrun", "limit", "offsets", "timing"}};
+const Shape kExecutor{.attributes = {"name", "cpu", "priority", "wakeup", "spin", "overrun", "limit",
+                                     "offsets", "timing", "host"}};
 const Shape kConnection{.attributes = {"from", "to", "kind", "depth", "reliability", "deadline", "lifespan",
                                        "stale", "topic", "domain", "ros2"}};
 
@@ -62,6 +63,10 @@ class CellReader {
       reading_.cell.domain_given = true;
     }
     read_discovery(cell);
+    if (const auto given = cell.attribute("security")) {
+      const auto choice = read_choice(*given, {"optional", "required"}, report_);
+      reading_.cell.security_required = choice && *choice == 1;
+    }
     reading_.gaps.devices = cell.has_unknown_children();
     for (const Node* child : cell.children("device")) {
       if (report_.full()) break;
@@ -220,6 +225,10 @@ class CellReader {
     }
     if (const auto given = element.attribute("timing")) {
       if (read_choice(*given, {"direct", "let"}, report_) == 1U) executor.timing = model::Timing::let;
+    }
+    if (const auto given = element.attribute("host")) {
+      if (const auto choice = read_choice(*given, {"shared", "own"}, report_))
+        executor.own_host = *choice == 1;
     }
   }
 

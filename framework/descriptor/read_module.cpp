@@ -19,13 +19,16 @@ constexpr Nanoseconds kStandIn = milliseconds{1};  // for a time that could not 
 
 const Shape kModule{.once = {"name", "filename", "moduletype", "operationtype", "period", "offset",
                              "deadline", "dispatch", "interarrival", "priority", "executor", "budget",
-                             "overrun", "recovery", "property"}};
+                             "overrun", "recovery", "retain", "property", "safe"}};
 const Shape kBudget{.attributes = {"times", "in-a-row"}, .text = true};
 const Shape kOverrun{.attributes = {"limit"}, .text = true};
 const Shape kDeadline{.attributes = {"miss"}, .text = true};
 const Shape kRecovery{.attributes = {"attempts", "backoff", "then"}};
 const Shape kProperty{.many = {"value"}};
 const Shape kValue{.attributes = {"name"}, .text = true};
+const Shape kSafe{.many = {"port"}};
+const Shape kPort{.attributes = {"name"}, .many = {"field"}};
+const Shape kField{.attributes = {"name"}, .text = true};
 
 class ModuleReader {
  public:
@@ -39,7 +42,9 @@ class ModuleReader {
     read_priority();
     read_executor(executors);
     read_recovery();
+    read_retain();
     read_properties();
+    read_safe();
     return {std::move(module_), name_known_};
   }
 
@@ -144,6 +149,13 @@ class ModuleReader {
       module_.dispatch = model::Dispatch::immediate;
   }
 
+  void read_retain() {
+    const auto given = element_.child_text("retain");
+    if (!given) return;
+    module_.lines.retain = given->line;
+    module_.retain = read_choice(*given, {"false", "true"}, report_) == 1U;
+  }
+
   void read_times() {
     module_.period = read_time("period", module_.lines.period);
     read_deadline();
@@ -215,8 +227,10 @@ class ModuleReader {
       if (number) recovery.backoff = Nanoseconds{*number};
     }
     if (const auto given = element.attribute("then")) {
-      const auto choice = read_choice(*given, {"destruct", "stop-device"}, report_);
-      if (choice) recovery.then = *choice == 0 ? model::GiveUp::destruct : model::GiveUp::stop_device;
+      const auto choice = read_choice(*given, {"destruct", "stop-device", "stop-cell"}, report_);
+      constexpr model::GiveUp kThen[] = {model::GiveUp::destruct, model::GiveUp::stop_device,
+                                         model::GiveUp::stop_cell};
+      if (choice) recovery.then = kThen[*choice];
     }
   }
 
@@ -229,6 +243,24 @@ class ModuleReader {
       const Element value{*child, kValue, report_};
       const auto name = value.required_attribute("name");
       if (name) module_.properties.push_back({name->trimmed(), value.text(), value.line()});
+    }
+  }
+
+  void read_safe() {
+    const auto* xml = element_.child("safe");
+    if (xml == nullptr) return;
+    const Element safe{*xml, kSafe, report_};
+    for (const auto* child : safe.children("port")) {
+      if (report_.full()) break;
+      const Element port{*child, kPort, report_};
+      const auto name = port.required_attribute("name");
+      model::SafeValue value{.name = name ? name->trimmed() : "", .fields = {}, .line = port.line()};
+      for (const auto* given : port.children("field")) {
+        const Element field{*given, kField, report_};
+        const auto of = field.required_attribute("name");
+        if (of) value.fields.push_back({of->trimmed(), field.given_text().trimmed(), field.line()});
+      }
+      if (name) module_.safe.push_back(std::move(value));
     }
   }
 

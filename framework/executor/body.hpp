@@ -30,6 +30,9 @@ class Body {
   /// Whether an event port has a sample that was not read yet and is valid by now. Asked of modules that are
   /// dispatched at once.
   [[nodiscard]] virtual bool has_news(Instant /*now*/) const noexcept { return false; }
+  /// Takes the place of `before`, a body of the same module and kind, between two rows, and goes on where
+  /// that has come to. False: not now, and nothing has changed.
+  virtual bool take_over(Body& /*before*/) noexcept { return true; }
 };
 
 }  // namespace takt::executor

@@ -22,7 +22,16 @@ bool in_tables(const Unit& unit) noexcept {
 }
 
 bool fatal(const Unit& unit) noexcept {
-  return unit.overrun.what == model::Overrun::error || unit.overrun.what == model::Overrun::stop_device;
+  switch (unit.overrun.what) {
+    case model::Overrun::skip:
+    case model::Overrun::catch_up:
+      return false;
+    case model::Overrun::error:
+    case model::Overrun::stop_device:
+    case model::Overrun::stop_cell:
+      return true;
+  }
+  return false;
 }
 
 // While one module runs, what the next one needs comes.
@@ -43,11 +52,14 @@ std::uint64_t releases_before(std::uint64_t to, std::uint64_t first, std::uint64
 }  // namespace
 
 Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodic, std::vector<Unit> sporadic,
-                   channel::ExecutorBlock& block, Clock& clock)
+                   channel::ExecutorBlock& block, Clock& clock, Flight flight)
     : table_(plan.table),
       periodic_(std::move(periodic)),
       sporadic_(std::make_unique<Sporadic[]>(sporadic.size())),
       sporadic_count_(sporadic.size()),
+      bodies_seen_(periodic_.size() + sporadic.size()),
+      rows_(flight.rows == nullptr ? nowhere_ : *flight.rows),
+      runs_(flight.sporadic == nullptr ? nowhere_ : *flight.sporadic),
       block_(block),
       clock_(clock),
       basic_(plan.basic_period),
@@ -121,6 +133,7 @@ std::uint32_t Executor::overrun(std::uint64_t rows) noexcept {
         break;
       case model::Overrun::error:
       case model::Overrun::stop_device:
+      case model::Overrun::stop_cell:
         raise_missed(unit, first, missed);
         break;
     }
@@ -150,8 +163,11 @@ std::uint32_t Executor::catch_up(std::uint64_t rows) noexcept {
 Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, Instant now,
                         std::uint32_t* wake) noexcept {
   const Unit& unit = periodic_[i];
-  if (unit.seat == nullptr) return call(unit, block_.row, number, release, unit.period, now);
-  switch (channel::release(*unit.seat, number, to_ns(release))) {
+  if (unit.seat == nullptr) return call(unit, block_.row, rows_, number, release, unit.period, now);
+  record_body(unit, bodies_seen_[i]);
+  const channel::Release given = channel::release(*unit.seat, number, to_ns(release));
+  rows_.add(channel::FlightKind::released, to_ns(now), unit.index, static_cast<std::int64_t>(given));
+  switch (given) {
     case channel::Release::wake:
       *wake |= unit.seat->bell_bit;
       [[fallthrough]];
@@ -173,6 +189,8 @@ Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, In
 
 std::uint32_t Executor::run_cycle(Instant now) noexcept {
   block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
+  if (before_ != nullptr) watch_trial();
+  if (asked_.load(relaxed) != nullptr) begin_exchange();
   if ((now - release_).count() > block_.latest_ns.load(relaxed))
     block_.latest_ns.store((now - release_).count(), relaxed);
   std::uint32_t wake = 0;
@@ -180,10 +198,12 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
   if (now - release_ >= basic_) {
     const auto rows = static_cast<std::uint64_t>((now - release_) / basic_);
     const Nanoseconds late = (now - release_) % basic_;
+    rows_.add(channel::FlightKind::row, to_ns(now), 0, late.count());
     wake = overrun(rows);
     block_.jitter.record(-late.count());
     if (longest_catch_up_ != 0) time = clock_.now();
   } else {
+    rows_.add(channel::FlightKind::row, to_ns(now), 0, (now - release_).count());
     block_.jitter.record((release_ - now).count());
   }
 
@@ -196,7 +216,7 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
       const Unit& unit = periodic_[i];
       if (!in_tables(unit)) continue;
       const std::uint64_t number = number_at(i, row_);
-      time = unit.seat == nullptr ? call(unit, block_.row, number, release, unit.period, time)
+      time = unit.seat == nullptr ? call(unit, block_.row, rows_, number, release, unit.period, time)
                                   : serve(i, number, release, time, &wake);
     }
   }
@@ -208,19 +228,85 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
   table_row_ = table_row_ + 1 == rows_in_table_ ? 0 : table_row_ + 1;
   release_ += basic_;
   block_.next_row.store(row_, relaxed);
-  if (clock_.now() > release_) add(block_.late);
+  const Instant end = clock_.now();
+  rows_.add(channel::FlightKind::row_end, to_ns(end));
+  if (end > release_) add(block_.late);
   block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
   return wake;
 }
 
-Instant Executor::call(const Unit& unit, channel::Activity& activity, std::uint64_t number, Instant release,
-                       Nanoseconds allowed, Instant start) noexcept {
+void Executor::exchange(Exchange& exchange) noexcept {
+  exchange.state.store(Exchange::State::waiting, relaxed);
+  asked_.store(&exchange, std::memory_order_release);  // SYNC: exchange
+}
+
+bool Executor::withdraw() noexcept { return asked_.exchange(nullptr, std::memory_order_acq_rel) != nullptr; }
+
+void Executor::begin_exchange() noexcept {
+  Exchange* exchange = asked_.load(std::memory_order_acquire);  // SYNC: exchange
+  if (exchange == nullptr || before_ != nullptr) return;
+  const auto unit = std::find_if(periodic_.begin(), periodic_.end(),
+                                 [exchange](const Unit& each) { return each.index == exchange->index; });
+  if (unit == periodic_.end() || unit->body == nullptr || !in_tables(*unit)) return;
+  exchange = asked_.exchange(nullptr, std::memory_order_acq_rel);
+  if (exchange == nullptr) return;  // it was withdrawn
+  if (!exchange->body->take_over(*unit->body)) {
+    exchange->state.store(Exchange::State::not_now, std::memory_order_release);  // SYNC: exchange
+    return;
+  }
+  before_ = std::exchange(unit->body, exchange->body);
+  tried_ = static_cast<std::size_t>(unit - periodic_.begin());
+  trial_ends_ = unit->block->cycles.load(relaxed) + exchange->runs;
+  unit->trial = exchange;
+  unit->block->on_trial.store(1, relaxed);
+  exchange->row = row_;
+  exchange->state.store(Exchange::State::on_trial, std::memory_order_release);  // SYNC: exchange
+}
+
+void Executor::watch_trial() noexcept {
+  if (periodic_[tried_].block->cycles.load(relaxed) >= trial_ends_) end_trial(Exchange::State::kept);
+}
+
+void Executor::end_trial(Exchange::State state) noexcept {
+  Unit& unit = periodic_[tried_];
+  before_ = nullptr;
+  unit.block->on_trial.store(0, relaxed);
+  std::exchange(unit.trial, nullptr)->state.store(state, std::memory_order_release);  // SYNC: exchange
+}
+
+void Executor::put_back(ErrorType type, std::uint64_t cycle, const char* text) noexcept {
+  Unit& unit = periodic_[tried_];
+  unit.trial->error = type;
+  unit.trial->cycle = cycle;
+  unit.trial->text.assign(text);
+  before_->take_over(*unit.body);
+  unit.body = before_;
+  end_trial(Exchange::State::put_back);
+}
+
+void Executor::record_body(const Unit& unit, std::uint32_t& seen) noexcept {
+  const channel::Seat& seat = *unit.seat;
+  const std::uint32_t done = seat.done.load(std::memory_order_acquire);  // SYNC: done
+  if (done == seen) return;
+  seen = done;
+  const std::int64_t ended = seat.body_ended_ns.load(relaxed);
+  if (ended == 0) return;  // none of it has ended yet
+  rows_.add(channel::FlightKind::body, ended, unit.index, ended - seat.body_began_ns.load(relaxed));
+}
+
+Instant Executor::call(const Unit& unit, channel::Activity& activity, channel::FlightWriter& flight,
+                       std::uint64_t number, Instant release, Nanoseconds allowed, Instant start) noexcept {
   channel::ModuleBlock& block = *unit.block;
   activity.begin(unit.index, channel::Doing::run, to_ns(start));
   const Outcome outcome =
       unit.body->run({.number = number, .time = release, .period = unit.period, .start = start});
   const Instant end = clock_.now();
+  if (!outcome.ok() && unit.trial != nullptr) {  // the release is still there to be served
+    put_back(outcome.type, number, outcome.text);
+    return call(unit, activity, flight, number, release, allowed, end);
+  }
 
+  flight.add(channel::FlightKind::run, to_ns(end), unit.index, (end - start).count());
   block.jitter.record((release - start).count());
   block.run.record((end - start).count());
   add(block.cycles);
@@ -274,12 +360,14 @@ std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept 
     if (to_ns(release) < sporadic.not_before_ns.load(relaxed)) continue;
 
     if (unit.seat != nullptr) {
+      record_body(unit, bodies_seen_[periodic_.size() + i]);
       if (unit.immediate) continue;  // it sees its events itself
       // The program checks its own condition and its own deadline; a row that finds it in its body leaves it
       // there.
       const channel::Release given = channel::release(*unit.seat, row_, to_ns(release));
       if (given == channel::Release::wake) wake |= unit.seat->bell_bit;
       if (given == channel::Release::busy) continue;
+      rows_.add(channel::FlightKind::released, to_ns(now), unit.index, static_cast<std::int64_t>(given));
       add(unit.block->cycles);
       sporadic.not_before_ns.store(to_ns(release + unit.interarrival), relaxed);
       continue;
@@ -297,6 +385,7 @@ std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept 
     if (!outcome.ok()) {
       raise(unit, outcome.type, row_, outcome.text);
     } else if (ready) {
+      rows_.add(channel::FlightKind::ready, to_ns(now), unit.index);
       make_ready(sporadic, release, row_);
       wake |= channel::kSporadicBit;
     }
@@ -330,6 +419,7 @@ void Executor::release_immediate() noexcept {
       if (!outcome.ok()) {
         raise(unit, outcome.type, row, outcome.text);
       } else if (ready) {
+        runs_.add(channel::FlightKind::ready, to_ns(now), unit.index);
         make_ready(sporadic, now, row);
       }
     }
@@ -353,7 +443,7 @@ bool Executor::run_sporadic() noexcept {
                            to_ns(start));  // before the tables are asked: SYNC: in tables
   if (in_tables(unit)) {
     const Instant end =
-        call(unit, block_.sporadic, first->cycle, from_ns(first->release_ns), unit.deadline, start);
+        call(unit, block_.sporadic, runs_, first->cycle, from_ns(first->release_ns), unit.deadline, start);
     const Nanoseconds late = end - from_ns(first->deadline_ns);
     if (unit.late_is_error && late > Nanoseconds{0} && in_tables(unit)) raise_late(unit, first->cycle, late);
   }
@@ -380,6 +470,10 @@ void Executor::raise_late(const Unit& unit, std::uint64_t cycle, Nanoseconds by)
 }
 
 void Executor::raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept {
+  if (unit.trial != nullptr) {
+    put_back(type, cycle, text);
+    if (type != ErrorType::overrun) return;  // a release that was not served in time is what it is
+  }
   channel::ModuleBlock& block = *unit.block;
   block.in_tables.store(0, std::memory_order_seq_cst);  // SYNC: in tables
   add(block.errors);

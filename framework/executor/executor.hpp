@@ -10,17 +10,19 @@
 #include <memory>
 #include <vector>
 
+#include <takt/channel/flight.hpp>
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
 #include <takt/component/component.hpp>
 #include <takt/core/clock.hpp>
 #include <takt/executor/body.hpp>
+#include <takt/executor/exchange.hpp>
 #include <takt/schedule/plan.hpp>
 
 namespace takt::executor {
 
-/// A module in the tables: what to call or release, and where to keep count. What each release needs is in the
-/// first cache line.
+/// A module in the tables: what to call or release, and where to keep count. What each release needs is in
+/// the first cache line.
 struct alignas(64) Unit {
   std::uint32_t index = 0;                ///< of the module on its device
   Body* body = nullptr;                   ///< of a thread module
@@ -34,6 +36,13 @@ struct alignas(64) Unit {
   bool late_is_error = false;          ///< a sporadic module that misses its deadline is in error
   model::OverrunContract overrun{};    ///< of a periodic module
   model::BudgetTolerance tolerance{};  ///< of the budget
+  Exchange* trial = nullptr;           ///< of its body; the executor's own
+};
+
+/// Where an executor's threads record what they do; null: nowhere. Each outlives it.
+struct Flight {
+  channel::FlightWriter* rows = nullptr;
+  channel::FlightWriter* sporadic = nullptr;
 };
 
 class Executor {
@@ -41,7 +50,7 @@ class Executor {
   /// `periodic` and `sporadic` are in the order of the plan's lists; the plan is copied. Allocates; nothing
   /// after this does. `clock` and the blocks outlive the executor.
   Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodic, std::vector<Unit> sporadic,
-           channel::ExecutorBlock& block, Clock& clock);
+           channel::ExecutorBlock& block, Clock& clock, Flight flight = {});
 
   /// Puts the executor on its grid T0 + n x basic period, at the first release that is not before `now`. What
   /// lies between block.next_row and that (a restart of the host) is counted as missed. An executor without
@@ -65,6 +74,12 @@ class Executor {
   /// deadline, ties by the order of the table. False when none is ready.
   bool run_sporadic() noexcept;
 
+  /// Has a module's body exchanged before the next row that finds it in the tables. From another thread, one
+  /// at a time: until it is kept or put back, or was withdrawn.
+  void exchange(Exchange& exchange) noexcept;
+  /// False: a row has taken it up.
+  bool withdraw() noexcept;
+
  private:
   enum class Ready : std::uint32_t { no, yes };
   struct Sporadic {
@@ -78,6 +93,10 @@ class Executor {
     std::atomic<std::int64_t> not_before_ns{0};
   };
 
+  void begin_exchange() noexcept;
+  void watch_trial() noexcept;
+  void end_trial(Exchange::State state) noexcept;
+  void put_back(ErrorType type, std::uint64_t cycle, const char* text) noexcept;
   /// The rows from row_ on, as many, are not walked in their slots: they are counted, and row_ is behind
   /// them. As with skip whatever the contracts say.
   void skip(std::uint64_t rows) noexcept;
@@ -98,8 +117,10 @@ class Executor {
   void release_immediate() noexcept;
   void make_ready(Sporadic& sporadic, Instant release, std::uint64_t cycle) noexcept;
   /// Calls a thread module that was released at `release`; returns the time after it.
-  Instant call(const Unit& unit, channel::Activity& activity, std::uint64_t number, Instant release,
-               Nanoseconds allowed, Instant start) noexcept;
+  Instant call(const Unit& unit, channel::Activity& activity, channel::FlightWriter& flight,
+               std::uint64_t number, Instant release, Nanoseconds allowed, Instant start) noexcept;
+  /// Records the body that a program has ended since this was called last.
+  void record_body(const Unit& unit, std::uint32_t& seen) noexcept;
   void check_budget(const Unit& unit, std::uint64_t number, Nanoseconds took) noexcept;
   void raise_missed(const Unit& unit, std::uint64_t cycle, std::uint64_t releases) noexcept;
   void raise_late(const Unit& unit, std::uint64_t cycle, Nanoseconds by) noexcept;
@@ -115,6 +136,11 @@ class Executor {
   std::unique_ptr<Sporadic[]> sporadic_;
   std::size_t sporadic_count_ = 0;
   bool has_immediate_ = false;
+  std::vector<std::uint32_t>
+      bodies_seen_;  // of programs, periodic and then sporadic: the last that was recorded
+  channel::FlightWriter nowhere_;
+  channel::FlightWriter& rows_;
+  channel::FlightWriter& runs_;  // of sporadic modules
   channel::ExecutorBlock& block_;
   Clock& clock_;
   Nanoseconds basic_;
@@ -122,6 +148,10 @@ class Executor {
   std::uint64_t row_ = 0;
   std::uint64_t table_row_ = 0;  // row_ modulo rows_in_table_
   Instant release_{};
+  std::atomic<Exchange*> asked_{nullptr};  // SYNC: exchange
+  std::size_t tried_ = 0;                  // the unit whose body is on trial
+  Body* before_ = nullptr;                 // and the one before that; null: none is
+  std::uint64_t trial_ends_ = 0;           // at this number of its cycles
 };
 
 }  // namespace takt::executor

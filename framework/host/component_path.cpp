@@ -1,14 +1,39 @@
 #include <takt/host/component_path.hpp>
 
 #include <filesystem>
+#include <utility>
 
 #include <takt/core/words.hpp>
 #include <takt/os/environment.hpp>
+#include <takt/os/files.hpp>
 #include <takt/os/process.hpp>
 
 namespace takt::host {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+std::function<Result<void>(const std::string&)>& requirement() {
+  static std::function<Result<void>(const std::string&)> check;
+  return check;
+}
+
+/// Components are code: whoever may write one, or put another in its place, does here what he likes.
+Result<void> check_writers(const fs::path& path) {
+  for (const fs::path& each : {path, path.parent_path()}) {
+    const auto rights = os::rights_of(each.string());
+    if (rights && rights->others_write)
+      return fail("everybody may write to " + each.string(), "chmod o-w " + each.string());
+  }
+  return {};
+}
+
+}  // namespace
+
+void require_of_components(std::function<Result<void>(const std::string& path)> check) {
+  requirement() = std::move(check);
+}
 
 std::vector<std::string> component_folders() {
   std::vector<std::string> folders;
@@ -41,7 +66,14 @@ Result<std::string> find_component(const std::string& filename, const std::strin
   std::string tried;
   for (const fs::path& candidate : candidates) {
     const fs::path path = candidate.lexically_normal();
-    if (fs::is_regular_file(path, error)) return fs::absolute(path, error).string();
+    if (fs::is_regular_file(path, error)) {
+      const fs::path found = fs::absolute(path, error);
+      if (auto checked = check_writers(found); !checked) return checked.problems();
+      if (requirement()) {
+        if (auto checked = requirement()(found.string()); !checked) return checked.problems();
+      }
+      return found.string();
+    }
     const std::string folder = path.parent_path().string();
     if (fs::exists(path, error)) return fail(path.string() + " is not a file", "name a component's file");
     if (("," + tried + ",").find(" " + folder + ",") == std::string::npos)

@@ -22,13 +22,17 @@ std::string to_json(const Description& description) {
                           {"unit", p.unit},
                           {"text", p.text}});
   }
+  json saved;
+  if (description.saved)
+    saved = {{"version", description.saved->version}, {"bytes", description.saved->bytes}};
   return model::json_text({{"name", description.name},
                            {"text", description.text},
                            {"interface", description.interface},
                            {"operation", description.operation},
                            {"hooks", description.hooks},
                            {"properties", properties},
-                           {"ports", model::parse_json(model::ports_json(description.ports))["ports"]}});
+                           {"ports", model::parse_json(model::ports_json(description.ports))["ports"]},
+                           {"saved", saved}});
 }
 
 Result<std::vector<PropertyDescription>> parse_properties(const std::string& text) {

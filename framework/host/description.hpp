@@ -1,6 +1,8 @@
 // What a component is, as data: what `takt describe` shows.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,14 @@ struct PropertyDescription {
   bool operator==(const PropertyDescription&) const = default;
 };
 
+/// What it keeps over a crash, see takt::Saved.
+struct SavedDescription {
+  std::uint32_t version = 0;
+  std::uint32_t bytes = 0;
+
+  bool operator==(const SavedDescription&) const = default;
+};
+
 struct Description {
   std::string name{};        ///< of the class; of a C module or a program, the file's stem
   std::string text{};        ///< one sentence that says what it does; may be empty
@@ -33,11 +43,13 @@ struct Description {
   /// Of a C module or a program without any: it takes every property, and looks at them itself.
   std::vector<PropertyDescription> properties{};
   std::vector<model::Port> ports{};
+  std::optional<SavedDescription> saved{};
 
   [[nodiscard]] bool takes_any_property() const { return interface != "c++" && properties.empty(); }
 };
 
-/// One object, {"name", "text", "interface", "operation", "hooks", "properties", "ports"}: docs/describe.md.
+/// One object, {"name", "text", "interface", "operation", "hooks", "properties", "ports", "saved"}:
+/// docs/describe.md.
 std::string to_json(const Description& description);
 
 /// From [{"name", "type", "default", "range", "min", "max", "unit", "text"}, ...], each a text, as a program

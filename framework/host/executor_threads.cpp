@@ -14,10 +14,10 @@ namespace {
 
 channel::Crash* crash_place = nullptr;
 thread_local const channel::Activity* my_activity = nullptr;
+std::atomic_flag walks_stack;
 
 // Async-signal-safe: stores only.
-void last_words(int signal) noexcept {
-  if (crash_place == nullptr) return;
+void say_who(int signal) noexcept {
   if (my_activity != nullptr) {
     crash_place->module.store(my_activity->module.load(std::memory_order_relaxed), std::memory_order_relaxed);
     crash_place->doing.store(my_activity->doing.load(std::memory_order_relaxed), std::memory_order_relaxed);
@@ -25,10 +25,27 @@ void last_words(int signal) noexcept {
   crash_place->signal.store(signal, std::memory_order_release);
 }
 
+void add_frame(const os::CodeAt& place) noexcept {
+  const std::uint32_t depth = crash_place->depth.load(std::memory_order_relaxed);
+  if (depth >= channel::Crash::kFrames) return;
+  crash_place->frames[depth].address = place.address;
+  crash_place->frames[depth].object.assign(place.object);
+  crash_place->depth.store(depth + 1, std::memory_order_release);  // SYNC: crash frame
+}
+
+// Who it was comes first: to walk a broken stack may crash again, and then this is called again.
+void last_words(int signal, std::uintptr_t at) noexcept {
+  if (crash_place == nullptr) return;
+  say_who(signal);
+  if (walks_stack.test_and_set(std::memory_order_relaxed)) return;
+  os::walk_stack(at, channel::Crash::kFrames, add_frame);
+}
+
 // A module that calls exit() ends the host as surely as one that crashes.
 void last_words_at_exit() {
-  if (my_activity != nullptr && my_activity->module.load(std::memory_order_relaxed) != 0)
-    last_words(channel::Crash::kExit);
+  if (crash_place != nullptr && my_activity != nullptr &&
+      my_activity->module.load(std::memory_order_relaxed) != 0)
+    say_who(channel::Crash::kExit);
 }
 
 void ring(channel::Bell& bell, std::uint32_t bits) noexcept {
@@ -55,14 +72,14 @@ void report_crashes_as(const channel::Activity* activity) {
 
 ExecutorThreads::ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan,
                                  std::vector<executor::Unit> periodic, std::vector<executor::Unit> sporadic,
-                                 channel::ExecutorBlock& block, channel::Bell& bell)
+                                 channel::ExecutorBlock& block, channel::Bell& bell, executor::Flight flight)
     : settings_(executor),
       priority_(plan.priority),
       has_rows_(plan.basic_period.count() > 0),
       has_sporadic_(!sporadic.empty()),
       block_(block),
       bell_(bell),
-      executor_(plan, std::move(periodic), std::move(sporadic), block, clock_) {}
+      executor_(plan, std::move(periodic), std::move(sporadic), block, clock_, flight) {}
 
 ExecutorThreads::~ExecutorThreads() {
   ask_to_halt();

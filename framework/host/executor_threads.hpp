@@ -25,7 +25,7 @@ class ExecutorThreads {
   /// Allocates everything that the threads will use.
   ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan,
                   std::vector<executor::Unit> periodic, std::vector<executor::Unit> sporadic,
-                  channel::ExecutorBlock& block, channel::Bell& bell);
+                  channel::ExecutorBlock& block, channel::Bell& bell, executor::Flight flight = {});
   /// Halts.
   ~ExecutorThreads();
 
@@ -41,6 +41,9 @@ class ExecutorThreads {
   Result<void> begin(Instant t0, const std::vector<int>& cpus, Problems* refused);
   /// Tells the threads to end, after the row or the module that they are in.
   void ask_to_halt() noexcept;
+  /// For modules of this executor; as executor::Executor has them.
+  void exchange(executor::Exchange& exchange) noexcept { executor_.exchange(exchange); }
+  bool withdraw() noexcept { return executor_.withdraw(); }
   /// Waits for them; a module that never returns keeps them for ever.
   void join();
 

@@ -10,15 +10,19 @@
 #include <set>
 
 #include <takt/channel/channel.hpp>
+#include <takt/channel/flight_record.hpp>
 #include <takt/channel/module_watch.hpp>
+#include <takt/channel/saved_state.hpp>
 #include <takt/channel/seat.hpp>
 #include <takt/host/executor_threads.hpp>
 #include <takt/host/hook_caller.hpp>
 #include <takt/host/host_links.hpp>
 #include <takt/host/protocol.hpp>
 #include <takt/host/service_thread.hpp>
+#include <takt/host/swap.hpp>
 #include <takt/host/thread_module.hpp>
 #include <takt/host/watched_body.hpp>
+#include <takt/model/hosts.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/futex.hpp>
@@ -34,7 +38,7 @@ using channel::Doing;
 
 class Host {
  public:
-  Host(os::MessageSocket node, channel::Channel channel, Setup setup);
+  Host(os::MessageSocket node, channel::Channel channel, channel::FlightRecord record, Setup setup);
 
   /// Everything but modules: seats, executors, plans.
   Result<void> prepare();
@@ -48,6 +52,9 @@ class Host {
   void start_services(std::uint32_t index);
   Result<std::string> get(const Request& request) const;
   Result<void> set(const Request& request);
+  Result<std::string> swap(const Request& request);
+  Result<void> connect(std::uint32_t index, ThreadModule& instance);
+  std::unique_ptr<ThreadModule> make_instance(std::uint32_t index);
   Answer begin();
   void start_background();
   void run_background(std::uint32_t index);
@@ -56,42 +63,81 @@ class Host {
   void farewell();
   void answer(const Answer& answer);
   const model::Module& module(std::uint32_t index) const { return setup_.device.modules[index]; }
+  /// Of a module of this host: the one that is in the tables, or would be.
+  ThreadModule& instance(std::uint32_t index) const {
+    return *serving_[index].load(std::memory_order_acquire);  // SYNC: serves
+  }
+  channel::SavedState& saved_of(std::uint32_t index) const {
+    return reinterpret_cast<channel::SavedState*>(saved_memory_.data())[index];
+  }
+  channel::HostBlock& block() const { return channel_.host(setup_.share); }
 
   os::MessageSocket node_;
   std::mutex sending_;
   channel::Channel channel_;
+  channel::FlightRecord record_;
+  std::vector<channel::FlightWriter> flight_;  // of each ring of the record
   Setup setup_;
   os::SharedMemory bell_memory_;
   channel::Bell* bell_ = nullptr;
+  os::SharedMemory saved_memory_;
   std::vector<os::SharedMemory> seat_memories_;
   HostLinks links_;
-  std::vector<std::unique_ptr<ThreadModule>> modules_;  // of thread modules
+  model::HostShare share_;
+  std::vector<std::unique_ptr<ThreadModule>> modules_;  // of thread modules of this host
+  std::vector<std::atomic<ThreadModule*>> serving_;     // these, or, on trial, the one that is to follow
   std::vector<std::unique_ptr<WatchedBody>> watched_;   // of those that are in tables, where somebody watches
-  std::set<std::string> c_form_;                        // files of modules in C form that were loaded
+  std::vector<channel::FlightWriter*> records_;         // of each module that is in tables: its executor's
+  channel::ModuleWatch watch_;
+  std::set<std::string> c_form_;  // files of modules in C form that were loaded
   std::mutex loading_;
   os::NoDeepIdle no_deep_idle_;
   Result<void> memory_locked_;
-  std::vector<std::unique_ptr<ExecutorThreads>> executors_;
+  struct Table {
+    std::size_t index;  // of the device's executors
+    std::unique_ptr<ExecutorThreads> threads;
+  };
+  std::vector<Table> executors_;
+  std::atomic<bool> halted_{false};  // the executors
   std::atomic<std::uint32_t> halt_background_{0};
   std::vector<os::Thread> background_;
   std::vector<std::unique_ptr<ServiceThread>> services_;  // of modules that have handlers
+  std::vector<ThreadModule*> handling_;  // whose handlers these call; changed while they are excluded
   std::unique_ptr<HookCaller> hooks_;
+  std::unique_ptr<HookCaller> swaps_;  // one at a time
+  std::atomic<std::uint64_t> swaps_given_up_{0};
 };
 
-Host::Host(os::MessageSocket node, channel::Channel channel, Setup setup)
-    : node_(std::move(node)), channel_(std::move(channel)), setup_(std::move(setup)) {}
+Host::Host(os::MessageSocket node, channel::Channel channel, channel::FlightRecord record, Setup setup)
+    : node_(std::move(node)),
+      channel_(std::move(channel)),
+      record_(std::move(record)),
+      setup_(std::move(setup)),
+      share_(model::hosts_of(setup_.device).at(setup_.share)) {
+  for (std::size_t ring = 0; ring < record_.rings(); ++ring) flight_.push_back(record_.writer(ring));
+}
 
 Result<void> Host::prepare() {
   memory_locked_ = os::lock_memory();  // what is loaded later is locked as it comes
   const auto watch = channel::ModuleWatch::find();
   if (!watch) return watch.problems();
+  watch_ = *watch;
   auto bell = os::SharedMemory::attach(os::Fd{setup_.bell_fd});
   if (!bell) return bell.problems();
   bell_memory_ = std::move(*bell);
   bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
 
+  auto saved = os::SharedMemory::attach(os::Fd{setup_.saved_fd});
+  if (!saved) return saved.problems();
+  saved_memory_ = std::move(*saved);
+  if (saved_memory_.size() < setup_.device.modules.size() * sizeof(channel::SavedState))
+    return fail("there is no room for what modules save", "install takt-node and takt-host of one version");
+
   if (auto attached = links_.attach(setup_.links); !attached) return attached;
   std::vector<executor::Unit> units;
+  serving_ = std::vector<std::atomic<ThreadModule*>>(setup_.device.modules.size());
+  records_.resize(setup_.device.modules.size());
+  watched_.resize(setup_.device.modules.size());
   for (std::uint32_t i = 0; i < setup_.device.modules.size(); ++i) {
     const model::Module& m = module(i);
     executor::Unit unit{.index = i,
@@ -104,13 +150,14 @@ Result<void> Host::prepare() {
                         .late_is_error = m.miss == model::Miss::error,
                         .overrun = model::contract_of(setup_.device, m),
                         .tolerance = m.tolerance};
-    modules_.push_back(m.type == model::ModuleType::thread ? std::make_unique<ThreadModule>() : nullptr);
-    if (modules_.back())
-      modules_.back()->attach(bell_, unit.block, model::timing_of(setup_.device, m), unit.period);
+    const bool mine = std::find(share_.modules.begin(), share_.modules.end(), i) != share_.modules.end();
+    modules_.push_back(mine ? make_instance(i) : nullptr);
+    serving_[i] = modules_.back().get();
+    if (mine) modules_.back()->save_in(saved_of(i));
     unit.body = modules_.back().get();
-    if (*watch && unit.body != nullptr) {
-      watched_.push_back(std::make_unique<WatchedBody>(*unit.body, i, *watch));
-      unit.body = watched_.back().get();
+    if (watch_ && mine) {
+      watched_[i] = std::make_unique<WatchedBody>(*unit.body, i, watch_);
+      unit.body = watched_[i].get();
     }
     if (setup_.seat_fds[i] >= 0) {
       auto memory = os::SharedMemory::attach(os::Fd{setup_.seat_fds[i]});
@@ -122,6 +169,7 @@ Result<void> Host::prepare() {
   }
 
   services_.resize(modules_.size());
+  handling_.resize(modules_.size());
 
   const auto plan = schedule::plan(model::Cell{}, setup_.device);
   if (!plan) return plan.problems();
@@ -130,29 +178,55 @@ Result<void> Host::prepare() {
     for (std::uint32_t index : indices) selected.push_back(units[index]);
     return selected;
   };
-  for (std::size_t e = 0; e < plan->executors.size(); ++e) {
+  for (const std::size_t e : share_.executors) {
     const schedule::ExecutorPlan& mine = plan->executors[e];
     model::Executor executor = setup_.device.executors[e];
     // Those that spin on one processor share what one may take of it.
     executor.spin_share /= static_cast<double>(
         std::count(setup_.executor_cpus.begin(), setup_.executor_cpus.end(), setup_.executor_cpus[e]));
-    executors_.push_back(std::make_unique<ExecutorThreads>(
-        executor, mine, select(mine.periodic), select(mine.sporadic), channel_.executor(e), *bell_));
-    if (*watch) executors_.back()->watch(*watch, static_cast<std::uint32_t>(e));
+    executor::Flight flight{&flight_.at(channel::FlightRecord::of_rows(e)),
+                            &flight_.at(channel::FlightRecord::of_sporadic(e))};
+    executors_.push_back(
+        {e, std::make_unique<ExecutorThreads>(executor, mine, select(mine.periodic), select(mine.sporadic),
+                                              channel_.executor(e), *bell_, flight)});
+    for (const std::uint32_t m : mine.periodic) records_[m] = flight.rows;
+    for (const std::uint32_t m : mine.sporadic) records_[m] = flight.sporadic;
+    if (watch_) executors_.back().threads->watch(watch_, static_cast<std::uint32_t>(e));
   }
-  report_crashes_to(channel_.host().crash);
+  for (std::uint32_t i = 0; i < modules_.size(); ++i) {
+    if (modules_[i] && records_[i] != nullptr) modules_[i]->record_to(records_[i], i);
+  }
+  report_crashes_to(block().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));
+  const auto done = [this](const Request& request, const Result<std::string>& result) {
+    ring_pending(*bell_);  // for what the hook wrote
+    answer({.request = request,
+            .ok = result.ok(),
+            .text = result ? *result : in_words(result.problems()),
+            .warnings = {}});
+  };
   hooks_ = std::make_unique<HookCaller>(
-      channel_.host().hooks, setup_.background_cpus,
-      [this](const Request& request) { return serve_request(request); },
-      [this](const Request& request, const Result<std::string>& result) {
-        ring_pending(*bell_);  // for what the hook wrote
-        answer({.request = request,
-                .ok = result.ok(),
-                .text = result ? *result : in_words(result.problems()),
-                .warnings = {}});
+      block().hooks, setup_.background_cpus,
+      [this](const Request& request) { return serve_request(request); }, done);
+  swaps_ = std::make_unique<HookCaller>(
+      block().swap, setup_.background_cpus, [this](const Request& request) { return swap(request); },
+      [done](const Request& request, const Result<std::string>& result) {
+        if (!result) done(request, result);
       });
   return {};
+}
+
+std::unique_ptr<ThreadModule> Host::make_instance(std::uint32_t index) {
+  const model::Module& m = module(index);
+  auto made = std::make_unique<ThreadModule>();
+  made->attach(bell_, &channel_.module(index), model::timing_of(setup_.device, m),
+               m.period.value_or(Nanoseconds{0}));
+  return made;
+}
+
+Result<void> Host::connect(std::uint32_t index, ThreadModule& instance) {
+  const std::lock_guard lock{loading_};
+  return links_.connect(index, instance);
 }
 
 void Host::answer(const Answer& answer) {
@@ -165,25 +239,25 @@ Result<std::string> Host::serve_request(const Request& request) {
   if (request.what == Request::Do::get) return get(request);
   const Result<void> done = request.what == Request::Do::set ? set(request) : call(request);
   if (!done) return done.problems();
-  return std::string{};
+  return request.hook == Doing::initialize ? instance(request.module).restored() : std::string{};
 }
 
 Result<std::string> Host::get(const Request& request) const {
-  const ThreadModule& instance = *modules_[request.module];
-  if (instance.declares_properties()) return instance.get(request.property);
+  const ThreadModule& asked = instance(request.module);
+  if (asked.declares_properties()) return asked.get(request.property);
   // It was shown those of the descriptor.
   return model::given_property(module(request.module), request.property);
 }
 
 Result<void> Host::set(const Request& request) {
-  ThreadModule& instance = *modules_[request.module];
-  if (!instance.declares_properties()) {
+  ThreadModule& asked = instance(request.module);
+  if (!asked.declares_properties()) {
     return fail(module(request.module).name +
                     " is written in C and declares no properties: it reads them in initialize()",
                 "undeploy the cell, change the descriptor and deploy it again");
   }
   // Also for the next time that it is loaded.
-  auto done = instance.set({{request.property, request.value}});
+  auto done = asked.set({{request.property, request.value}});
   if (done) model::give_property(setup_.device.modules[request.module], request.property, request.value);
   return done;
 }
@@ -201,7 +275,8 @@ Result<void> Host::call(const Request& request) {
 }
 
 void Host::start_services(std::uint32_t index) {
-  if (!modules_[index]->has_handlers()) return;
+  handling_[index] = &instance(index);
+  if (!handling_[index]->has_handlers()) return;
   channel::ModuleBlock& block = channel_.module(index);
   services_[index] = std::make_unique<ServiceThread>(
       ServiceThread::Options{.index = index,
@@ -209,14 +284,14 @@ void Host::start_services(std::uint32_t index) {
                              .cpus = setup_.background_cpus,
                              .activity = block.service,
                              .bell = *bell_},
-      [instance = modules_[index].get()] { return instance->has_request(); },
-      [instance = modules_[index].get(), &block] {
-        return instance->serve(block.in_tables.load(std::memory_order_seq_cst) != 0);
+      [this, index] { return handling_[index]->has_request(); },
+      [this, index, &block] {
+        return handling_[index]->serve(block.in_tables.load(std::memory_order_seq_cst) != 0);
       });
 }
 
 Result<void> Host::call_hook(const Request& request) {
-  ThreadModule& instance = *modules_[request.module];
+  ThreadModule& called = instance(request.module);
   const model::Module& m = module(request.module);
   switch (request.hook) {
     case Doing::load: {
@@ -229,27 +304,27 @@ Result<void> Host::call_hook(const Request& request) {
         const std::lock_guard lock{loading_};
         if (c_form_.count(path) != 0) globals = os::Library::Globals::own;
       }
-      auto loaded = instance.load(path, globals, sporadic);
-      if (loaded && instance.component() == nullptr) {
+      auto loaded = called.load(path, globals, sporadic);
+      if (loaded && called.component() == nullptr) {
         const std::lock_guard lock{loading_};
         c_form_.insert(path);
       }
-      return loaded ? links_.connect(request.module, instance) : loaded;
+      return loaded ? connect(request.module, called) : loaded;
     }
     case Doing::initialize: {
       irp::Property::Values values;
       for (const model::PropertyValue& property : m.properties)
         values.emplace_back(property.name, property.value);
-      return instance.initialize(irp::Property{std::move(values)});
+      return called.initialize(irp::Property{std::move(values)});
     }
     case Doing::start:
-      return instance.start();
+      return called.start();
     case Doing::error:
-      return instance.error(static_cast<ErrorType>(request.error_type));
+      return called.error(static_cast<ErrorType>(request.error_type));
     case Doing::recover:
-      return instance.recover();
+      return called.recover();
     case Doing::destruct:
-      return instance.destruct();
+      return called.destruct();
     case Doing::nothing:
     case Doing::run:
     case Doing::condition:
@@ -259,13 +334,74 @@ Result<void> Host::call_hook(const Request& request) {
   return fail("a host does not call that on request");
 }
 
+// On a thread of its own, beside the hooks of the instance that runs. What succeeds is answered here: the
+// hooks of the one that has left are nobody's business any more.
+Result<std::string> Host::swap(const Request& request) {
+  const std::uint32_t index = request.module;
+  const model::Module& m = module(index);
+  ThreadModule& before = instance(index);
+  auto next = make_instance(index);
+  next->stand_by();
+  next->record_to(records_[index], index);
+  next->say_who_serves(serving_[index]);
+  before.say_who_serves(serving_[index]);
+  auto watched = watch_ ? std::make_unique<WatchedBody>(*next, index, watch_) : nullptr;
+  irp::Property::Values values;
+  if (before.declares_properties()) {
+    for (const PropertyBase* property : before.properties())
+      values.emplace_back(property->name(), *before.get(property->name()));
+  } else {
+    for (const model::PropertyValue& property : m.properties)
+      values.emplace_back(property.name, property.value);
+  }
+  const auto table = std::find_if(executors_.begin(), executors_.end(), [&](const Table& each) {
+    return setup_.device.executors[each.index].name == m.executor;
+  });
+  executor::Body* const body = watched ? static_cast<executor::Body*>(watched.get()) : next.get();
+  const std::uint64_t given_up = swaps_given_up_;
+  const auto is_given_up = [this, given_up] { return swaps_given_up_ != given_up; };
+  const Swapped swapped =
+      carry_out({.index = index,
+                 .block = channel_.module(index),
+                 .before = before,
+                 .next = *next,
+                 .body = *body,
+                 .threads = *table->threads,
+                 .place = saved_of(index),
+                 .activity = block().swap,
+                 .path = request.value,
+                 .properties = std::move(values),
+                 .connect = [this, index, &next] { return connect(index, *next); },
+                 .exclude =
+                     [this, index] {
+                       const auto& service = services_[index];
+                       return service ? service->exclude() : std::unique_lock<std::mutex>{};
+                     },
+                 .handle_by = [this, index](ThreadModule& by) { handling_[index] = &by; },
+                 .ends = [this, is_given_up] { return halted_ || is_given_up(); }});
+  if (is_given_up()) {  // it came out of its hook after all, and nobody knows in which state
+    next->abandon();
+    static_cast<void>(next.release());
+    return fail("it was given up");
+  }
+  if (!swapped.kept) return fail(swapped.text);
+  modules_[index].swap(next);
+  watched_[index].swap(watched);
+  setup_.paths[index] = request.value;
+  answer({.request = request, .ok = true, .text = swapped.text, .warnings = {}});
+  block().swap.begin(index, Doing::destruct, to_ns(os::now()));
+  static_cast<void>(next->destruct());
+  next->unload();
+  return swapped.text;
+}
+
 Answer Host::begin() {
   Answer answer{.request = {.what = Request::Do::begin}, .ok = true, .text = {}, .warnings = {}};
   if (!memory_locked_) answer.warnings.push_back(in_words(memory_locked_.problems()));
-  const Instant t0 = from_ns(channel_.host().t0_ns.load(std::memory_order_acquire));
-  for (std::size_t e = 0; e < executors_.size(); ++e) {
+  const Instant t0 = from_ns(block().t0_ns.load(std::memory_order_acquire));
+  for (const Table& table : executors_) {
     Problems refused;
-    const auto begun = executors_[e]->begin(t0, setup_.executor_cpus[e], &refused);
+    const auto begun = table.threads->begin(t0, setup_.executor_cpus[table.index], &refused);
     if (!refused.empty()) answer.warnings.push_back(in_words(refused));
     if (begun) continue;
     answer.ok = false;
@@ -299,7 +435,7 @@ void Host::run_background(std::uint32_t index) {
     if (block.in_tables.load(std::memory_order_seq_cst) != 0) {
       if (period == Nanoseconds{0}) cycle.time = start;
       cycle.start = start;
-      const executor::Outcome outcome = modules_[index]->run(cycle);
+      const executor::Outcome outcome = instance(index).run(cycle);
       block.jitter.record((cycle.time - start).count());
       block.run.record((os::now() - start).count());
       block.cycles.store(block.cycles.load(relaxed) + 1, relaxed);
@@ -325,10 +461,11 @@ void Host::run_background(std::uint32_t index) {
 }
 
 void Host::halt() {
-  for (auto& executor : executors_) executor->ask_to_halt();
+  for (const Table& table : executors_) table.threads->ask_to_halt();
   halt_background_.store(1, std::memory_order_seq_cst);
   os::futex_wake(halt_background_, ~0U);
-  for (auto& executor : executors_) executor->join();
+  for (const Table& table : executors_) table.threads->join();
+  halted_ = true;
   background_.clear();
 }
 
@@ -337,7 +474,7 @@ void Host::give_up(std::uint32_t index) {
   const bool handler = services_[index] && services_[index]->give_up();
   const bool hook = hooks_->give_up(index);
   if (!handler && !hook) return;
-  modules_[index]->abandon();
+  instance(index).abandon();
   services_[index].reset();
 }
 
@@ -378,6 +515,9 @@ void Host::serve() {
       case Request::Do::set:
         hooks_->enqueue(*request);
         break;
+      case Request::Do::swap:
+        swaps_->enqueue(*request);
+        break;
       case Request::Do::begin:
         answer(begin());
         break;
@@ -391,6 +531,10 @@ void Host::serve() {
       case Request::Do::give_up:
         // Whatever it holds stays where it is; loaded again, it gets an instance of its own.
         give_up(request->module);
+        break;
+      case Request::Do::give_up_swap:
+        ++swaps_given_up_;
+        static_cast<void>(swaps_->give_up(request->module));
         break;
       case Request::Do::end:
         // Not by way of destructors: a hook that was given up may still be inside any of them.
@@ -409,19 +553,25 @@ int run_host() {
   os::survive_broken_pipes();                // when our node dies, hooks that print are still to be called
   os::MessageSocket node{os::take_fd_from_environment("TAKT_NODE_FD")};
   os::Fd memory = os::take_fd_from_environment("TAKT_CHANNEL_FD");
-  if (!node.fd() || !memory) {
+  os::Fd record_memory = os::take_fd_from_environment("TAKT_FLIGHT_FD");
+  if (!node.fd() || !memory || !record_memory) {
     std::fprintf(stderr, "takt-host: error: this program is started by takt-node; run takt run FILE\n");
     return 2;
   }
   auto channel = channel::Channel::attach(std::move(memory));
   auto first = node.receive_wait();
-  if (!channel || !first) return 1;
+  auto record = channel::FlightRecord::attach(std::move(record_memory));
+  if (!channel || !record || !first) return 1;
   auto setup = decode_setup(*first);
   if (!setup) {
     std::fprintf(stderr, "takt-host: %s\n", to_text(setup.problems()).c_str());
     return 1;
   }
-  Host host{std::move(node), std::move(*channel), std::move(*setup)};
+  if (record->rings() != 2 * channel->executors()) {
+    std::fprintf(stderr, "takt-host: error: the flight record is of another device\n");
+    return 1;
+  }
+  Host host{std::move(node), std::move(*channel), std::move(*record), std::move(*setup)};
   if (const auto prepared = host.prepare(); !prepared) {
     std::fprintf(stderr, "takt-host: %s\n", to_text(prepared.problems()).c_str());
     return 1;

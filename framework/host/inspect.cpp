@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/core/hex.hpp>
 #include <takt/core/words.hpp>
 #include <takt/host/component_path.hpp>
 #include <takt/host/thread_module.hpp>
@@ -47,7 +48,8 @@ std::string ports_of(const ThreadModule& module) {
                     {"role", to_text(port->role())},
                     {"description", port->type().description},
                     {"text", port->text()},
-                    {"object", port->value_size() != 0}});
+                    {"object", port->value_size() != 0},
+                    {"safe", in_hex(port->safe())}});
   }
   return model::json_text({{"ports", list}});
 }
@@ -140,6 +142,8 @@ json describe_loaded(const ThreadModule& module, const std::string& path) {
     answer["name"] = module.component_name();
     answer["interface"] = "c++";
   }
+  if (module.saves())
+    answer["saved"] = {{"version", module.saves()->version}, {"bytes", module.saves()->size}};
   for (const PropertyBase* property : module.properties()) {
     answer["properties"].push_back({{"name", property->name()},
                                     {"type", to_text(property->type())},
@@ -232,7 +236,8 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
                         .operation = {},
                         .hooks = {},
                         .properties = {},
-                        .ports = {}};
+                        .ports = {},
+                        .saved = {}};
     if (!may_answer(path)) {
       program.operation = to_text(model::Operation::non_real);
       return program;
@@ -265,13 +270,17 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
   if (!ports) return ports.problems();
   auto properties = parse_properties(model::json_text(answer["properties"]));
   if (!properties) return properties.problems();
+  std::optional<SavedDescription> saved;
+  if (const auto at = answer.find("saved"); at != answer.end())
+    saved = SavedDescription{.version = at->at("version"), .bytes = at->at("bytes")};
   return Description{.name = answer["name"],
                      .text = component_text(path),
                      .interface = answer["interface"],
                      .operation = {},
                      .hooks = answer["hooks"],
                      .properties = std::move(*properties),
-                     .ports = std::move(*ports)};
+                     .ports = std::move(*ports),
+                     .saved = saved};
 }
 
 std::string component_text(const std::string& path) {
@@ -335,7 +344,7 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
               cell, module,
               {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
               problems);
-        } else if (is_connected(cell, device.name, module.name) ||
+        } else if (is_connected(cell, device.name, module.name) || !module.safe.empty() ||
                    (!module.properties.empty() && module.operation != model::Operation::non_real &&
                     dynamic_names(*path).find(kProcessLibrary) != std::string::npos)) {
           programs[{*path, arguments_of(module)}].push_back({d, m});
@@ -380,7 +389,7 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
         found.ports[use.device][use.module] = answer->ports;
         add_at(cell, module, answer->problems, problems);
         add_at(cell, module, check_operation(module, answer->operation), problems);
-      } else if (is_connected(cell, device.name, module.name)) {
+      } else if (is_connected(cell, device.name, module.name) || !module.safe.empty()) {
         add_at(cell, module, answer.problems(), problems);
       }
     }

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/model/hosts.hpp>
 #include <takt/model/json.hpp>
 
 namespace takt::host {
@@ -75,10 +76,10 @@ model::Module module_from(const json& value) {
 }
 
 json to_json(const model::Executor& executor) {
-  return {{"name", executor.name},           {"priority", executor.priority},
-          {"auto", executor.rate_monotonic}, {"wakeup", executor.wakeup},
-          {"spin", executor.spin_share},     {"overrun", to_json(executor.overrun)},
-          {"offsets", executor.offsets},     {"timing", executor.timing}};
+  return {
+      {"name", executor.name},       {"priority", executor.priority}, {"auto", executor.rate_monotonic},
+      {"wakeup", executor.wakeup},   {"spin", executor.spin_share},   {"overrun", to_json(executor.overrun)},
+      {"offsets", executor.offsets}, {"timing", executor.timing},     {"own_host", executor.own_host}};
 }
 
 model::Executor executor_from(const json& value) {
@@ -91,6 +92,7 @@ model::Executor executor_from(const json& value) {
   executor.overrun = contract_from(value.at("overrun"));
   executor.offsets = value.at("offsets");
   executor.timing = value.at("timing");
+  executor.own_host = value.at("own_host");
   return executor;
 }
 
@@ -133,11 +135,13 @@ std::string encode(const Setup& setup) {
   return model::json_text({{"name", setup.device.name},
                            {"modules", modules},
                            {"executors", executors},
+                           {"share", setup.share},
                            {"paths", setup.paths},
                            {"executor_cpus", setup.executor_cpus},
                            {"background_cpus", setup.background_cpus},
                            {"seat_fds", setup.seat_fds},
                            {"bell_fd", setup.bell_fd},
+                           {"saved_fd", setup.saved_fd},
                            {"links", links}});
 }
 
@@ -157,11 +161,15 @@ Result<Setup> decode_setup(const std::string& text) {
     for (const json& module : value.at("modules")) setup.device.modules.push_back(module_from(module));
     for (const json& executor : value.at("executors"))
       setup.device.executors.push_back(executor_from(executor));
+    setup.share = value.at("share");
+    if (setup.share >= model::hosts_of(setup.device).size())
+      throw json::other_error::create(501, "there is no such host", nullptr);
     setup.paths = value.at("paths").get<std::vector<std::string>>();
     setup.executor_cpus = value.at("executor_cpus").get<std::vector<std::vector<int>>>();
     setup.background_cpus = value.at("background_cpus").get<std::vector<int>>();
     setup.seat_fds = value.at("seat_fds").get<std::vector<int>>();
     setup.bell_fd = value.at("bell_fd");
+    setup.saved_fd = value.at("saved_fd");
     for (const json& link : value.at("links"))
       setup.links.push_back({link[0], link[1], link[2], link[3], link[4]});
     return setup;

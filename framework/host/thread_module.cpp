@@ -1,6 +1,7 @@
 #include <takt/host/thread_module.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <utility>
 
@@ -69,7 +70,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   ports_ = take_loose_ports();  // their constructors ran just now
   properties_ = take_loose_properties();
 
-  if (void* get_factory = library_.own_function("takt_component_factory"); get_factory != nullptr) {
+  if (void* get_factory = library_.own_symbol("takt_component_factory"); get_factory != nullptr) {
     factory_ = reinterpret_cast<const ComponentFactory* (*)()>(get_factory)();
     if (factory_ == nullptr || factory_->abi != ComponentFactory::kAbi ||
         factory_->component_size != sizeof(Component)) {
@@ -82,6 +83,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
     });
     if (created) created = take_ports(path);
     if (created) created = take_properties(path);
+    if (created) created = take_saved(path);
     if (!created) unload();
     if (created && sporadic && !may_be_ready()) {
       unload();
@@ -92,7 +94,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   }
 
   const auto find = [this](auto& hook, const char* name) {
-    hook = reinterpret_cast<std::remove_reference_t<decltype(hook)>>(library_.own_function(name));
+    hook = reinterpret_cast<std::remove_reference_t<decltype(hook)>>(library_.own_symbol(name));
   };
   // A module may define `void initialize(void)` (Figure 10): the argument it does not take does it no harm by
   // the C calling conventions of Linux.
@@ -115,6 +117,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   }
   auto taken = take_ports(path);
   if (taken) taken = take_properties(path);
+  if (taken) taken = take_saved(path);
   if (!taken) unload();
   return taken;
 }
@@ -130,6 +133,156 @@ Result<void> ThreadModule::take_properties(const std::string& path) {
   if (Problems problems = check_declared(properties_, path); !problems.empty()) return problems;
   live_.serve(properties_, component_ != nullptr ? factory_->name : model::file_stem(path));
   return {};
+}
+
+Result<void> ThreadModule::take_saved(const std::string& path) {
+  if (component_ != nullptr) {
+    const auto& saved = component_->saved();
+    if (saved.size() > 1)
+      return fail(path + " has " + std::to_string(saved.size()) + " Saved", "put them into one struct");
+    if (!saved.empty()) saved_ = {saved[0]->version(), saved[0]->size(), saved[0]->data()};
+  } else if (const void* own = library_.own_symbol("takt_saved"); own != nullptr) {
+    saved_ = *static_cast<const takt_saved_state*>(own);
+    if (saved_.data == nullptr || saved_.size == 0 || saved_.size > channel::kMostSaved) {
+      saved_ = {};
+      return fail(path + " saves a variable that is too large",
+                  "at most " + std::to_string(channel::kMostSaved) + " bytes are saved");
+    }
+  }
+  return {};
+}
+
+// What another version saved is for the component to understand.
+void ThreadModule::restore() {
+  restored_.clear();
+  channel::SavedState* const place = place_.load(std::memory_order_relaxed);
+  if (saved_.data == nullptr || place == nullptr) return;
+  const channel::SavedState::Place* before = place->saved();
+  if (before == nullptr) return;
+  Result<void> restored;
+  if (before->version == saved_.version && before->size == saved_.size) {
+    std::memcpy(saved_.data, before->bytes.data(), saved_.size);
+    restored_ = "what it saved is restored";
+  } else if (component_ != nullptr) {
+    restored = guarded([&] {
+      return component_->restore({before->version, before->bytes.data(), before->size});
+    });
+    restored_ = "what version " + std::to_string(before->version) + " of it saved is taken over";
+  } else {
+    restored = fail("it was saved by version " + std::to_string(before->version) + ", " +
+                    std::to_string(before->size) + " bytes");
+  }
+  if (!restored) restored_ = "what was saved is not restored: " + in_words(restored.problems());
+  if (component_ != nullptr) component_->saved()[0]->set_restored(restored.ok());
+}
+
+void ThreadModule::save() noexcept {
+  channel::SavedState* const place = place_.load(std::memory_order_relaxed);
+  if (saved_.data == nullptr || place == nullptr) return;
+  place->save(saved_.data, saved_.size, saved_.version, context_.start_ns);
+}
+
+Result<void> ThreadModule::match(const ThreadModule& before) {
+  std::string differences;
+  const auto differs = [&differences](const std::string& what) {
+    differences += (differences.empty() ? "" : ", ") + what;
+  };
+  if ((component_ == nullptr) != (before.component_ == nullptr))
+    differs(component_ == nullptr ? "it is in C, not a takt::Component"
+                                  : "it is a takt::Component, not in C");
+  std::vector<PortBase*> ports;
+  for (const PortBase* old : before.ports_) {
+    PortBase* mine = port(old->name());
+    const std::string name = "port " + in_quotes(old->name());
+    if (mine == nullptr) {
+      differs(name + " is missing");
+      continue;
+    }
+    ports.push_back(mine);
+    const auto kind = [](const PortBase& one) {
+      return std::string{to_text(one.direction())} + (one.role() == PortRole::plain ? "" : " of a ") +
+             (one.role() == PortRole::plain ? "" : to_text(one.role()));
+    };
+    if (kind(*mine) != kind(*old)) differs(name + " is " + kind(*mine) + ", not " + kind(*old));
+    if (std::string_view{mine->type().name} != old->type().name)
+      differs(name + " is of type " + mine->type().name + ", not " + old->type().name);
+    else if (std::string_view{mine->type().description} != old->type().description)
+      differs(name + " is of another " + mine->type().name);
+  }
+  for (const PortBase* mine : ports_)
+    if (before.port(mine->name()) == nullptr) differs("port " + in_quotes(mine->name()) + " is new");
+  const auto property = [](const ThreadModule& of, const std::string& name) -> const PropertyBase* {
+    const auto found = std::find_if(of.properties_.begin(), of.properties_.end(),
+                                    [&name](const PropertyBase* each) { return each->name() == name; });
+    return found == of.properties_.end() ? nullptr : *found;
+  };
+  for (const PropertyBase* old : before.properties_) {
+    const PropertyBase* mine = property(*this, old->name());
+    const std::string name = "property " + in_quotes(old->name());
+    if (mine == nullptr)
+      differs(name + " is missing");
+    else if (mine->type() != old->type())
+      differs(name + " is of type " + to_text(mine->type()) + ", not " + to_text(old->type()));
+  }
+  for (const PropertyBase* mine : properties_)
+    if (property(before, mine->name()) == nullptr) differs("property " + in_quotes(mine->name()) + " is new");
+  if (!differences.empty()) {
+    return fail("it has not the ports and properties of the module that runs: " + differences,
+                "undeploy the cell and deploy it with this file");
+  }
+  ports_ = std::move(ports);
+  serve_ports();
+  return {};
+}
+
+Result<void> ThreadModule::follow(const ThreadModule& before) {
+  translated_.reset();
+  if (saved_.data == nullptr || before.saved_.data == nullptr) return {};
+  const auto state = before.place_.load(std::memory_order_relaxed)->copy();
+  const bool same = saved_.version == before.saved_.version && saved_.size == before.saved_.size;
+  if (!same) translated_ = state ? state->number : 0;
+  if (!state) return {};
+  if (same) {
+    std::memcpy(saved_.data, state->bytes.data(), saved_.size);
+  } else {
+    const std::string theirs = "what version " + std::to_string(state->version) + " of it saved";
+    if (component_ == nullptr)
+      return fail("what it saves is of another size or version than " + theirs,
+                  "save the same variable, or write it as a takt::Component with restore()");
+    const auto restored = guarded([&] {
+      return component_->restore({state->version, state->bytes.data(), state->size});
+    });
+    if (!restored) return fail("it does not take over " + theirs + ": " + in_words(restored.problems()));
+  }
+  if (component_ != nullptr) component_->saved()[0]->set_restored(true);
+  return {};
+}
+
+bool ThreadModule::take_over(executor::Body& body) noexcept {
+  auto& before = static_cast<ThreadModule&>(body);
+  if (stands_by_) {  // else it is put back, and goes on with its own
+    if (translated_) {
+      const auto& place = *before.place_.load(std::memory_order_relaxed);
+      if (place.whole.load(std::memory_order_relaxed) != *translated_) return false;
+    } else if (saved_.data != nullptr && before.saved_.data != nullptr) {
+      std::memcpy(saved_.data, before.saved_.data, saved_.size);
+    }
+    stands_by_ = false;
+  }
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    if (ports_[i]->role() != PortRole::handler) ports_[i]->take_over(*before.ports_[i]);
+  }
+  for (std::size_t i = 0; i < watched_.size(); ++i) watched_[i].late = before.watched_[i].late;
+  entered_ = before.entered_;
+  watched_since_ns_ = before.watched_since_ns_;
+  if (serves_ != nullptr) serves_->store(this, std::memory_order_release);  // SYNC: serves
+  return true;
+}
+
+void ThreadModule::take_over_handlers(ThreadModule& before) noexcept {
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    if (ports_[i]->role() == PortRole::handler) ports_[i]->take_over(*before.ports_[i]);
+  }
 }
 
 Result<void> ThreadModule::take_ports(const std::string& path) {
@@ -163,9 +316,17 @@ Result<void> ThreadModule::take_ports(const std::string& path) {
       return fail(path + " has two ports '" + name + "'" + (plain ? "" : ", a service or client among them"),
                   "give each a name of its own");
     }
-    (*port)->serve((*port)->role() == PortRole::handler ? handler_context_ : context_);
   }
+  serve_ports();
   return {};
+}
+
+void ThreadModule::serve_ports() {
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    ports_[i]->serve(ports_[i]->role() == PortRole::handler ? handler_context_ : context_,
+                     static_cast<std::uint32_t>(i));
+    if (stands_by_) ports_[i]->stand_by();
+  }
 }
 
 bool ThreadModule::may_be_ready() const noexcept {
@@ -219,6 +380,7 @@ void ThreadModule::unload() {
   watched_.clear();
   live_.serve({}, {});
   properties_.clear();
+  saved_ = {};
   if (component_ != nullptr) factory_->destroy(component_);
   component_ = nullptr;
   factory_ = nullptr;
@@ -234,6 +396,7 @@ void ThreadModule::abandon() noexcept {
   watched_.clear();
   live_.serve({}, {});
   properties_.clear();
+  saved_ = {};
   component_ = nullptr;
   library_.abandon();
 }
@@ -243,10 +406,10 @@ Result<void> ThreadModule::initialize(const irp::Property& property) {
     if (auto taken = set(property.values()); !taken) return taken;
   }
   begin_hook();
-  if (component_ != nullptr) {
-    return guarded([this] { return component_->initialize(); });
-  }
-  return call(initialize_, property);
+  auto initialized = component_ != nullptr ? guarded([this] { return component_->initialize(); })
+                                           : call(initialize_, property);
+  if (initialized) restore();
+  return initialized;
 }
 
 Result<void> ThreadModule::start() {
@@ -286,6 +449,7 @@ executor::Outcome ThreadModule::run(const Cycle& real) noexcept {
   serve_cycle(&cycle);
   context_.start_ns = to_ns(cycle.start);
   context_.valid_ns = logical_ ? to_ns(cycle.time + cycle.period) : 0;
+  context_.flight = flight_;
   live_.take_over();
   try {
     if (component_ != nullptr) {
@@ -298,8 +462,11 @@ executor::Outcome ThreadModule::run(const Cycle& real) noexcept {
   } catch (...) {
     say_failure("threw something that is no std::exception");
   }
+  context_.flight = nullptr;
   serve_cycle(nullptr);
-  return take_failure();
+  const char* failure = take_failure();
+  if (failure == nullptr) save();
+  return failure;
 }
 
 executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexcept {

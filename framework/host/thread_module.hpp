@@ -1,12 +1,16 @@
 // A thread module in memory: a .so in the paper's C form or a C++ component, behind one set of hooks.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <takt/component/module.h>
 #include <takt/channel/layout.hpp>
 #include <takt/channel/link.hpp>
+#include <takt/channel/saved_state.hpp>
 #include <takt/component/component.hpp>
 #include <takt/component/port.hpp>
 #include <takt/core/clock.hpp>
@@ -62,6 +66,24 @@ class ThreadModule final : public executor::Body {
 
   [[nodiscard]] bool has_news(Instant now) const noexcept override;
 
+  /// What `before` has saved is ours from now on, its links and how old its inputs are. False where it has
+  /// saved something since follow().
+  bool take_over(executor::Body& before) noexcept override;
+  /// Its handlers answer from now on. After take_over(), while no handler of either is called.
+  void take_over_handlers(ThreadModule& before) noexcept;
+
+  /// Before it is loaded: it is to take the place of another instance that runs, and serves no link until
+  /// then.
+  void stand_by() noexcept { stands_by_ = true; }
+  /// Fails with all that keeps it from taking the place of `before`: ports and properties that are not the
+  /// same, and what cannot be handed over. Its ports are in the order of the other's then.
+  Result<void> match(const ThreadModule& before);
+  /// Is given what `before` has saved up to now; what is of another version is translated by restore(). Fails
+  /// where that does. After initialize(); may be called again until it takes over.
+  Result<void> follow(const ThreadModule& before);
+  /// This instance or the one that it took the place of, whichever took over last.
+  void say_who_serves(std::atomic<ThreadModule*>& place) noexcept { serves_ = &place; }
+
   /// It has services that handlers answer.
   [[nodiscard]] bool has_handlers() const noexcept {
     return component_ != nullptr && !component_->services().empty();
@@ -92,6 +114,22 @@ class ThreadModule final : public executor::Body {
     period_ = period;
     logical_ = timing == model::Timing::let;
   }
+  /// What it saves goes there after each run() from now on. Before it is loaded: what is there is restored by
+  /// initialize().
+  void save_in(channel::SavedState& place) noexcept { place_.store(&place, std::memory_order_relaxed); }
+  /// Where it saves something, its version and size; else null.
+  [[nodiscard]] const takt_saved_state* saves() const noexcept {
+    return saved_.data == nullptr ? nullptr : &saved_;
+  }
+  /// What became of what a former instance had saved, in words; empty: there was nothing, or it saves
+  /// nothing.
+  [[nodiscard]] const std::string& restored() const noexcept { return restored_; }
+  /// What run() writes and which events it takes is recorded there, as of the module with this index. The
+  /// writer is that of the thread that calls run(), and outlives the module.
+  void record_to(channel::FlightWriter* flight, std::uint32_t index) noexcept {
+    flight_ = flight;
+    context_.module = index;
+  }
   /// What hooks write is stamped by this clock, not by the machine's. Outlives the module.
   void keep_time_by(Clock& clock) noexcept { clock_ = &clock; }
   /// Before each run() it is looked whether this input's newest value is older than the link's deadline,
@@ -104,7 +142,11 @@ class ThreadModule final : public executor::Body {
  private:
   using Hook = void (*)();
   Result<void> take_ports(const std::string& path);
+  void serve_ports();
   Result<void> take_properties(const std::string& path);
+  Result<void> take_saved(const std::string& path);
+  void restore();
+  void save() noexcept;
   /// It has a condition, of its own or by an event port.
   [[nodiscard]] bool may_be_ready() const noexcept;
   /// What a hook writes has the time at which it was called; it sees what was set until then.
@@ -133,12 +175,19 @@ class ThreadModule final : public executor::Body {
 
   std::vector<PortBase*> ports_;
   std::vector<PropertyBase*> properties_;
+  takt_saved_state saved_{};                          // what it saves; no data: nothing
+  std::atomic<channel::SavedState*> place_{nullptr};  // null: it is saved nowhere
+  std::optional<std::uint64_t> translated_;  // which of what the other one saved restore() was given last
+  bool stands_by_ = false;
+  std::atomic<ThreadModule*>* serves_ = nullptr;
+  std::string restored_;
   PortContext context_;
   Clock* clock_ = nullptr;       // null: the machine's
   std::size_t served_last_ = 0;  // which of its services: each has its turn
   PortContext handler_context_;  // of the ports that handlers use: they are not at run()'s
   std::vector<Watched> watched_;
   const channel::ModuleBlock* block_ = nullptr;
+  channel::FlightWriter* flight_ = nullptr;
   Nanoseconds period_{0};
   bool logical_ = false;               // inputs as of the release, outputs at the end of the period
   std::uint64_t entered_ = 0;          // as it was at the last run()

@@ -27,6 +27,9 @@ class WatchedBody final : public executor::Body {
     watch_.leave(before);
     return outcome;
   }
+  bool take_over(executor::Body& before) noexcept override {
+    return body_.take_over(static_cast<WatchedBody&>(before).body_);
+  }
   [[nodiscard]] bool has_news(Instant now) const noexcept override { return body_.has_news(now); }
 
  private:

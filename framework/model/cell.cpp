@@ -32,7 +32,17 @@ const char* to_text(Wakeup wakeup) {
   return "?";
 }
 
-const char* to_text(GiveUp then) { return then == GiveUp::destruct ? "destruct" : "stop-device"; }
+const char* to_text(GiveUp then) {
+  switch (then) {
+    case GiveUp::destruct:
+      return "destruct";
+    case GiveUp::stop_device:
+      return "stop-device";
+    case GiveUp::stop_cell:
+      return "stop-cell";
+  }
+  return "?";
+}
 const char* to_text(ConnectionKind kind) { return kind == ConnectionKind::latest ? "latest" : "queue"; }
 const char* to_text(Stale stale) { return stale == Stale::hold ? "hold" : "error"; }
 const char* to_text(Reliability reliability) {
@@ -49,6 +59,8 @@ const char* to_text(Overrun overrun) {
       return "error";
     case Overrun::stop_device:
       return "stop-device";
+    case Overrun::stop_cell:
+      return "stop-cell";
   }
   return "?";
 }
@@ -134,6 +146,13 @@ OverrunContract contract_of(const Device& device, const Module& module) {
   if (module.overrun) return *module.overrun;
   const Executor* executor = periodic_on(device, module);
   return executor == nullptr ? OverrunContract{} : executor->overrun;
+}
+
+bool stops_cell(const Device& device) {
+  return std::any_of(device.modules.begin(), device.modules.end(), [&device](const Module& module) {
+    return module.recovery.then == GiveUp::stop_cell ||
+           contract_of(device, module).what == Overrun::stop_cell;
+  });
 }
 
 Timing timing_of(const Device& device, const Module& module) {

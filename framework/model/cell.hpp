@@ -16,13 +16,13 @@ namespace takt::model {
 enum class ModuleType { thread, process };
 enum class Operation { periodic, sporadic, non_real };
 enum class Wakeup { sleep, hybrid, spin };
-enum class GiveUp { destruct, stop_device };
+enum class GiveUp { destruct, stop_device, stop_cell };
 enum class ConnectionKind { latest, queue };
 enum class Stale { hold, error };
 enum class Reliability { best_effort, reliable };
 enum class Dispatch { row, immediate };
 enum class Miss { count, error };
-enum class Overrun { skip, catch_up, error, stop_device };
+enum class Overrun { skip, catch_up, error, stop_device, stop_cell };
 enum class Offsets { given, automatic };
 enum class Timing { direct, let };
 enum class Carries { samples, requests, replies };
@@ -45,6 +45,14 @@ const char* to_text(Carries carries);
 struct PropertyValue {
   std::string name;
   std::string value;
+  Line line{};
+};
+
+/// What readers of an output get while its module does not execute, or its samples are too old. The fields
+/// that are given stand in place of the component's own safe value; where it has none, in place of zero.
+struct SafeValue {
+  std::string name;                   ///< of the port
+  std::vector<PropertyValue> fields;  ///< "torque" or "pose.x", and its value as in JSON
   Line line{};
 };
 
@@ -80,6 +88,7 @@ struct ModuleLines {
   Line overrun{};
   Line dispatch{};
   Line interarrival{};
+  Line retain{};
 };
 
 /// `line` is the element's, here and below.
@@ -101,7 +110,9 @@ struct Module {
   BudgetTolerance tolerance;
   std::optional<OverrunContract> overrun;  ///< periodic; none: its executor's
   Recovery recovery;
+  bool retain = false;  ///< what it saves is kept on disk; of a thread module
   std::vector<PropertyValue> properties;
+  std::vector<SafeValue> safe;  ///< of its outputs, each at most once
   Line line{};
   ModuleLines lines{};
 };
@@ -116,6 +127,7 @@ struct Executor {
   OverrunContract overrun;  ///< of its modules that do not say
   Offsets offsets = Offsets::given;  ///< automatic: those that are not given flatten the table
   Timing timing = Timing::direct;    ///< let: inputs as of the release, outputs at the end of the period
+  bool own_host = false;  ///< a real-time process of its own, so that a crash in it stops nothing else
   Line line{};
 };
 
@@ -125,6 +137,7 @@ struct Endpoint {
   std::string port;
   /// False: none was given, the other end is a program that is not Takt's.
   [[nodiscard]] bool given() const noexcept { return !device.empty(); }
+  bool operator==(const Endpoint&) const = default;
 };
 
 /// From one port to another, or, with a topic and one end only, between a port and programs that are not
@@ -180,7 +193,8 @@ struct Cell {
   std::vector<Connection> connections;
   std::vector<Service> services;
   Discovery discovery;
-  std::string server_device;  ///< whose node starts the discovery server; empty: somebody else runs it
+  std::string server_device;       ///< whose node starts the discovery server; empty: somebody else runs it
+  bool security_required = false;  ///< a node that runs without DDS Security refuses it
   Line line{};
 
   [[nodiscard]] Texts texts() const { return {file, insertions}; }
@@ -208,6 +222,9 @@ std::string to_text(const Endpoint& end);
 std::string topic_of(const Cell& cell, const Connection& connection);
 /// The module's own overrun contract, else its executor's.
 OverrunContract contract_of(const Device& device, const Module& module);
+/// A fault of one of its modules is the whole cell's: such a module's <recovery> or overrun contract says
+/// stop-cell.
+bool stops_cell(const Device& device);
 /// Of a periodic module, its executor's; all others are direct.
 Timing timing_of(const Device& device, const Module& module);
 /// The text that the descriptor gives a property of a module. Fails when it gives none.

@@ -12,4 +12,10 @@ std::string json_text(const nlohmann::ordered_json& value) {
   return value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+std::optional<std::uint64_t> whole_number(const nlohmann::ordered_json& value) {
+  if (!value.is_number_integer() || (!value.is_number_unsigned() && value.get<std::int64_t>() < 0))
+    return std::nullopt;
+  return value.get<std::uint64_t>();
+}
+
 }  // namespace takt::model

@@ -2,6 +2,8 @@
 // once. Not for real-time threads.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,5 +16,8 @@ namespace takt::model {
 nlohmann::ordered_json parse_json(std::string_view text);
 /// In one line. What is no UTF-8 is in it as U+FFFD.
 std::string json_text(const nlohmann::ordered_json& value);
+/// None for what is no number, has a fraction, is less than 0 or larger than there is room for: get() makes
+/// some number of all of these, and of a large one with a fraction nobody knows which.
+std::optional<std::uint64_t> whole_number(const nlohmann::ordered_json& value);
 
 }  // namespace takt::model

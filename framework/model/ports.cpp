@@ -7,6 +7,7 @@
 
 #include <takt/core/words.hpp>
 #include <takt/model/json.hpp>
+#include <takt/model/safe.hpp>
 
 namespace takt::model {
 
@@ -74,6 +75,7 @@ class Check {
     }
     for (const Service& service : cell_.services) check(service);
     check_immediate();
+    check_safe();
     return std::move(problems_);
   }
 
@@ -255,6 +257,40 @@ class Check {
     }
   }
 
+  const Port* safe_output(const Device& device, const Module& module, const SafeValue& safe) {
+    const auto place = find(cell_, {device.name, module.name, {}});
+    const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
+    if (ports == nullptr) return nullptr;
+    std::vector<std::string_view> names;
+    bool is_input = false;
+    for (const Port& port : *ports) {
+      const bool output = port.role == Role::plain && port.direction == Direction::out;
+      if (output && port.name == safe.name) return &port;
+      if (output) names.emplace_back(port.name);
+      is_input |= port.name == safe.name;
+    }
+    const std::string fix = names.empty() ? "it has no output" : suggestion(safe.name, names);
+    add(safe.line,
+        is_input ? "port " + written({device.name, module.name, safe.name}) +
+                       " is an input; a safe value is an output's"
+                 : "module " + device.name + "." + module.name + " has no output " + in_quotes(safe.name),
+        fix);
+    return nullptr;
+  }
+
+  void check_safe() {
+    for (const Device& device : cell_.devices) {
+      for (const Module& module : device.modules) {
+        for (const SafeValue& safe : module.safe) {
+          const Port* port = safe_output(device, module, safe);
+          if (port == nullptr) continue;
+          for (const auto& [line, problem] : read_safe(module, *port).problems)
+            add(line, problem.what, problem.fix);
+        }
+      }
+    }
+  }
+
   const Cell& cell_;
   const CellPorts& ports_;
   Problems problems_;
@@ -317,7 +353,8 @@ std::string ports_json(const std::vector<Port>& ports) {
                     {"type", port.type.name},
                     {"description", to_text(port.type)},
                     {"text", port.text},
-                    {"object", port.object}});
+                    {"object", port.object},
+                    {"safe", port.safe.empty() ? json(nullptr) : parse_json(port.safe)}});
   }
   return json_text({{"ports", list}});
 }
@@ -347,6 +384,11 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
       port.direction = *direction;
       port.role = *role;
       port.type = std::move(*type);
+      // In hex from a component itself, else as ports_json() writes it.
+      if (const auto safe = each.find("safe"); safe != each.end() && safe->is_object())
+        port.safe = json_text(*safe);
+      else
+        port.safe = safe_of_hex(port.type, string_of("safe"));
       ports.push_back(std::move(port));
     }
   }

@@ -34,6 +34,8 @@ struct Port {
   /// A port in C++ of a thread module: within one host its samples are handed over as objects, not as bytes.
   bool object = false;
   Role role = Role::plain;
+  /// Of an output, the safe value that its component gives it, as JSON of all fields; empty: none.
+  std::string safe{};
   bool operator==(const Port&) const = default;
 };
 

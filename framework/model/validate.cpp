@@ -187,6 +187,10 @@ void Validation::check_release(const Module& module) {
         "module " + name + " has an interarrival of " + std::to_string(module.interarrival->count()) + " ns",
         "an interarrival is a whole number of nanoseconds, at least 1");
   }
+  if (module.retain && module.type == ModuleType::process) {
+    add(or_module(module.lines.retain), "process module " + name + " has a <retain>",
+        "remove it: a program keeps what it needs in files of its own");
+  }
   if (module.operation == Operation::sporadic) return;
   const std::string kind = std::string{to_text(module.operation)} + " module " + name;
   const std::string reason = module.operation == Operation::periodic
@@ -259,6 +263,7 @@ void Validation::check_module(const Module& module, const Device& device, const 
         "backoff is 0 to 3600000000000 ns (1 h)");
   }
   check_names("property", module.properties, " of module " + in_quotes(module.name));
+  check_names("port", module.safe, " in <safe> of module " + in_quotes(module.name));
 }
 
 void Validation::check_device(const Device& device, OfDevice& gaps) {

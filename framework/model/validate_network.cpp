@@ -88,6 +88,11 @@ void Network::check_discovery() {
   if (gaps_.discovery) return;
   check_peers();
   check_server();
+  if (cell_.security_required && cell_.discovery.kind == Discovery::Kind::server) {
+    add(cell_.line,
+        "security=\"required\" and a discovery server exclude each other in this version of Fast DDS",
+        "say discovery=\"multicast\" or \"peers\", or security=\"optional\"");
+  }
 }
 
 void Network::check_peers() {

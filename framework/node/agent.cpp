@@ -1,5 +1,8 @@
 #include <takt/node/agent.hpp>
 
+#include <algorithm>
+
+#include <takt/dds/fault.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/node/agent_deployment.hpp>
 #include <takt/node/limits.hpp>
@@ -11,7 +14,19 @@ namespace takt::node {
 using Phase = Supervised::Phase;
 
 Agent::Agent(Options options, Workshop workshop, Outlet& outlet)
-    : options_(std::move(options)), workshop_(std::move(workshop)), outlet_(outlet) {}
+    : options_(std::move(options)),
+      workshop_(std::move(workshop)),
+      outlet_(outlet),
+      sieve_([this](model::Fault fault) {
+        FaultRecord& record = *options_.record;
+        const bool kept = !record.file().empty();
+        record.append(fault);
+        if (kept && record.file().empty())
+          log("warning: the fault record goes on in memory alone: " + in_words(record.problems()));
+        outlet_.say(dds::to_wire(fault));
+      }) {
+  if (!options_.record) options_.record = std::make_shared<FaultRecord>();
+}
 
 Agent::~Agent() = default;
 
@@ -43,11 +58,15 @@ std::vector<const os::Fd*> Agent::wait_on() {
 
 void Agent::step() {
   watch_names();
+  watch_devices();
+  watch_cell();
   look_at_inspection();
   look_at_supervised();
   look_at_description();
+  look_at_swap();
   tell_status();
   tell_measures();
+  sieve_.step(options_.now());
 }
 
 // Two nodes of one name would both answer, and a cell would run on one of them or on both.
@@ -63,6 +82,37 @@ void Agent::watch_names() {
   log(clash.empty() ? "the other node of this name is gone"
                     : clash + "; end one of them, or give it another name");
   clash_ = clash;
+}
+
+// A fault that is the whole cell's stops this device too. So does the loss of a device that would have to say
+// so; and who would have to say so himself and hears nobody any more is such a loss to the others.
+void Agent::watch_cell() {
+  if (!deployment_ || !deployment_->supervised) return;
+  const Deployment& d = *deployment_;
+  const Phase phase = d.supervised->phase();
+  if (phase != Phase::ready && phase != Phase::running) return;
+  const auto stop = [&d](const std::string& device, const std::string& what, const std::string& fix = {}) {
+    d.supervised->stop_for({"device " + device, what, fix});
+  };
+  constexpr const char* kCable = "see to its machine and network, then undeploy the cell and deploy it again";
+  std::string lost;
+  bool alone = true;
+  for (const dds::Picture::Heard& other : others_.of_deployment(d.id, options_.device)) {
+    const std::string name = other.status.device().to_string();
+    if (other.status.stops_cell())
+      return stop(options_.device, "stops with its cell: " + other.status.text().to_string());
+    const DeviceState state = other.status.state();
+    const bool ran = state == DEVICE_READY || state == DEVICE_RUNNING;
+    if (other.alive) alone = false;
+    if (other.alive || !ran) continue;
+    const auto device = std::find_if(d.cell.devices.begin(), d.cell.devices.end(),
+                                     [&name](const model::Device& one) { return one.name == name; });
+    if (device != d.cell.devices.end() && model::stops_cell(*device))
+      return stop(name, "is lost, and has a module whose fault stops the cell", kCable);
+    lost += (lost.empty() ? "" : ", ") + name;
+  }
+  if (alone && !lost.empty() && model::stops_cell(d.of_device()))
+    stop(options_.device, "has lost " + lost + ", and has a module whose fault stops the cell", kCable);
 }
 
 DeviceStatus Agent::status() const {
@@ -115,6 +165,7 @@ DeviceStatus Agent::status() const {
     const bool ends = supervised.phase() == Phase::stopping || supervised.phase() == Phase::ended;
     if (ends && !supervised.failures().empty()) {
       status.health(HEALTH_FAILED);
+      status.stops_cell(supervised.stops_cell());
       text = to_text(supervised.failures()[0]);
     } else if (!ends && !standing.astray.empty()) {
       status.health(HEALTH_DEGRADED);

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,9 @@
 #include <takt/dds/commands.hpp>
 #include <takt/dds/picture.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/model/fault.hpp>
+#include <takt/node/fault_record.hpp>
+#include <takt/node/fault_sieve.hpp>
 #include <takt/node/inspection.hpp>
 #include <takt/node/kept_deployment.hpp>
 #include <takt/node/outlet.hpp>
@@ -30,13 +34,15 @@ class Agent {
     std::string device;
     std::string node;  ///< this node and no other
     int domain = 0;
+    std::string cell{};  ///< the only one that its identity is for; empty: it has none, DDS Security is off
     bool require_real_time = false;
     bool real_time = true;  ///< what this machine allows, for who asks before there is a deployment
     /// It was started for one cell by somebody on this machine (takt run): files are looked up as they are
     /// written, nothing is kept on disk, and when it is to end it waits a little until its closing report was
     /// fetched.
     bool lent = false;
-    std::optional<DeploymentFile> file;  ///< where the deployment is kept; none: nowhere
+    std::optional<DeploymentFile> file;     ///< where the deployment is kept; none: nowhere
+    std::shared_ptr<FaultRecord> record{};  ///< none: one in memory
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
     std::function<Instant(std::int64_t)> instant_of_wall;
@@ -51,6 +57,13 @@ class Agent {
   ~Agent();
   Agent(const Agent&) = delete;
   Agent& operator=(const Agent&) = delete;
+
+  /// For the fault record: this node is here, and is going. Between the two it did not end in order.
+  void came_up();
+  void goes_down();
+  /// An event for the record and for observers. Time, cell and device are given here; `origin` as for the
+  /// sieve.
+  void note(model::Fault fault, const std::string& origin = {});
 
   /// A command has come.
   void hear(const dds::WholeCommand& command);
@@ -79,6 +92,9 @@ class Agent {
   void described(const Result<Inspected>& result);
   void order(const Command& command, Verb verb);
   void tap(const Command& command);
+  void trace(const Command& command);
+  void swap(const Command& command);
+  void look_at_swap();
   void property(const Command& command);
   /// False where there is nothing that could be told to do something; that is answered then.
   bool runs(const Command& command);
@@ -88,11 +104,17 @@ class Agent {
               std::optional<lifecycle::State> state = {}, const std::string& value = {});
   [[nodiscard]] nlohmann::ordered_json lost_devices() const;
 
+  // The fault record (agent_faults.cpp)
+  void log_asked(const dds::WholeCommand& command);
+  void note_answer(const Command& command, ReplyCode code, const std::string& text);
+  void watch_devices();
+
   // Deployments (agent_deployment.cpp)
   void prepare(const dds::WholeCommand& command);
-  void run(const Command& command);
+  void run(const dds::WholeCommand& command);
   void undeploy(const Command& command);
   void begin(std::unique_ptr<Deployment> deployment);
+  [[nodiscard]] Result<void> check_security(const model::Cell& cell) const;
   void look_at_inspection();
   void look_at_supervised();
   void refuse(const Problems& problems);
@@ -104,6 +126,7 @@ class Agent {
   [[nodiscard]] std::string occupied() const;
 
   void watch_names();
+  void watch_cell();
   [[nodiscard]] DeviceStatus status() const;
   void tell_status();
   void tell_measures();
@@ -125,6 +148,8 @@ class Agent {
   bool ending_ = false;
   bool at_once_ = false;
   std::optional<Instant> ended_at_;
+  FaultSieve sieve_;
+  std::map<std::string, bool> devices_seen_;  // of the cell, by name: alive when last looked at
 };
 
 }  // namespace takt::node

@@ -1,10 +1,12 @@
 // What an agent is asked, and what it answers.
 #include <algorithm>
+#include <charconv>
 #include <memory>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include <takt/core/span.hpp>
 #include <takt/core/words.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/model/json.hpp>
@@ -30,14 +32,15 @@ void Agent::answer(const Command& command, ReplyCode code, const std::string& te
   dds::set(reply.head.value(), value);
   reply.data = std::move(data);
   outlet_.reply(reply);
+  note_answer(command, code, text);
 }
 
 void Agent::hear(const dds::WholeCommand& command) {
   const Command& head = command.head;
-  const std::int64_t late = options_.wall_ns() - head.deadline_ns();
-  if (head.deadline_ns() != 0 && late > 0) {
+  const Nanoseconds late = span(head.deadline_ns(), options_.wall_ns());
+  if (head.deadline_ns() != 0 && late > Nanoseconds{0}) {
     answer(head, REPLY_LATE,
-           std::string{takt::to_text(head.kind())} + " came " + takt::to_text(Nanoseconds{late}) +
+           std::string{takt::to_text(head.kind())} + " came " + takt::to_text(late) +
                " after its deadline; synchronise the clocks of the devices, or give it more time");
     return;
   }
@@ -49,7 +52,7 @@ void Agent::hear(const dds::WholeCommand& command) {
     case COMMAND_PREPARE:
       return prepare(command);
     case COMMAND_RUN:
-      return run(head);
+      return run(command);
     case COMMAND_UNDEPLOY:
       return undeploy(head);
     case COMMAND_INITIALIZE:
@@ -69,6 +72,12 @@ void Agent::hear(const dds::WholeCommand& command) {
       return property(head);
     case COMMAND_TAP:
       return tap(head);
+    case COMMAND_LOG:
+      return log_asked(command);
+    case COMMAND_TRACE:
+      return trace(head);
+    case COMMAND_SWAP:
+      return swap(head);
   }
   answer(head, REPLY_REFUSED,
          "this node does not know the command '" + std::to_string(static_cast<std::uint32_t>(head.kind())) +
@@ -139,7 +148,8 @@ void Agent::describe(const Command& command) {
                                        .file = d.file,
                                        .device = options_.device,
                                        .as_written = options_.lent,
-                                       .describe = true});
+                                       .describe = true,
+                                       .swapped = d.swapped});
   if (inspection)
     d.describing = std::move(*inspection);
   else
@@ -217,9 +227,10 @@ void Agent::tap(const Command& command) {
   if (!runs(command)) return;
   const auto module = module_of(command);
   if (!module) return;
-  const Nanoseconds longer{command.time_ns() - options_.wall_ns()};
+  const Nanoseconds longer = span(options_.wall_ns(), command.time_ns());
   const auto tapped = deployment_->supervised->tap(
-      *module, command.property().to_string(), options_.now() + std::min<Nanoseconds>(longer, kLongestTap));
+      *module, command.property().to_string(),
+      options_.now() + std::clamp<Nanoseconds>(longer, Nanoseconds{0}, kLongestTap));
   if (!tapped) {
     answer(command, REPLY_REFUSED, in_words(tapped.problems()));
     return;
@@ -229,6 +240,85 @@ void Agent::tap(const Command& command) {
   if (!tapped->reply_topic.empty())
     told["reply"] = {{"topic", tapped->reply_topic}, {"type", tapped->reply_type}};
   answer(command, REPLY_OK, "", model::json_text(told));
+}
+
+void Agent::trace(const Command& command) {
+  if (!deployment_ || !deployment_->supervised) {
+    answer(command, REPLY_REFUSED, "device " + options_.device + " has no deployment to trace");
+    return;
+  }
+  const std::string value = command.value().to_string();
+  std::int64_t ns = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), ns);
+  if (error != std::errc{} || end != value.data() + value.size() || ns <= 0) {
+    answer(command, REPLY_REFUSED, in_quotes(value) + " is no number of nanoseconds");
+    return;
+  }
+  deployment_->supervised->trace(Nanoseconds{ns}, dds::kMaxData,
+                                 [this, command](const Result<std::string>& trace) {
+                                   if (trace)
+                                     answer(command, REPLY_OK, "", *trace);
+                                   else
+                                     answer(command, REPLY_FAILED, in_words(trace.problems()));
+                                 });
+}
+
+void Agent::swap(const Command& command) {
+  if (!runs(command)) return;
+  const auto module = module_of(command);
+  if (!module) return;
+  Deployment& d = *deployment_;
+  if (d.swap) {
+    answer(command, REPLY_REFUSED,
+           "device " + options_.device + " is still swapping " + d.swap->module_name().to_string() +
+               "; ask again");
+    return;
+  }
+  if (const auto may = d.supervised->may_swap(*module); !may) {
+    answer(command, REPLY_REFUSED, in_words(may.problems()));
+    return;
+  }
+  const std::string name = command.module_name().to_string();
+  auto looking = workshop_.inspect({.text = d.text,
+                                    .file = d.file,
+                                    .device = options_.device,
+                                    .as_written = options_.lent,
+                                    .only = name,
+                                    .swapped = {{name, command.value().to_string()}}});
+  if (!looking) {
+    answer(command, REPLY_FAILED, in_words(looking.problems()));
+    return;
+  }
+  d.swap = command;
+  d.looking = std::move(*looking);
+}
+
+void Agent::look_at_swap() {
+  if (!deployment_ || !deployment_->looking) return;
+  Deployment& d = *deployment_;
+  const auto result = d.looking->result();
+  if (!result) return;
+  d.looking.reset();
+  const auto module = module_of(*d.swap);
+  if (!*result) {
+    answer(*std::exchange(d.swap, std::nullopt), REPLY_REFUSED, in_words(result->problems()),
+           model::json_text(problems_json(result->problems())));
+    return;
+  }
+  const std::string path = (*result)->paths.at(0);
+  d.supervised->swap(*module, path, [this, path](const Outcome& outcome) {
+    Deployment& swapped = *deployment_;
+    const Command command = *std::exchange(swapped.swap, std::nullopt);
+    if (outcome.code == REPLY_OK) {
+      swapped.swapped[command.module_name().to_string()] = path;
+      swapped.description.clear();
+    }
+    const bool ok = outcome.code == REPLY_OK;
+    const Problem why{"module " + options_.device + "." + command.module_name().to_string(), outcome.text,
+                      ""};
+    answer(command, outcome.code, outcome.text, ok ? "" : model::json_text(problems_json({why})),
+           outcome.state, ok ? path : "");
+  });
 }
 
 void Agent::order(const Command& command, Verb verb) {

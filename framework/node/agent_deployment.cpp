@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/core/span.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
@@ -104,6 +105,11 @@ void Agent::begin(std::unique_ptr<Deployment> deployment) {
     refuse(found.problems());
     return;
   }
+  if (auto secured = check_security(found->cell); !secured) {
+    deployment_->cell = std::move(found->cell);
+    refuse(secured.problems());
+    return;
+  }
   deployment_->cell = std::move(found->cell);
   deployment_->device = found->device;
   log("prepares cell " + deployment_->cell.name);
@@ -116,6 +122,20 @@ void Agent::begin(std::unique_ptr<Deployment> deployment) {
     return;
   }
   deployment_->inspection = std::move(*inspection);
+}
+
+Result<void> Agent::check_security(const model::Cell& cell) const {
+  if (cell.security_required && options_.cell.empty()) {
+    return fail("cell " + cell.name + " requires security, and the node of device " + options_.device +
+                    " runs without",
+                "start it with --security FOLDER; takt secure makes such folders");
+  }
+  if (!options_.cell.empty() && options_.cell != cell.name) {
+    return fail("the identity of device " + options_.device + " is for cell " + options_.cell +
+                    ", not for cell " + cell.name,
+                "give the device an identity of that cell");
+  }
+  return {};
 }
 
 void Agent::look_at_inspection() {
@@ -142,12 +162,18 @@ void Agent::look_at_inspection() {
     outlet_.say(status);
     d.modules.push_back(status);
   }
-  d.supervised = workshop_.supervise({.cell = d.cell,
-                                      .device = d.device,
-                                      .paths = (*result)->paths,
-                                      .ports = (*result)->ports,
-                                      .require_real_time = d.require_real_time,
-                                      .stepped = [this](const Step& step) { stepped(step); }});
+  d.supervised = workshop_.supervise(
+      {.cell = d.cell,
+       .device = d.device,
+       .paths = (*result)->paths,
+       .ports = (*result)->ports,
+       .require_real_time = d.require_real_time,
+       .stepped = [this](const Step& step) { stepped(step); },
+       .noted = [this](model::Fault fault, const std::string& origin) { note(std::move(fault), origin); },
+       .executes =
+           [this](const std::string& device, const std::string& module) {
+             return others_.executes(deployment_->cell.name, device, module);
+           }});
   if (const auto prepared = d.supervised->prepare(); !prepared) refuse(prepared.problems());
 }
 
@@ -202,7 +228,8 @@ void Agent::look_at_supervised() {
   }
 }
 
-void Agent::run(const Command& command) {
+void Agent::run(const dds::WholeCommand& whole) {
+  const Command& command = whole.head;
   const std::string id = command.deployment().to_string();
   if (!deployment_ || (!id.empty() && deployment_->id != id)) {
     answer(
@@ -218,7 +245,7 @@ void Agent::run(const Command& command) {
     answer(command, REPLY_REFUSED, occupied());
     return;
   }
-  const Nanoseconds ahead{command.time_ns() - options_.wall_ns()};
+  const Nanoseconds ahead = span(options_.wall_ns(), command.time_ns());
   if (ahead <= Nanoseconds{0} || ahead > kFurthestStart) {
     answer(command, REPLY_REFUSED,
            ahead <= Nanoseconds{0}
@@ -228,6 +255,7 @@ void Agent::run(const Command& command) {
                      options_.device + "; synchronise the clocks of the devices");
     return;
   }
+  deployment_->safe = whole.data;
   go(command.time_ns());
   answer(command, REPLY_OK, "");
 }
@@ -235,13 +263,16 @@ void Agent::run(const Command& command) {
 void Agent::go(std::int64_t t0_wall_ns) {
   Deployment& d = *deployment_;
   d.t0_wall_ns = t0_wall_ns;
+  d.supervised->give_safe(model::parse_safe(d.safe));
   d.supervised->go(options_.instant_of_wall(t0_wall_ns));
+  note({.kind = model::FaultKind::deployed, .cause = "cell " + d.cell.name + " runs, from " + d.file});
   if (!options_.file) return;
   const auto kept = options_.file->keep({.id = d.id,
                                          .file = d.file,
                                          .text = d.text,
                                          .require_real_time = d.require_real_time,
-                                         .t0_ns = t0_wall_ns});
+                                         .t0_ns = t0_wall_ns,
+                                         .safe = d.safe});
   if (!kept) log("warning: cell " + d.cell.name + " is not kept for a restart: " + in_words(kept.problems()));
 }
 
@@ -284,6 +315,17 @@ void Agent::finish() {
   if (!started && preparers.empty() && undeployers.empty() && !failures.empty())
     last_refusal_ = to_text(failures[0]);
 
+  sieve_.flush();
+  if (started) {
+    note({.kind = model::FaultKind::undeployed,
+          .cause = "cell " + d.cell.name + " has ended" +
+                   (!failures.empty()      ? ": " + in_words({failures[0]})
+                    : !undeployers.empty() ? ", as it was told to"
+                    : !d.undone.empty()    ? ": " + d.undone
+                    : ending_              ? ": its node is ending"
+                                           : "")});
+  }
+  devices_seen_.clear();
   if (undeployers.empty() && started && d.undone.empty()) {
     d.over = true;
     return;
@@ -307,6 +349,8 @@ void Agent::forget_kept() {
 }
 
 void Agent::clear() {
+  if (!deployment_->describers.empty()) described(fail("the deployment ended before it was described"));
+  if (deployment_->swap) answer(*deployment_->swap, REPLY_FAILED, "the device ends");
   if (deployment_->supervised && !deployment_->modules.empty())
     outlet_.take_back(deployment_->modules, deployment_->supervised->measures());
   deployment_.reset();
@@ -321,12 +365,20 @@ void Agent::resume() {
     return;
   }
   if (!*kept) return;
+  // Else it would wait for that instant in silence, for years where a clock went wrong.
+  if (const Nanoseconds ahead = span(options_.wall_ns(), (*kept)->t0_ns); ahead > kFurthestStart) {
+    last_refusal_ = "the kept deployment runs from an instant that is " + takt::to_text(ahead) +
+                    " ahead; set the clock of device " + options_.device + ", or deploy the cell again";
+    log("nothing is taken up again: " + last_refusal_);
+    return;
+  }
   auto deployment = std::make_unique<Deployment>();
   deployment->id = (*kept)->id;
   deployment->file = (*kept)->file;
   deployment->text = (*kept)->text;
   deployment->require_real_time = (*kept)->require_real_time || options_.require_real_time;
   deployment->t0_wall_ns = (*kept)->t0_ns;
+  deployment->safe = (*kept)->safe;
   begin(std::move(deployment));
 }
 

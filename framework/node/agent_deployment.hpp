@@ -1,6 +1,7 @@
 // What an agent knows of its deployment.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,14 +25,18 @@ struct Agent::Deployment {
   std::string description;                 ///< JSON; empty: nobody has asked yet
   std::unique_ptr<Inspection> describing;  ///< for who has
   std::vector<Command> describers;
-  std::vector<LifecycleStatus> modules;  ///< as last told
+  std::optional<Command> swap;                 ///< that is looked at or carried out
+  std::unique_ptr<Inspection> looking;         ///< at its file
+  std::map<std::string, std::string> swapped;  ///< files of modules that were swapped since it was deployed
+  std::vector<LifecycleStatus> modules;        ///< as last told
 
   std::vector<Command> preparers;    ///< to be answered when every module is in START, or why not
   std::vector<Command> undeployers;  ///< to be answered when it has ended
   std::optional<Instant> ready_since;
   std::optional<std::int64_t> t0_wall_ns;  ///< to run from then on
-  std::string undone;                      ///< why it is undone before it ran; empty: it is not
-  bool over = false;                       ///< it ended by itself and is kept to be looked at
+  std::string safe;    ///< values of the cell's outputs, as model::parse_safe() reads them
+  std::string undone;  ///< why it is undone before it ran; empty: it is not
+  bool over = false;   ///< it ended by itself and is kept to be looked at
 
   [[nodiscard]] const model::Device& of_device() const { return cell.devices[device]; }
 };

@@ -81,7 +81,8 @@ class Program {
         dds::Participant::create({.name = "takt-gateway " + request.at("device").get<std::string>(),
                                   .domain = request.at("domain"),
                                   .discovery = discovery,
-                                  .interfaces = interfaces});
+                                  .interfaces = interfaces,
+                                  .security = os::environment("TAKT_SECURITY")});
     if (!participant) return participant.problems();
     participant_ = std::move(*participant);
     auto bell = attach(request.at("bell"));

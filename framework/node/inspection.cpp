@@ -43,7 +43,9 @@ class Program final : public Inspection {
                                             {"file", request.file},
                                             {"device", request.device},
                                             {"as_written", request.as_written},
-                                            {"describe", request.describe}}));
+                                            {"describe", request.describe},
+                                            {"only", request.only},
+                                            {"swapped", request.swapped}}));
     return {std::move(program)};
   }
 
@@ -127,6 +129,14 @@ json inspect_here(const InspectionRequest& request) {
   // This device alone; what of it is not there is left out.
   model::Cell mine = *cell;
   mine.devices = {*device};
+  if (!request.only.empty()) {
+    std::erase_if(mine.devices[0].modules, [&](const model::Module& m) { return m.name != request.only; });
+    mine.connections.clear();
+  }
+  for (model::Module& module : mine.devices[0].modules) {
+    if (const auto file = request.swapped.find(module.name); file != request.swapped.end())
+      module.filename = file->second;
+  }
   Problems problems;
   if (!request.as_written) {
     std::vector<model::Module> found;
@@ -180,7 +190,9 @@ int run_inspection() {
                                                 .file = request.at("file"),
                                                 .device = request.at("device"),
                                                 .as_written = request.at("as_written"),
-                                                .describe = request.at("describe")})));
+                                                .describe = request.at("describe"),
+                                                .only = request.at("only"),
+                                                .swapped = request.at("swapped")})));
   return 0;
 }
 

@@ -5,6 +5,7 @@
 // on with its work.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +23,8 @@ struct InspectionRequest {
   bool as_written = false;  ///< files are looked up as they are written, from this folder on; else only by
                             ///< their last part, on the component path
   bool describe = false;    ///< properties and hooks too, which takes longer
+  std::string only{};       ///< this module alone, and no connections; empty: all
+  std::map<std::string, std::string> swapped{};  ///< files of modules in place of those that the text says
 };
 
 struct Inspected {

@@ -15,6 +15,7 @@ struct KeptDeployment {
   std::string text;  ///< of the descriptor
   bool require_real_time = false;
   std::int64_t t0_ns = 0;  ///< of the wall clock
+  std::string safe{};      ///< the safe values of the cell's outputs, as model::parse_safe() reads them
   bool operator==(const KeptDeployment&) const = default;
 };
 

@@ -18,6 +18,8 @@ inline constexpr Nanoseconds kProcessEndLimit = std::chrono::seconds{1};
 inline constexpr Nanoseconds kHaltLimit = std::chrono::seconds{2};
 /// The host, to end when nothing is left to do.
 inline constexpr Nanoseconds kHostEndLimit = std::chrono::seconds{2};
+/// The last files of a device that has ended: what it did, and what its modules retain.
+inline constexpr Nanoseconds kWrittenWithin = std::chrono::seconds{3};
 /// A host that ends without a culprit is started again this often in kRestartWindow; then the device ends.
 inline constexpr std::size_t kHostRestarts = 3;
 inline constexpr Nanoseconds kRestartWindow = std::chrono::seconds{60};
@@ -38,6 +40,8 @@ inline constexpr Nanoseconds kOrderLimit = std::chrono::seconds{15};
 inline constexpr Nanoseconds kNamedWithin = std::chrono::milliseconds{500};
 /// A port that somebody listens in on; longer when it is asked for again.
 inline constexpr Nanoseconds kLongestTap = std::chrono::seconds{60};
+/// Between two looks at ports for the fault record.
+inline constexpr Nanoseconds kPortsEvery = std::chrono::milliseconds{100};
 /// Between two statistics of a module.
 inline constexpr Nanoseconds kMeasuresEvery = std::chrono::seconds{1};
 

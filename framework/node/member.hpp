@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -31,6 +32,21 @@ struct Order {
   int attempts = 0;  ///< to recover, before this one
 };
 
+/// Another instance is to take the place of the one that runs.
+struct SwapOrder {
+  std::string path;
+  std::function<void(const Outcome&)> done;
+};
+
+/// How far the health of a port is in the fault record.
+struct NotedPort {
+  std::uint32_t matched = 0;
+  bool lost = false;  ///< somebody who matched is not there
+  bool stale = false;
+  std::uint64_t late = 0;
+  std::uint64_t refused = 0;
+};
+
 struct Member {
   Member(const model::Module& m, std::uint32_t i, channel::ModuleBlock& b)
       : model(m),
@@ -51,12 +67,15 @@ struct Member {
   channel::ModuleBlock& block;
   lifecycle::Machine machine;
   lifecycle::Recovery recovery;
+  std::size_t host = 0;          ///< of Supervisor::hosts_: that loads it, or whose executor releases it
+  bool reload = false;           ///< its instance is gone with its host: to recover it is to load it afresh
   channel::Departure departure;  ///< of the last time that it was taken out of the tables
 
   /// How far the node brings it by itself: to EXECUTING, unless an operator said otherwise.
   lifecycle::State up_to = lifecycle::State::executing;
   [[nodiscard]] bool wanted() const noexcept { return up_to == lifecycle::State::executing; }
   std::optional<Order> order;  ///< of an operator, under way
+  std::optional<SwapOrder> swap;
   bool lost =
       false;  ///< no hook of it can be called any more: it crashed the host, or a hook never came back
   bool failed = false;                    ///< given up after an error
@@ -79,9 +98,11 @@ struct Member {
   Instant put_in_at{};                ///< into the tables
   bool stale = false;                 ///< it is in RECOVER because an input was stale
 
-  bool started_again = false;   ///< by an attempt to recover; it is to become ready
-  std::uint64_t seen_late = 0;  ///< of seat->late
-  int end_signals = 0;          ///< how far its end has been pressed: 0 asked, 1 SIGTERM, 2 SIGKILL
+  bool started_again = false;        ///< by an attempt to recover; it is to become ready
+  std::uint64_t seen_late = 0;       ///< of seat->late
+  std::uint64_t noted_overruns = 0;  ///< how far they are in the fault record
+  std::map<std::string, NotedPort> noted_ports;
+  int end_signals = 0;  ///< how far its end has been pressed: 0 asked, 1 SIGTERM, 2 SIGKILL
 };
 
 }  // namespace takt::node

@@ -17,7 +17,10 @@ struct NodeOptions {
   int domain = 0;
   model::Discovery discovery;
   std::vector<std::string> interfaces;  ///< IPv4 addresses; empty: all
+  std::string security;                 ///< folder of the device's identity; empty: without DDS Security
+  std::string signed_by;                ///< a certificate: components are used only if signed with its key
   std::string state_folder;             ///< empty: nothing is kept
+  bool state_folder_given = false;      ///< else a node that was lent keeps its fault record in memory
   bool resume = false;
   bool require_real_time = false;
   bool check_real_time = false;  ///< what modules do that no real-time code may is seen, said and reported

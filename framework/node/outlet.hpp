@@ -20,6 +20,8 @@ class Outlet {
   /// Is what is said of the device from now on, again and again, until the next one.
   virtual void say(const DeviceStatus& status) = 0;
   virtual void say(const Measures& measures) = 0;
+  /// Observers get each of these, in order, as far as they keep up; who missed one sees that by its number.
+  virtual void say(const FaultEvent& event) = 0;
   /// The deployment is over: nobody is told of its modules, executors and ports any more.
   virtual void take_back(const std::vector<LifecycleStatus>& modules, const Measures& measures) = 0;
 

@@ -43,15 +43,6 @@ const Statistics& jitter_of(const Member& member) {
 const Statistics& run_of(const Member& member) {
   return member.seat == nullptr ? member.block.run : member.seat->run;
 }
-std::uint64_t releases_of(const Member& member) {
-  constexpr auto relaxed = std::memory_order_relaxed;
-  return member.block.cycles.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->begun.load(relaxed));
-}
-std::uint64_t overruns_of(const Member& member) {
-  constexpr auto relaxed = std::memory_order_relaxed;
-  return member.block.overruns.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->late.load(relaxed));
-}
-
 bool is_astray(const Member& member) {
   return member.state() == lifecycle::State::recover ||
          (member.state() == lifecycle::State::destruct && member.failed);
@@ -68,18 +59,30 @@ json in_json(const model::Port& port, const PortHealth& health) {
           {"dropped", health.dropped},
           {"refused", health.refused},
           {"late", health.late},
+          {"safe", health.safe},
           {"age_us", health.age_ns < 0 ? json(nullptr) : json(static_cast<double>(health.age_ns) / 1e3)},
           {"incompatible", health.incompatible.empty() ? json(nullptr) : json(health.incompatible)}};
 }
 
 }  // namespace
 
+std::uint64_t Supervisor::releases_of(const Member& member) {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  return member.block.cycles.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->begun.load(relaxed));
+}
+
+std::uint64_t Supervisor::overruns_of(const Member& member) {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  return member.block.overruns.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->late.load(relaxed));
+}
+
 Standing Supervisor::standing() const {
-  Standing standing{.real_time = real_time_,
-                    .host_pid = host_.running() ? host_.pid() : 0,
-                    .host_restarts = host_restarts_,
-                    .executing = 0,
-                    .astray = {}};
+  Standing standing{
+      .real_time = real_time_,
+      .host_pid = hosts_.empty() || !hosts_.front()->link.running() ? 0 : hosts_.front()->link.pid(),
+      .host_restarts = host_restarts_,
+      .executing = 0,
+      .astray = {}};
   for (const auto& member : members_) {
     standing.executing += member->state() == lifecycle::State::executing ? 1 : 0;
     if (!is_astray(*member) || !standing.astray.empty()) continue;
@@ -122,7 +125,7 @@ Measures Supervisor::measures() const {
     entry.recoveries(member->recoveries);
     entry.jitter_us(on_the_wire(jitter_of(*member).read()));
     entry.run_us(on_the_wire(run_of(*member).read()));
-    entry.process_id(member->is_thread() ? host_.pid() : member->last_pid);
+    entry.process_id(member->is_thread() ? host_of(*member).link.pid() : member->last_pid);
     measures.modules.push_back(entry);
     const model::ModulePorts& ports = options_.ports.at(member->index);
     if (!ports) continue;
@@ -143,6 +146,7 @@ Measures Supervisor::measures() const {
       status.lost(health.lost);
       status.dropped(health.dropped);
       status.late(health.late);
+      status.safe(health.safe);
       status.age_ns(health.age_ns);
       dds::set(status.incompatible(), health.incompatible);
       measures.ports.push_back(status);
@@ -178,7 +182,7 @@ json Supervisor::report() const {
                        {"errors", block.errors.load(relaxed) + member->errors},
                        {"jitter_us", in_microseconds(jitter_of(*member).read())},
                        {"run_us", in_microseconds(run_of(*member).read())},
-                       {"pid", member->is_thread() ? host_.pid() : member->last_pid}});
+                       {"pid", member->is_thread() ? host_of(*member).link.pid() : member->last_pid}});
     // Beside what every report has: why it is in a state where it should not be, what its device's overrun
     // contracts and its budget are about, and the health of its ports.
     if (is_astray(*member) && !member->why.empty()) modules.back()["text"] = member->why;

@@ -13,6 +13,7 @@
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 #include <takt/lifecycle/machine.hpp>
+#include <takt/model/safe.hpp>
 #include <takt/os/fd.hpp>
 
 namespace takt::node {
@@ -81,6 +82,10 @@ class Supervised {
   virtual void go(Instant t0) = 0;
   /// Ends everything in order; each step has a time limit and a kill after it.
   virtual void stop() = 0;
+  /// The same, because of this, which is a failure of the device.
+  virtual void stop_for(Problem problem) = 0;
+  /// The safe values of the cell's outputs, also of other devices', before go().
+  virtual void give_safe(const std::vector<model::SafeOutput>& outputs) = 0;
   /// Looks at what has happened, and never waits. To be called whenever one of wait_on() can be read, and
   /// every few milliseconds.
   virtual void step() = 0;
@@ -99,9 +104,24 @@ class Supervised {
   virtual void set(std::uint32_t module, const std::string& property, const std::string& value,
                    std::function<void(const Outcome&)> done) = 0;
 
+  /// Fails where no other instance may take the place of this module now.
+  [[nodiscard]] virtual Result<void> may_swap(std::uint32_t module) const = 0;
+  /// An instance of this file, which was looked at, takes its place without a missed release. The module is
+  /// EXECUTING all the time; where that cannot be done, or the first runs go wrong, nothing has changed.
+  /// `done` as for order().
+  virtual void swap(std::uint32_t module, const std::string& path,
+                    std::function<void(const Outcome&)> done) = 0;
+
+  /// What its executors did in the last so many nanoseconds, as Chrome trace JSON of at most `most` bytes.
+  /// `done` is called from step().
+  virtual void trace(Nanoseconds last, std::size_t most,
+                     std::function<void(const Result<std::string>&)> done) = 0;
+
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
   /// Why the device failed as a whole, or which modules were given up; empty when all is well.
   [[nodiscard]] virtual const Problems& failures() const noexcept = 0;
+  /// It failed by a module whose fault is the whole cell's.
+  [[nodiscard]] virtual bool stops_cell() const noexcept = 0;
   [[nodiscard]] virtual Standing standing() const = 0;
   /// The device's object of the contract's status JSON.
   [[nodiscard]] virtual nlohmann::ordered_json report() const = 0;

@@ -31,14 +31,17 @@ bool Supervisor::apply(Member& member, Event event, const std::string& text, Err
     log(member, in_words(step.problems()));
     return false;
   }
+  if (member.is_process() && !member.scheduled()) trust(member, step->to == State::executing);
   log(member, std::string{lifecycle::to_text(step->from)} + " -> " + lifecycle::to_text(step->to) +
                   (text.empty() ? "" : " (" + on_one_line(text) + ")"));
+  record(member, *step, text);
   if (options_.stepped)
     options_.stepped({.module = member.index, .transition = *step, .error = error, .text = text});
   return true;
 }
 
 void Supervisor::fail_device(Problem problem) {
+  note(model::FaultKind::device_failed, in_words({problem}));
   log(to_text(problem));
   failures_.push_back(std::move(problem));
   stop();
@@ -64,13 +67,21 @@ Result<void> Supervisor::prepare() {
   std::vector<std::string> modules;
   for (const auto& executor : device().executors) executors.push_back(executor.name);
   for (const auto& module : device().modules) modules.push_back(module.name);
-  auto channel = channel::Channel::create(executors, modules);
+  const std::vector<model::HostShare> shares = model::hosts_of(device());
+  auto channel = channel::Channel::create(shares.size(), executors, modules);
   if (!channel) return channel.problems();
   channel_ = std::move(*channel);
+  for (const model::HostShare& share : shares)
+    hosts_.push_back(std::make_unique<Hosted>(share, hosts_.size(), channel_.host(hosts_.size())));
   auto bell = os::SharedMemory::create("takt-bell", sizeof(channel::Bell));
   if (!bell) return bell.problems();
   bell_memory_ = std::move(*bell);
   bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
+
+  auto saved = os::SharedMemory::create(
+      "takt-saved", std::max<std::size_t>(device().modules.size(), 1) * sizeof(channel::SavedState));
+  if (!saved) return saved.problems();
+  saved_memory_ = std::move(*saved);
 
   if (options_.check_real_time) {
     auto violations = Violations::create();
@@ -79,6 +90,7 @@ Result<void> Supervisor::prepare() {
   }
 
   options_.ports.resize(device().modules.size());
+  if (auto recorded = start_record(); !recorded) return recorded;
   auto wiring = Wiring::create(plan_wiring(options_.cell, options_.device, options_.ports));
   if (!wiring) return wiring.problems();
   wiring_ = std::move(*wiring);
@@ -95,7 +107,15 @@ Result<void> Supervisor::prepare() {
     if (!member.is_process() || !member.scheduled()) continue;
     if (auto seat = create_seat(member); !seat) return seat;
   }
-  if (auto host = start_host(); !host) return host;
+  if (auto retained = retain(); !retained) return retained;
+  for (const auto& host : hosts_) {
+    for (const auto* of : {&host->share.modules, &host->share.programs}) {
+      for (const std::uint32_t index : *of) members_[index]->host = host->index;
+    }
+  }
+  for (const auto& host : hosts_) {
+    if (auto started = start_host(*host); !started) return started;
+  }
   asked_at_ = os::now();
   for (auto& member : members_) {
     if (member->is_thread()) {
@@ -109,24 +129,50 @@ Result<void> Supervisor::prepare() {
   return {};
 }
 
+// A module whose file cannot be read begins anew, which is no reason not to begin.
+Result<void> Supervisor::retain() {
+  std::vector<Retained::One> all;
+  for (const auto& member : members_) {
+    if (!member->model.retain || options_.state_folder.empty()) continue;
+    SavedFile file{options_.state_folder, options_.cell.name, device().name, member->model.name};
+    channel::SavedState& state = saved_of(*member);
+    if (const auto read = file.read_into(state); !read) log(*member, "warning: " + in_words(read.problems()));
+    all.push_back({.file = std::move(file), .state = &state, .written = state.whole.load()});
+  }
+  if (all.empty()) return {};
+  auto retained = Retained::start(std::move(all), [name = device().name](const Problem& problem) {
+    node::log(name, "", "warning: what modules retain is not on disk: " + to_text(problem));
+  });
+  if (!retained) return retained.problems();
+  retained_ = std::move(*retained);
+  return {};
+}
+
 void Supervisor::step() {
   const Instant now = os::now();
-  host_.flush();
+  flight_->step(now);
+  for (const std::string& text : flight_->news()) log(text);
   forward_output();
-  take_answers();
-  if (auto end = host_.ended()) {
-    take_answers();
-    forward_output();
-    host_ended(*end);
+  for (const auto& host : hosts_) {
+    host->link.flush();
+    take_answers(*host);
+    if (auto end = host->link.ended()) {
+      take_answers(*host);
+      forward_output();
+      host_ended(*host, *end);
+    }
   }
   for (auto& member : members_) {
     if (member->is_process()) watch_process(*member, now);
   }
   if (phase_ == Phase::ended) return;
   if (gate_) gate_->step(now);
-  watch_host(now);
+  watch_writers();
+  for (const auto& host : hosts_) watch_host(*host, now);
   watch_gaps();
   say_violations();
+  watch_counts();
+  watch_ports(now);
   if (phase_ == Phase::preparing) prepare_step();
   if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
   if (phase_ == Phase::stopping) stopping_step(now);
@@ -228,7 +274,7 @@ void Supervisor::go(Instant t0) {
   phase_ = Phase::running;
   t0_ = t0;
   if (t0 < os::now()) join_grid(t0);
-  channel_.host().t0_ns.store(to_ns(t0), std::memory_order_release);
+  for (const auto& host : hosts_) host->block.t0_ns.store(to_ns(t0), std::memory_order_release);
   for (auto& member : members_) {
     if (member->seat != nullptr) member->seat->t0_ns.store(to_ns(t0), std::memory_order_relaxed);
   }
@@ -264,12 +310,16 @@ channel::Place Supervisor::place_of(const Member& member) const {
 void Supervisor::put_in_tables(Member& member) {
   member.seen_cycles = cycles_of(member);
   member.put_in_at = os::now();
+  trust(member, true);
   channel::put_in(place_of(member));
   // What came while it was out is there already, and nobody will ring for it.
   if (member.seat != nullptr && member.seat->immediate != 0) ring(member.seat->bell_bit);
 }
 
-void Supervisor::take_from_tables(Member& member) { member.departure.begin(place_of(member)); }
+void Supervisor::take_from_tables(Member& member) {
+  trust(member, false);
+  member.departure.begin(place_of(member));
+}
 
 bool Supervisor::is_out(const Member& member) const {
   if (member.is_process() && !member.scheduled()) return !member.child.running();
@@ -295,7 +345,7 @@ void Supervisor::running_step(Instant now) {
     }
     if (walked) {
       background_begun_ = true;
-      host_.ask({.what = host::Request::Do::background});
+      for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::background});
       for (auto& member : members_) {
         if (member->scheduled() || !member->wanted() || member->state() != State::start) continue;
         if (member->is_thread()) {
@@ -320,10 +370,12 @@ void Supervisor::running_step(Instant now) {
       member.block.error.store(0, std::memory_order_relaxed);
       if (member.state() == State::start) apply(member, Event::run);  // its first row went wrong
       raise(member, static_cast<ErrorType>(type), text);
+      const model::Overrun contract = model::contract_of(device(), member.model).what;
       if (static_cast<ErrorType>(type) == ErrorType::overrun &&
-          model::contract_of(device(), member.model).what == model::Overrun::stop_device) {
+          (contract == model::Overrun::stop_device || contract == model::Overrun::stop_cell)) {
+        stops_cell_ |= contract == model::Overrun::stop_cell;
         fail_device({"module " + device().name + "." + member.model.name, "overrun: " + text,
-                     "give it more time, or another <overrun> than stop-device"});
+                     std::string{"give it more time, or another <overrun> than "} + to_text(contract)});
         return;
       }
     }
@@ -337,10 +389,11 @@ void Supervisor::running_step(Instant now) {
 }
 
 // The module is out of its table, by the executor or by us.
-void Supervisor::raise(Member& member, ErrorType type, const std::string& text,
-                       std::optional<Instant> since) {
+void Supervisor::raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since,
+                       const std::string& more, const std::string& attachment) {
   take_from_tables(member);
   member.why = std::string{takt::to_text(type)} + ": " + text;
+  note(member, model::FaultKind::error, text + more, type, attachment);
   if (!apply(member, Event::error, member.why, type)) return;
   member.stale = type == ErrorType::stale;
   member.recovery.failed(os::now(), since);
@@ -351,7 +404,7 @@ void Supervisor::attempt_recovery(Member& member) {
   const bool alive = member.is_process() && member.child.running();
   // A program that was started again becomes ready or ends; one that goes on has to come out of its body.
   if (alive && (member.started_again || !is_out(member))) return;
-  if (phase_ == Phase::stopping || (member.is_thread() && !host_.running())) return;
+  if (phase_ == Phase::stopping || (member.is_thread() && !host_of(member).link.running())) return;
   // To wait for what somebody else is to send is no attempt.
   if (member.stale && member.model.recovery.attempts > 0 && has_stale_input(member, os::now())) return;
   switch (member.recovery.next(os::now())) {
@@ -365,8 +418,10 @@ void Supervisor::attempt_recovery(Member& member) {
   }
   log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
                   std::to_string(member.model.recovery.attempts));
+  // What it had saved may be what makes it crash.
+  if (member.reload && member.recovery.attempts() > 1) saved_of(member).clear();
   if (member.is_thread()) {
-    ask(member, Doing::recover);
+    ask(member, member.reload ? Doing::load : Doing::recover);
   } else if (alive) {
     recovered(member);
   } else if (auto spawned = spawn(member); !spawned) {
@@ -376,12 +431,16 @@ void Supervisor::attempt_recovery(Member& member) {
   } else {
     member.started_again = true;
   }
+  if (member.is_process() && !alive && member.child.running())
+    note(member, model::FaultKind::program_restart, "its program is started again");
 }
 
 void Supervisor::recovered(Member& member) {
   member.recovery.attempted(os::now(), true);
-  member.started_again = false;
+  member.started_again = member.reload = false;
   if (!apply(member, Event::recover)) return;
+  note(member, model::FaultKind::recovered,
+       "attempt " + std::to_string(member.recovery.attempts()) + ", after " + member.why);
   ++member.recoveries;
   if (!member.wanted() && member.state() == State::executing) apply(member, Event::stop);
   if (rows_begun_ && member.wanted() && (member.scheduled() || member.is_thread())) put_in_tables(member);
@@ -390,17 +449,22 @@ void Supervisor::recovered(Member& member) {
 void Supervisor::not_recovered(Member& member, const std::string& text) {
   member.why = text;
   log(member, "could not recover: " + text);
+  note(member, model::FaultKind::not_recovered, text);
   member.recovery.attempted(os::now(), false);
 }
 
 void Supervisor::give_up(Member& member) {
   member.failed = true;
   apply(member, Event::give_up, "after " + std::to_string(member.recovery.attempts()) + " attempts");
-  if (member.is_thread() && !member.lost) ask(member, Doing::destruct);
+  note(member, model::FaultKind::given_up,
+       "after " + std::to_string(member.recovery.attempts()) + " attempts: " + member.why);
+  if (member.is_thread() && !member.lost && !member.reload) ask(member, Doing::destruct);
+  member.lost |= member.reload;
   Problem problem{"module " + device().name + "." + member.model.name, "was given up: " + member.why,
                   "mend the module, or give it more attempts in <recovery>"};
   const bool whole_device =
-      phase_ == Phase::preparing || member.model.recovery.then == model::GiveUp::stop_device;
+      phase_ == Phase::preparing || member.model.recovery.then != model::GiveUp::destruct;
+  stops_cell_ |= phase_ == Phase::running && member.model.recovery.then == model::GiveUp::stop_cell;
   if (whole_device && (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running)) {
     fail_device(std::move(problem));
   } else {
@@ -410,7 +474,14 @@ void Supervisor::give_up(Member& member) {
 }
 
 // No hook of this module will be called any more.
-void Supervisor::lose(Member& member, const std::string& text, ErrorType type) {
+void Supervisor::lose(Member& member, const std::string& text, ErrorType type, const std::string& more,
+                      const std::string& attachment) {
+  note(member, model::FaultKind::error, text + more, type, attachment);
+  note(member, model::FaultKind::given_up, text);
+  if (member.swap) {
+    host_of(member).link.ask({.what = host::Request::Do::give_up_swap, .module = member.index});
+    end_swap(member, REPLY_FAILED, text);
+  }
   take_from_tables(member);
   member.lost = true;
   member.failed = true;
@@ -424,7 +495,8 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type) {
     apply(member, Event::destruct, text, type);
   }
   Problem problem{"module " + device().name + "." + member.model.name, text, ""};
-  const bool whole_device = starting || member.model.recovery.then == model::GiveUp::stop_device;
+  const bool whole_device = starting || member.model.recovery.then != model::GiveUp::destruct;
+  stops_cell_ |= phase_ == Phase::running && member.model.recovery.then == model::GiveUp::stop_cell;
   if (whole_device && phase_ != Phase::stopping && phase_ != Phase::ended) {
     fail_device(std::move(problem));
   } else {
@@ -435,10 +507,11 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type) {
 
 std::vector<const os::Fd*> Supervisor::wait_on() {
   std::vector<const os::Fd*> fds;
-  if (host_.running()) {
-    fds.push_back(&host_.fd());
-    fds.push_back(&host_.output().output());
-    fds.push_back(&host_.output().error());
+  for (const auto& host : hosts_) {
+    if (!host->link.running()) continue;
+    fds.push_back(&host->link.fd());
+    fds.push_back(&host->link.output().output());
+    fds.push_back(&host->link.output().error());
   }
   for (const auto& member : members_) {
     if (!member->is_process()) continue;

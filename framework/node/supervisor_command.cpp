@@ -74,6 +74,7 @@ void Supervisor::order(std::uint32_t module, Verb verb, std::function<void(const
   };
   if (phase_ != Phase::running) return refuse("the device does not run");
   if (member.order) return refuse(std::string{name_of(member.order->verb)} + " is still under way");
+  if (member.swap) return refuse("a swap is still under way");
   if (!allowed(verb, member.state())) return refuse(refusal(verb, member.state()));
   log(member, std::string{name_of(verb)} + " was ordered");
   member.order = Order{.verb = verb, .done = std::move(done), .since = os::now()};
@@ -127,11 +128,17 @@ void Supervisor::begin_order(Member& member) {
       break;
     case Verb::reset:
       member.up_to = State::idle;
-      member.lost = member.failed = member.stale = member.started_again = false;
+      member.lost = member.failed = member.stale = member.started_again = member.reload = false;
       member.why.clear();
       member.recovery = lifecycle::Recovery{
           {.attempts = member.model.recovery.attempts, .backoff = member.model.recovery.backoff}};
       member.block.error.store(0, std::memory_order_relaxed);
+      saved_of(member).clear();  // it is to begin anew
+      if (Hosted& host = host_of(member); member.scheduled() && !host.link.running()) {  // it was given up
+        host.restarts.clear();
+        note(member, model::FaultKind::host_restart, "it was given up, and this module is reset");
+        restart_host(host);
+      }
       if (member.is_thread())
         ask(member, Doing::load);
       else

@@ -1,10 +1,11 @@
-// The host of a device: started, asked, watched, started again.
+// The hosts of a device: started, asked, watched, started again.
 #include <algorithm>
 
 #include <takt/core/check.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/supervisor.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/core_dump.hpp>
 
 namespace takt::node {
 
@@ -12,36 +13,41 @@ using channel::Doing;
 using lifecycle::Event;
 using lifecycle::State;
 
-Result<void> Supervisor::start_host() {
+Result<void> Supervisor::start_host(Hosted& host) {
   host::Setup setup{.device = device(),
+                    .share = host.index,
                     .paths = options_.paths,
                     .executor_cpus = placement_.executors,
                     .background_cpus = placement_.background,
                     .seat_fds = {},
                     .bell_fd = bell_memory_.fd().get(),
-                    .links = wiring_.of_host(device())};
-  std::vector<const os::Fd*> inherit{&bell_memory_.fd()};
+                    .saved_fd = saved_memory_.fd().get(),
+                    .links = wiring_.of_host(host.share)};
+  std::vector<const os::Fd*> inherit{&bell_memory_.fd(), &saved_memory_.fd()};
   for (const auto& member : members_) {
-    setup.seat_fds.push_back(member->seat == nullptr ? -1 : member->seat_memory.fd().get());
-    if (member->seat != nullptr) inherit.push_back(&member->seat_memory.fd());
+    const bool released = member->seat != nullptr && member->host == host.index;
+    setup.seat_fds.push_back(released ? member->seat_memory.fd().get() : -1);
+    if (released) inherit.push_back(&member->seat_memory.fd());
   }
   wiring_.inherit(inherit, setup.links);
   std::vector<std::pair<std::string, std::string>> environment;
   if (violations_) environment = violations_->environment(inherit);
-  return host_.start(channel_, setup, inherit, environment);
+  inherit.push_back(&flight_->fd());
+  environment.emplace_back("TAKT_FLIGHT_FD", std::to_string(flight_->fd().get()));
+  return host.link.start(channel_, setup, inherit, environment);
 }
 
 void Supervisor::ask(Member& member, Doing hook, ErrorType type) {
   TAKT_CHECK(!member.lost);
   member.pending = hook;
-  host_.ask({.what = host::Request::Do::call,
-             .module = member.index,
-             .hook = hook,
-             .error_type = static_cast<int>(type)});
+  host_of(member).link.ask({.what = host::Request::Do::call,
+                            .module = member.index,
+                            .hook = hook,
+                            .error_type = static_cast<int>(type)});
 }
 
-void Supervisor::take_answers() {
-  while (auto answer = host_.answer()) {
+void Supervisor::take_answers(Hosted& host) {
+  while (auto answer = host.link.answer()) {
     switch (answer->request.what) {
       case host::Request::Do::call: {
         Member& member = *members_.at(answer->request.module);
@@ -54,6 +60,9 @@ void Supervisor::take_answers() {
       case host::Request::Do::set:
         property_answered(*answer);
         break;
+      case host::Request::Do::swap:
+        end_swap(*members_.at(answer->request.module), answer->ok ? REPLY_OK : REPLY_FAILED, answer->text);
+        break;
       case host::Request::Do::begin:
         for (const std::string& warning : answer->warnings) {
           real_time_ = false;
@@ -62,10 +71,11 @@ void Supervisor::take_answers() {
         if (!answer->ok) fail_device(fail(answer->text));
         break;
       case host::Request::Do::halt:
-        halted_ = true;
+        host.halted = true;
         break;
       case host::Request::Do::background:
       case host::Request::Do::give_up:
+      case host::Request::Do::give_up_swap:
       case host::Request::Do::end:
         break;
     }
@@ -79,6 +89,8 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       if (!ok && member.state() == State::destruct) {  // it was to be reset
         member.lost = true;
         member.why = failure;
+      } else if (!ok && member.reload) {
+        not_recovered(member, failure);
       } else if (!ok) {
         lose(member, failure);
       } else {
@@ -87,6 +99,14 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       }
       break;
     case Doing::initialize:
+      if (ok && !text.empty()) log(member, text);
+      if (member.reload) {
+        if (ok)
+          ask(member, Doing::start);
+        else
+          not_recovered(member, failure);
+        break;
+      }
       if (!ok) {
         lose(member, failure);
         break;
@@ -137,56 +157,59 @@ void Supervisor::begin_rows() {
     if (member->scheduled() && member->wanted() && member->state() == State::start) put_in_tables(*member);
   }
   rows_begun_ = true;
-  host_.ask({.what = host::Request::Do::begin});
+  for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::begin});
 }
 
 // A run() or a hook that never comes back.
-void Supervisor::watch_host(Instant now) {
-  if (!host_.running() || hung_) return;
+void Supervisor::watch_host(Hosted& host, Instant now) {
+  if (!host.link.running() || host.hung) return;
   const auto since = [now](const channel::Activity& activity) {
     return now - from_ns(activity.since_ns.load());
   };
 
-  const channel::Activity& hooks = channel_.host().hooks;
+  const channel::Activity& hooks = host.block.hooks;
   if (const std::uint32_t busy = hooks.module.load(std::memory_order_acquire);
       busy != 0 && since(hooks) > kHookLimit) {
     Member& member = *members_.at(busy - 1);
     const Doing doing = hooks.doing.load();
     if (member.pending == doing) {
-      host_.ask({.what = host::Request::Do::give_up, .module = member.index});
+      host.link.ask({.what = host::Request::Do::give_up, .module = member.index});
       lose(member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit),
            ErrorType::hang);
     }
   }
-  for (auto& member : members_) {
-    const channel::Activity& service = member->block.service;
-    if (service.module.load(std::memory_order_acquire) == 0 || since(service) <= kHookLimit || member->lost)
+  watch_swaps(host, now);
+  for (const std::uint32_t index : host.share.modules) {
+    Member& member = *members_[index];
+    const channel::Activity& service = member.block.service;
+    if (service.module.load(std::memory_order_acquire) == 0 || since(service) <= kHookLimit || member.lost)
       continue;
-    host_.ask({.what = host::Request::Do::give_up, .module = member->index});
-    lose(*member, "the handler of a service did not return within " + to_text(kHookLimit), ErrorType::hang);
+    host.link.ask({.what = host::Request::Do::give_up, .module = index});
+    lose(member, "the handler of a service did not return within " + to_text(kHookLimit), ErrorType::hang);
   }
-  for (std::size_t e = 0; e < channel_.executors(); ++e) {
+  for (const std::size_t e : host.share.executors) {
     const channel::ExecutorBlock& block = channel_.executor(e);
     for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
       const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
       if (busy == 0 || since(*activity) < stuck_after(members_.at(busy - 1)->model)) continue;
-      hung_ = {.module = busy - 1,
-               .doing = activity->doing.load(),
-               .limit = stuck_after(members_[busy - 1]->model)};
-      host_.kill();
+      host.hung = {.module = busy - 1,
+                   .doing = activity->doing.load(),
+                   .limit = stuck_after(members_[busy - 1]->model)};
+      host.link.kill();
       return;
     }
   }
 }
 
-// The module that keeps a thread of the host, long after all were told to halt.
-std::optional<Supervisor::Hang> Supervisor::never_halts() const {
+// The module that keeps a thread of a host, long after all were told to halt.
+std::optional<Hang> Supervisor::never_halts(const Hosted& host) const {
   std::vector<const channel::Activity*> activities;
-  for (std::size_t e = 0; e < channel_.executors(); ++e) {
+  for (const std::size_t e : host.share.executors) {
     activities.push_back(&channel_.executor(e).row);
     activities.push_back(&channel_.executor(e).sporadic);
   }
-  for (const auto& member : members_) activities.push_back(&member->block.background);
+  for (const std::uint32_t index : host.share.modules)
+    activities.push_back(&members_[index]->block.background);
   for (const channel::Activity* activity : activities) {
     const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
     if (busy != 0) return Hang{.module = busy - 1, .doing = activity->doing.load(), .limit = kHaltLimit};
@@ -194,83 +217,146 @@ std::optional<Supervisor::Hang> Supervisor::never_halts() const {
   return std::nullopt;
 }
 
-void Supervisor::host_ended(const os::ProcessEnd& end) {
-  nobody_answers("the host of device " + device().name + " has ended");
-  ring(~0U);  // for what it wrote last, if it could not ring for that any more
-  for (auto& member : members_) {
-    if (member->order && member->is_thread()) end_order(*member, REPLY_FAILED, "the host ended");
-  }
-  if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
-  channel::HostBlock& block = channel_.host();
-  std::string text = "the host " + end.text();
-  Member* culprit = nullptr;
-  const ErrorType type = hung_ ? ErrorType::hang : ErrorType::crash;
-  if (hung_) {
-    culprit = members_[hung_->module].get();
-    text = std::string{channel::to_text(hung_->doing)} + " did not return within " + to_text(hung_->limit) +
-           ", so the host was ended";
-  } else if (block.crash.signal.load() == (end.signalled ? end.code : channel::Crash::kExit) &&
-             block.crash.module.load() != 0) {
-    culprit = members_.at(block.crash.module.load() - 1).get();
-    text += std::string{" in "} + channel::to_text(block.crash.doing.load());
-  }
-  log(culprit == nullptr ? text : "module " + culprit->model.name + ": " + text);
-  hung_.reset();
-
-  // Nobody writes the channel now. What the dead threads were doing is over.
+// Nobody writes the blocks of a host that has ended: what its threads were doing is over.
+namespace {
+void clear_after(channel::HostBlock& block) {
   block.crash.signal.store(0);
   block.crash.module.store(0);
+  block.crash.depth.store(0);
   block.hooks.end();
-  for (std::size_t e = 0; e < channel_.executors(); ++e) {
-    channel::ExecutorBlock& executor = channel_.executor(e);
-    executor.row.end();
-    executor.sporadic.end();
-    executor.row_sequence.store(executor.row_sequence.load() & ~std::uint64_t{1});
+  block.swap.end();
+}
+void clear_after(channel::ExecutorBlock& executor) {
+  executor.row.end();
+  executor.sporadic.end();
+  executor.row_sequence.store(executor.row_sequence.load() & ~std::uint64_t{1});
+}
+}  // namespace
+
+void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
+  nobody_answers(host, host.name() + " of device " + device().name + " has ended");
+  ring(~0U);  // for what it wrote last, if it could not ring for that any more
+  for (const std::uint32_t index : host.share.modules) {
+    if (members_[index]->order) end_order(*members_[index], REPLY_FAILED, "the host ended");
   }
-  for (auto& member : members_) {
-    member->block.background.end();
-    member->block.service.end();
-    if (member->is_thread()) take_from_tables(*member);
-    member->pending.reset();  // nobody will answer
+  if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
+  std::string text = host.name() + " " + end.text();
+  Member* culprit = nullptr;
+  const ErrorType type = host.hung ? ErrorType::hang : ErrorType::crash;
+  const channel::Crash& crash = host.block.crash;
+  if (host.hung) {
+    culprit = members_[host.hung->module].get();
+    text = std::string{channel::to_text(host.hung->doing)} + " did not return within " +
+           to_text(host.hung->limit) + ", so " + host.name() + " was ended";
+  } else if (crash.signal.load() == (end.signalled ? end.code : channel::Crash::kExit) &&
+             crash.module.load() != 0) {
+    culprit = members_.at(crash.module.load() - 1).get();
+    text += std::string{" in "} + channel::to_text(crash.doing.load());
+  }
+  const Doing doing = host.hung ? host.hung->doing : crash.doing.load();
+  const bool swapped = culprit != nullptr && by_swap(*culprit, doing);
+  if (swapped) {
+    text += " of its new instance" + (host.hung ? "" : calls_of_crash(crash, *culprit));
+    end_swap(*culprit, REPLY_FAILED, "the one before it is loaded again: " + text);
+    culprit = nullptr;
+  }
+  log(culprit == nullptr ? text : "module " + culprit->model.name + ": " + text);
+  const auto since = host.hung ? std::optional{os::now() - host.hung->limit} : std::nullopt;
+  host.hung.reset();
+
+  const std::string calls =
+      culprit == nullptr || type == ErrorType::hang ? "" : calls_of_crash(crash, *culprit);
+
+  if (culprit == nullptr) flight_->fault(text);
+  clear_after(host.block);
+  for (const std::size_t e : host.share.executors) {
+    flight_->host_died(e);
+    clear_after(channel_.executor(e));
+  }
+  for (const std::uint32_t index : host.share.modules) {
+    Member& member = *members_[index];
+    member.block.background.end();
+    member.block.service.end();
+    member.block.on_trial.store(0);
+    end_swap(member, REPLY_FAILED, "the host ended");
+    take_from_tables(member);
+    if (&member != culprit) member.pending.reset();  // nobody will answer
   }
 
   if (culprit != nullptr) {
     ++culprit->errors;
-    lose(*culprit, text, type);
+    const os::CoreDump core = end.signalled ? os::find_core_dump(host.link.pid(), end.code) : os::CoreDump{};
+    crashed(*culprit, text, type, since, calls, core.file);
   } else if (phase_ == Phase::preparing) {
     fail_device({"device " + device().name, text, "see what it printed"});
   }
   if (phase_ == Phase::stopping) {
-    halted_ = true;
-    for (auto& member : members_) {
-      if (member->is_thread()) member->lost = true;  // its instance is gone
-    }
+    host.halted = true;
+    for (const std::uint32_t index : host.share.modules)
+      members_[index]->lost = true;  // its instance is gone
     return;
   }
-  if (culprit == nullptr) {
+  if (culprit == nullptr && !swapped) {
     const Instant now = os::now();
-    std::erase_if(restarts_, [now](Instant then) { return now - then > kRestartWindow; });
-    restarts_.push_back(now);
-    if (restarts_.size() > kHostRestarts) {
-      fail_device({"device " + device().name,
-                   text + "; it has been restarted " + std::to_string(kHostRestarts) + " times",
-                   "see what it printed"});
-      for (auto& member : members_) member->lost |= member->is_thread();
-      halted_ = true;
-      return;
-    }
+    std::erase_if(host.restarts, [now](Instant then) { return now - then > kRestartWindow; });
+    host.restarts.push_back(now);
+    if (host.restarts.size() > kHostRestarts) return give_up_host(host, text);
   }
-  if (auto started = start_host(); !started) {
+  note(model::FaultKind::host_restart, text);
+  restart_host(host);
+}
+
+void Supervisor::restart_host(Hosted& host) {
+  if (auto started = start_host(host); !started) {
     fail_device(started.problems()[0]);
     return;
   }
   ++host_restarts_;
-  log("the host is started again");
-  for (auto& member : members_) {
-    if (member->is_thread() && !member->lost && member->state() != State::destruct) bring_back(*member);
+  log(host.name() + " is started again");
+  for (const std::uint32_t index : host.share.modules) {
+    Member& member = *members_[index];
+    if (!member.lost && !member.reload && member.state() != State::destruct) bring_back(member);
   }
-  if (rows_begun_) host_.ask({.what = host::Request::Do::begin});
-  if (background_begun_) host_.ask({.what = host::Request::Do::background});
+  if (rows_begun_) host.link.ask({.what = host::Request::Do::begin});
+  if (background_begun_) host.link.ask({.what = host::Request::Do::background});
+}
+
+// A module whose crash ended its host. Where it stops neighbours that did nothing wrong, it is not tried
+// again.
+void Supervisor::crashed(Member& member, const std::string& text, ErrorType type,
+                         std::optional<Instant> since, const std::string& calls, const std::string& core) {
+  member.pending.reset();
+  const bool starting = phase_ == Phase::preparing || phase_ == Phase::ready;
+  if (!host_of(member).share.is_own() || starting || phase_ == Phase::stopping)
+    return lose(member, text, type, calls, core);
+  const bool recovering = member.state() == State::recover;
+  if (!recovering && !member.machine.accepts(Event::error)) return lose(member, text, type, calls, core);
+  note(member, model::FaultKind::error, text + calls, type, core);
+  member.reload = true;
+  if (recovering) return not_recovered(member, text);
+  member.why = std::string{takt::to_text(type)} + ": " + text;
+  member.stale = false;
+  apply(member, Event::error, member.why, type);
+  member.recovery.failed(os::now(), since);
+}
+
+// It ended again and again, and no module was seen to be at fault.
+void Supervisor::give_up_host(Hosted& host, const std::string& text) {
+  const std::string why = text + "; it has been restarted " + std::to_string(kHostRestarts) + " times";
+  if (!host.share.is_own()) {
+    fail_device({"device " + device().name, why, "see what it printed"});
+    host.halted = true;
+    for (const std::uint32_t index : host.share.modules) members_[index]->lost = true;
+    return;
+  }
+  log(host.name() + " is given up, the others go on; a reset of one of its modules starts it again");
+  for (const auto* of : {&host.share.modules, &host.share.programs}) {
+    for (const std::uint32_t index : *of) {
+      Member& member = *members_[index];
+      if (!member.lost && member.state() != State::destruct) lose(member, why, ErrorType::crash);
+      if (member.child.running()) member.child.signal(os::kKill);
+    }
+  }
 }
 
 // A module whose instance died with the host, through no fault of its own: loaded afresh.

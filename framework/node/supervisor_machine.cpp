@@ -48,6 +48,8 @@ void Supervisor::say_violations() {
     } else {
       log(*members_.at(violation.module),
           "WARNING: " + violation.hook + " is not real-time: " + sentence_of(violation));
+      note(*members_.at(violation.module), model::FaultKind::not_real_time,
+           violation.hook + ": " + sentence_of(violation));
     }
   }
 }

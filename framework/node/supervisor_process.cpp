@@ -8,6 +8,7 @@
 #include <takt/node/log.hpp>
 #include <takt/node/supervisor.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/core_dump.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/os/real_time.hpp>
 #include <takt/os/waker.hpp>
@@ -227,7 +228,10 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
         raise(member, ErrorType::hang, text,
               from_ns(member.seat->release_ns.load(std::memory_order_relaxed)));
       } else {
-        raise(member, ErrorType::crash, text);
+        const os::CoreDump core =
+            end.signalled ? os::find_core_dump(member.last_pid, end.code) : os::CoreDump{};
+        raise(member, ErrorType::crash, text, std::nullopt,
+              core.why.empty() ? "" : "; no core dump: " + core.why, core.file);
       }
       break;
     case State::destruct:
@@ -267,7 +271,10 @@ void Supervisor::ring(std::uint32_t bits) {
 }
 
 void Supervisor::forward_output() {
-  host_.output().read([this](const std::string& line) { node::log(device().name, "(host)", line); });
+  for (const auto& host : hosts_) {
+    const std::string name = host->share.is_own() ? "(host " + host->share.name + ")" : "(host)";
+    host->link.output().read([&](const std::string& line) { node::log(device().name, name, line); });
+  }
   for (auto& member : members_) {
     if (!member->is_process()) continue;
     member->output.read(

@@ -43,7 +43,9 @@ void Supervisor::ask_property(host::Request request, std::function<void(const Ou
   if (member.lost || member.state() == State::idle || member.state() == State::destruct) {
     why = member.model.name + " is in " + lifecycle::to_text(member.state()) +
           "; its properties can be asked for and set once it is in INITIALIZE";
-  } else if (phase_ == Phase::stopping || phase_ == Phase::ended || !host_.running()) {
+  } else if (member.swap && request.what == host::Request::Do::set) {
+    why = "a swap of " + member.model.name + " is still under way; ask again";
+  } else if (phase_ == Phase::stopping || phase_ == Phase::ended || !host_of(member).link.running()) {
     why = "the host of device " + device().name + " does not run";
   }
   if (!why.empty()) {
@@ -52,7 +54,7 @@ void Supervisor::ask_property(host::Request request, std::function<void(const Ou
   }
   request.id = ++property_requests_made_;
   property_requests_.emplace(request.id, PropertyRequest{.module = request.module, .done = std::move(done)});
-  host_.ask(request);  // when the host is gone, host_ended() answers
+  host_of(member).link.ask(request);  // when the host is gone, host_ended() answers
 }
 
 void Supervisor::property_answered(const host::Answer& answer) {
@@ -72,9 +74,17 @@ void Supervisor::property_answered(const host::Answer& answer) {
                          .value = answer.ok ? (asked ? answer.text : answer.request.value) : ""});
 }
 
-void Supervisor::nobody_answers(const std::string& why) {
-  for (auto& [id, request] : std::exchange(property_requests_, {}))
-    request.done({.code = REPLY_FAILED, .state = members_.at(request.module)->state(), .text = why});
+void Supervisor::nobody_answers(const Hosted& host, const std::string& why) {
+  for (auto entry = property_requests_.begin(); entry != property_requests_.end();) {
+    const Member& member = *members_.at(entry->second.module);
+    if (member.host != host.index) {
+      ++entry;
+      continue;
+    }
+    const PropertyRequest request = std::move(entry->second);
+    entry = property_requests_.erase(entry);
+    request.done({.code = REPLY_FAILED, .state = member.state(), .text = why});
+  }
 }
 
 }  // namespace takt::node

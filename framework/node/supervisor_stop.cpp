@@ -27,18 +27,23 @@ void Supervisor::stop() {
     if (member->order) end_order(*member, REPLY_FAILED, "the device is ending");
   }
   // The modules stay in their tables until the last row has ended, so that no row is walked without them.
-  halted_ = !host_.running() || !host_.ask({.what = host::Request::Do::halt});
+  for (const auto& host : hosts_)
+    host->halted = !host->link.running() || !host->link.ask({.what = host::Request::Do::halt});
 }
 
 void Supervisor::stopping_step(Instant now) {
-  if (!halted_) {
-    if (now - asked_at_ > kHaltLimit && host_.running() && !hung_) {
-      hung_ = never_halts();
-      if (!hung_) log("the executors did not halt within " + to_text(kHaltLimit) + "; the host is ended");
-      host_.kill();
-    }
-    return;
+  bool halted = true;
+  for (const auto& host : hosts_) {
+    if (host->halted) continue;
+    halted = false;
+    if (now - asked_at_ <= kHaltLimit || !host->link.running() || host->hung) continue;
+    host->hung = never_halts(*host);
+    if (!host->hung)
+      log("the executors of " + host->name() + " did not halt within " + to_text(kHaltLimit) +
+          "; it is ended");
+    host->link.kill();
   }
+  if (!halted) return;
   bool all = true;
   for (auto& member : members_) {
     take_from_tables(*member);
@@ -51,13 +56,24 @@ void Supervisor::stopping_step(Instant now) {
   }
   if (!end_asked_) {
     end_asked_ = true;
-    host_.ask({.what = host::Request::Do::end});
+    for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::end});
   }
-  if (host_.running() && now - asked_at_ > kHostEndLimit) host_.kill();
-  if (host_.running()) return;
+  bool running = false;
+  for (const auto& host : hosts_) {
+    if (host->link.running() && now - asked_at_ > kHostEndLimit) host->link.kill();
+    running |= host->link.running();
+  }
+  if (running) return;
+  // What is still to be written may take its time; the node's thread has others to look after.
+  const bool recorded = !flight_ || flight_->finish();
+  const bool retained = !retained_ || retained_->finish();
+  if (!(recorded && retained) && now - asked_at_ < kHostEndLimit + kWrittenWithin) return;
   forward_output();
   say_violations();
   fail_by_violations();
+  watch_counts();
+  ports_watched_at_ = {};
+  watch_ports(now);
   phase_ = Phase::ended;
 }
 
@@ -73,7 +89,7 @@ void Supervisor::destruct(Member& member, Instant now) {
   }
   if (member.state() == State::destruct || member.pending) return;
   if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
-  if (member.lost || !host_.running() || member.state() == State::idle) {
+  if (member.lost || member.reload || !host_of(member).link.running() || member.state() == State::idle) {
     apply(member, Event::destruct);
   } else {
     ask(member, Doing::destruct);

@@ -85,4 +85,15 @@ std::string Symbols::name(const std::string& object, std::uint64_t address) {
   return text + " in " + last_part(object);
 }
 
+std::string called_by(const std::vector<std::string>& calls, std::size_t most) {
+  std::string text;
+  std::size_t shown = 0;
+  for (const std::string& call : calls) {
+    if (call.ends_with(" in libc.so.6") || call.ends_with(" in libstdc++.so.6")) continue;
+    if (shown++ == most) return text + ", ...";
+    text += (text.empty() ? "in " : ", called by ") + call;
+  }
+  return text;
+}
+
 }  // namespace takt::node

@@ -1,9 +1,11 @@
 // Names for places in code, from the files that it was loaded from.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace takt::node {
 
@@ -22,5 +24,9 @@ class Symbols {
   struct Files;
   std::unique_ptr<Files> files_;
 };
+
+/// "in A, called by B, called by C, ...": of these calls the first `most`, innermost first, those of the C
+/// and C++ libraries left out. Empty where there is none.
+std::string called_by(const std::vector<std::string>& calls, std::size_t most);
 
 }  // namespace takt::node

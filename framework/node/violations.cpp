@@ -130,13 +130,8 @@ std::string sentence_of(const SeenViolation& violation) {
   std::string text = (violation.what.empty() ? "" : violation.what + ", ") + std::string{"a"} +
                      (violation.kind == "allocation" ? "n " : " ") + violation.kind;
   // What the libraries did in turn is in the report.
-  std::vector<std::string> calls;
-  for (const std::string& call : violation.calls) {
-    if (!call.ends_with(" in libc.so.6") && !call.ends_with(" in libstdc++.so.6")) calls.push_back(call);
-  }
-  for (std::size_t i = 0; i < std::min(kShown, calls.size()); ++i)
-    text += (i == 0 ? ", in " : ", called by ") + calls[i];
-  return text + (calls.size() > kShown ? ", ..." : "");
+  const std::string calls = called_by(violation.calls, kShown);
+  return text + (calls.empty() ? "" : ", " + calls);
 }
 
 }  // namespace takt::node

@@ -1,6 +1,7 @@
 #include <takt/node/voice.hpp>
 
 #include <atomic>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -22,6 +23,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds kAssertEvery{100};
 /// Between two looks for interfaces that have come up.
 constexpr Nanoseconds kRescanEvery = std::chrono::seconds{2};
+/// Events that wait to be said; of more the oldest are left to the record.
+constexpr std::size_t kMostFaults = 1024;
 /// At the end, for observers to hear that this node leaves.
 constexpr milliseconds kFarewell{200};
 
@@ -52,13 +55,15 @@ class ToLifecycle final : public LifecycleLine {
 
 struct Voice::Inside {
   Inside(std::shared_ptr<dds::Participant> p, dds::Writer<DeviceStatus> d, dds::Writer<LifecycleStatus> l,
-         dds::Writer<ModuleStatistics> m, dds::Writer<ExecutorStatistics> e, dds::Writer<PortStatus> s)
+         dds::Writer<ModuleStatistics> m, dds::Writer<ExecutorStatistics> e, dds::Writer<PortStatus> s,
+         dds::Writer<FaultEvent> f)
       : participant(std::move(p)),
         device(std::move(d)),
         lifecycle(std::move(l)),
         modules(std::move(m)),
         executors(std::move(e)),
-        ports(std::move(s)) {}
+        ports(std::move(s)),
+        faults(std::move(f)) {}
 
   // On the heartbeat's thread.
   void beat() {
@@ -79,6 +84,7 @@ struct Voice::Inside {
         lifecycle.assert_liveliness();
       }
       if (said) continue;
+      tell_faults();
       tell_measures();
       if (now - scanned >= kRescanEvery) {
         scanned = now;
@@ -88,8 +94,19 @@ struct Voice::Inside {
     const Instant limit = os::now() + kFarewell;
     while (os::now() < limit && outbox.serve(lifecycle, milliseconds{0})) {
     }
+    tell_faults();
     tell_measures();
     lifecycle.wait_acknowledged(kFarewell);
+    faults.wait_acknowledged(kFarewell);
+  }
+
+  void tell_faults() {
+    std::deque<FaultEvent> news;
+    {
+      const std::lock_guard lock{mutex};
+      news.swap(unsaid);
+    }
+    for (const FaultEvent& event : news) faults.write(event);
   }
 
   void tell_measures() {
@@ -118,12 +135,14 @@ struct Voice::Inside {
   dds::Writer<ModuleStatistics> modules;
   dds::Writer<ExecutorStatistics> executors;
   dds::Writer<PortStatus> ports;
+  dds::Writer<FaultEvent> faults;
   std::function<void(const dds::WholeReply&)> replies;
   Heartbeat heartbeat;
   Outbox outbox;
   std::mutex mutex;
   std::optional<Measures> measures;
   Measures taken_back;
+  std::deque<FaultEvent> unsaid;
   std::atomic<bool> end{false};
   os::Thread beats;  // last: joined before anything that they use is gone
   os::Thread tells;
@@ -137,6 +156,7 @@ Result<std::unique_ptr<Voice>> Voice::create(std::shared_ptr<dds::Participant> p
   auto modules = dds::Writer<ModuleStatistics>::create(participant);
   auto executors = dds::Writer<ExecutorStatistics>::create(participant);
   auto ports = dds::Writer<PortStatus>::create(participant);
+  auto faults = dds::Writer<FaultEvent>::create(participant);
   Problems problems;
   const auto check = [&problems](const auto& writer) {
     if (!writer) problems.insert(problems.end(), writer.problems().begin(), writer.problems().end());
@@ -146,9 +166,11 @@ Result<std::unique_ptr<Voice>> Voice::create(std::shared_ptr<dds::Participant> p
   check(modules);
   check(executors);
   check(ports);
+  check(faults);
   if (!problems.empty()) return problems;
   auto inside = std::make_unique<Inside>(std::move(participant), std::move(*device), std::move(*lifecycle),
-                                         std::move(*modules), std::move(*executors), std::move(*ports));
+                                         std::move(*modules), std::move(*executors), std::move(*ports),
+                                         std::move(*faults));
   Inside* const place = inside.get();
   auto beats = os::Thread::start(
       {.name = "takt-heartbeat"}, [place] { place->beat(); }, nullptr);
@@ -188,6 +210,15 @@ void Voice::say(const Measures& measures) {
   {
     const std::lock_guard lock{inside_->mutex};
     inside_->measures = measures;
+  }
+  inside_->outbox.wake();
+}
+
+void Voice::say(const FaultEvent& event) {
+  {
+    const std::lock_guard lock{inside_->mutex};
+    inside_->unsaid.push_back(event);
+    if (inside_->unsaid.size() > kMostFaults) inside_->unsaid.pop_front();
   }
   inside_->outbox.wake();
 }

@@ -25,6 +25,7 @@ class Voice final : public Outlet {
   void say(const LifecycleStatus& status) override;
   void say(const DeviceStatus& status) override;
   void say(const Measures& measures) override;
+  void say(const FaultEvent& event) override;
   void take_back(const std::vector<LifecycleStatus>& modules, const Measures& measures) override;
 
  private:

@@ -21,7 +21,7 @@ constexpr std::uint32_t kRos2Depth = 10;
 class Planner {
  public:
   Planner(const model::Cell& cell, std::size_t device, const std::vector<model::ModulePorts>& ports)
-      : cell_(cell), device_(cell.devices[device]), ports_(ports) {}
+      : cell_(cell), device_(cell.devices[device]), ports_(ports), hosts_(model::hosts_of(device_)) {}
 
   WiringPlan plan() {
     for (const Connection& connection : cell_.connections) {
@@ -79,6 +79,16 @@ class Planner {
     return module.type == model::ModuleType::thread ? channel::kSporadicBit : channel::bell_bit(to.module);
   }
 
+  /// In the shared host. What lies in a host of its own outlives its crash, and so is bytes.
+  [[nodiscard]] bool as_objects(std::uint32_t one, std::uint32_t other) const {
+    return std::any_of(hosts_.begin(), hosts_.end(), [&](const model::HostShare& host) {
+      const auto has = [&](std::uint32_t module) {
+        return std::find(host.modules.begin(), host.modules.end(), module) != host.modules.end();
+      };
+      return !host.is_own() && has(one) && has(other);
+    });
+  }
+
   static std::uint32_t payload_of(const model::Port& port) {
     return static_cast<std::uint32_t>(model::max_size(port.type));
   }
@@ -106,8 +116,13 @@ class Planner {
                                   channel::kMaxLinkDepth);
     link.options.wake_bits = wake_bits(*to);
     link.stale = connection.stale;
-    link.typed = from->port->object && to->port->object;
+    link.typed = from->port->object && to->port->object && as_objects(from->module, to->module);
     if (link.typed) link.options.payload = 0;
+    if (may_be_safe(connection, *to->port)) {
+      link.safe = safe_bytes(device_.modules[from->module], *from->port);
+      if (!link.safe.empty()) link.writer = connection.from;
+    }
+    if (link.writer.given()) link.options.safe = payload_of(*from->port);
     plan_.links.push_back(link);
   }
 
@@ -177,6 +192,12 @@ class Planner {
     link.options = options_of(connection, *to->port);
     link.options.wake_bits = wake_bits(*to);
     link.stale = connection.stale;
+    if (may_be_safe(connection, *to->port)) {
+      link.writer = connection.from;
+      link.options.safe = payload_of(*to->port);
+      if (const auto from = is_here(connection.from) ? find(connection.from) : std::nullopt)
+        link.safe = safe_bytes(device_.modules[from->module], *from->port);
+    }
     plan_.links.push_back(link);
 
     PlannedFlow flow{.outgoing = false,
@@ -226,6 +247,7 @@ class Planner {
   const model::Cell& cell_;
   const model::Device& device_;
   const std::vector<model::ModulePorts>& ports_;
+  const std::vector<model::HostShare> hosts_;
   WiringPlan plan_;
 };
 
@@ -248,6 +270,7 @@ Result<Wiring> Wiring::create(WiringPlan plan) {
     if (!memory) return memory.problems();
     channel::Link::format(memory->data(), planned.options);
     const channel::Link link{memory->data()};
+    link.give_safe(planned.safe);
     wiring.wires_.push_back({std::move(planned), std::move(*memory), link});
   }
   return wiring;
@@ -259,6 +282,18 @@ std::vector<Wiring::Wire*> Wiring::with_deadline(std::uint32_t module) {
     if (wire.plan.to.module == module && wire.plan.options.deadline_ns > 0) found.push_back(&wire);
   }
   return found;
+}
+
+void Wiring::give_safe(const model::SafeOutput& output) {
+  for (const Wire& wire : wires_) {
+    if (wire.plan.writer != output.port || !wire.link.safe().empty()) continue;
+    const auto flow = std::find_if(flows_.begin(), flows_.end(), [&](const PlannedFlow& each) {
+      return std::any_of(each.links.begin(), each.links.end(),
+                         [&](std::size_t index) { return &wires_[index] == &wire; });
+    });
+    if (flow == flows_.end()) continue;
+    if (const auto bytes = model::sample_bytes(flow->type, output.json); bytes) wire.link.give_safe(*bytes);
+  }
 }
 
 PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
@@ -290,16 +325,21 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
     health.refused += output ? block.unfit.load(relaxed) : block.refused.load(relaxed);
     health.late += block.late.load(relaxed);
     newest = std::max(newest, block.newest_ns.load(relaxed));
+    if (!output && !wire.link.safe().empty()) {
+      const std::int64_t last = block.newest_ns.load(relaxed);
+      health.safe |= wire.link.trusted_from() > written || written == 0 ||
+                     (block.deadline_ns > 0 && now_ns - last > block.deadline_ns);
+    }
   }
   if (newest != 0) health.age_ns = std::max<std::int64_t>(now_ns - newest, 0);
   return health;
 }
 
-std::vector<host::PortLink> Wiring::of_host(const model::Device& device) const {
+std::vector<host::PortLink> Wiring::of_host(const model::HostShare& host) const {
   std::vector<host::PortLink> ends;
   for (const Wire& wire : wires_) {
     for (const LinkEnd* end : {&wire.plan.from, &wire.plan.to}) {
-      if (!end->module || device.modules[*end->module].type != model::ModuleType::thread) continue;
+      if (!end->module || std::count(host.modules.begin(), host.modules.end(), *end->module) == 0) continue;
       ends.push_back({*end->module, end->port, wire.memory.fd().get(), wire.plan.typed,
                       end == &wire.plan.to && wire.plan.stale == model::Stale::error});
     }

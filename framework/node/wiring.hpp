@@ -13,7 +13,9 @@
 #include <takt/dds/gateway.hpp>
 #include <takt/host/protocol.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/model/hosts.hpp>
 #include <takt/model/ports.hpp>
+#include <takt/model/safe.hpp>
 #include <takt/os/shared_memory.hpp>
 
 namespace takt::node {
@@ -28,12 +30,16 @@ struct LinkEnd {
 struct PlannedLink {
   LinkEnd from{};
   LinkEnd to{};
-  /// Both ends are C++ modules of the host: the samples are values in its memory. Otherwise they are bytes in
+  /// Both ends are C++ modules of one host: the samples are values in its memory. Otherwise they are bytes in
   /// the link's.
   bool typed = false;
   channel::Link::Options options{};
   model::Stale stale =
       model::Stale::hold;  ///< what the reader does when a value is older than options.deadline_ns
+  /// Whose output it is, where its reader gets a safe value while that module does not execute; not given: it
+  /// gets none.
+  model::Endpoint writer{};
+  std::vector<std::byte> safe{};  ///< the value, as far as it is known here: not of another device's
 };
 
 /// A topic that the gateway moves samples to or from.
@@ -77,6 +83,7 @@ struct PortHealth {
   std::uint64_t dropped = 0;      ///< from full queues
   std::uint64_t refused = 0;      ///< values or bytes that are none of the type
   std::uint64_t late = 0;         ///< times that a value became older than its connection's deadline
+  bool safe = false;              ///< of an input: its reader gets the safe value at present
   std::int64_t age_ns = -1;       ///< of the newest value; -1: there is none
   std::string incompatible{};     ///< the QoS policy that kept somebody from matching; empty: none
 };
@@ -99,14 +106,17 @@ class Wiring {
   [[nodiscard]] std::vector<Wire*> with_deadline(std::uint32_t module);
   [[nodiscard]] const std::vector<PlannedFlow>& flows() const noexcept { return flows_; }
 
+  /// The safe value of an output of another device.
+  void give_safe(const model::SafeOutput& output);
+
   /// As the links tell it at this time (monotonic), and `on_dds` of those that go on there, by their index;
   /// it gives nothing for a link whose flow is not open.
   using OnDds = std::function<std::optional<dds::FlowHealth>(std::size_t wire)>;
   [[nodiscard]] PortHealth health(std::uint32_t module, const model::Port& port, std::int64_t now_ns,
                                   const OnDds& on_dds) const;
 
-  /// What the host is told of the links of its modules.
-  [[nodiscard]] std::vector<host::PortLink> of_host(const model::Device& device) const;
+  /// What a host is told of the links of its modules.
+  [[nodiscard]] std::vector<host::PortLink> of_host(const model::HostShare& host) const;
   /// What a program is told of its links: "PORT=FD,PORT=FD", the value of TAKT_LINKS.
   [[nodiscard]] std::string of_program(std::uint32_t module) const;
   /// The descriptors of all links of these, for whoever starts them.

@@ -85,7 +85,7 @@ void Fiber::enter(unsigned low, unsigned high) {
       reinterpret_cast<Course*>(static_cast<std::uintptr_t>(low) | static_cast<std::uintptr_t>(high) << 32);
   course->arrived();
   course->body();
-  TAKT_CHECK(!"the body of a fiber does not return");
+  TAKT_CHECK(false && "the body of a fiber does not return");
 }
 
 void Fiber::hand_over_to(Fiber& other) {

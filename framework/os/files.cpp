@@ -72,7 +72,7 @@ std::optional<std::string> read_section(const std::string& path, const std::stri
   return {};
 }
 
-Result<void> replace_file(const std::string& path, const std::string& content) {
+Result<void> replace_file(const std::string& path, const std::string& content, Readers readers) {
   const std::filesystem::path target{path};
   const std::string folder = target.parent_path().empty() ? "." : target.parent_path().string();
   std::error_code error;
@@ -86,7 +86,8 @@ Result<void> replace_file(const std::string& path, const std::string& content) {
     ::unlink(temporary.c_str());
     return problem;
   };
-  Fd file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600)};
+  Fd file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW,
+                 readers == Readers::owner ? 0600 : 0644)};
   if (!file) return failed();
   for (std::size_t written = 0; written < content.size();) {
     const ssize_t n = ::write(file.get(), content.data() + written, content.size() - written);
@@ -119,9 +120,43 @@ Result<std::optional<std::string>> read_file(const std::string& path, std::size_
   return fail(path + " has more than " + std::to_string(most) + " bytes");
 }
 
+std::string text_of(const std::string& path) {
+  constexpr std::size_t kMost = std::size_t{16} << 20;
+  const auto content = read_file(path, kMost);
+  if (!content.ok() || !*content) return {};
+  std::string text = **content;
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) text.pop_back();
+  return text;
+}
+
 Result<void> remove_file(const std::string& path) {
   if (::unlink(path.c_str()) != 0 && errno != ENOENT) return errno_problem(path, "let this user remove it");
   return {};
+}
+
+std::optional<Rights> rights_of(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+  const auto may = [&status](mode_t bit) { return (status.st_mode & bit) != 0; };
+  return Rights{.is_folder = S_ISDIR(status.st_mode),
+                .group_reads = may(S_IRGRP),
+                .group_writes = may(S_IWGRP),
+                .others_read = may(S_IROTH),
+                .others_write = may(S_IWOTH)};
+}
+
+Result<void> make_private_folder(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path above = std::filesystem::path{path}.parent_path();
+  if (!above.empty()) std::filesystem::create_directories(above, error);
+  if (error) return error_problem(above.string(), error.value(), "name a folder that this user may write to");
+  if (::mkdir(path.c_str(), 0700) == 0) return {};
+  if (errno != EEXIST) return errno_problem(path, "name a folder that this user may write to");
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return errno_problem(path);
+  if (!S_ISDIR(status.st_mode)) return fail(path + " is a file", "name a folder");
+  if ((status.st_mode & 077) == 0) return {};
+  return fail("others may enter the folder " + path, "chmod 700 " + path);
 }
 
 bool output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }

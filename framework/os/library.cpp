@@ -132,7 +132,13 @@ Result<Library> Library::open(const std::string& path, Globals globals) {
   return library;
 }
 
-void* Library::own_function(const char* name) const noexcept {
+bool Library::is_loaded(const std::string& path) noexcept {
+  void* handle = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD);
+  if (handle != nullptr) ::dlclose(handle);
+  return handle != nullptr;
+}
+
+void* Library::own_symbol(const char* name) const noexcept {
   void* address = ::dlsym(handle_, name);
   if (address == nullptr) return nullptr;
   Dl_info where{};

@@ -28,9 +28,13 @@ class Library {
   /// between copies (STB_GNU_UNIQUE, from inline variables and templates of C++).
   static Result<Library> open(const std::string& path, Globals globals);
 
-  /// The address of a function that this object itself defines; null when it does not. A symbol of one of the
-  /// libraries it was linked with does not count: the C library too has a function `error`.
-  [[nodiscard]] void* own_function(const char* name) const noexcept;
+  /// A file of this name, or this file by another name, is loaded already: `shared` would be that object,
+  /// even where another file has taken its name since.
+  static bool is_loaded(const std::string& path) noexcept;
+
+  /// The address of a function or variable that this object itself defines; null when it does not. A symbol
+  /// of one of the libraries it was linked with does not count: the C library too has a function `error`.
+  [[nodiscard]] void* own_symbol(const char* name) const noexcept;
 
   /// Never unloads: for an object in which a thread may still be.
   void abandon() noexcept { handle_ = nullptr; }

@@ -10,6 +10,8 @@
 #include <sstream>
 #include <string_view>
 
+#include <takt/os/files.hpp>
+
 namespace takt::os {
 
 namespace {
@@ -20,14 +22,6 @@ namespace fs = std::filesystem;
 constexpr int kFairServerMajor = 6;
 constexpr int kFairServerMinor = 12;
 constexpr Nanoseconds kFairServerKeeps = std::chrono::milliseconds{50};
-
-// Without the line feed at its end; empty where it cannot be read.
-std::string text_of(const fs::path& file) {
-  std::ifstream stream{file};
-  std::string text{std::istreambuf_iterator<char>{stream}, {}};
-  while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) text.pop_back();
-  return text;
-}
 
 template <class Number>
 std::optional<Number> number_in(std::string_view text) {

@@ -7,18 +7,12 @@
 #include <sstream>
 
 #include <takt/os/environment.hpp>
+#include <takt/os/files.hpp>
 #include <takt/os/machine.hpp>
 
 namespace takt::os {
 
 namespace {
-
-std::string first_line(const char* path) {
-  std::ifstream file{path};
-  std::string line;
-  std::getline(file, line);
-  return line;
-}
 
 /// The value of the first line that begins with `key`, in a file of "key : value" lines.
 std::string value_of(const char* path, const std::string& key) {
@@ -49,7 +43,7 @@ Platform describe_platform() {
     platform.throttled = std::chrono::duration<double>(machine.throttling->kept).count() /
                          std::chrono::duration<double>(machine.throttling->period).count();
   }
-  const std::string load = first_line("/proc/loadavg");
+  const std::string load = text_of("/proc/loadavg");
   platform.load = load.substr(0, load.find(' ', load.find(' ', load.find(' ') + 1) + 1));
   return platform;
 }

@@ -1,6 +1,8 @@
 // Signals as something to wait for, and the last words of a thread that crashes.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -31,9 +33,21 @@ void survive_broken_pipes();
 bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms);
 
 /// Called in the thread that crashes (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT), on a stack of its own;
-/// afterwards the process ends by the same signal. Async-signal-safe.
-using CrashHandler = void (*)(int signal) noexcept;
+/// afterwards the process ends by the same signal. `at` is the address at which it crashed. To be
+/// async-signal-safe; should it crash itself, it is called again for that, once for each signal.
+using CrashHandler = void (*)(int signal, std::uintptr_t at) noexcept;
+/// Allocates: what walk_stack() needs is loaded here.
 void on_crash(CrashHandler handler);
+
+/// A place in a file that is loaded.
+struct CodeAt {
+  std::uintptr_t address;  ///< as the file counts
+  const char* object;      ///< the file; empty: the program itself
+};
+/// By a CrashHandler: the calls that led to where it crashed, innermost first, one after the other to
+/// `found`. A stack that is broken may crash it again.
+void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&) noexcept) noexcept;
+
 /// Gives the calling thread the stack for that, so that a stack overflow is reported too. Kept until the
 /// thread ends.
 void prepare_crash_stack();

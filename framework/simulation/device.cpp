@@ -29,7 +29,7 @@ Result<void> Device::prepare() {
   std::vector<std::string> modules;
   for (const auto& executor : model().executors) executors.push_back(executor.name);
   for (const auto& module : model().modules) modules.push_back(module.name);
-  auto channel = channel::Channel::create(executors, modules);
+  auto channel = channel::Channel::create(1, executors, modules);
   if (!channel) return channel.problems();
   channel_ = std::move(*channel);
   bell_ = std::make_unique<channel::Bell>();

@@ -47,6 +47,8 @@ struct World {
   std::uint64_t seed = 0;
   int cpus = 0;  ///< of each device, for executors that name none; 0: each has its own
   Network* network = nullptr;
+  /// A fault on this device is the whole cell's.
+  std::function<void(std::uint32_t device, const std::string& why)> stop_cell{};
 };
 
 class Device {
@@ -63,6 +65,8 @@ class Device {
   void go(Instant t0);
   /// Halts, destructs, and has ended some time after.
   void stop();
+  /// The same, for a fault of another device that is the whole cell's.
+  void stop_for(Problem problem);
   [[nodiscard]] Phase phase() const noexcept { return phase_; }
   [[nodiscard]] const Problems& failures() const noexcept { return failures_; }
 

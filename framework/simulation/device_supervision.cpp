@@ -45,6 +45,10 @@ bool Device::apply(Member& member, lifecycle::Event event, const std::string& te
   return true;
 }
 
+void Device::stop_for(Problem problem) {
+  if (phase_ == Phase::running) fail_device(std::move(problem));
+}
+
 void Device::fail_device(Problem problem) {
   failures_.push_back(std::move(problem));
   stop();
@@ -87,7 +91,7 @@ void Device::prepare_step() {
 void Device::go(Instant t0) {
   phase_ = Phase::running;
   t0_ = t0;
-  channel_.host().t0_ns.store(to_ns(t0));
+  channel_.host(0).t0_ns.store(to_ns(t0));
   for (auto& member : members_) {
     if (member->seat) member->seat->t0_ns.store(to_ns(t0));
   }
@@ -151,9 +155,12 @@ void Device::supervise(Member& member) {
     if (member.state() == State::start) apply(member, lifecycle::Event::run);  // its first row went wrong
     raise(member, static_cast<ErrorType>(type), text);
     if (static_cast<ErrorType>(type) == ErrorType::overrun &&
-        member.contract.what == model::Overrun::stop_device) {
-      fail_device({"module " + model().name + "." + member.model.name, "overrun: " + text,
-                   "give it more time, or another <overrun> than stop-device"});
+        (member.contract.what == model::Overrun::stop_device ||
+         member.contract.what == model::Overrun::stop_cell)) {
+      if (member.contract.what == model::Overrun::stop_cell) world_.stop_cell(index_, text);
+      fail_device(
+          {"module " + model().name + "." + member.model.name, "overrun: " + text,
+           std::string{"give it more time, or another <overrun> than "} + to_text(member.contract.what)});
       return;
     }
   }
@@ -343,7 +350,8 @@ void Device::give_up(Member& member) {
         "after " + std::to_string(member.recovery.attempts()) + " attempts");
   if (member.is_thread() && !member.lost) ask(member, Doing::destruct);
   Problem problem{"module " + model().name + "." + member.model.name, "was given up: " + member.why, ""};
-  if (member.model.recovery.then == model::GiveUp::stop_device)
+  if (member.model.recovery.then == model::GiveUp::stop_cell) world_.stop_cell(index_, to_text(problem));
+  if (member.model.recovery.then != model::GiveUp::destruct)
     fail_device(std::move(problem));
   else
     failures_.push_back(std::move(problem));
@@ -362,7 +370,9 @@ void Device::lose(Member& member, const std::string& text, ErrorType type) {
   else if (member.machine.accepts(lifecycle::Event::destruct))
     apply(member, lifecycle::Event::destruct, text, type);
   Problem problem{"module " + model().name + "." + member.model.name, text, ""};
-  if (member.model.recovery.then == model::GiveUp::stop_device && phase_ == Phase::running)
+  if (member.model.recovery.then == model::GiveUp::stop_cell && phase_ == Phase::running)
+    world_.stop_cell(index_, to_text(problem));
+  if (member.model.recovery.then != model::GiveUp::destruct && phase_ == Phase::running)
     fail_device(std::move(problem));
   else
     failures_.push_back(std::move(problem));

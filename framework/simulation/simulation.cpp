@@ -17,6 +17,8 @@ constexpr Nanoseconds kLead = std::chrono::milliseconds{150};
 /// By then every device has ended, whatever never comes back.
 constexpr Nanoseconds kEndLimit = std::chrono::seconds{30};
 constexpr Nanoseconds kLook = std::chrono::milliseconds{5};
+/// From a fault that is the whole cell's until the other devices have heard of it and look at it.
+constexpr Nanoseconds kHeard = std::chrono::milliseconds{10};
 
 class Both final : public Listener {
  public:
@@ -54,6 +56,14 @@ Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::Dev
     devices.push_back(std::make_unique<Device>(world, i));
     if (auto prepared = devices.back()->prepare(); !prepared) return prepared.problems();
   }
+  world.stop_cell = [&](std::uint32_t device, const std::string& why) {
+    for (std::uint32_t other = 0; other < devices.size(); ++other) {
+      if (other == device) continue;
+      kernel.at(kernel.now() + kHeard, [&devices, &cell, other, why] {
+        devices[other]->stop_for({"device " + cell.devices[other].name, "stops with its cell: " + why, ""});
+      });
+    }
+  };
   const auto all_are = [&devices](Device::Phase phase) {
     return std::all_of(devices.begin(), devices.end(),
                        [phase](const auto& d) { return d->phase() == phase; });

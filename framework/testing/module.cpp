@@ -53,12 +53,16 @@ schedule::ExecutorPlan plan_of(const Options& options) {
 detail::TestedFile::TestedFile(const char* path) { tested_file() = path; }
 
 Wire::Wire(const TypeInfo& type, std::uint32_t depth, bool is_queue, Nanoseconds deadline) : type_(type) {
-  const channel::Link::Options options{
-      .depth = depth, .payload = type.max_size, .is_queue = is_queue, .deadline_ns = deadline.count()};
+  const channel::Link::Options options{.depth = depth,
+                                       .payload = type.max_size,
+                                       .is_queue = is_queue,
+                                       .deadline_ns = deadline.count(),
+                                       .safe = is_queue ? 0 : type.max_size};
   memory_ = std::make_shared<std::vector<Line>>(channel::Link::layout(options).size() / sizeof(Line) + 1);
   auto* bytes = reinterpret_cast<std::byte*>(memory_->data());
   channel::Link::format(bytes, options);
   link_ = channel::Link{bytes};
+  link_.trust();
 }
 
 struct Module::Inside {
@@ -87,6 +91,8 @@ struct Module::Inside {
   void connect();
   Answer initialize();
   Answer take(Event event);
+  /// Into RECOVER, without its hook.
+  Answer leave(ErrorType type, std::string text, std::uint64_t cycle);
   Answer fails(ErrorType type, std::string text, std::uint64_t cycle);
   void put_in(bool in);
   void collect();
@@ -181,10 +187,15 @@ void Module::Inside::put_in(bool in) {
   block.in_tables = in ? 1 : 0;
 }
 
-Answer Module::Inside::fails(ErrorType type, std::string text, std::uint64_t cycle) {
+Answer Module::Inside::leave(ErrorType type, std::string text, std::uint64_t cycle) {
+  if (!machine.accepts(Event::error)) return take(Event::error);
   put_in(false);
-  if (auto taken = take(Event::error); !taken) return taken;
   failure = {.type = type, .text = std::move(text), .cycle = cycle};
+  return take(Event::error);
+}
+
+Answer Module::Inside::fails(ErrorType type, std::string text, std::uint64_t cycle) {
+  if (auto left = leave(type, std::move(text), cycle); !left) return left;
   return subject->error(type);
 }
 
@@ -278,6 +289,13 @@ Answer Module::error(ErrorType type) {
   return failed;
 }
 
+Answer Module::crash() {
+  Inside& in = *inside_;
+  auto left = in.leave(ErrorType::crash, "the test said so", in.executor->next_row());
+  if (left) in.subject->crash();
+  return left;
+}
+
 Answer Module::recover() {
   Inside& in = *inside_;
   if (!in.machine.accepts(Event::recover)) return in.take(Event::recover);
@@ -312,6 +330,7 @@ Answer Module::destruct() {
 Answer Module::reset() {
   Inside& in = *inside_;
   if (!in.machine.accepts(Event::reset)) return in.take(Event::reset);
+  in.subject->forget();
   if (auto loaded = in.load(); !loaded) return loaded;
   in.failure = {};
   in.was_started = false;

@@ -72,6 +72,9 @@ class Course {
   /// The program goes on until it waits, attaches or ends.
   void go_on();
 
+  /// Nobody hands over to it again.
+  void crash() { ended_ = true; }
+
   [[nodiscard]] bool begun() const { return begun_; }
   [[nodiscard]] bool ended() const { return ended_; }
   /// "called exit(1) before initPeriodExe()"
@@ -145,7 +148,7 @@ Result<void> Course::load() {
   for_ever.back()->take(path_);
   ports_ = take_loose_ports();
   properties_of_file_ = take_loose_properties();
-  main_ = reinterpret_cast<Main>(library_.own_function("main"));
+  main_ = reinterpret_cast<Main>(library_.own_symbol("main"));
   library_.abandon();
   if (main_ == nullptr) return fail(path_ + " has no main()", "name a program of takt_add_process()");
   return {};
@@ -309,6 +312,7 @@ class ProgramSubject final : public Subject {
     if (life_->course.begun() && !life_->course.ended()) life_->course.go_on();
     return {};
   }
+  void crash() override { life_->course.crash(); }
   [[nodiscard]] bool ended() const override { return life_->course.ended(); }
 
   Result<void> check(const std::string&, const std::string&) override { return {}; }

@@ -40,8 +40,12 @@ class Subject {
   virtual Result<void> error(ErrorType type) = 0;
   virtual Result<void> recover() = 0;
   virtual Result<void> destruct() = 0;
-  /// A program has come to its end; to recover it has to be loaded and started again.
-  [[nodiscard]] virtual bool ended() const { return false; }
+  /// Its process dies under it.
+  virtual void crash() = 0;
+  /// It crashed, or is a program that has come to its end; to recover it has to be loaded and started again.
+  [[nodiscard]] virtual bool ended() const = 0;
+  /// What it saved is gone.
+  virtual void forget() {}
 
   /// Before initialize(): whether it would be taken.
   virtual Result<void> check(const std::string& name, const std::string& text) = 0;

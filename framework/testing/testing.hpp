@@ -131,6 +131,12 @@ class In final : public Wire {
   /// The next run() sees it `age` after the run() that wrote it began. Throws where the value is none of the
   /// type: a string or sequence beyond its bound, an enumerator that is none.
   void write(const T& value, Nanoseconds age = Nanoseconds{0});
+  /// The output that the input is connected to has this safe value: the module gets it until the first
+  /// write(), after lose(), and when what was written last is older than the connection's deadline. Throws as
+  /// write(), and for a queue, whose readers get none.
+  void safe(const T& value);
+  /// The module that writes does not execute any more, or its device is lost; until the next write().
+  void lose() { link().withhold(); }
   /// Times that the newest value was found older than the connection's deadline.
   [[nodiscard]] std::uint64_t late() const { return link().block().late.load(); }
   /// Samples that were overwritten before the module read them.
@@ -140,6 +146,7 @@ class In final : public Wire {
   friend class Module;
   In(const Module& module, std::uint32_t depth, bool is_queue, Nanoseconds deadline)
       : Wire(PortType<T>::info, depth, is_queue, deadline), module_(module), writer_(link()) {}
+  static std::uint32_t encode(const T& value, std::byte* to);
   const Module& module_;
   channel::LinkWriter writer_;
 };
@@ -300,10 +307,13 @@ class Module {
   Answer stop();
   /// An error of this type comes upon it, as from outside.
   Answer error(ErrorType type);
+  /// Its process dies under it, and no hook is called: RECOVER, with an error of type crash. recover() loads
+  /// it again, and what it saves comes back to it.
+  Answer crash();
   /// One attempt. A program that ended is started again.
   Answer recover();
   Answer destruct();
-  /// Loaded afresh. What was set and connected stays.
+  /// Loaded afresh. What was set and connected stays, and what it saved is gone.
   Answer reset();
   [[nodiscard]] lifecycle::State state() const;
 
@@ -362,12 +372,25 @@ struct TestedFile {
 }  // namespace detail
 
 template <class T>
+std::uint32_t In<T>::encode(const T& value, std::byte* to) {
+  const std::uint32_t size = PortType<T>::encode(value, to, PortType<T>::info.max_size);
+  if (size != 0) return size;
+  throw Error("the value is no " + std::string{PortType<T>::info.name} +
+              ": a string or sequence is longer than its bound, or an enumerator is none");
+}
+
+template <class T>
+void In<T>::safe(const T& value) {
+  if (!link().has_safe_place()) throw Error("readers of a queue get no safe value");
+  std::vector<std::byte> bytes(PortType<T>::info.max_size);
+  bytes.resize(encode(value, bytes.data()));
+  link().give_safe(bytes);
+}
+
+template <class T>
 void In<T>::write(const T& value, Nanoseconds age) {
-  const std::uint32_t size = PortType<T>::encode(value, link().payload(writer_.buffer()), link().stride());
-  if (size == 0) {
-    throw Error("the value is no " + std::string{PortType<T>::info.name} +
-                ": a string or sequence is longer than its bound, or an enumerator is none");
-  }
+  const std::uint32_t size = encode(value, link().payload(writer_.buffer()));
+  link().trust();
   writer_.publish(size, to_ns(module_.next_release() - age));
 }
 

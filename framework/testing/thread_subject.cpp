@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -37,6 +38,7 @@ class ThreadSubject final : public Subject {
       : path_(std::move(path)), sporadic_(sporadic) {
     module_.keep_time_by(clock);
     module_.attach(nullptr, &block, model::Timing::direct, sporadic ? Nanoseconds{0} : period);
+    module_.save_in(*saved_);
   }
 
   // As the host does: objects of a C++ component share a file, and each further module in C gets a copy.
@@ -50,10 +52,17 @@ class ThreadSubject final : public Subject {
     return loaded;
   }
   Result<void> initialize(const irp::Property& properties) override { return module_.initialize(properties); }
-  Result<void> start() override { return module_.start(); }
+  Result<void> start() override {
+    auto started = module_.start();
+    if (started) crashed_ = false;
+    return started;
+  }
   Result<void> error(ErrorType type) override { return module_.error(type); }
   Result<void> recover() override { return module_.recover(); }
-  Result<void> destruct() override { return module_.destruct(); }
+  Result<void> destruct() override { return crashed_ ? Result<void>{} : module_.destruct(); }
+  void crash() override { crashed_ = true; }
+  [[nodiscard]] bool ended() const override { return crashed_; }
+  void forget() override { saved_->clear(); }
 
   Result<void> check(const std::string& name, const std::string& text) override {
     if (module_.component() == nullptr) return {};  // it looks itself, in initialize()
@@ -85,7 +94,9 @@ class ThreadSubject final : public Subject {
  private:
   std::string path_;
   bool sporadic_;
+  bool crashed_ = false;  // and is not yet started again
   LoadedFile file_;
+  std::unique_ptr<channel::SavedState> saved_ = std::make_unique<channel::SavedState>();
   host::ThreadModule module_;
 };
 

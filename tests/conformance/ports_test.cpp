@@ -27,7 +27,25 @@ using Sample = ::samples::Count;
 
 struct Quality {
   std::uint32_t depth = 1;
+  bool safe = false;
+  Nanoseconds deadline{};
+
+  [[nodiscard]] std::uint32_t safe_room() const { return safe ? PortType<Sample>::info.max_size : 0; }
 };
+
+/// A safe value that no writer ever writes.
+Sample safe_sample() {
+  Sample sample;
+  sample.number(1'000'000);
+  sample.same()[3] = -1;
+  sample.few().push_back(7);
+  return sample;
+}
+void give_safe(const channel::Link& link) {
+  std::vector<std::byte> bytes(PortType<Sample>::info.max_size);
+  bytes.resize(PortType<Sample>::encode(safe_sample(), bytes.data(), PortType<Sample>::info.max_size));
+  link.give_safe(bytes);
+}
 
 /// One writer, one reader, and what lies between. Settles at once.
 template <bool kObjects>
@@ -41,7 +59,9 @@ class Link {
   explicit Link(Quality quality) {
     const channel::Link::Options options{.depth = quality.depth,
                                          .payload = kObjects ? 0 : PortType<Sample>::info.max_size,
-                                         .is_queue = quality.depth > 1};
+                                         .is_queue = quality.depth > 1,
+                                         .deadline_ns = quality.deadline.count(),
+                                         .safe = quality.safe_room()};
     memory_ = std::move(os::SharedMemory::create("takt-link", channel::Link::layout(options).size()).value());
     channel::Link::format(memory_.data(), options);
     if (kObjects) values_ = OutPort<Sample>{"any"}.make_values(link().buffers());
@@ -49,6 +69,7 @@ class Link {
   void connect(PortBase& port) { port.connect(link(), values_); }
   /// Returns once what was written can be read, or is lost.
   void settle() const {}
+  [[nodiscard]] channel::Link at_reader() const { return link(); }
   [[nodiscard]] std::uint64_t dropped() const { return link().block().overwritten.load(); }
   [[nodiscard]] std::uint64_t unfit() const { return link().block().unfit.load(); }
 
@@ -73,7 +94,9 @@ class BetweenDevices {
     const channel::Link::Options options{.depth = quality.depth,
                                          .payload = PortType<Sample>::info.max_size,
                                          .is_queue = quality.depth > 1,
-                                         .wake_bits = channel::kGatewayBit};
+                                         .wake_bits = channel::kGatewayBit,
+                                         .deadline_ns = quality.deadline.count(),
+                                         .safe = quality.safe_room()};
     for (os::SharedMemory* memory : {&from_, &to_}) {
       *memory = os::SharedMemory::create("takt-link", channel::Link::layout(options).size()).value();
       channel::Link::format(memory->data(), options);
@@ -112,6 +135,7 @@ class BetweenDevices {
              moved == from.taken.load() && link(to_).block().written.load() == moved;
     });
   }
+  [[nodiscard]] channel::Link at_reader() const { return link(to_); }
   [[nodiscard]] std::uint64_t dropped() const {
     return link(from_).block().overwritten.load() + link(to_).block().overwritten.load();
   }
@@ -369,6 +393,175 @@ TYPED_TEST(Ports, RefuseAValueBeyondItsBounds) {
   EXPECT_EQ(way.unfit(), 1U);
 }
 
+bool is_safe_sample(const Sample& sample) {
+  return sample.number() == 1'000'000 && sample.same()[3] == -1 && sample.few().size() == 1 &&
+         sample.few()[0] == 7;
+}
+
+TYPED_TEST(Ports, BeginWithTheSafeValueWhileTheWriterDoesNotExecute) {
+  TypeParam way{Quality{.safe = true}};
+  give_safe(way.at_reader());
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  EXPECT_TRUE(reader.in.has_news());
+  ASSERT_TRUE(reader.in.read()) << "it comes like a sample";
+  EXPECT_TRUE(reader.in.is_safe());
+  EXPECT_TRUE(reader.in.is_new());
+  EXPECT_TRUE(reader.in.has_value());
+  EXPECT_TRUE(is_safe_sample(reader.in.value()));
+  EXPECT_FALSE(reader.in.read()) << "and once";
+  EXPECT_FALSE(reader.in.is_new());
+  EXPECT_FALSE(reader.in.has_news());
+  EXPECT_TRUE(is_safe_sample(reader.in.value()));
+  writer.write(1);
+  way.settle();
+  EXPECT_FALSE(reader.in.read()) << "what it writes meanwhile is not to be trusted";
+  EXPECT_TRUE(is_safe_sample(reader.in.value()));
+}
+
+TYPED_TEST(Ports, GiveSamplesAgainFromTheFirstThatIsWrittenWhenItExecutes) {
+  TypeParam way{Quality{.safe = true}};
+  give_safe(way.at_reader());
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  writer.write(1);
+  way.settle();
+  way.at_reader().trust();
+  ASSERT_TRUE(reader.in.read());
+  EXPECT_TRUE(reader.in.is_safe()) << "the old one is not given";
+  writer.write(2);
+  way.settle();
+  ASSERT_TRUE(reader.in.read());
+  EXPECT_FALSE(reader.in.is_safe());
+  EXPECT_EQ(reader.in.value().number(), 2U);
+  way.at_reader().trust();  // again, and nothing changes
+  EXPECT_FALSE(reader.in.read());
+  EXPECT_EQ(reader.in.value().number(), 2U);
+}
+
+TYPED_TEST(Ports, GiveTheSafeValueWhenTheWriterStops) {
+  TypeParam way{Quality{.safe = true}};
+  give_safe(way.at_reader());
+  way.at_reader().trust();
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  for (std::uint64_t round = 1; round <= 3; ++round) {
+    way.at_reader().trust();
+    writer.write(round);
+    way.settle();
+    ASSERT_TRUE(reader.in.read());
+    EXPECT_EQ(reader.in.value().number(), round);
+    way.at_reader().withhold();
+    EXPECT_TRUE(reader.in.has_news());
+    ASSERT_TRUE(reader.in.read());
+    EXPECT_TRUE(is_safe_sample(reader.in.value()));
+    EXPECT_FALSE(reader.in.read());
+  }
+}
+
+TYPED_TEST(Ports, GiveTheSafeValueInPlaceOfASampleThatIsOlderThanTheDeadline) {
+  constexpr Nanoseconds kDeadline = std::chrono::seconds{1};
+  constexpr Nanoseconds kNear = TypeParam::kTolerance;
+  TypeParam way{Quality{.safe = true, .deadline = kDeadline}};
+  give_safe(way.at_reader());
+  way.at_reader().trust();
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  const std::int64_t start = to_ns(os::now());
+  writer.write(1, start);
+  way.settle();
+  reader.context.start_ns = start + (kDeadline - kNear).count();
+  ASSERT_TRUE(reader.in.read());
+  EXPECT_FALSE(reader.in.is_safe()) << "as old as the deadline is not older";
+  reader.context.start_ns = start + (kDeadline + kNear).count() + 1;
+  EXPECT_TRUE(reader.in.has_news());
+  ASSERT_TRUE(reader.in.read());
+  EXPECT_TRUE(reader.in.is_safe());
+  EXPECT_TRUE(is_safe_sample(reader.in.value()));
+  reader.context.start_ns = start + (kDeadline - kNear).count();
+  EXPECT_FALSE(reader.in.read());
+  EXPECT_TRUE(reader.in.is_safe()) << "until a fresh one comes, whatever the clock does";
+  writer.write(2, start);
+  way.settle();
+  reader.context.start_ns = start + 2 * (kDeadline + kNear).count();
+  EXPECT_FALSE(reader.in.read()) << "which this is not";
+  EXPECT_TRUE(is_safe_sample(reader.in.value()));
+  writer.write(3, start + 1'000'000);
+  way.settle();
+  reader.context.start_ns = start + (kDeadline - kNear).count();
+  ASSERT_TRUE(reader.in.read());
+  EXPECT_FALSE(reader.in.is_safe());
+  EXPECT_EQ(reader.in.value().number(), 3U);
+}
+
+TYPED_TEST(Ports, AreAsWithoutASafeValueUntilItIsKnown) {
+  TypeParam way{Quality{.safe = true}};
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  EXPECT_FALSE(reader.in.read());
+  writer.write(1);
+  way.settle();
+  ASSERT_TRUE(reader.in.read());
+  EXPECT_FALSE(reader.in.is_safe());
+  give_safe(way.at_reader());
+  ASSERT_TRUE(reader.in.read());
+  EXPECT_TRUE(is_safe_sample(reader.in.value()));
+}
+
+TYPED_TEST(Ports, NeverShowWhatWasWrittenWhileTheWriterDidNotExecute) {
+  TypeParam way{Quality{.safe = true}};
+  if (!TypeParam::kAtOnce) GTEST_SKIP() << "samples under way are of before or after";
+  give_safe(way.at_reader());
+  Writer writer;
+  Reader reader;
+  way.connect(writer.out);
+  way.connect(reader.in);
+  std::atomic<bool> over{false};
+  std::thread thread{[&] {
+    std::uint64_t number = 0;  // those that are odd are written by a module that executes
+    for (std::uint64_t round = 0; round < TypeParam::kMany / 10; ++round) {
+      way.at_reader().trust();
+      for (int i = 0; i < 5; ++i) writer.write(number += number % 2 == 0 ? 1 : 2);
+      way.at_reader().withhold();
+      ++number;
+      writer.write(number);
+    }
+    over = true;
+  }};
+  std::uint64_t safe = 0;
+  std::uint64_t live = 0;
+  std::uint64_t wrong = 0;
+  std::uint64_t last = 0;
+  while (!over) {
+    const bool found = reader.in.read();
+    const Sample& sample = reader.in.value();
+    if (reader.in.is_safe()) {
+      safe += found ? 1 : 0;
+      wrong += is_safe_sample(sample) ? 0 : 1;
+    } else {
+      live += found ? 1 : 0;
+      wrong += is_whole(sample) && sample.number() % 2 == 1 && (!found || sample.number() > last) ? 0 : 1;
+      last = sample.number();
+    }
+  }
+  thread.join();
+  EXPECT_EQ(wrong, 0U);
+  reader.in.read();
+  EXPECT_TRUE(is_safe_sample(reader.in.value()));
+  this->RecordProperty("safe", static_cast<int>(safe));
+  this->RecordProperty("live", static_cast<int>(live));
+}
+
 TYPED_TEST(Ports, NeverShowATornSample) {
   for (const std::uint32_t depth : {1U, 5U}) {
     TypeParam way{Quality{.depth = depth}};
@@ -396,6 +589,35 @@ TYPED_TEST(Ports, NeverShowATornSample) {
     EXPECT_EQ(seen.wrong, 0U);
     EXPECT_EQ(seen.last, kSamples) << "the newest is never lost";
     EXPECT_EQ(seen.read + way.dropped(), kSamples);
+  }
+}
+
+// Of bytes alone, which outlive a process.
+TEST(RingPorts, GiveTheLatestValueToANewInstanceOfTheReader) {
+  for (const bool is_queue : {false, true}) {
+    Ring ring{Quality{.depth = is_queue ? 4U : 1U}};
+    Writer writer;
+    ring.connect(writer.out);
+    {
+      Reader first;
+      ring.connect(first.in);
+      EXPECT_FALSE(first.in.read()) << "nothing was ever written";
+      writer.write(1);
+      EXPECT_EQ(first.read_all(), Numbers{1});
+    }
+    {
+      Reader second;
+      ring.connect(second.in);
+      EXPECT_EQ(second.read_all(), Numbers{}) << "it was read";
+      EXPECT_EQ(second.in.has_value(), !is_queue);
+      EXPECT_EQ(second.in.sequence(), is_queue ? 0U : 1U);
+      EXPECT_EQ(second.in.value().number(), is_queue ? 0U : 1U);
+    }
+    writer.write(2);
+    Reader third;
+    ring.connect(third.in);
+    EXPECT_EQ(third.read_all(), Numbers{2});
+    EXPECT_TRUE(is_whole(third.in.value()));
   }
 }
 

@@ -6,6 +6,8 @@ import shutil
 import subprocess
 import uuid
 
+import takt_system
+
 
 def available():
     """Why not, or an empty text."""
@@ -28,6 +30,7 @@ class Networks:
         self.mark = "t" + uuid.uuid4().hex[:6]
         self.machines = machines
         self._bridge = self.mark + "-bridge"
+        self._switch = None
 
     def __enter__(self):
         try:
@@ -51,6 +54,10 @@ class Networks:
         return self
 
     def __exit__(self, *_):
+        if self._switch is not None:
+            self._switch.kill()
+            self._switch.wait()
+            self._switch.stdin.close()
         for space in [self._space(m) for m in self.machines] + [self._bridge]:
             subprocess.run(["ip", "netns", "del", space], capture_output=True)
 
@@ -66,6 +73,19 @@ class Networks:
 
     def join(self, machine):
         self._in_bridge("link", "set", self._cable(machine), "up")
+
+    def drop(self, machine):
+        """The switch loses whatever comes from it and goes to it; nobody's interface goes down, and pass_on() works at once."""
+        self._port(machine, 0)
+
+    def pass_on(self, machine):
+        self._port(machine, 3)
+
+    def _port(self, machine, state):
+        if self._switch is None:  # one for all: it takes no time to do it then
+            self._switch = subprocess.Popen(["ip", "netns", "exec", self._bridge, "bridge", "-batch", "-"], stdin=subprocess.PIPE,
+                                            text=True, bufsize=1)
+        self._switch.stdin.write("link set dev %s state %d\n" % (self._cable(machine), state))
 
     def no_multicast(self):
         """The bridge passes unicast only, as many a managed switch does."""
@@ -90,3 +110,43 @@ class Networks:
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode != 0:
             raise RuntimeError("%s: %s" % (" ".join(command), done.stderr.strip()))
+
+
+class NetworkCase(takt_system.Case):
+    """A test whose nodes are on machines of their own, and whose commands are given on one more, "operator"."""
+    MACHINES = ()  # beside the operator's; a test that names none calls lay() itself
+
+    def setUp(self):
+        super().setUp()
+        self.domain = 0  # nobody else is on this network
+        if self.MACHINES:
+            self.lay(*self.MACHINES)
+
+    def lay(self, *machines):
+        reason = available()
+        if reason:
+            self.skipTest(reason)
+        self.net = Networks(*machines, "operator")
+        self.net.__enter__()
+        self.addCleanup(self.net.__exit__)
+
+    def program(self, name, *arguments, on="operator", environment=None, **options):
+        # Each machine has all its interfaces here; they are the test's own.
+        return super().program(name, *arguments, environment={"TAKT_INTERFACE": "", **(environment or {})},
+                               before=self.net.on(on), **options)
+
+    def node(self, device, *arguments, on=None, **options):
+        """A takt-node on the machine of its device, with a folder of its own; waits for a deployment."""
+        environment = {"TAKT_STATE_DIR": os.path.join(self.folder, device), **(options.pop("environment", None) or {})}
+        return super().node(device, *arguments, on=on or device, environment=environment, **options)
+
+    def operator(self, *arguments, limit=60.0, **options):
+        """A command that has ended. It is kept no longer than that: a long test gives thousands."""
+        run = self.takt(*arguments, limit=limit, **options)
+        self.runs.remove(run)
+        return run
+
+    def status(self):
+        """By device; empty where nobody answers."""
+        run = self.operator("status", "--json")
+        return {d["name"]: d for d in run.report["devices"]} if run.status == 0 else {}

@@ -37,8 +37,8 @@ os.environ.pop("TAKT_DOMAIN", None)
 Line = namedtuple("Line", "at device module text")  # `at` as the node wrote it, in seconds of the day
 Step = namedtuple("Step", "at source target text")
 
-_LINE = re.compile(r"^(\d\d):(\d\d):(\d\d\.\d{3}) ([\w-]+)(?:\.([\w-]+|\(host\)))?: (.*)$")
-_STEP = re.compile(r"^(%s) -> (%s)(?: \((.*)\))?$" % ("|".join(STATES), "|".join(STATES)))
+LINE = re.compile(r"^(\d\d):(\d\d):(\d\d\.\d{3}) ([\w-]+)(?:\.([\w-]+|\(host(?: [\w-]+)?\)))?: (.*)$")
+STEP = re.compile(r"^(%s) -> (%s)(?: \((.*)\))?$" % ("|".join(STATES), "|".join(STATES)))
 
 
 class Process(namedtuple("Process", "pid program arguments")):
@@ -262,7 +262,7 @@ class Run:
         """Of the nodes, one for each event."""
         found = []
         for text in list(self.raw):
-            match = _LINE.match(text)
+            match = LINE.match(text)
             if match:
                 at = int(match[1]) * 3600 + int(match[2]) * 60 + float(match[3])
                 found.append(Line(at, match[4], match[5] or "", match[6]))
@@ -271,7 +271,7 @@ class Run:
     @property
     def other_lines(self):
         """Of standard error, those that no node wrote: the reasons at the end."""
-        return [text for text in list(self.raw) if not _LINE.match(text)]
+        return [text for text in list(self.raw) if not LINE.match(text)]
 
     def said(self, module, device=None):
         return [line for line in self.lines if line.module == module and device in (None, line.device)]
@@ -283,7 +283,7 @@ class Run:
     def steps(self, module, device=None):
         found = []
         for line in self.said(module, device):
-            match = _STEP.match(line.text)
+            match = STEP.match(line.text)
             if match:
                 found.append(Step(line.at, match[1], match[2], match[3] or ""))
         return found

@@ -13,8 +13,10 @@
 
 #include "../takt/network.hpp"
 #include "../takt/pages.hpp"
+#include "../takt/signatures.hpp"
 
 int main(int argc, char** argv) {
+  takt::tool::require_signatures();  // of those that the processes below look at
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
   if (!takt::os::environment(takt::node::kGatewayFd).empty()) {
     const int status = takt::node::run_far_gateway(takt::tool::interfaces());
@@ -35,24 +37,31 @@ int main(int argc, char** argv) {
   takt::tool::add_network_options(app, network);
   std::uint16_t port = 0;
   app.add_option("--serve-discovery", port, "be the discovery server, on this port")->type_name("PORT");
-  app.add_option(
-         "--state-dir", options.state_folder,
-         "where the deployment is kept for --resume (else TAKT_STATE_DIR, else /var/lib/takt for root and "
-         "~/.local/state/takt for others)")
-      ->type_name("DIR");
+  const auto* state_folder =
+      app.add_option(
+             "--state-dir", options.state_folder,
+             "where the deployment is kept for --resume, and the fault record (else TAKT_STATE_DIR, else "
+             "/var/lib/takt for root and ~/.local/state/takt for others)")
+          ->type_name("DIR");
   app.add_flag("--resume", options.resume, "take up the deployment that was running when this node ended");
   app.add_flag("--require-realtime", options.require_real_time,
                "refuse to run where the system refuses real-time scheduling");
   app.add_flag(
       "--check-realtime", options.check_real_time,
       "see what modules do that no real-time code may: allocations, locks, system calls, page faults");
+  app.add_option(
+         "--signed-by", options.signed_by,
+         "use only components that are signed with the key of this certificate (else TAKT_SIGNED_BY, else "
+         "components.cert.pem of the --security folder, if it is there)")
+      ->type_name("CERT")
+      ->envname("TAKT_SIGNED_BY");
   app.add_flag("--quiet", options.quiet, "say nothing but errors");
   app.set_version_flag("--version", TAKT_VERSION);
   app.footer(R"(
 SIGTERM and SIGINT end the device in order. A cell that runs then is kept for --resume, as it is when the power
 fails; takt undeploy ends it for good.
 
-Environment: TAKT_COMPONENT_PATH, TAKT_DOMAIN, TAKT_INTERFACE and TAKT_STATE_DIR, as for takt.
+Environment: TAKT_COMPONENT_PATH, TAKT_DOMAIN, TAKT_INTERFACE, TAKT_SECURITY and TAKT_STATE_DIR, as for takt.
 Status: 0 ended in order, 1 refused or failed with the reason on standard error, 2 wrong usage.)");
   takt::tool::tidy_help(app);
   if (argc == 3 && std::string_view{argv[1]} == takt::tool::kWritePages)
@@ -68,10 +77,12 @@ Status: 0 ended in order, 1 refused or failed with the reason on standard error,
     return 2;
   }
   options.domain = *domain;
+  options.state_folder_given = state_folder->count() != 0;
   // A program of the cell that speaks DDS itself, as the recorder does, finds the cell's domain.
   takt::os::set_environment("TAKT_DOMAIN", std::to_string(*domain));
   options.discovery = takt::tool::discovery_of(network);
   options.interfaces = takt::tool::interfaces();
+  options.security = takt::tool::security_of(network);
   if (port != 0) {
     options.discovery.kind = takt::model::Discovery::Kind::server;
     options.discovery.serve = true;

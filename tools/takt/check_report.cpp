@@ -60,6 +60,7 @@ void executor_heading(Page& page, const model::Executor& executor, int priority)
                                  executor.rate_monotonic ? " (auto)" : "", model::to_text(executor.wakeup));
   if (executor.overrun.what != model::Overrun::skip) text += ", overrun " + in_words(executor.overrun);
   if (executor.timing == model::Timing::let) text += ", timing let";
+  if (executor.own_host) text += ", host own";
   page.heading(2, "executor " + executor.name, text);
 }
 

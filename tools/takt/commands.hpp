@@ -30,7 +30,8 @@ struct RunOptions {
   bool require_real_time = false;
   bool check_real_time = false;  ///< what modules do that no real-time code may is seen, and fails the run
   bool quiet = false;
-  std::string profile;  ///< where to write the run times at the end; empty: nowhere
+  std::string state_folder;  ///< where the nodes keep their fault records; empty: in memory
+  std::string profile;       ///< where to write the run times at the end; empty: nowhere
 };
 int run(const RunOptions& options);
 
@@ -44,15 +45,20 @@ void add_deploy(CLI::App& app, Chosen& chosen);
 void add_undeploy(CLI::App& app, Chosen& chosen);
 void add_status(CLI::App& app, Chosen& chosen);
 void add_watch(CLI::App& app, Chosen& chosen);
+void add_log(CLI::App& app, Chosen& chosen);
 void add_orders(CLI::App& app, Chosen& chosen);
+void add_swap(CLI::App& app, Chosen& chosen);
 void add_properties(CLI::App& app, Chosen& chosen);
 void add_echo(CLI::App& app, Chosen& chosen);
 void add_record(CLI::App& app, Chosen& chosen);
 void add_play(CLI::App& app, Chosen& chosen);
 void add_plot(CLI::App& app, Chosen& chosen);
+void add_trace(CLI::App& app, Chosen& chosen);
 void add_describe(CLI::App& app, Chosen& chosen);
 void add_call(CLI::App& app, Chosen& chosen);
 void add_doctor(CLI::App& app, Chosen& chosen);
+void add_secure(CLI::App& app, Chosen& chosen);
+void add_sign(CLI::App& app, Chosen& chosen);
 void add_bench(CLI::App& app, Chosen& chosen);
 
 }  // namespace takt::tool

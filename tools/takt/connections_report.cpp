@@ -82,6 +82,26 @@ std::vector<std::string> stale_by_design(const model::Cell& cell) {
   return stale;
 }
 
+/// The readers of an output that the descriptor gives a safe value which do not get it.
+std::vector<std::string> without_safe_value(const model::Cell& cell) {
+  const auto modules = modules_of(cell);
+  std::vector<std::string> without;
+  for (const Connection& connection : cell.connections) {
+    const auto found = modules.find(connection.from.device + "." + connection.from.module);
+    if (found == modules.end()) continue;
+    const auto& safe = found->second->safe;
+    if (std::none_of(safe.begin(), safe.end(),
+                     [&](const model::SafeValue& value) { return value.name == connection.from.port; })) {
+      continue;
+    }
+    if (!connection.to.given())
+      without.push_back("other programs, on the topic " + connection.topic);
+    else if (connection.kind == model::ConnectionKind::queue)
+      without.push_back(end_text(connection.to) + ", by a queue");
+  }
+  return without;
+}
+
 }  // namespace
 
 std::string end_text(const model::Endpoint& end) { return end.given() ? to_text(end) : "other programs"; }
@@ -149,12 +169,15 @@ void connections_text(Page& page, const model::Cell& cell, const std::map<std::s
     page.line(
         2, fmt::format("... and {} more; takt graph --json has them all", cell.connections.size() - shown));
   }
-  auto stale = stale_by_design(cell);
-  if (stale.empty()) return;
-  page.line(2, page.warning("stale by design, older than the deadline between two writes:"));
-  const std::size_t named = std::min(stale.size(), Page::kNamed);
-  for (std::size_t i = 0; i < named; ++i) page.sentence(4, stale[i]);
-  if (named < stale.size()) page.line(4, fmt::format("and {} more", stale.size() - named));
+  const auto warn = [&page](const char* what, const std::vector<std::string>& of) {
+    if (of.empty()) return;
+    page.line(2, page.warning(what));
+    const std::size_t named = std::min(of.size(), Page::kNamed);
+    for (std::size_t i = 0; i < named; ++i) page.sentence(4, of[i]);
+    if (named < of.size()) page.line(4, fmt::format("and {} more", of.size() - named));
+  };
+  warn("stale by design, older than the deadline between two writes:", stale_by_design(cell));
+  warn("gets no safe value, though the output has one:", without_safe_value(cell));
 }
 
 }  // namespace takt::tool

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/model/json.hpp>
+#include <takt/model/safe.hpp>
 #include <takt/model/validate.hpp>
 
 #include "page.hpp"
@@ -105,7 +106,8 @@ void add_services(Page& page, const std::vector<model::Port>& ports) {
   rows(page, 4, table);
 }
 
-void add_ports(Page& page, const std::vector<model::Port>& all) {
+void add_ports(Page& page, const Described& described) {
+  const std::vector<model::Port>& all = described.component.ports;
   std::vector<model::Port> ports;
   std::copy_if(all.begin(), all.end(), std::back_inserter(ports),
                [](const model::Port& port) { return port.role == model::Role::plain; });
@@ -117,6 +119,9 @@ void add_ports(Page& page, const std::vector<model::Port>& all) {
   for (std::size_t i = 0; i < ports.size(); ++i) {
     page.line(4, fmt::format("{:<5}  {:<{}}  {}", heads[i][0], heads[i][1], widths[1], heads[i][2]));
     if (!ports[i].text.empty()) page.sentence(11, ports[i].text);
+    const std::string safe =
+        described.module ? model::read_safe(*described.module, ports[i]).json : ports[i].safe;
+    if (!safe.empty()) page.sentence(11, "safe: " + safe);
     Page::Words fields;
     for (const model::Field& field : ports[i].type.fields)
       fields.push_back(spelled(field) + " " + field.name);
@@ -214,8 +219,11 @@ std::string describe_text(const Described& described, Style style) {
                    (component.operation.empty() ? "" : ", " + component.operation));
   if (described.module) add_module(page, *described.module);
   if (!component.hooks.empty()) page.words(2, "hooks       ", component.hooks);
+  if (component.saved)
+    page.line(
+        2, fmt::format("saved       {} bytes, version {}", component.saved->bytes, component.saved->version));
   add_properties(page, described);
-  add_ports(page, component.ports);
+  add_ports(page, described);
   add_services(page, component.ports);
   return std::move(page).take();
 }

@@ -385,7 +385,7 @@ std::size_t Port::lines() const { return std::max<std::size_t>({left.size(), rig
 
 Look look_of(const CellHealth::Connection& health) {
   if (!health.matched || !health.incompatible.empty()) return kBroken;
-  if (health.stale) return kBad;
+  if (health.stale || health.safe) return kBad;
   return health.lost + health.dropped + health.late > 0 || !health.age ? kPoor : kGood;
 }
 

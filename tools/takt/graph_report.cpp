@@ -165,6 +165,7 @@ CellHealth health_of(const Cell& cell, const Json& status) {
                                .late = port->at("late").get<std::uint64_t>()};
     if (const Json& age = port->at("age_us"); !age.is_null()) one.age = rounded(age.get<double>());
     one.stale = connection.to.given() && connection.deadline && (!one.age || *one.age > *connection.deadline);
+    one.safe = connection.to.given() && port->value("safe", false);
     if (const Json& policy = port->at("incompatible"); !policy.is_null())
       one.incompatible = policy.get<std::string>();
     health.connections[i] = std::move(one);
@@ -175,6 +176,7 @@ CellHealth health_of(const Cell& cell, const Json& status) {
 std::string health_text(const CellHealth::Connection& health) {
   if (!health.incompatible.empty()) return "NOT MATCHED: " + health.incompatible;
   std::string text = !health.matched ? "NOT MATCHED"
+                     : health.safe   ? "SAFE VALUE"
                      : health.stale  ? "STALE"
                      : health.age    ? "ok"
                                      : "no value yet";

@@ -26,6 +26,7 @@ struct CellHealth {
   struct Connection {
     bool matched = true;               ///< there is somebody at the other end
     bool stale = false;                ///< its value is older than its deadline
+    bool safe = false;                 ///< its reader gets the safe value
     std::optional<Nanoseconds> age{};  ///< of the newest value; none: there is none yet
     std::uint64_t lost = 0;            ///< on the way between devices
     std::uint64_t dropped = 0;         ///< from a full queue

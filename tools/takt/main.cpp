@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "pages.hpp"
 #include "ranges.hpp"
+#include "signatures.hpp"
 
 namespace {
 
@@ -38,7 +39,9 @@ Environment:
                               descriptor's own and before the ready components
   TAKT_DOMAIN                 the DDS domain where no --domain is given
   TAKT_INTERFACE              addresses, separated by ',', of the network cards that are used; all unless set
-  TAKT_STATE_DIR              where takt-node keeps what it is to resume
+  TAKT_SECURITY               the folder of takt secure that says who this is, where no --security is given
+  TAKT_SIGNED_BY              a certificate: components are used only if they are signed with its key
+  TAKT_STATE_DIR              where takt-node keeps what it is to resume, and its fault record
   NO_COLOR                    no colours
 
 Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong usage.)");
@@ -88,6 +91,10 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
   run_command
       ->add_option("--profile", run_options.profile, "write how long each module ran to this file at the end")
       ->type_name("OUT");
+  run_command
+      ->add_option("--state-dir", run_options.state_folder,
+                   "where the fault record of each device is kept; without it they go with the run")
+      ->type_name("DIR");
   run_command->add_flag("--check-realtime", run_options.check_real_time,
                         "name every allocation, lock, system call and page fault in a module's run() or "
                         "condition(), with the calls that led there; status 1 if there were any. Slower");
@@ -100,14 +107,19 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
   add_undeploy(app, chosen);
   add_status(app, chosen);
   add_watch(app, chosen);
+  add_log(app, chosen);
   add_orders(app, chosen);
+  add_swap(app, chosen);
   add_properties(app, chosen);
   add_echo(app, chosen);
   add_record(app, chosen);
   add_play(app, chosen);
   add_plot(app, chosen);
+  add_trace(app, chosen);
   add_call(app, chosen);
   add_doctor(app, chosen);
+  add_secure(app, chosen);
+  add_sign(app, chosen);
   add_bench(app, chosen);
   add_describe(app, chosen);
 
@@ -126,6 +138,7 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
       std::fprintf(stderr, "%s; did you mean %s?\n", wrong.c_str(), std::string{meant}.c_str());
     return 2;
   }
+  require_signatures();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

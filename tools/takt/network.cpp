@@ -49,6 +49,10 @@ model::Discovery discovery_of(const Network& network, const model::Cell* cell) {
   return discovery;
 }
 
+std::string security_of(const Network& network) {
+  return network.security.empty() ? os::environment("TAKT_SECURITY") : network.security;
+}
+
 std::vector<std::string> interfaces() { return split(os::environment("TAKT_INTERFACE")); }
 
 }  // namespace takt::tool

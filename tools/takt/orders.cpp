@@ -1,4 +1,5 @@
-// takt start, stop, recover, reset, destruct, initialize; takt get and set: what an operator tells a module.
+// takt start, stop, recover, reset, destruct, initialize; takt get and set; takt swap: what an operator tells
+// a module.
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -37,7 +38,9 @@ struct Target {
   std::string module;
 };
 
-Result<Target> target_of(const std::string& text, bool module_needed) {
+/// `then`: what comes after a module, where it must be one; null: it may be a device too.
+Result<Target> target_of(const std::string& text, const char* then = nullptr) {
+  const bool module_needed = then != nullptr;
   const std::size_t dot = text.find('.');
   Target target{text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
   const bool right = !target.device.empty() &&
@@ -45,7 +48,7 @@ Result<Target> target_of(const std::string& text, bool module_needed) {
                      target.module.find('.') == std::string::npos;
   if (!right) {
     return fail("'" + text + "' names no " + (module_needed ? "module" : "device or module"),
-                module_needed ? "say DEVICE.MODULE, and the property after a blank"
+                module_needed ? fmt::format("say DEVICE.MODULE, and the {} after a blank", then)
                               : "say DEVICE or DEVICE.MODULE");
   }
   return target;
@@ -56,7 +59,7 @@ int order(const Order& order, const std::string& text, const Network& network) {
     complain(problems);
     return 1;
   };
-  const auto target = target_of(text, false);
+  const auto target = target_of(text);
   if (!target) return refuse(target.problems());
   const auto client = connect(network);
   if (!client) return refuse(client.problems());
@@ -89,7 +92,7 @@ int property(const std::string& text, const std::string& name, const std::option
     complain(problems);
     return 1;
   };
-  const auto target = target_of(text, true);
+  const auto target = target_of(text, "property");
   if (!target) return refuse(target.problems());
   if (value && value->size() > 255) return refuse({fail("the value is longer than 255 bytes")});
   const auto client = connect(network);
@@ -101,6 +104,28 @@ int property(const std::string& text, const std::string& name, const std::option
                                                            .value = value.value_or("")}));
   if (!answer) return refuse(answer.problems());
   return print(answer->head.value().to_string() + "\n") ? 0 : 1;
+}
+
+int swap(const std::string& text, const std::string& file, const Network& network) {
+  const auto refuse = [](const Problems& problems) {
+    complain(problems);
+    return 1;
+  };
+  const auto target = target_of(text, "file");
+  if (!target) return refuse(target.problems());
+  if (file.size() > 255) return refuse({fail("the name of the file is longer than 255 bytes")});
+  const auto client = connect(network);
+  if (!client) return refuse(client.problems());
+  const auto answer = client::accepted(client->asker->ask({.kind = COMMAND_SWAP,
+                                                           .device = target->device,
+                                                           .module = target->module,
+                                                           .value = file,
+                                                           .limit = std::nullopt}));
+  if (!answer) return refuse(answer.problems());
+  return print(fmt::format("{}: {} {}\n", text, answer->head.value().to_string(),
+                           answer->head.text().to_string()))
+             ? 0
+             : 1;
 }
 
 }  // namespace
@@ -116,6 +141,22 @@ void add_orders(CLI::App& app, Chosen& chosen) {
       chosen = [&each, target, network] { return order(each, *target, *network); };
     });
   }
+}
+
+void add_swap(CLI::App& app, Chosen& chosen) {
+  auto target = std::make_shared<std::string>();
+  auto file = std::make_shared<std::string>();
+  auto network = std::make_shared<Network>();
+  auto* command = app.add_subcommand(
+      "swap", "Put another version of a periodic thread module in its place while it runs, between two rows");
+  command->add_option("TARGET", *target, "DEVICE.MODULE")->required();
+  command->add_option("FILE", *file, "the new .so, found as at a deployment: on the device's component path")
+      ->required();
+  add_network_options(*command, *network);
+  command->footer(
+      "What the module saves is handed over. Where one of the first 10 runs fails, the version before is\n"
+      "put back. The descriptor stays as it is: the next deployment, and --resume, load what it says.");
+  command->callback([=, &chosen] { chosen = [=] { return swap(*target, *file, *network); }; });
 }
 
 void add_properties(CLI::App& app, Chosen& chosen) {

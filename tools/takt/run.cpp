@@ -113,8 +113,11 @@ Result<void> Run::start_nodes(int domain) {
       if (device.name == loaded_.cell.server_device)
         add("--serve-discovery", discovery.server.substr(discovery.server.rfind(':') + 1));
     }
+    if (const std::string security = security_of(options_.network); !security.empty())
+      add("--security", security);
     if (options_.require_real_time) spawn.arguments.emplace_back("--require-realtime");
     if (options_.check_real_time) spawn.arguments.emplace_back("--check-realtime");
+    if (!options_.state_folder.empty()) add("--state-dir", options_.state_folder);
     if (options_.quiet) spawn.arguments.emplace_back("--quiet");
     auto process = os::Child::spawn(spawn);
     if (!process) return process.problems();

@@ -3,7 +3,9 @@
 //   peer DOMAIN COMMAND ...
 //
 // Ends when its standard input does. PEER_DISCOVERY: multicast, peers=HOST, server=HOST:PORT,
-// serve=HOST:PORT; PEER_INTERFACES: addresses with commas, 127.0.0.1 if not given, "all".
+// serve=HOST:PORT; PEER_INTERFACES: addresses with commas, 127.0.0.1 if not given, "all"; PEER_SECURITY: the
+// folder of an identity, without DDS Security if not given.
+#include <dlfcn.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -17,6 +19,7 @@
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <string>
@@ -119,6 +122,28 @@ void device(const Participant& participant, const Arguments& arguments) {
   const Heartbeat beat{[&] { writer.write(device_status(arguments[0], ++sequence)); }};
   print("ready");
   told();
+}
+
+// order DEVICE: tells it to stop; prints what it answers
+void order(const Participant& participant, const Arguments& arguments) {
+  std::mutex mutex;
+  std::condition_variable came;
+  std::optional<dds::WholeReply> answer;
+  auto client = must(dds::CommandClient::create(participant, [&](const dds::WholeReply& reply) {
+    const std::lock_guard lock{mutex};
+    answer = reply;
+    came.notify_all();
+  }));
+  dds::WholeCommand command;
+  command.head.id("order-" + std::to_string(::getpid()));
+  command.head.device(arguments[0]);
+  command.head.kind(COMMAND_STOP);
+  command.head.deadline_ns(wall_ns() + 20'000'000'000);
+  client.send(command);
+  std::unique_lock lock{mutex};
+  came.wait_for(lock, 8s, [&] { return answer.has_value(); });
+  print(answer ? "answer " + std::to_string(answer->head.code()) + " " + answer->head.text().to_string()
+               : "no answer");
 }
 
 // state MODULES: the states of so many modules, twice, then it only lives
@@ -460,23 +485,17 @@ Result<Participant> participate(int domain) {
       options.discovery.serve = kind == "serve";
     }
   }
+  if (const char* given = std::getenv("PEER_SECURITY")) options.security = given;
+  options.refused = [](const std::string& text) { print("notice " + text); };
   return dds::Participant::create(options);
 }
 
 int run(int domain, const std::string& command, const Arguments& arguments) {
   const Participant participant = must(participate(domain));
   const std::map<std::string, std::function<void(const Participant&, const Arguments&)>> commands{
-      {"device", device},
-      {"state", state},
-      {"transitions", transitions},
-      {"server", server},
-      {"forge", forge},
-      {"tap", tap},
-      {"feed", feed},
-      {"echo", echo},
-      {"show", show},
-      {"give", give},
-      {"statistics", statistics},
+      {"device", device}, {"order", order}, {"state", state}, {"transitions", transitions},
+      {"server", server}, {"forge", forge}, {"tap", tap},     {"feed", feed},
+      {"echo", echo},     {"show", show},   {"give", give},   {"statistics", statistics},
       {"all", all}};
   std::atomic<bool> rescanning{std::getenv("PEER_RESCAN") != nullptr};
   std::thread rescan{[&] {
@@ -500,6 +519,23 @@ int run(int domain, const std::string& command, const Arguments& arguments) {
 
 }  // namespace
 }  // namespace takt::dds_test
+
+// PEER_CHEATS: this program lets itself write what its permissions do not grant, as one would that was
+// tampered with. The others have to refuse it. This stands in front of the function of Fast DDS.
+extern "C" bool
+lets_itself_write(const void* permissions, const void* handle, std::uint32_t domain, const std::string& topic, const std::vector<std::string>& partitions, void* why) __asm__(
+    "_ZN8eprosima8fastrtps4rtps8security11Permissions23check_create_datawriterERKNS2_6HandleEjRKNSt7__cxx1112"
+    "basic_stringIcSt11char_traitsIcESaIcEEERKSt6vectorISC_SaISC_EERNS2_17SecurityExceptionE");
+extern "C" __attribute__((visibility("default"))) bool lets_itself_write(
+    const void* permissions, const void* handle, std::uint32_t domain, const std::string& topic,
+    const std::vector<std::string>& partitions, void* why) {
+  if (std::getenv("PEER_CHEATS") != nullptr) return true;
+  static const auto original = reinterpret_cast<decltype(&lets_itself_write)>(::dlsym(
+      RTLD_NEXT,
+      "_ZN8eprosima8fastrtps4rtps8security11Permissions23check_create_datawriterERKNS2_6HandleEjRKNSt7__"
+      "cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKSt6vectorISC_SaISC_EERNS2_17SecurityExceptionE"));
+  return original(permissions, handle, domain, topic, partitions, why);
+}
 
 int main(int count, char** words) {
   if (count < 3) return 2;

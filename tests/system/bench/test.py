@@ -73,10 +73,14 @@ class Bench(takt_system.Case):
     def test_dispatch_shows_rows_and_a_thousand_modules(self):
         report = self.measured("dispatch", "--for", "0.1")
         self.assertEqual(["10 modules", "100 modules", "1000 modules"], list(self.rows(report, 0)))
-        thousand = self.rows(report, 1)
+        recorded = self.rows(report, 1)
+        self.assertEqual(["10 modules", "100 modules", "1000 modules"], list(recorded))
+        for row in recorded.values():
+            self.assertGreater(row["a_bare_entry"], 0)
+        thousand = self.rows(report, 2)
         self.assertEqual(["one table", "bare calls", "a thread for each"], list(thousand))
         self.assertGreater(thousand["one table"]["processor"], 0)
-        self.assertTrue(any("beyond the modules' own work" in note for note in report["sections"][1]["notes"]))
+        self.assertTrue(any("beyond the modules' own work" in note for note in report["sections"][2]["notes"]))
 
     def test_wake_has_each_strategy_at_each_period(self):
         report = self.measured("wake", "--for", "0.1")
@@ -95,7 +99,8 @@ class Bench(takt_system.Case):
     def test_ports_are_beside_memcpy(self):
         rows = self.rows(self.measured("ports", "--for", "0.1"), 0)
         self.assertEqual(1, rows["memcpy, there and back"]["of_memcpy"])
-        self.assertEqual(8, len(rows))
+        self.assertEqual(11, len(rows))
+        self.assertEqual(3, len([name for name in rows if "with a safe value" in name]))
 
     def test_cell_is_deployed_and_its_samples_arrive(self):
         report = self.measured("cell", "--for", "0.3", "--devices", "2")

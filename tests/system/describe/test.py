@@ -56,6 +56,14 @@ class Describe(takt_system.Case):
                     self.assertIn(property["name"], text.out)
                 self.check_profile(*words)
 
+    def test_what_is_kept_over_a_crash_is_shown(self):
+        for file, version, size in (("keeps.so", 1, 8), ("keeps_more.so", 2, 16), ("keeps_c.so", 1, 8)):
+            with self.subTest(component=file):
+                self.assertIn("  saved       %d bytes, version %d\n" % (size, version), self.takt("describe", file).out)
+                self.assertEqual({"version": version, "bytes": size}, self.takt("describe", file, "--json").report["saved"])
+        self.assertNotIn("saved  ", self.takt("describe", "fine.so").out)
+        self.assertIsNone(self.takt("describe", "fine.so", "--json").report["saved"])
+
     def test_the_modules_of_the_paper_say_what_they_do(self):
         for name in ("controller1.so", "control2.so", "control3.so", "control4.exe", "emergency.so", "vision.exe", "monitoring.exe"):
             with self.subTest(component=name):

@@ -2,49 +2,24 @@
 import json
 import os
 import re
-import signal
 import sys
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import networks
 import takt_system
-from takt_system import BIN, Run, SOURCE, wait_until
+from takt_system import SOURCE, wait_until
 
 DEVICES = ("robot", "line", "station")
 CELL = os.path.join(SOURCE, "deploy", "palletizing.xml")
 LEASE = 0.3
 
 
-class Network(takt_system.Case):
-    def setUp(self):
-        super().setUp()
-        reason = networks.available()
-        if reason:
-            self.skipTest(reason)
-        self.net = networks.Networks(*DEVICES, "operator")
-        self.net.__enter__()
-        self.addCleanup(self.net.__exit__)
-        # Each machine has all its interfaces here; they are the test's own.
-        self.environment = {"TAKT_DOMAIN": "0", "TAKT_INTERFACE": ""}
-
-    def node(self, device, *options):
-        run = Run([os.path.join(BIN, "takt-node"), "--device", device, "--state-dir", os.path.join(self.folder, device), *options],
-                  self.folder, environment=self.environment, before=self.net.on(device))
-        self.runs.append(run)
-        return run
-
-    def operator(self, *arguments, limit=30):
-        """A command on the fourth machine."""
-        return self.start(*arguments, environment=self.environment, before=self.net.on("operator")).wait(limit)
+class Network(networks.NetworkCase):
+    MACHINES = DEVICES
 
     def status(self):
-        run = self.operator("status", "--json")
-        self.assertEqual(0, run.status, run.err)
-        return {d["name"]: d for d in run.report["devices"]}
-
-    def modules(self, device):
-        return {m["name"]: m for m in self.status()[device]["modules"]}
+        return {d["name"]: d for d in self.status_of()["devices"]}
 
     def wait_for_status(self, condition, limit, what):
         def holds():
@@ -52,26 +27,18 @@ class Network(takt_system.Case):
             return status if condition(status) else None
         return wait_until(holds, limit, what)
 
-    def deploy(self, cell=CELL, *options):
-        run = self.operator("deploy", cell, *options)
-        self.assertEqual(0, run.status, run.err)
-        return run
-
     def assert_all_execute(self, status):
         for device in DEVICES:
             self.assertTrue(status[device]["alive"], device)
             self.assertEqual({"EXECUTING"}, {m["state"] for m in status[device]["modules"]}, device)
 
     def end(self, nodes):
-        self.assertEqual(0, self.operator("undeploy", "palletizing").status)
-        for node in nodes.values():
-            node.signal(signal.SIGTERM)
-        for node in nodes.values():
-            self.assertEqual(0, node.wait(10).status, node.err)
+        self.done("undeploy palletizing")
+        super().end(nodes)
 
     def test_the_cell_outlives_a_cable_that_is_pulled(self):
-        nodes = {device: self.node(device) for device in DEVICES}
-        self.deploy()
+        nodes = self.nodes(*DEVICES)
+        self.deploy(CELL)
         self.wait_for_status(lambda s: all(d["alive"] for d in s.values()), 10, "all devices")
         time.sleep(5)  # parts come and go
         before = self.status()
@@ -111,7 +78,8 @@ class Network(takt_system.Case):
         self.net.no_multicast()
         peers = " ".join(self.net.address(device) for device in DEVICES)
         cell = self.cell_with('discovery="peers" peers="%s"' % peers)
-        nodes = {device: self.node(device, "--peers", peers.replace(" ", ",")) for device in DEVICES}
+        for device in DEVICES:
+            self.node(device, "--peers", peers.replace(" ", ","))
         self.deploy(cell)
         self.assert_all_execute_by(("--peers", peers.replace(" ", ",")))
         self.assertEqual(0, self.operator("undeploy", "palletizing", "--peers", peers.replace(" ", ",")).status)
@@ -120,8 +88,8 @@ class Network(takt_system.Case):
         self.net.no_multicast()
         server = self.net.address("station") + ":11811"
         cell = self.cell_with('discovery="server" server="%s" server-device="station"' % server)
-        nodes = {device: self.node(device, *(["--serve-discovery", "11811"] if device == "station" else ["--server", server]))
-                 for device in DEVICES}
+        for device in DEVICES:
+            self.node(device, *(["--serve-discovery", "11811"] if device == "station" else ["--server", server]))
         self.deploy(cell)
         self.assert_all_execute_by(("--server", server))
         self.assertEqual(0, self.operator("undeploy", "palletizing", "--server", server).status)

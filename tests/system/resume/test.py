@@ -17,7 +17,7 @@ class Resume(takt_system.Case):
         wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "the end of all that it had started")
 
     def kept(self):
-        found = glob.glob(os.path.join(self.folder, "state", "robot.*"))
+        found = glob.glob(os.path.join(self.folder, "state", "robot.*.deployment"))
         self.assertLessEqual(len(found), 1)
         return found[0] if found else None
 

@@ -71,7 +71,7 @@ class Usage(takt_system.Case):
     def test_describe_a_component_in_cpp(self):
         run = self.takt("describe", "cpp_properties.so", "--json")
         self.assertEqual((0, ""), (run.status, run.err))
-        self.assertEqual(["name", "text", "interface", "operation", "hooks", "properties", "ports", "file"], list(run.report))
+        self.assertEqual(["name", "text", "interface", "operation", "hooks", "properties", "ports", "saved", "file"], list(run.report))
         self.assertEqual(("CppProperties", "c++"), (run.report["name"], run.report["interface"]))
         properties = {p["name"]: p for p in run.report["properties"]}
         self.assertEqual(["enabled", "count", "offset", "gain", "ratio", "label"], list(properties))

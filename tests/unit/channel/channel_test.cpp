@@ -15,34 +15,36 @@ namespace {
 os::Fd again(const os::Fd& fd) { return os::Fd{::dup(fd.get())}; }
 
 TEST(Channel, IsAllZeroWhenCreatedButForTheNames) {
-  const auto channel = Channel::create({"main", "motion"}, {"a", "b", "c"});
+  const auto channel = Channel::create(2, {"main", "motion"}, {"a", "b", "c"});
   ASSERT_TRUE(channel.ok());
+  EXPECT_EQ(channel->hosts(), 2U);
+  EXPECT_EQ(channel->host(1).t0_ns.load(), 0);
   EXPECT_EQ(channel->executors(), 2U);
   EXPECT_EQ(channel->modules(), 3U);
   EXPECT_EQ(channel->executor(1).name.view(), "motion");
   EXPECT_EQ(channel->module(2).name.view(), "c");
-  EXPECT_EQ(channel->host().t0_ns.load(), 0);
+  EXPECT_EQ(channel->host(0).t0_ns.load(), 0);
   EXPECT_EQ(channel->module(0).in_tables.load(), 0U);
   EXPECT_EQ(channel->module(0).jitter.read().count, 0U);
   EXPECT_EQ(channel->executor(0).row.module.load(), 0U);
 }
 
 TEST(Channel, IsOneMemoryForAllWhoAttach) {
-  const auto mine = Channel::create({"main"}, {"a", "b"});
+  const auto mine = Channel::create(1, {"main"}, {"a", "b"});
   const auto theirs = Channel::attach(again(mine->fd()));
   ASSERT_TRUE(theirs.ok()) << to_text(theirs.problems());
   EXPECT_EQ(theirs->modules(), 2U);
   EXPECT_EQ(theirs->module(1).name.view(), "b");
   mine->module(1).cycles.store(7);
   theirs->executor(0).next_row.store(9);
-  theirs->host().t0_ns.store(11);
+  theirs->host(0).t0_ns.store(11);
   EXPECT_EQ(theirs->module(1).cycles.load(), 7U);
   EXPECT_EQ(mine->executor(0).next_row.load(), 9U);
-  EXPECT_EQ(mine->host().t0_ns.load(), 11);
+  EXPECT_EQ(mine->host(0).t0_ns.load(), 11);
 }
 
 TEST(Channel, OfNothingIsAChannelToo) {
-  const auto mine = Channel::create({}, {});
+  const auto mine = Channel::create(1, {}, {});
   ASSERT_TRUE(mine.ok());
   EXPECT_TRUE(Channel::attach(again(mine->fd())).ok());
 }
@@ -50,7 +52,7 @@ TEST(Channel, OfNothingIsAChannelToo) {
 TEST(Channel, OutlivesWhoCreatedIt) {
   Channel theirs;
   {
-    const auto mine = Channel::create({"main"}, {"a"});
+    const auto mine = Channel::create(1, {"main"}, {"a"});
     mine->module(0).cycles.store(3);
     theirs = std::move(Channel::attach(again(mine->fd())).value());
   }
@@ -58,16 +60,16 @@ TEST(Channel, OutlivesWhoCreatedIt) {
 }
 
 TEST(Channel, BlocksDoNotShareCacheLines) {
-  const auto channel = Channel::create({"main", "other"}, {"a", "b"});
+  const auto channel = Channel::create(1, {"main", "other"}, {"a", "b"});
   for (const void* block :
-       {static_cast<const void*>(&channel->host()), static_cast<const void*>(&channel->executor(1)),
+       {static_cast<const void*>(&channel->host(0)), static_cast<const void*>(&channel->executor(1)),
         static_cast<const void*>(&channel->module(1))}) {
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(block) % 64, 0U);
   }
 }
 
 TEST(Channel, OfAnotherVersionIsRefused) {
-  const auto mine = Channel::create({"main"}, {"a"});
+  const auto mine = Channel::create(1, {"main"}, {"a"});
   auto view = os::SharedMemory::attach(again(mine->fd()));
   std::uint64_t magic = 0;
   std::memcpy(&magic, view->data(), sizeof magic);
@@ -80,18 +82,18 @@ TEST(Channel, OfAnotherVersionIsRefused) {
 }
 
 TEST(Channel, ThatHoldsOtherNumbersThanItSaysIsRefused) {
-  const auto mine = Channel::create({"main"}, {"a"});
+  const auto mine = Channel::create(1, {"main"}, {"a"});
   auto view = os::SharedMemory::attach(again(mine->fd()));
   // Also numbers whose size passes what 64 bits hold.
   for (const std::uint64_t modules :
        {std::uint64_t{0}, std::uint64_t{2}, ~std::uint64_t{0}, (std::uint64_t{1} << 60) + 1}) {
-    std::memcpy(view->data() + 16, &modules, sizeof modules);
+    std::memcpy(view->data() + 24, &modules, sizeof modules);
     EXPECT_FALSE(Channel::attach(again(mine->fd())).ok()) << modules;
   }
 }
 
 TEST(Channel, TooSmallIsRefused) {
-  auto memory = os::SharedMemory::create("small", 64);
+  auto memory = os::SharedMemory::create("small", 32);
   const auto theirs = Channel::attach(again(memory->fd()));
   ASSERT_FALSE(theirs.ok());
   EXPECT_EQ(theirs.problems()[0].what, "this is no channel");

@@ -136,5 +136,22 @@ TEST(Map, SurvivesAnyText) {
   }
 }
 
+TEST(ModbusMap, AUnitCanBeShown) {
+  EXPECT_TRUE(parse_map("a in register 1 unit \xC2\xB0"
+                        "C")
+                  .mistakes.empty());
+  for (const char* unit : {"\x1b[2J", "m\x7f", "\x01"}) {
+    const Map map = parse_map(std::string{"a in register 1 unit "} + unit);
+    ASSERT_EQ(map.mistakes.size(), 1U);
+    EXPECT_NE(map.mistakes[0].what.find("cannot be shown"), std::string::npos);
+  }
+}
+
+TEST(ModbusMap, OfManyMistakesThereIsAnEndInOneLineToo) {
+  std::string text = "a in register 1";
+  for (int i = 0; i < 10000; ++i) text += " x";
+  EXPECT_EQ(parse_map(text).mistakes.size(), kMostMistakes);
+}
+
 }  // namespace
 }  // namespace modbus

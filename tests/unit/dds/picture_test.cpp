@@ -52,6 +52,37 @@ TEST(Picture, AModuleThatIsHeardOfBeforeItsDeviceIsOnIt) {
   EXPECT_EQ(picture.devices()[0].deployment.modules.at("servo").state(), STATE_START);
 }
 
+TEST(Picture, AModuleExecutesOnADeviceThatIsAlive) {
+  Picture picture;
+  EXPECT_FALSE(picture.executes("cell", "robot", "servo"));
+  picture.heard(module("servo", STATE_EXECUTING));
+  EXPECT_FALSE(picture.executes("cell", "robot", "servo")) << "nobody has heard of its device";
+  DeviceStatus robot = device("cell", "robot", "a");
+  robot.sequence_number(1);
+  picture.heard(robot, 1);
+  EXPECT_TRUE(picture.executes("cell", "robot", "servo"));
+  EXPECT_FALSE(picture.executes("cell", "robot", "arm"));
+  EXPECT_FALSE(picture.executes("other", "robot", "servo"));
+  picture.heard(module("servo", STATE_RECOVER));
+  EXPECT_FALSE(picture.executes("cell", "robot", "servo"));
+}
+
+TEST(Picture, OfADeviceThatIsBackTheFirstStatusIsNotEnough) {
+  Picture picture;
+  DeviceStatus robot = device("cell", "robot", "a");
+  robot.sequence_number(5);
+  picture.heard(robot, 1);
+  picture.heard(module("servo", STATE_EXECUTING));
+  picture.lost(1);
+  EXPECT_FALSE(picture.executes("cell", "robot", "servo"));
+  robot.sequence_number(9);
+  picture.heard(robot, 1);
+  EXPECT_FALSE(picture.executes("cell", "robot", "servo")) << "it may have stopped meanwhile";
+  robot.sequence_number(10);
+  picture.heard(robot, 1);
+  EXPECT_TRUE(picture.executes("cell", "robot", "servo"));
+}
+
 TEST(Picture, ALostDeviceStaysWithWhatWasLastHeard) {
   Picture picture;
   picture.heard(device("cell", "robot", "a"), 1);

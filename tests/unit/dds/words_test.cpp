@@ -55,6 +55,9 @@ TEST(Words, EveryEnumeratorHasAWord) {
   EXPECT_STREQ(to_text(DEVICE_ENDED), "ended");
   EXPECT_STREQ(to_text(HEALTH_DEGRADED), "degraded");
   EXPECT_STREQ(to_text(COMMAND_TAP), "tap");
+  EXPECT_STREQ(to_text(COMMAND_LOG), "log");
+  EXPECT_STREQ(to_text(COMMAND_TRACE), "trace");
+  EXPECT_STREQ(to_text(COMMAND_SWAP), "swap");
   EXPECT_STREQ(to_text(static_cast<LifecycleState>(99)), "?");
 }
 

@@ -131,9 +131,9 @@ class Mutations {
   std::set<std::string> seen_;
 };
 
-const std::set<std::string> kTextElements{"name",     "filename", "moduletype",   "operationtype", "period",
-                                          "deadline", "dispatch", "interarrival", "priority",      "executor",
-                                          "budget",   "value",    "offset",       "overrun",       "set"};
+const std::set<std::string> kTextElements{
+    "name",     "filename", "moduletype", "operationtype", "period", "deadline", "dispatch", "interarrival",
+    "priority", "executor", "budget",     "value",         "offset", "overrun",  "set",      "retain"};
 
 /// Breaks what XML asks of a tag: each of these is not well-formed.
 void Mutations::break_markup(const Element& e) {
@@ -198,7 +198,7 @@ void Mutations::break_structure(const Element& e) {
   // Not these: a name may be taken from the file, and of what is named nowhere there may be none.
   static const std::set<std::string> kOptional{"name",   "budget",     "recovery", "property",
                                                "value",  "connection", "dispatch", "interarrival",
-                                               "offset", "overrun"};
+                                               "offset", "overrun",    "retain"};
   const bool one_of_many = e.name == "module" && e.parent == "root";
   const bool only_executor = e.name == "executor" && e.parent == "module";
   if (kOptional.count(e.name) == 0 && !one_of_many && !only_executor) {
@@ -304,6 +304,7 @@ void Mutations::break_attributes(const Element& e) {
       {"limit", {"0", "-1", "1001", "three"}},
       {"offsets", {"Auto", "best", "automatic"}},
       {"timing", {"LET", "logical", "Direct"}},
+      {"host", {"Own", "process", "none"}},
       {"times", {"0", "-1", "1001", "2.5"}},
       {"in-a-row", {"0", "-1", "1001", "five"}},
       {"discovery", {"multicast", "Server", "unicast", "none"}},
@@ -314,6 +315,7 @@ void Mutations::break_attributes(const Element& e) {
        {"10.0.0.1", "10.0.0.1:", ":11811", "10.0.0.1:0", "10.0.0.1:65536", "10.0.0.1:+1", "10.0.0.1:01",
         "10.0.0.1:11811 10.0.0.2:11811", "10.0.0.1:x", "[::1]:11811", "10.0.0.256:11811"}},
       {"server-device", {"nobody", "robt", "Robot", "robot line", "robot.trajectory"}},
+      {"security", {"Required", "on", "yes", "none"}},
       {"template", {"nobody", "Axis", "7x", "axis pair"}},
       {"port", {"7x", "a.b", "a b"}},
       {"of", {"servo", "servo.", ".setpoint", "nobody.x", "servo.a.b", "robot.first.state"}},
@@ -395,7 +397,7 @@ const std::vector<Base>& bases() {
   cell.insert({"kind", "stale"});
   std::set<std::string> everything = kDefaults;
   everything.insert({"depth", "reliability", "lifespan", "stale", "miss", "server-device", "connection/from",
-                     "spin", "limit", "offsets", "timing", "times", "in-a-row"});
+                     "spin", "limit", "offsets", "timing", "host", "times", "in-a-row"});
   static const std::vector<Base> kBases{{"/deploy/module.xml", kDefaults},
                                         {kGood + "cell.xml", cell},
                                         {kGood + "everything.xml", everything},

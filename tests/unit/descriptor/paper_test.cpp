@@ -133,8 +133,10 @@ TEST(CellDescriptor, GivesWhatACellCanSayBesides) {
   EXPECT_EQ(motion.overrun.limit, 3);
   EXPECT_EQ(motion.offsets, model::Offsets::automatic);
   EXPECT_EQ(motion.timing, model::Timing::let);
+  EXPECT_TRUE(motion.own_host);
   const model::Module& trajectory = cell->devices[0].modules.at(0);
   EXPECT_EQ(trajectory.offset, 100us);
+  EXPECT_TRUE(trajectory.retain);
   EXPECT_EQ(trajectory.tolerance.times, 2);
   EXPECT_EQ(trajectory.tolerance.in_a_row, 5);
   EXPECT_EQ(model::contract_of(cell->devices[0], trajectory).limit, 2) << "its own";
@@ -145,9 +147,9 @@ TEST(CellDescriptor, GivesWhatACellCanSayBesides) {
   EXPECT_EQ(conveyor.miss, model::Miss::error);
   EXPECT_EQ(conveyor.dispatch, model::Dispatch::immediate);
   EXPECT_EQ(conveyor.interarrival, 1ms);
-  EXPECT_EQ(conveyor.lines.deadline, 29);
-  EXPECT_EQ(conveyor.lines.dispatch, 30);
-  EXPECT_EQ(conveyor.lines.interarrival, 31);
+  EXPECT_EQ(conveyor.lines.deadline, 30);
+  EXPECT_EQ(conveyor.lines.dispatch, 31);
+  EXPECT_EQ(conveyor.lines.interarrival, 32);
 
   ASSERT_EQ(cell->connections.size(), 3U);
   const model::Connection& connection = cell->connections[0];

@@ -16,7 +16,7 @@ class Saying {
  public:
   explicit Saying(const model::Cell& cell) {
     say("cell", cell.name, cell.domain, cell.domain_given, to_text(cell.discovery.kind),
-        cell.discovery.server, cell.discovery.serve, cell.server_device);
+        cell.discovery.server, cell.discovery.serve, cell.server_device, cell.security_required);
     for (const auto& peer : cell.discovery.peers) say("peer", peer);
     for (const auto& device : cell.devices) {
       say("device", device.name);

@@ -118,7 +118,8 @@ class FakeDevice {
 
   /// As after a restart of the host: the blocks stay.
   void make_executor() {
-    executor = std::make_unique<Executor>(plan.executors[0], periodic_units, sporadic_units, *block, clock);
+    executor =
+        std::make_unique<Executor>(plan.executors[0], periodic_units, sporadic_units, *block, clock, flight);
   }
 
   /// Puts the executor on the grid from the clock's time on; T0 is `later` than that.
@@ -142,6 +143,7 @@ class FakeDevice {
   schedule::DevicePlan plan;
   std::vector<Unit> periodic_units;
   std::vector<Unit> sporadic_units;
+  Flight flight;  ///< for the executor that is made next
   std::unique_ptr<Executor> executor;
   Instant t0{};
 };

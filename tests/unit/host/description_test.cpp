@@ -30,7 +30,10 @@ TEST(Description, AsJsonHasBoundsAsNumbersAndNullWithout) {
                                      .operation = {},
                                      .hooks = {"run"},
                                      .properties = {{"a", "integer", "3", "at least 1", "1", "", "", ""}},
-                                     .ports = {}}));
+                                     .ports = {},
+                                     .saved = SavedDescription{.version = 2, .bytes = 24}}));
+  EXPECT_EQ(object["saved"]["version"], 2);
+  EXPECT_EQ(object["saved"]["bytes"], 24);
   EXPECT_EQ(object["properties"][0]["min"], 1);
   EXPECT_TRUE(object["properties"][0]["max"].is_null());
   EXPECT_EQ(object["properties"][0]["range"], "at least 1");

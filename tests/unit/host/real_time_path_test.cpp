@@ -19,15 +19,19 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include <takt/channel/flight_record.hpp>
 #include <takt/channel/layout.hpp>
+#include <takt/channel/saved_state.hpp>
 #include <takt/channel/seat.hpp>
 #include <takt/component/component.hpp>
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/host/executor_threads.hpp>
 #include <takt/host/live_properties.hpp>
+#include <takt/host/swap.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/schedule/plan.hpp>
@@ -146,13 +150,14 @@ class Script final : public executor::Body {
   std::uint64_t asked = 0;
 };
 
-/// A device that runs for real: three thread modules, a sporadic one, and a program that sleeps on the bell
-/// after each body.
+/// A device that runs for real and records it: three thread modules, a sporadic one, and a program that
+/// sleeps on the bell after each body.
 class RealTimePath : public testing::Test {
  protected:
   static constexpr auto kPeriod = microseconds{500};
   static constexpr std::size_t kSporadic = 3;
   static constexpr std::size_t kProgram = 4;
+  static constexpr std::uint64_t kRecorded = 256;  // fewer than are made, so that entries are overwritten
 
   void SetUp() override {
     if (TAKT_SANITIZED != 0)
@@ -175,12 +180,16 @@ class RealTimePath : public testing::Test {
       blocks[i].in_tables.store(1);
     }
     const auto plan = *schedule::plan(model::Cell{}, device);
+    record = std::move(*channel::FlightRecord::create({kRecorded, kRecorded}));
+    for (std::size_t ring = 0; ring < flight.size(); ++ring) flight[ring] = record.writer(ring);
     seat.bell_bit = channel::bell_bit(0);
     seat.phase.store(channel::SeatPhase::ready);
     std::vector<executor::Unit> periodic;
     for (const std::uint32_t i : plan.executors[0].periodic) {
       periodic.push_back({.index = i,
-                          .body = i == kProgram ? nullptr : &bodies[i],
+                          .body = i == kProgram                   ? nullptr
+                                  : replaced == nullptr || i != 1 ? &bodies[i]
+                                                                  : replaced,
                           .seat = i == kProgram ? &seat : nullptr,
                           .block = &blocks[i],
                           .period = *device.modules[i].period});
@@ -190,7 +199,7 @@ class RealTimePath : public testing::Test {
                                           .block = &blocks[kSporadic],
                                           .deadline = milliseconds{10}}};
     threads = std::make_unique<ExecutorThreads>(device.executors[0], plan.executors[0], periodic, sporadic,
-                                                *block, bell);
+                                                *block, bell, executor::Flight{&flight[0], &flight[1]});
     row_trap = std::make_unique<SystemCallTrap>([this] { return block->cycles.load(); });
     sporadic_trap = std::make_unique<SystemCallTrap>([this] { return blocks[kSporadic].cycles.load(); });
     set_at_first_run(0, *row_trap);
@@ -252,10 +261,13 @@ class RealTimePath : public testing::Test {
   }
 
   std::array<Script, 5> bodies;
+  executor::Body* replaced = nullptr;  // in place of bodies[1]
   std::array<channel::ModuleBlock, 5> blocks{};
   std::unique_ptr<channel::ExecutorBlock> block = std::make_unique<channel::ExecutorBlock>();
   channel::Seat seat{};
   channel::Bell bell{};
+  channel::FlightRecord record;
+  std::array<channel::FlightWriter, 2> flight;
   std::unique_ptr<SystemCallTrap> row_trap;
   std::unique_ptr<SystemCallTrap> sporadic_trap;
   std::unique_ptr<ExecutorThreads> threads;  // ends before the traps of its threads do
@@ -290,6 +302,8 @@ TEST_F(RealTimePath, MakesNoSystemCallButItsSleepAndOneRingACycle) {
   }
   EXPECT_GT(blocks[kSporadic].cycles.load(), 500U);
   EXPECT_GT(blocks[kProgram].cycles.load(), 1000U);
+  EXPECT_GT(record.copy(0).written, 3 * 4000U) << "each row, and each run of it";
+  EXPECT_GT(record.copy(1).written, 500U);
   RecordProperty("row_calls", static_cast<int>(row_calls.size()));
 }
 
@@ -334,15 +348,24 @@ TEST_F(RealTimePath, TakesOverPropertiesThatAreSetWhileItRuns) {
 
 /// Two ports and the link between them.
 struct Connected {
-  Connected(bool as_objects, std::uint32_t wake_bits) {
+  Connected(bool as_objects, std::uint32_t wake_bits, bool has_safe_value = false) {
+    const std::uint32_t most = PortType<samples::Count>::info.max_size;
     const channel::Link::Options options{.depth = 4,
-                                         .payload = as_objects ? 0 : PortType<samples::Count>::info.max_size,
+                                         .payload = as_objects ? 0 : most,
                                          .is_queue = true,
-                                         .wake_bits = wake_bits};
+                                         .wake_bits = wake_bits,
+                                         .safe = has_safe_value ? most : 0};
     memory.resize(channel::Link::layout(options).size() / sizeof(Line));
     auto* start = reinterpret_cast<std::byte*>(memory.data());
     channel::Link::format(start, options);
-    const channel::Link link{start};
+    link = channel::Link{start};
+    if (has_safe_value) {
+      samples::Count count;
+      fill(count, kSafe);
+      std::vector<std::byte> bytes(most);
+      bytes.resize(PortType<samples::Count>::encode(count, bytes.data(), most));
+      link.give_safe(bytes);
+    }
     void* values = as_objects ? out.make_values(link.buffers()) : nullptr;
     out.connect(link, values);
     in.connect(link, values);
@@ -350,7 +373,9 @@ struct Connected {
   struct alignas(64) Line {
     std::array<std::byte, 64> bytes;
   };
+  static constexpr std::uint64_t kSafe = 1'000'000'000;
   std::vector<Line> memory;
+  channel::Link link;
   OutPort<samples::Count> out{"out"};
   InPort<samples::Count> in{"in"};
 };
@@ -358,7 +383,7 @@ struct Connected {
 TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
   Connected objects{true, 0};
   Connected bytes{false, channel::kSporadicBit};
-  PortContext context{.start_ns = 1, .bell = &bell};
+  PortContext context{.start_ns = 1, .bell = &bell, .flight = flight.data(), .module = 1};
   for (Connected* each : {&objects, &bytes}) {
     each->out.serve(context);
     each->in.serve(context);
@@ -392,6 +417,67 @@ TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
     if (is_futex(call, FUTEX_WAKE_BITSET, &bell, sizeof bell)) ++rings[call.stamp];
   }
   for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
+}
+
+// A node withholds the samples and trusts them again while they come.
+TEST_F(RealTimePath, SafeValuesAllocateAndLockNothing) {
+  Connected objects{true, 0, true};
+  Connected bytes{false, 0, true};
+  PortContext context{.start_ns = 1, .bell = &bell, .flight = flight.data(), .module = 1};
+  for (Connected* each : {&objects, &bytes}) {
+    each->out.serve(context);
+    each->in.serve(context);
+  }
+  samples::Count count;
+  count.few().reserve(4);
+  std::uint64_t wrong = 0;
+  std::uint64_t read = 0;
+  std::uint64_t safe = 0;
+  bodies[1].on_run = [&](const Cycle& cycle) {
+    fill(count, cycle.number + 1);
+    objects.out.write(count);
+    bytes.out.write(count);
+  };
+  bodies[2].on_run = [&](const Cycle&) {
+    for (Connected* each : {&objects, &bytes}) {
+      while (each->in.read()) {
+        ++(each->in.is_safe() ? safe : read);
+        if (!is_whole(each->in.value())) ++wrong;
+        if (each->in.is_safe() != (each->in.value().number() == Connected::kSafe)) ++wrong;
+      }
+    }
+  };
+  std::atomic<bool> end{false};
+  std::thread node{[&] {
+    while (!end) {
+      for (Connected* each : {&objects, &bytes}) each->link.trust();
+      std::this_thread::sleep_for(milliseconds{3});
+      for (Connected* each : {&objects, &bytes}) each->link.withhold();
+      std::this_thread::sleep_for(milliseconds{3});
+    }
+  }};
+  run(2000);
+  end = true;
+  node.join();
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  for (const SystemCall& call : row_calls) EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_GT(read, 200U);
+  EXPECT_GT(safe, 50U);
+}
+
+TEST_F(RealTimePath, SavingAllocatesAndLocksNothing) {
+  const auto place = std::make_unique<channel::SavedState>();
+  std::array<std::uint64_t, channel::kMostSaved / sizeof(std::uint64_t)> kept{};
+  bodies[1].on_run = [&](const Cycle& cycle) {
+    kept.fill(cycle.number);
+    place->save(kept.data(), sizeof kept, 1, to_ns(cycle.start));
+  };
+  run(2000);
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  for (const SystemCall& call : row_calls) EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
+  ASSERT_NE(place->saved(), nullptr);
+  EXPECT_GT(place->saved()->number, 1000U);
 }
 
 TEST_F(RealTimePath, ServicesAllocateAndLockNothingAndRingOnceACycle) {
@@ -449,12 +535,118 @@ TEST_F(RealTimePath, ServicesAllocateAndLockNothingAndRingOnceACycle) {
   for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
 }
 
+/// Real components in the place of module 1: it counts its runs in what it saves, and writes the count.
+class RealTimeSwap : public RealTimePath {
+ protected:
+  static inline const std::string kFolder = std::string{TAKT_BINARY_DIR} + "/tests/components/";
+
+  void SetUp() override {
+    if (TAKT_SANITIZED != 0) GTEST_SKIP() << "see above";
+    const channel::Link::Options options{.depth = 256, .is_queue = true};
+    memory.resize(channel::Link::layout(options).size() / sizeof(memory[0]));
+    channel::Link::format(start(), options);
+    runs = std::make_unique<ThreadModule>();
+    runs->attach(&bell, &blocks[1]);
+    runs->save_in(*saved);
+    ASSERT_TRUE(runs->load(kFolder + "ticks.so", os::Library::Globals::shared, false).ok());
+    values = runs->port("out")->make_values(channel::Link{start()}.buffers());
+    connect(*runs);
+    ASSERT_TRUE(runs->initialize({}).ok());
+    ASSERT_TRUE(runs->start().ok());
+    in.connect(channel::Link{start()}, values);
+    in.serve(context);
+    replaced = runs.get();
+    RealTimePath::SetUp();
+  }
+  std::byte* start() { return memory[0].data(); }
+  void connect(ThreadModule& module) { module.port("out")->connect(channel::Link{start()}, values); }
+
+  Swapped swap(const std::string& file) {
+    auto next = std::make_unique<ThreadModule>();
+    next->attach(&bell, &blocks[1]);
+    next->stand_by();
+    Swapped swapped = carry_out({.index = 1,
+                                 .block = blocks[1],
+                                 .before = *runs,
+                                 .next = *next,
+                                 .body = *next,
+                                 .threads = *threads,
+                                 .place = *saved,
+                                 .activity = activity,
+                                 .path = kFolder + file,
+                                 .properties = {},
+                                 .connect = [&]() -> Result<void> {
+                                   connect(*next);
+                                   return {};
+                                 },
+                                 .exclude = [] { return std::unique_lock<std::mutex>{}; },
+                                 .handle_by = [](ThreadModule&) {},
+                                 .ends = [this] { return end.load(); }});
+    if (swapped.kept) runs.swap(next);
+    return swapped;
+  }
+
+  struct alignas(64) Line : std::array<std::byte, 64> {};
+  std::vector<Line> memory;
+  void* values = nullptr;
+  std::unique_ptr<channel::SavedState> saved = std::make_unique<channel::SavedState>();
+  std::unique_ptr<ThreadModule> runs;
+  channel::Activity activity{};
+  PortContext context{.start_ns = 1};
+  InPort<samples::Count> in{"in"};
+  std::atomic<bool> end{false};
+};
+
+TEST_F(RealTimeSwap, AllocatesAndLocksNothingAndMissesNoCount) {
+  std::uint64_t last = 0;
+  std::uint64_t wrong = 0;
+  bodies[2].on_run = [&](const Cycle&) {
+    while (in.read()) {
+      if (in.value().number() != last + 1 || !is_whole(in.value())) ++wrong;
+      last = in.value().number();
+    }
+  };
+  int kept = 0;
+  int translated = 0;
+  std::string failure;
+  std::thread swapper{[&] {
+    while (!end && failure.empty()) {
+      const bool other = kept % 3 == 0;  // both what is copied and what is translated
+      const Swapped swapped = swap(other ? "ticks_more.so" : "ticks.so");
+      if (swapped.kept) {
+        ++kept;
+        translated += other ? 1 : 0;
+      } else if (!end) {
+        failure = swapped.text;
+      }
+    }
+  }};
+  run(4000);
+  end = true;
+  swapper.join();
+  EXPECT_EQ(failure, "");
+  for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
+  for (const SystemCall& call : row_calls) EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
+  EXPECT_GT(kept, 20);
+  EXPECT_GT(translated, 5);
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_GT(last, 3000U);
+  RecordProperty("kept", kept);
+}
+
 // The traps work: what a module must not do is seen.
 
-TEST_F(RealTimePath, AModuleThatMakesASystemCallIsSeen) {
-  bodies[1].on_run = [](const Cycle& cycle) {
-    if (cycle.number == 100) static_cast<void>(::syscall(SYS_getpid));
+/// What is done once, in the hundredth cycle or, where that row is lost, in the next one.
+std::function<void(const Cycle&)> once(std::function<void()> what) {
+  return [what = std::move(what), done = false](const Cycle& cycle) mutable {
+    if (done || cycle.number < 100) return;
+    done = true;
+    what();
   };
+}
+
+TEST_F(RealTimePath, AModuleThatMakesASystemCallIsSeen) {
+  bodies[1].on_run = once([] { static_cast<void>(::syscall(SYS_getpid)); });
   run(200);
   const auto others = std::count_if(row_calls.begin(), row_calls.end(),
                                     [](const SystemCall& call) { return call.number != SYS_futex; });
@@ -476,11 +668,10 @@ TEST_F(RealTimePath, ASporadicModuleThatMakesASystemCallIsSeen) {
 }
 
 TEST_F(RealTimePath, AModuleThatAllocatesIsSeen) {
-  bodies[1].on_run = [](const Cycle& cycle) {
-    if (cycle.number != 100) return;
+  bodies[1].on_run = once([] {
     const std::string text(100, 'x');
     asm volatile("" : : "r"(text.data()) : "memory");
-  };
+  });
   run(200);
   EXPECT_EQ(seen["allocations"], 1U);
   EXPECT_EQ(seen["frees"], 1U);
@@ -488,9 +679,7 @@ TEST_F(RealTimePath, AModuleThatAllocatesIsSeen) {
 
 TEST_F(RealTimePath, AModuleThatLocksIsSeen) {
   std::mutex mutex;
-  bodies[1].on_run = [&mutex](const Cycle& cycle) {
-    if (cycle.number == 100) const std::lock_guard lock{mutex};
-  };
+  bodies[1].on_run = once([&mutex] { const std::lock_guard lock{mutex}; });
   run(200);
   EXPECT_EQ(seen["locks"], 2U);
 }
@@ -498,11 +687,10 @@ TEST_F(RealTimePath, AModuleThatLocksIsSeen) {
 TEST_F(RealTimePath, AModuleThatWaitsForAConditionIsSeen) {
   std::mutex mutex;
   std::condition_variable condition;
-  bodies[1].on_run = [&](const Cycle& cycle) {
-    if (cycle.number != 100) return;
+  bodies[1].on_run = once([&] {
     std::unique_lock lock{mutex};
     condition.wait_for(lock, microseconds{1});
-  };
+  });
   run(200);
   EXPECT_EQ(seen["waits"], 1U);
 }

@@ -2,10 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include <filesystem>
+#include <limits>
 
 #include <takt/dds/words.hpp>
-#include <takt/os/environment.hpp>
 
 #include "fake_device.hpp"
 
@@ -17,17 +16,6 @@ using std::chrono::seconds;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using Phase = Supervised::Phase;
-
-DeviceStatus other(const std::string& device, const std::string& node) {
-  DeviceStatus status;
-  dds::set(status.path(), "-/" + device);
-  dds::set(status.cell(), dds::kNoCell);
-  dds::set(status.device(), device);
-  dds::set(status.node(), node);
-  dds::set(status.host_name(), "elsewhere");
-  status.process_id(42);
-  return status;
-}
 
 TEST(Agent, WaitsAndSaysSo) {
   FakeDevice device;
@@ -69,6 +57,45 @@ TEST(Agent, DoesNotBeginWhatIsPastItsDeadline) {
   late.head.deadline_ns(0);  // none
   device.hear(late);
   EXPECT_EQ(device.work.inspections.size(), 1U);
+}
+
+TEST(Agent, TakesTimesOfWhateverSize) {
+  constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+  FakeDevice device;
+  device.become_ready();
+  for (const std::int64_t time : {kMin, std::int64_t{-1}, std::int64_t{1}, kMax}) {
+    dds::WholeCommand run = device.command(COMMAND_RUN);
+    run.head.time_ns(time);
+    device.hear(run);
+    EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << time;
+    dds::WholeCommand report = device.command(COMMAND_REPORT);
+    report.head.deadline_ns(time);
+    device.hear(report);
+    EXPECT_EQ(device.reply().code(), time == kMax ? REPLY_OK : REPLY_LATE) << time;
+  }
+  device.run();
+  for (const std::int64_t time : {kMin, std::int64_t{0}, kMax}) {
+    dds::WholeCommand tap = device.command(COMMAND_TAP);
+    tap.head.module_name("servo");
+    tap.head.time_ns(time);
+    device.hear(tap);
+    EXPECT_EQ(device.reply().code(), REPLY_OK) << time;
+  }
+}
+
+TEST(Agent, WhoAskedForADescriptionIsAnsweredWhenTheDeploymentEndsBefore) {
+  FakeDevice device;
+  device.become_running();
+  device.work.inspected.reset();
+  device.hear(device.command(COMMAND_DESCRIBE));
+  device.hear(device.command(COMMAND_DESCRIBE));
+  EXPECT_TRUE(device.said.replies.empty());
+  device.undeploy();
+  device.end();
+  ASSERT_EQ(device.said.replies.size(), 3U);
+  EXPECT_EQ(device.said.replies[0].head.code(), REPLY_FAILED);
+  EXPECT_THAT(device.said.replies[0].head.text().to_string(), HasSubstr("before it was described"));
 }
 
 TEST(Agent, ADeploymentIsReadyWhenEveryModuleIsAndRunsWhenItIsTold) {
@@ -157,6 +184,28 @@ TEST(Agent, ACellWithoutThisDeviceIsRefused) {
   device.prepare("d1", text);
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
   EXPECT_THAT(device.text(), HasSubstr("cell cell has no device robot"));
+}
+
+TEST(Agent, ACellThatRequiresSecurityIsRefusedWithout) {
+  std::string text = FakeDevice::kCell;
+  text.replace(text.find(">"), 1, " security=\"required\">");
+  FakeDevice without;
+  without.prepare("d1", text);
+  EXPECT_EQ(without.reply().code(), REPLY_FAILED);
+  EXPECT_THAT(without.text(),
+              HasSubstr("cell cell requires security, and the node of device robot runs without"));
+  EXPECT_EQ(without.status().state(), DEVICE_WAITING);
+  FakeDevice with{{}, false, {}, "cell"};
+  with.prepare("d1", text);
+  EXPECT_TRUE(with.said.replies.empty());
+}
+
+TEST(Agent, AnIdentityIsForItsOwnCell) {
+  FakeDevice device{{}, false, {}, "another"};
+  device.prepare();
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_THAT(device.text(),
+              HasSubstr("the identity of device robot is for cell another, not for cell cell"));
 }
 
 TEST(Agent, ComponentsThatAreNotInOrderRefuseTheDeployment) {
@@ -346,133 +395,6 @@ TEST(Agent, AModuleThatIsAstrayDegradesTheDevice) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
-TEST(Agent, TwoNodesOfOneNameSaySoAndTakeNothing) {
-  FakeDevice device;
-  device.agent.others().heard(other("robot", "there"), 1);
-  device.agent.step();
-  EXPECT_EQ(device.status().health(), HEALTH_DEGRADED);
-  EXPECT_EQ(device.status().text(), "another node of the name robot is on domain 7: process 42 on elsewhere");
-  device.prepare();
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("another node of the name robot"));
-  device.agent.others().lost(1);
-  device.agent.step();
-  EXPECT_EQ(device.status().health(), HEALTH_OK);
-  device.prepare();
-  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
-}
-
-TEST(Agent, ItselfAndOtherDevicesAreNoOthersOfItsName) {
-  FakeDevice device;
-  device.agent.others().heard(other("robot", "here"), 1);
-  device.agent.others().heard(other("line", "there"), 2);
-  device.agent.step();
-  EXPECT_EQ(device.status().health(), HEALTH_OK);
-}
-
-TEST(Agent, DescribesItsComponentsOnceForAllWhoAsk) {
-  FakeDevice device;
-  device.become_running();
-  device.work.inspected.reset();
-  device.hear(device.command(COMMAND_DESCRIBE));
-  device.hear(device.command(COMMAND_DESCRIBE));
-  EXPECT_TRUE(device.said.replies.empty());
-  device.work.inspected = Inspected{.paths = {"", ""}, .description = R"({"device":"robot"})"};
-  device.agent.step();
-  device.hear(device.command(COMMAND_DESCRIBE));
-  ASSERT_EQ(device.said.replies.size(), 3U);
-  for (const dds::WholeReply& reply : device.said.replies) EXPECT_EQ(reply.data, R"({"device":"robot"})");
-  EXPECT_EQ(device.work.inspections.size(), 2U);
-  EXPECT_TRUE(device.work.inspections[1].describe);
-}
-
-TEST(Agent, AnOrderGoesToItsModuleAndItsAnswerBack) {
-  FakeDevice device;
-  device.become_running();
-  dds::WholeCommand stop = device.command(COMMAND_STOP);
-  stop.head.module_name("arm");
-  device.hear(stop);
-  EXPECT_TRUE(device.said.replies.empty());
-  ASSERT_EQ(device.work.orders.size(), 1U);
-  EXPECT_EQ(device.work.orders[0], (std::pair{1U, Verb::stop}));
-  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::start, .text = {}});
-  EXPECT_EQ(device.reply().code(), REPLY_OK);
-  EXPECT_EQ(device.reply().state(), STATE_START);
-  EXPECT_EQ(device.reply().module_name(), "arm");
-}
-
-TEST(Agent, AModuleThatIsNotThereIsNamedWithWhatIs) {
-  FakeDevice device;
-  device.become_running();
-  dds::WholeCommand stop = device.command(COMMAND_STOP);
-  stop.head.module_name("serv");
-  device.hear(stop);
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("no module 'serv'"));
-  EXPECT_THAT(device.text(), HasSubstr("servo"));
-}
-
-TEST(Agent, APropertyIsAskedForAndSetAtItsModule) {
-  FakeDevice device;
-  device.become_running();
-  dds::WholeCommand get = device.command(COMMAND_GET);
-  get.head.module_name("arm");
-  get.head.property("gain");
-  device.hear(get);
-  dds::WholeCommand set = device.command(COMMAND_SET);
-  set.head.module_name("arm");
-  set.head.property("gain");
-  set.head.value("2.5");
-  device.hear(set);
-  EXPECT_EQ(device.work.properties, (std::vector<std::string>{"1 gain", "1 gain = 2.5"}));
-
-  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::executing, .text = "", .value = "1.5"});
-  EXPECT_EQ(device.reply().code(), REPLY_OK);
-  EXPECT_EQ(device.reply().id(), get.head.id());
-  EXPECT_EQ(device.reply().value(), "1.5");
-  EXPECT_EQ(device.reply().state(), STATE_EXECUTING);
-  device.work.done[1]({.code = REPLY_REFUSED, .state = lifecycle::State::executing, .text = "0 to 2"});
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_EQ(device.reply().id(), set.head.id());
-  EXPECT_EQ(device.text(), "0 to 2");
-}
-
-TEST(Agent, APropertyOfNoModuleIsRefused) {
-  FakeDevice device;
-  dds::WholeCommand get = device.command(COMMAND_GET);
-  get.head.module_name("arn");
-  get.head.property("gain");
-  device.hear(get);
-  EXPECT_EQ(device.text(), "device robot has no deployment");
-  device.become_running();
-  dds::WholeCommand again = device.command(COMMAND_GET);
-  again.head.module_name("arn");
-  device.hear(again);
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_EQ(device.text(), "device robot has no module 'arn'; did you mean arm?");
-  dds::WholeCommand none = device.command(COMMAND_SET);
-  device.hear(none);
-  EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a device as a whole has no properties";
-  EXPECT_TRUE(device.work.properties.empty());
-}
-
-TEST(Agent, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
-  FakeDevice device;
-  device.become_running();
-  device.hear(device.command(COMMAND_STOP));
-  ASSERT_EQ(device.work.orders.size(), 2U);
-  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::start, .text = {}});
-  EXPECT_TRUE(device.said.replies.empty());
-  device.work.done[1](
-      {.code = REPLY_REFUSED, .state = lifecycle::State::idle, .text = "stop is refused in state IDLE"});
-  ASSERT_EQ(device.said.replies.size(), 1U);
-  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
-  EXPECT_EQ(device.data()[0]["module"], "servo");
-  EXPECT_EQ(device.data()[0]["state"], "START");
-  EXPECT_EQ(device.data()[1]["ok"], false);
-  EXPECT_EQ(device.data()[1]["text"], "stop is refused in state IDLE");
-}
-
 TEST(Agent, NumbersAreToldOnceASecondWhileThereIsADeployment) {
   FakeDevice device;
   device.pass(seconds{5});
@@ -483,28 +405,17 @@ TEST(Agent, NumbersAreToldOnceASecondWhileThereIsADeployment) {
   EXPECT_EQ(device.said.measures - before, 10);
 }
 
-TEST(Agent, LostDevicesOfItsCellAreInItsReport) {
+TEST(Agent, GivesTheSafeValuesOfTheCellBeforeItRuns) {
   FakeDevice device;
-  device.become_running();
-  DeviceStatus line = other("line", "there");
-  dds::set(line.path(), "cell/line");
-  dds::set(line.cell(), "cell");
-  device.agent.others().heard(line, 3);
-  LifecycleStatus belt;
-  dds::set(belt.path(), "cell/line/belt");
-  dds::set(belt.cell(), "cell");
-  dds::set(belt.device(), "line");
-  dds::set(belt.name(), "belt");
-  belt.state(STATE_EXECUTING);
-  device.agent.others().heard(belt);
-  device.hear(device.command(COMMAND_REPORT));
-  EXPECT_EQ(device.data()["lost"].size(), 0U);
-  EXPECT_EQ(device.data()["devices"].size(), 2U);
-  device.agent.others().lost(3);
-  device.hear(device.command(COMMAND_REPORT));
-  ASSERT_EQ(device.data()["lost"].size(), 1U);
-  EXPECT_EQ(device.data()["lost"][0]["name"], "line");
-  EXPECT_EQ(device.data()["lost"][0]["modules"][0]["state"], "EXECUTING");
+  device.become_ready();
+  const model::SafeOutput output{{"line", "belt", "state"}, R"({"speed": 0})"};
+  dds::WholeCommand run = device.command(COMMAND_RUN);
+  run.head.deployment("d1");
+  run.head.time_ns(device.wall() + 1'000'000);
+  run.data = model::safe_json({output});
+  device.hear(run);
+  EXPECT_TRUE(device.work.t0);
+  EXPECT_EQ(device.work.safe, (std::vector<model::SafeOutput>{output}));
 }
 
 TEST(Agent, EndsItsDeviceBeforeItself) {
@@ -577,95 +488,6 @@ TEST(Agent, EndingDuringThePreparationAnswersWhoAskedForIt) {
   EXPECT_TRUE(device.agent.ended());
   device.prepare("d2");
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-}
-
-class Resuming : public testing::Test {
- protected:
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::string folder_ = testing::TempDir() + "takt-agent-" + std::to_string(os::process_id());
-  DeploymentFile file_{folder_, "robot", 7};
-};
-
-TEST_F(Resuming, ARunningDeploymentIsKeptUntilItIsUndeployed) {
-  FakeDevice device{file_};
-  device.become_ready();
-  EXPECT_FALSE(file_.kept()->has_value()) << "it does not run yet";
-  device.run(milliseconds{500});
-  const auto kept = file_.kept();
-  ASSERT_TRUE(kept.ok() && *kept);
-  EXPECT_EQ((*kept)->id, "d1");
-  EXPECT_EQ((*kept)->text, FakeDevice::kCell);
-  EXPECT_EQ((*kept)->t0_ns, device.wall() + 500'000'000);
-  device.undeploy();
-  device.end();
-  EXPECT_FALSE(file_.kept()->has_value());
-}
-
-TEST_F(Resuming, ItIsTakenUpOnTheSameGrid) {
-  std::int64_t t0 = 0;
-  {
-    FakeDevice device{file_};
-    device.become_running();
-    t0 = (*file_.kept())->t0_ns;
-    device.agent.end(false);
-    device.end();
-  }
-  FakeDevice device{file_};
-  device.now += seconds{100};
-  device.agent.resume();
-  device.agent.step();
-  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
-  device.work.inspected = Inspected{.paths = {"", ""}};
-  device.agent.step();
-  device.work.phase = Phase::ready;
-  device.agent.step();
-  EXPECT_EQ(device.work.t0, device.now + Nanoseconds{t0 - device.wall()});
-  EXPECT_LT(*device.work.t0, device.now);
-  EXPECT_EQ((*file_.kept())->t0_ns, t0);
-  EXPECT_TRUE(device.said.replies.empty()) << "nobody asked";
-}
-
-TEST_F(Resuming, WhatCannotBeTakenUpIsSaidAndKept) {
-  {
-    FakeDevice device{file_};
-    device.become_running();
-  }
-  FakeDevice device{file_};
-  device.agent.resume();
-  device.work.inspected = Problems{fail("there is no file servo.so")};
-  device.agent.step();
-  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
-  EXPECT_EQ(device.status().health(), HEALTH_FAILED);
-  EXPECT_THAT(device.status().text().to_string(), HasSubstr("no file servo.so"));
-  EXPECT_TRUE(file_.kept()->has_value());
-  device.undeploy();
-  EXPECT_EQ(device.status().health(), HEALTH_OK);
-  EXPECT_FALSE(file_.kept()->has_value());
-}
-
-TEST_F(Resuming, ADamagedFileIsSaidToAllUntilThereIsAnotherDeployment) {
-  {
-    FakeDevice device{file_};
-    device.become_running();
-  }
-  for (const auto& entry : std::filesystem::directory_iterator(folder_))
-    std::filesystem::resize_file(entry.path(), 100);
-  FakeDevice device{file_};
-  device.agent.resume();
-  device.agent.step();
-  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
-  EXPECT_EQ(device.status().health(), HEALTH_FAILED);
-  EXPECT_THAT(device.status().text().to_string(), HasSubstr("damaged"));
-  device.become_running();
-  EXPECT_EQ(device.status().health(), HEALTH_OK);
-}
-
-TEST_F(Resuming, WithoutAFileItWaits) {
-  FakeDevice device{file_};
-  device.agent.resume();
-  device.agent.step();
-  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
-  EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
 }  // namespace

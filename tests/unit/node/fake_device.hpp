@@ -20,6 +20,7 @@ class ReadAlong final : public Outlet {
   void say(const LifecycleStatus& status) override { steps.push_back(status); }
   void say(const DeviceStatus& status) override { devices.push_back(status); }
   void say(const Measures&) override { ++measures; }
+  void say(const FaultEvent& event) override { faults.push_back(event); }
   void take_back(const std::vector<LifecycleStatus>& modules, const Measures&) override {
     for (const LifecycleStatus& module : modules) taken_back.push_back(module.path().to_string());
   }
@@ -27,6 +28,7 @@ class ReadAlong final : public Outlet {
   std::vector<dds::WholeReply> replies;
   std::vector<LifecycleStatus> steps;
   std::vector<DeviceStatus> devices;
+  std::vector<FaultEvent> faults;
   std::vector<std::string> taken_back;
   int measures = 0;
 };
@@ -39,11 +41,16 @@ struct Work {
   Supervised::Phase phase = Supervised::Phase::preparing;
   Problems failures;
   std::optional<Instant> t0;
+  bool stops_cell = false;
+  std::vector<model::SafeOutput> safe;
   bool told_to_stop = false;
   int supervised = 0;  ///< alive
   std::function<void(const Step&)> stepped;
+  std::function<void(model::Fault, const std::string&)> noted;
   std::vector<std::pair<std::uint32_t, Verb>> orders;
   std::vector<std::string> properties;  ///< "0 gain", "0 gain = 2"
+  Result<void> may_swap{};
+  std::vector<std::pair<std::uint32_t, std::string>> swaps;
   std::vector<std::function<void(const Outcome&)>> done;
   Standing standing;
 };
@@ -64,6 +71,7 @@ class FakeSupervised final : public Supervised {
   FakeSupervised(Work& work, const Supervisor::Options& options) : work_(work) {
     ++work_.supervised;
     work_.stepped = options.stepped;
+    work_.noted = options.noted;
   }
   ~FakeSupervised() override { --work_.supervised; }
 
@@ -76,6 +84,12 @@ class FakeSupervised final : public Supervised {
     work_.told_to_stop = true;
     work_.phase = Phase::stopping;
   }
+  void stop_for(Problem problem) override {
+    work_.failures.push_back(std::move(problem));
+    work_.stops_cell = true;
+    stop();
+  }
+  void give_safe(const std::vector<model::SafeOutput>& outputs) override { work_.safe = outputs; }
   void step() override {}
   std::vector<const os::Fd*> wait_on() override { return {}; }
   void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override {
@@ -95,8 +109,19 @@ class FakeSupervised final : public Supervised {
     work_.properties.push_back(std::to_string(module) + " " + property + " = " + value);
     work_.done.push_back(std::move(done));
   }
+  [[nodiscard]] Result<void> may_swap(std::uint32_t) const override { return work_.may_swap; }
+  void swap(std::uint32_t module, const std::string& path,
+            std::function<void(const Outcome&)> done) override {
+    work_.swaps.emplace_back(module, path);
+    work_.done.push_back(std::move(done));
+  }
+  void trace(Nanoseconds last, std::size_t most,
+             std::function<void(const Result<std::string>&)> done) override {
+    done(std::to_string(last.count()) + " of " + std::to_string(most));
+  }
   [[nodiscard]] Phase phase() const noexcept override { return work_.phase; }
   [[nodiscard]] const Problems& failures() const noexcept override { return work_.failures; }
+  [[nodiscard]] bool stops_cell() const noexcept override { return work_.stops_cell; }
   [[nodiscard]] Standing standing() const override { return work_.standing; }
   [[nodiscard]] nlohmann::ordered_json report() const override { return {{"name", "robot"}}; }
   [[nodiscard]] Measures measures() const override { return {}; }
@@ -121,12 +146,15 @@ class FakeDevice {
   </device>
 </cell>)";
 
-  explicit FakeDevice(std::optional<DeploymentFile> file = {}, bool lent = false)
+  explicit FakeDevice(std::optional<DeploymentFile> file = {}, bool lent = false,
+                      std::shared_ptr<FaultRecord> record = {}, const std::string& cell_of_identity = {})
       : agent({.device = "robot",
                .node = "here",
                .domain = 7,
+               .cell = cell_of_identity,
                .lent = lent,
                .file = std::move(file),
+               .record = std::move(record),
                .now = [this] { return now; },
                .wall_ns = [this] { return wall(); },
                .instant_of_wall = [this](std::int64_t ns) { return now + Nanoseconds{ns - wall()}; }},
@@ -179,15 +207,15 @@ class FakeDevice {
     hear(c);
   }
   /// To where every module is in START.
-  void become_ready() {
-    prepare();
+  void become_ready(const std::string& text = kCell) {
+    prepare("d1", text);
     work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
     agent.step();
     work.phase = Supervised::Phase::ready;
     agent.step();
   }
-  void become_running() {
-    become_ready();
+  void become_running(const std::string& text = kCell) {
+    become_ready(text);
     run();
     said.replies.clear();
   }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include <takt/node/whole_file.hpp>
 #include <takt/os/environment.hpp>
 
 namespace takt::node {
@@ -70,6 +71,17 @@ TEST_F(Kept, AChangedByteIsNoticedWhereverItIs) {
     changed[at] = static_cast<char>(changed[at] ^ 1);
     write(changed);
     ASSERT_FALSE(file_.kept().ok()) << at;
+  }
+}
+
+TEST_F(Kept, AnInstantThatIsNoneIsADamagedFile) {
+  for (const char* other : {"-1", "1.5", "1e300", "9223372036854775808", "\"1\"", "null"}) {
+    std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":)";
+    body += std::string{other} + R"(,"safe":""})";
+    ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body).ok());
+    const auto kept = file_.kept();
+    ASSERT_FALSE(kept.ok()) << other;
+    EXPECT_THAT(to_text(kept.problems()), HasSubstr("damaged"));
   }
 }
 

@@ -89,6 +89,32 @@ TEST_F(WiringPlanned, ObjectsGoBetweenModulesInCppAndBytesElsewhere) {
   EXPECT_EQ(links[1].to, (LinkEnd{2, "in"}));
 }
 
+TEST_F(WiringPlanned, BytesGoFromOneHostToAnother) {
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  model::Device& device = cell.devices[0];
+  model::Executor& alone = device.executors.emplace_back();
+  alone.name = "alone";
+  alone.own_host = true;
+  device.modules[1].operation = model::Operation::periodic;
+  device.modules[1].executor = "alone";
+  const PlannedLink link = local(plan()).at(0);
+  EXPECT_FALSE(link.typed);
+  EXPECT_EQ(link.options.payload, model::max_size((*ports[0])[2].type));
+}
+
+TEST_F(WiringPlanned, BytesGoWithinAHostOfItsOwnBecauseTheyOutliveIt) {
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  model::Device& device = cell.devices[0];
+  model::Executor& alone = device.executors.emplace_back();
+  alone.name = "alone";
+  alone.own_host = true;
+  for (const std::size_t module : {0U, 1U}) {
+    device.modules[module].operation = model::Operation::periodic;
+    device.modules[module].executor = "alone";
+  }
+  EXPECT_FALSE(local(plan()).at(0).typed);
+}
+
 TEST_F(WiringPlanned, TheQualityOfAConnectionIsThatOfItsLink) {
   auto& connection = connect(end("here", "a", "out"), end("here", "b", "in"));
   connection.kind = model::ConnectionKind::queue;
@@ -246,7 +272,7 @@ TEST_F(WiringPlanned, ALinkIsHandedToBothItsEnds) {
   connect(end("here", "a", "out"), end("here", "p", "event"));
   auto wiring = Wiring::create(plan());
   ASSERT_TRUE(wiring.ok());
-  const auto ends = wiring->of_host(cell.devices[0]);
+  const auto ends = wiring->of_host(model::hosts_of(cell.devices[0]).front());
   EXPECT_EQ(std::count_if(ends.begin(), ends.end(), [](const auto& e) { return e.typed; }), 2);
   EXPECT_EQ(ends[0].fd, ends[1].fd);
   const std::string program = wiring->of_program(3);
@@ -254,6 +280,51 @@ TEST_F(WiringPlanned, ALinkIsHandedToBothItsEnds) {
   std::vector<const os::Fd*> fds;
   wiring->inherit(fds, 3);
   EXPECT_EQ(fds.size(), 2U) << "its event, and its output's to the gateway";
+}
+
+TEST_F(WiringPlanned, AReaderOfTheLatestValueHasThePlaceOfASafeOne) {
+  (*ports[0])[2].safe = R"({"x": 7})";
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  connect(end("here", "b", "out"), end("here", "c", "in"));
+  connect(end("here", "a", "out"), end("here", "c", "event"));
+  connect(end("here", "a", "out"), end("here", "p", "in")).kind = model::ConnectionKind::queue;
+  const auto links = local(plan());
+  ASSERT_EQ(links.size(), 4U);
+  EXPECT_EQ(links[0].writer, end("here", "a", "out"));
+  EXPECT_EQ(links[0].safe.size(), 12U);
+  EXPECT_EQ(links[0].options.safe, 12U);
+  EXPECT_TRUE(links[0].typed) << "the value lies there as bytes all the same";
+  for (const std::size_t without : {1U, 2U, 3U}) {
+    EXPECT_FALSE(links[without].writer.given()) << without;
+    EXPECT_EQ(links[without].options.safe, 0U) << without;
+  }
+}
+
+TEST_F(WiringPlanned, TheDescriptorsSafeValueGoesBeforeTheComponents) {
+  (*ports[0])[2].safe = R"({"x": 7})";
+  cell.devices[0].modules[0].safe = {{"out", {{"x", "2.5"}}}};
+  cell.devices[0].modules[1].safe = {{"out", {}}};
+  connect(end("here", "a", "out"), end("here", "c", "in"));
+  connect(end("here", "b", "out"), end("here", "p", "in"));
+  const auto links = local(plan());
+  const model::Type& type = (*ports[0])[2].type;
+  EXPECT_EQ(model::sample_json(type, links[0].safe.data(), links[0].safe.size()), R"({"x": 2.5})");
+  EXPECT_EQ(model::sample_json(type, links[1].safe.data(), links[1].safe.size()), R"({"x": 0})");
+}
+
+TEST_F(WiringPlanned, TheSafeValueOfAnotherDeviceComesLater) {
+  connect(end("there", "x", "out"), end("here", "a", "in"));
+  auto wiring = Wiring::create(plan());
+  ASSERT_TRUE(wiring);
+  const auto incoming = std::find_if(wiring->wires().begin(), wiring->wires().end(),
+                                     [](const Wiring::Wire& wire) { return wire.plan.writer.given(); });
+  ASSERT_NE(incoming, wiring->wires().end());
+  EXPECT_TRUE(incoming->link.safe().empty());
+  EXPECT_TRUE(incoming->link.is_withheld());
+  wiring->give_safe({end("there", "x", "other"), R"({"x": 1})"});
+  EXPECT_TRUE(incoming->link.safe().empty());
+  wiring->give_safe({end("there", "x", "out"), R"({"x": 1})"});
+  EXPECT_EQ(incoming->link.safe().size(), 12U);
 }
 
 }  // namespace

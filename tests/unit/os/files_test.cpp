@@ -1,11 +1,14 @@
 #include <takt/os/files.hpp>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+#include <future>
+#include <thread>
 
 namespace takt::os {
 namespace {
@@ -28,6 +31,58 @@ TEST_F(Files, AFileThatIsNotThereHasNoContent) {
   ASSERT_TRUE(read.ok());
   EXPECT_FALSE(read->has_value());
   EXPECT_TRUE(remove_file(folder_ + "/file").ok());
+}
+
+// The file stays open, and reads as that of a process that is gone.
+TEST_F(Files, TheTextOfAThreadThatEndsMeanwhileIsEmpty) {
+  std::promise<int> opened;
+  std::promise<void> end;
+  std::thread thread{[&] {
+    opened.set_value(::open(("/proc/self/task/" + std::to_string(::gettid()) + "/stat").c_str(), O_RDONLY));
+    end.get_future().wait();
+  }};
+  const int file = opened.get_future().get();
+  const std::string path = "/proc/self/fd/" + std::to_string(file);
+  EXPECT_THAT(text_of(path), HasSubstr(" ("));
+  end.set_value();
+  thread.join();
+  EXPECT_EQ(text_of(path), "");
+  ::close(file);
+}
+
+TEST_F(Files, ATextEndsBeforeItsLineFeed) {
+  ASSERT_TRUE(replace_file(folder_ + "/file", "one\ntwo\n").ok());
+  EXPECT_EQ(text_of(folder_ + "/file"), "one\ntwo");
+  EXPECT_EQ(text_of(folder_ + "/no_such"), "");
+}
+
+TEST_F(Files, SaysWhatOthersMayDo) {
+  EXPECT_FALSE(rights_of(folder_ + "/file").has_value());
+  ASSERT_TRUE(replace_file(folder_ + "/file", "mine").ok());
+  const Rights mine = rights_of(folder_ + "/file").value();
+  EXPECT_FALSE(mine.group_reads || mine.group_writes || mine.others_read || mine.others_write ||
+               mine.is_folder);
+  ASSERT_TRUE(replace_file(folder_ + "/file", "for all", Readers::everybody).ok());
+  EXPECT_TRUE(rights_of(folder_ + "/file")->others_read);
+  EXPECT_FALSE(rights_of(folder_ + "/file")->others_write);
+  ASSERT_EQ(::chmod((folder_ + "/file").c_str(), 0622), 0);
+  EXPECT_TRUE(rights_of(folder_ + "/file")->others_write);
+  EXPECT_TRUE(rights_of(folder_ + "/file")->group_writes);
+  EXPECT_TRUE(rights_of(folder_)->is_folder);
+}
+
+TEST_F(Files, APrivateFolderIsItsOwnersAlone) {
+  ASSERT_TRUE(make_private_folder(folder_ + "/deeper/private").ok());
+  struct stat status {};
+  ASSERT_EQ(::stat((folder_ + "/deeper/private").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0700U);
+  EXPECT_TRUE(make_private_folder(folder_ + "/deeper/private").ok()) << "there is one";
+  ASSERT_EQ(::chmod((folder_ + "/deeper/private").c_str(), 0750), 0);
+  const auto open = make_private_folder(folder_ + "/deeper/private");
+  ASSERT_FALSE(open.ok());
+  EXPECT_THAT(open.problems()[0].fix, HasSubstr("chmod 700"));
+  ASSERT_TRUE(replace_file(folder_ + "/file", "").ok());
+  EXPECT_FALSE(make_private_folder(folder_ + "/file").ok());
 }
 
 TEST_F(Files, ReplacesWhatIsThereAndMakesTheFolder) {

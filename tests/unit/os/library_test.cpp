@@ -11,22 +11,20 @@ using testing::HasSubstr;
 const std::string kPlain = TAKT_TEST_OBJECTS "/plain.so";
 const std::string kUnique = TAKT_TEST_OBJECTS "/unique.so";
 
-int count_up(const Library& library) {
-  return reinterpret_cast<int (*)()>(library.own_function("count_up"))();
-}
+int count_up(const Library& library) { return reinterpret_cast<int (*)()>(library.own_symbol("count_up"))(); }
 
 TEST(Library, FindsWhatTheObjectDefines) {
   const auto library = Library::open(kPlain, Library::Globals::shared);
   ASSERT_TRUE(library.ok()) << to_text(library.problems());
-  EXPECT_NE(library->own_function("count_up"), nullptr);
-  EXPECT_EQ(library->own_function("count_down"), nullptr);
+  EXPECT_NE(library->own_symbol("count_up"), nullptr);
+  EXPECT_EQ(library->own_symbol("count_down"), nullptr);
 }
 
 TEST(Library, DoesNotTakeTheFunctionsOfTheCLibraryForTheObjectsOwn) {
   const auto library = Library::open(kPlain, Library::Globals::shared);
   ASSERT_TRUE(library.ok());
-  EXPECT_EQ(library->own_function("error"), nullptr);
-  EXPECT_EQ(library->own_function("malloc"), nullptr);
+  EXPECT_EQ(library->own_symbol("error"), nullptr);
+  EXPECT_EQ(library->own_symbol("malloc"), nullptr);
 }
 
 TEST(Library, LoadedTwiceIsOneObject) {
@@ -45,7 +43,7 @@ TEST(Library, WithGlobalsOfItsOwnIsACopy) {
   EXPECT_EQ(count_up(*first), 1);
   EXPECT_EQ(count_up(*first), 2);
   EXPECT_EQ(count_up(*second), 1);
-  EXPECT_EQ(second->own_function("error"), nullptr);
+  EXPECT_EQ(second->own_symbol("error"), nullptr);
 }
 
 TEST(Library, LoadedAfreshBeginsAnew) {

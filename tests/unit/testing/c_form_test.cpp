@@ -26,6 +26,22 @@ TEST(ModuleInC, ReadsAndWritesAndKnowsItsCycle) {
   EXPECT_EQ(out.value().value(), 12);
 }
 
+TEST(ModuleInC, ReadsASafeValueOnceWhenItTakesThePlaceOfASample) {
+  Module module{{.file = C_FORM}};
+  auto& in = module.in<basic::Number>("in");
+  auto& out = module.out<basic::Number>("out");
+  in.safe(number(100));
+  ASSERT_TRUE(module.start());
+  module.step(3);
+  EXPECT_EQ(out.value().value(), 100 + 2);
+  in.write(number(10));
+  module.step(2);
+  EXPECT_EQ(out.value().value(), 110 + 4);
+  in.lose();
+  module.step(2);
+  EXPECT_EQ(out.value().value(), 210 + 6);
+}
+
 TEST(ModuleInC, SharesNoVariablesWithAnother) {
   Module one{{.file = C_FORM}};
   Module other{{.file = C_FORM}};

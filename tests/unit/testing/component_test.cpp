@@ -187,6 +187,48 @@ TEST(TestedComponent, CallsTheHooksInTheOrderOfItsLife) {
   EXPECT_EQ(module.step(), 1U);
 }
 
+TEST(TestedComponent, IsLoadedAgainAfterACrash) {
+  Module module;
+  auto& out = module.out<basic::Count>("told");
+  EXPECT_FALSE(module.crash().ok()) << "it is IDLE";
+  ASSERT_TRUE(module.set("gain", "7"));
+  ASSERT_TRUE(module.start());
+  module.step(5);
+  ASSERT_TRUE(module.crash());
+  EXPECT_EQ(module.state(), State::recover);
+  EXPECT_EQ(module.last_error().type, ErrorType::crash);
+  EXPECT_EQ(module.last_error().cycle, 5U);
+  EXPECT_EQ(module.step(5), 0U);
+  ASSERT_TRUE(module.set("starts", "false"));
+  for (int attempt = 0; attempt < 2; ++attempt)
+    EXPECT_EQ(module.recover().text(), "threw: the drive is off");
+  ASSERT_TRUE(module.set("starts", "true"));
+  ASSERT_TRUE(module.recover());
+  EXPECT_THAT(told(out), ElementsAre(-1, -1, -1, -2))
+      << "each attempt begins anew; no error(), no destruct()";
+  EXPECT_EQ(*module.get("gain"), "7");
+  EXPECT_EQ(module.step(5), 5U);
+}
+
+TEST(TestedComponent, HasTheLatestValueAgainAfterACrash) {
+  Module module;
+  auto& in = module.in<basic::Number>("in");
+  auto& orders = module.in<basic::Count>("orders", {.queue = 4});
+  auto& out = module.out<basic::Number>("out");
+  auto& done = module.out<basic::Count>("told");
+  ASSERT_TRUE(module.start());
+  in.write(number(3));
+  orders.write({});
+  module.step();
+  EXPECT_EQ(out.value().value(), 6);
+  ASSERT_TRUE(module.crash());
+  ASSERT_TRUE(module.recover());
+  const auto before = done.count();
+  module.step();
+  EXPECT_EQ(out.value().value(), 6);
+  EXPECT_EQ(done.count(), before) << "an order is carried out once";
+}
+
 TEST(TestedComponent, KeepsWhatWasSetAndConnectedOverAReset) {
   Module module;
   auto& in = module.in<basic::Number>("in");

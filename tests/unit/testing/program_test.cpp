@@ -84,7 +84,24 @@ TEST(Program, IsStartedAgainAfterItsEnd) {
   EXPECT_EQ(module.last_error().cycle, 5U);
   EXPECT_EQ(out.value().value(), -1);
   ASSERT_TRUE(module.recover());
+  EXPECT_EQ(module.step(5), 1U) << "it has the value again that it ends at";
+  in.write(number(0));
+  ASSERT_TRUE(module.recover());
   EXPECT_EQ(module.state(), State::executing);
+  EXPECT_EQ(module.step(5), 5U);
+}
+
+TEST(Program, IsStartedAgainAfterACrash) {
+  Module module;
+  auto& out = module.out<basic::Count>("out");
+  ASSERT_TRUE(module.start());
+  module.step(5);
+  const auto last = out.value().value();
+  ASSERT_TRUE(module.crash());
+  EXPECT_EQ(module.last_error().type, ErrorType::crash);
+  EXPECT_EQ(module.step(5), 0U);
+  EXPECT_EQ(out.value().value(), last) << "it calls nothing at its end";
+  ASSERT_TRUE(module.recover());
   EXPECT_EQ(module.step(5), 5U);
 }
 

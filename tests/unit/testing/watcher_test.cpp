@@ -9,6 +9,7 @@ namespace {
 
 using takt::lifecycle::State;
 using takt::testing::Module;
+using namespace std::chrono_literals;
 
 basic::Number number(double value) {
   basic::Number result;
@@ -52,6 +53,40 @@ TEST(SporadicComponent, GoesToRecoverWhereItsConditionFails) {
   ASSERT_TRUE(module.set("fails", "false"));
   ASSERT_TRUE(module.recover());
   EXPECT_EQ(module.state(), State::start);
+}
+
+TEST(SafeValue, IsThereUntilTheFirstSampleAndWhenItsWriterIsLost) {
+  Module module{{.sporadic = true, .file = WATCHER}};
+  auto& level = module.in<basic::Number>("level");
+  level.safe(number(11));  // the module runs above 10
+  ASSERT_TRUE(module.start());
+  EXPECT_EQ(module.step(5), 5U);
+  level.write(number(1));
+  EXPECT_EQ(module.step(5), 0U);
+  level.lose();
+  EXPECT_EQ(module.step(5), 5U);
+  level.write(number(2));
+  EXPECT_EQ(module.step(5), 0U);
+}
+
+TEST(SafeValue, TakesThePlaceOfASampleThatIsOlderThanTheDeadline) {
+  Module module{{.period = 1ms, .sporadic = true, .file = WATCHER}};
+  auto& level = module.in<basic::Number>("level", {.deadline = 3ms});
+  level.safe(number(11));
+  ASSERT_TRUE(module.start());
+  level.write(number(1));  // of the next release
+  EXPECT_EQ(module.step(4), 0U) << "as old as the deadline is not older";
+  EXPECT_EQ(module.step(1), 1U);
+  level.write(number(1), 3ms + 1ns);
+  EXPECT_EQ(module.step(1), 1U) << "it comes too late";
+  level.write(number(1), 3ms);
+  EXPECT_EQ(module.step(1), 0U);
+}
+
+TEST(SafeValue, IsNoneForAQueue) {
+  Module module{{.sporadic = true, .file = WATCHER}};
+  auto& alarm = module.in<basic::Number>("alarm");
+  EXPECT_THROW(alarm.safe(number(1)), takt::testing::Error);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <takt/channel/flight_record.hpp>
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
 #include <takt/core/check.hpp>
@@ -53,7 +54,8 @@ class Module final : public executor::Body {
 /// be called bare.
 class Table {
  public:
-  explicit Table(std::size_t n, model::ModuleType type = model::ModuleType::thread)
+  explicit Table(std::size_t n, model::ModuleType type = model::ModuleType::thread,
+                 channel::FlightWriter* record = nullptr)
       : blocks_(std::make_unique<channel::ModuleBlock[]>(n)),
         seats_(std::make_unique<channel::Seat[]>(n)),
         count_(n),
@@ -80,7 +82,7 @@ class Table {
     }
     const auto plan = *schedule::plan(model::Cell{}, device);
     executor_ = std::make_unique<executor::Executor>(plan.executors[0], units, std::vector<executor::Unit>{},
-                                                     block_, clock_);
+                                                     block_, clock_, executor::Flight{record, nullptr});
   }
 
   executor::Executor& executor() { return *executor_; }
@@ -162,6 +164,43 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Problems& 
                   released, clock));
   section.notes.emplace_back(
       "bare calls: the same bodies by indirect calls. beyond it: what a module costs beyond its own work.");
+  return section;
+}
+
+/// What it costs to record each run: rows with a record and without in turn.
+Result<Section> recorded(const Place& place, Nanoseconds length, Problems& refused) {
+  Section section{.title = "the flight record, always on: ns",
+                  .columns = {"a module, not recorded", "recorded", "a run's entry", "a bare entry"}};
+  constexpr std::uint64_t kEntries = 1U << 18;  // 4 MiB: as of a device with ten modules at 1 ms
+  auto memory = channel::FlightRecord::create({kEntries, kEntries});
+  if (!memory) return memory.problems();
+  for (const std::size_t n : {10U, 100U, 1000U}) {
+    std::vector<double> times;
+    const auto loop = run_at(place, [&] {
+      channel::FlightWriter writer = memory->writer(0);
+      channel::FlightWriter bare = memory->writer(1);
+      Table with{n, model::ModuleType::thread, &writer};
+      Table without{n};
+      for (Table* table : {&with, &without}) table->executor().join_grid(os::now(), os::now());
+      std::int64_t time_ns = 0;
+      times = each_by_turns(length, {[&] { without.executor().run_cycle(without.executor().next_release()); },
+                                     [&] { with.executor().run_cycle(with.executor().next_release()); },
+                                     [&] {
+                                       for (std::uint32_t i = 0; i < 100; ++i)
+                                         bare.add(channel::FlightKind::run, ++time_ns, i, 5);
+                                     }});
+      TAKT_CHECK(with.all_served() && without.all_served());
+      return Loop{};
+    });
+    if (!loop) return loop.problems();
+    add_once(refused, loop->refused);
+    const auto count = static_cast<double>(n);
+    section.rows.push_back(
+        {fmt::format("{} modules", n),
+         {times[0] / count, times[1] / count, (times[1] - times[0]) / (count + 2), times[2] / 100}});
+  }
+  section.notes.emplace_back(
+      "a row has an entry at its beginning, one at its end and one for each run. aim: at most 25");
   return section;
 }
 
@@ -294,9 +333,11 @@ Result<std::vector<Section>> dispatch(const Settings& settings, Problems& refuse
   const Nanoseconds length = settings.length(kSeconds);
   auto rows = row_after_row(place, length / 3, refused);
   if (!rows) return rows.problems();
+  auto record = recorded(place, length / 3, refused);
+  if (!record) return record.problems();
   auto thousand = a_thousand(place, length, refused);
   if (!thousand) return thousand.problems();
-  return std::vector<Section>{std::move(*rows), std::move(*thousand)};
+  return std::vector<Section>{std::move(*rows), std::move(*record), std::move(*thousand)};
 }
 
 }  // namespace takt::bench

@@ -26,12 +26,16 @@ constexpr double kSeconds = 3;
 class Pair {
  public:
   /// As objects: within a host. Else as bytes in shared memory, for another process.
-  Pair(bool as_objects, std::uint32_t depth) {
-    const channel::Link::Options options{
-        .depth = depth, .payload = as_objects ? 0 : PortType<Sample>::info.max_size, .is_queue = depth > 1};
+  Pair(bool as_objects, std::uint32_t depth, bool safe = false) {
+    const channel::Link::Options options{.depth = depth,
+                                         .payload = as_objects ? 0 : PortType<Sample>::info.max_size,
+                                         .is_queue = depth > 1,
+                                         .deadline_ns = safe ? 1'000'000 : 0,
+                                         .safe = safe ? PortType<Sample>::info.max_size : 0};
     memory_ = std::move(os::SharedMemory::create("takt-link", channel::Link::layout(options).size()).value());
     channel::Link::format(memory_.data(), options);
     const channel::Link link{memory_.data()};
+    if (safe) give_safe(link);
     void* values = as_objects ? out_.make_values(link.buffers()) : nullptr;
     out_.serve(context_);
     in_.serve(context_);
@@ -50,6 +54,13 @@ class Pair {
   bool read() { return static_cast<bool>(in_.read()); }
 
  private:
+  static void give_safe(const channel::Link& link) {
+    std::vector<std::byte> bytes(PortType<Sample>::info.max_size);
+    bytes.resize(PortType<Sample>::encode({}, bytes.data(), PortType<Sample>::info.max_size));
+    link.give_safe(bytes);
+    link.trust();
+  }
+
   PortContext context_{.start_ns = 1};
   os::SharedMemory memory_;
   Sample sample_;
@@ -88,13 +99,20 @@ Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) 
     Pair unread{true, 8};
     Pair shared_unread{false, 8};
     Pair no_news{true, 1};
+    Pair safe{true, 1, true};
+    Pair safe_no_news{true, 1, true};
+    safe_no_news.write_and_read();
+    Pair shared_safe{false, 1, true};
     const std::vector<std::pair<const char*, std::function<void()>>> steps{
         {"memcpy, there and back", [&] { copy.write_and_read(); }},
         {"in a host, latest: write and read", [&] { latest.write_and_read(); }},
+        {"in a host, latest, with a safe value", [&] { safe.write_and_read(); }},
         {"in a host, queue: write and read", [&] { queue.write_and_read(); }},
         {"in a host, queue: write to a full one", [&] { unread.write(); }},
         {"in a host: read without news", [&] { TAKT_CHECK(!no_news.read()); }},
+        {"in a host: the same with a safe value", [&] { TAKT_CHECK(!safe_no_news.read()); }},
         {"shared memory, latest: write and read", [&] { shared_latest.write_and_read(); }},
+        {"shared memory, latest, with a safe value", [&] { shared_safe.write_and_read(); }},
         {"shared memory, queue: write and read", [&] { shared_queue.write_and_read(); }},
         {"shared memory, queue: write to a full one", [&] { shared_unread.write(); }}};
     std::vector<std::function<void()>> functions;

@@ -1,0 +1,85 @@
+// The flight record: what the threads of executors did last, in memory that the node keeps when their host
+// dies. Each thread has a ring of its own; the oldest entry gives way to the newest, and who reads stops
+// nobody.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+namespace takt::channel {
+
+enum class FlightKind : std::uint8_t {
+  nothing,
+  row,       ///< a row begins; the value is how long after its release, in ns
+  run,       ///< a run() ended; the value is how long it took, in ns
+  row_end,   ///< a row ended, with its conditions
+  released,  ///< a program was released, or was still in its body; the value is a channel::Release
+  body,      ///< a program's body had ended by now, at the entry's time; the value is how long it took, in ns
+  ready,     ///< a sporadic module is to run
+  write,     ///< in the run that ends next: a sample was written; the value is the place of the port
+  event,     ///< in the run that ends next: an event was taken; the value is the place of the port
+};
+inline constexpr std::uint8_t kFlightKinds = 9;
+
+/// Where it lies in the ring.
+struct FlightEntry {
+  std::atomic<std::int64_t> time_ns;  ///< monotonic
+  std::atomic<std::uint64_t> what;    ///< FlightWriter::pack()
+};
+
+/// As it is read.
+struct FlightSample {
+  std::int64_t time_ns = 0;
+  FlightKind kind = FlightKind::nothing;
+  std::uint32_t module = 0;  ///< its index on the device; of rows 0
+  std::uint64_t value = 0;
+  bool operator==(const FlightSample&) const = default;
+};
+
+struct alignas(64) FlightRing {
+  std::atomic<std::uint64_t> written;  ///< entries so far. SYNC: flight
+};
+
+/// The thread's end of its ring, one at a time. Without a ring nothing is recorded.
+class FlightWriter {
+ public:
+  /// Modules from here on are not told apart, and values from here on neither.
+  static constexpr std::uint32_t kMostModule = (1U << 20) - 1;
+  static constexpr std::uint64_t kMostValue = (std::uint64_t{1} << 40) - 1;
+
+  FlightWriter() = default;
+  /// `capacity`: a power of two.
+  FlightWriter(FlightRing& ring, FlightEntry* entries, std::uint64_t capacity) noexcept
+      : ring_(&ring),
+        entries_(entries),
+        mask_(capacity - 1),
+        written_(ring.written.load(std::memory_order_relaxed)) {}
+
+  /// Real-time.
+  void add(FlightKind kind, std::int64_t time_ns, std::uint32_t module = 0, std::int64_t value = 0) noexcept {
+    if (ring_ == nullptr) return;
+    FlightEntry& entry = entries_[written_ & mask_];
+    // SYNC: flight. Each store releases, so who sees any part of this entry also sees how many were written
+    // before it, and with that which one it has replaced.
+    entry.time_ns.store(time_ns, std::memory_order_release);
+    entry.what.store(pack(kind, module, value), std::memory_order_release);
+    ring_->written.store(++written_, std::memory_order_release);
+    __builtin_prefetch(entries_ + ((written_ + 4) & mask_), 1);
+  }
+
+  static constexpr std::uint64_t pack(FlightKind kind, std::uint32_t module, std::int64_t value) noexcept {
+    const std::uint64_t v = value < 0 ? 0 : static_cast<std::uint64_t>(value);
+    return std::uint64_t{static_cast<std::uint8_t>(kind)} << 60 |
+           std::uint64_t{module < kMostModule ? module : kMostModule} << 40 |
+           (v < kMostValue ? v : kMostValue);
+  }
+  static FlightSample unpack(std::int64_t time_ns, std::uint64_t what) noexcept;
+
+ private:
+  FlightRing* ring_ = nullptr;
+  FlightEntry* entries_ = nullptr;
+  std::uint64_t mask_ = 0;
+  std::uint64_t written_ = 0;
+};
+
+}  // namespace takt::channel

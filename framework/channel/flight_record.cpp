@@ -1,0 +1,122 @@
+#include <takt/channel/flight_record.hpp>
+
+#include <new>
+
+#include <takt/core/check.hpp>
+
+namespace takt::channel {
+
+namespace {
+
+constexpr std::uint64_t kMagic = 0x666c'6967'6874'0001;  // "flight", layout 1
+
+struct alignas(64) Header {
+  std::uint64_t magic;
+  std::uint64_t rings;
+};
+
+constexpr bool is_capacity(std::uint64_t n) { return (n & (n - 1)) == 0; }
+
+template <class T>
+T* at(const os::SharedMemory& memory, std::size_t offset) {
+  return std::launder(reinterpret_cast<T*>(memory.data() + offset));
+}
+
+}  // namespace
+
+FlightSample FlightWriter::unpack(std::int64_t time_ns, std::uint64_t what) noexcept {
+  const auto kind = static_cast<std::uint8_t>(what >> 60);
+  return {.time_ns = time_ns,
+          .kind = kind < kFlightKinds ? static_cast<FlightKind>(kind) : FlightKind::nothing,
+          .module = static_cast<std::uint32_t>(what >> 40) & kMostModule,
+          .value = what & kMostValue};
+}
+
+std::vector<FlightRecord::Place> FlightRecord::places_of(const std::vector<std::uint64_t>& capacities) {
+  std::vector<Place> places;
+  std::size_t at = sizeof(Header) + (capacities.size() * sizeof(std::uint64_t) + 63) / 64 * 64;
+  for (const std::uint64_t capacity : capacities) {
+    places.push_back({at, capacity});
+    at += sizeof(FlightRing) + (capacity * sizeof(FlightEntry) + 63) / 64 * 64;
+  }
+  places.push_back({at, 0});
+  return places;
+}
+
+Result<FlightRecord> FlightRecord::create(const std::vector<std::uint64_t>& capacities) {
+  FlightRecord record;
+  record.places_ = places_of(capacities);
+  auto memory = os::SharedMemory::create("takt-flight", record.places_.back().at);
+  if (!memory) return memory.problems();
+  record.memory_ = std::move(*memory);
+  record.places_.pop_back();
+  *at<Header>(record.memory_, 0) = {.magic = kMagic, .rings = capacities.size()};
+  for (std::size_t i = 0; i < capacities.size(); ++i) {
+    TAKT_CHECK(is_capacity(capacities[i]));
+    *at<std::uint64_t>(record.memory_, sizeof(Header) + i * sizeof(std::uint64_t)) = capacities[i];
+  }
+  return record;
+}
+
+Result<FlightRecord> FlightRecord::attach(os::Fd fd) {
+  auto memory = os::SharedMemory::attach(std::move(fd));
+  if (!memory) return memory.problems();
+  FlightRecord record;
+  record.memory_ = std::move(*memory);
+  const std::size_t size = record.memory_.size();
+  const Problems other{fail("the flight record was laid out by another version",
+                            "install takt-node and takt-host of one version")};
+  if (size < sizeof(Header)) return other;
+  const Header header = *at<Header>(record.memory_, 0);
+  if (header.magic != kMagic || header.rings > (size - sizeof(Header)) / sizeof(std::uint64_t)) return other;
+  std::vector<std::uint64_t> capacities;
+  for (std::size_t i = 0; i < header.rings; ++i) {
+    capacities.push_back(*at<std::uint64_t>(record.memory_, sizeof(Header) + i * sizeof(std::uint64_t)));
+    // None is more than the bytes there are, so that their size is no number that has gone round.
+    if (!is_capacity(capacities.back()) || capacities.back() > size) return other;
+  }
+  record.places_ = places_of(capacities);
+  if (record.places_.back().at != size) return other;
+  record.places_.pop_back();
+  return record;
+}
+
+FlightRing& FlightRecord::ring(std::size_t index) const noexcept {
+  return *at<FlightRing>(memory_, places_[index].at);
+}
+
+FlightEntry* FlightRecord::entries(std::size_t index) const noexcept {
+  return at<FlightEntry>(memory_, places_[index].at + sizeof(FlightRing));
+}
+
+FlightWriter FlightRecord::writer(std::size_t index) const noexcept {
+  if (index >= places_.size() || places_[index].capacity == 0) return {};
+  return {ring(index), entries(index), places_[index].capacity};
+}
+
+FlightCopy FlightRecord::copy(std::size_t index) const {
+  FlightCopy copy;
+  const std::uint64_t capacity = places_[index].capacity;
+  if (capacity == 0) return copy;
+  const FlightEntry* const place = entries(index);
+  const std::uint64_t end = ring(index).written.load(std::memory_order_acquire);  // SYNC: flight
+  const std::uint64_t begin = end > capacity ? end - capacity : 0;
+  std::vector<FlightSample> all;
+  all.reserve(end - begin);
+  for (std::uint64_t i = begin; i < end; ++i) {
+    const FlightEntry& entry = place[i & (capacity - 1)];
+    const std::int64_t time_ns = entry.time_ns.load(std::memory_order_acquire);
+    all.push_back(FlightWriter::unpack(time_ns, entry.what.load(std::memory_order_acquire)));
+  }
+  // One more than is written may be half there, in the place of the oldest. SYNC: flight
+  const std::uint64_t now = ring(index).written.load(std::memory_order_relaxed);
+  const std::uint64_t first = now + 1 > capacity ? now + 1 - capacity : 0;
+  const std::uint64_t gone = first <= begin ? 0 : (first < end ? first : end) - begin;
+  // Of a ring that stood still its oldest entry may be there or not; nobody was kept from reading it.
+  copy.lost = now == end ? 0 : gone;
+  copy.entries.assign(all.begin() + static_cast<std::ptrdiff_t>(gone), all.end());
+  copy.written = end;
+  return copy;
+}
+
+}  // namespace takt::channel

@@ -1,0 +1,30 @@
+// What is told of those who are refused. Not for other rooms.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <string>
+
+namespace takt::dds {
+
+/// Tells each thing once, and no more than ten in a minute: what strangers do is theirs to choose. Any
+/// thread.
+class Notices {
+ public:
+  using Clock = std::chrono::steady_clock;
+  explicit Notices(std::function<void(const std::string&)> told) : told_(std::move(told)) {}
+  void tell(const std::string& text, Clock::time_point now = Clock::now());
+
+ private:
+  std::function<void(const std::string&)> told_;
+  std::mutex mutex_;
+  std::set<std::string> known_;
+  Clock::time_point since_{};
+  int in_this_minute_ = 0;
+  std::uint64_t held_back_ = 0;
+};
+
+}  // namespace takt::dds

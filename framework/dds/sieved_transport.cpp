@@ -1,0 +1,52 @@
+#include <takt/dds/sieved_transport.hpp>
+
+#include <string>
+
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/TransportReceiverInterface.h>
+#include <fastrtps/utils/IPLocator.h>
+
+#include <takt/dds/rtps.hpp>
+
+namespace takt::dds {
+
+namespace {
+
+namespace fast = eprosima::fastdds::rtps;
+using eprosima::fastrtps::rtps::IPLocator;
+using eprosima::fastrtps::rtps::Locator_t;
+using eprosima::fastrtps::rtps::octet;
+using eprosima::fastrtps::rtps::SenderResource;
+
+class SievedTransport final : public fast::ChainingTransport {
+ public:
+  SievedTransport(const SievedDescriptor& descriptor, std::shared_ptr<Sieve> sieve)
+      : ChainingTransport(descriptor), descriptor_(descriptor), sieve_(std::move(sieve)) {}
+
+  [[nodiscard]] fast::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
+
+  bool send(SenderResource* below, const octet* bytes, std::uint32_t size, fast::LocatorsIterator* begin,
+            fast::LocatorsIterator* end, const std::chrono::steady_clock::time_point& limit) override {
+    return below->send(bytes, size, begin, end, limit);
+  }
+
+  void receive(fast::TransportReceiverInterface* above, const octet* bytes, std::uint32_t size,
+               const Locator_t& here, const Locator_t& from) override {
+    if (const std::size_t readable = readable_rtps({bytes, size}); readable > 0)
+      return above->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), here, from);
+    sieve_->refused.fetch_add(1, std::memory_order_relaxed);
+    sieve_->notices.tell("refused: what " + IPLocator::toIPv4string(from) + " sends is no RTPS message");
+  }
+
+ private:
+  SievedDescriptor descriptor_;
+  std::shared_ptr<Sieve> sieve_;
+};
+
+}  // namespace
+
+fast::TransportInterface* SievedDescriptor::create_transport() const {
+  return new SievedTransport{*this, sieve_};
+}
+
+}  // namespace takt::dds

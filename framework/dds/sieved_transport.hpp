@@ -1,0 +1,35 @@
+// UDP without what is no RTPS message. Not for other rooms.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+
+#include <takt/dds/notices.hpp>
+
+namespace takt::dds {
+
+/// What was refused, for all transports of a process.
+struct Sieve {
+  explicit Sieve(Notices& whom) : notices(whom) {}
+  Notices& notices;
+  std::atomic<std::uint64_t> refused{0};
+};
+
+/// Of a transport of Fast DDS, in which whatever comes is held against readable_rtps() first.
+class SievedDescriptor final : public eprosima::fastdds::rtps::ChainingTransportDescriptor {
+ public:
+  SievedDescriptor(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> below,
+                   std::shared_ptr<Sieve> sieve)
+      : ChainingTransportDescriptor(std::move(below)), sieve_(std::move(sieve)) {}
+  [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
+
+ private:
+  std::shared_ptr<Sieve> sieve_;
+};
+
+}  // namespace takt::dds

@@ -1,0 +1,237 @@
+#include <takt/node/fault_record.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+
+#include <takt/core/fixed_text.hpp>
+#include <takt/core/words.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/os/files.hpp>
+
+namespace takt::node {
+
+namespace {
+
+/// Before the slots: so much, that no slot lies in two pages.
+constexpr std::size_t kHeaderBytes = 4096;
+constexpr std::size_t kMostSlots = 65536;
+constexpr std::size_t kMostBytes = kHeaderBytes + kMostSlots * kSlotBytes;
+
+struct Header {
+  std::uint64_t magic;
+  std::uint64_t slots;
+  std::uint64_t checksum;
+};
+constexpr std::uint64_t kMagic = 0x7461'6b74'666c'0001;  // "taktfl", layout 1
+
+struct Slot {
+  std::uint64_t checksum;  ///< of all that follows
+  std::uint64_t sequence;
+  std::int64_t time_ns;
+  std::uint64_t cycle;
+  std::uint64_t count;
+  std::uint32_t kind;
+  std::uint32_t unused;
+  FixedText<16> error;
+  FixedText<64> cell;
+  FixedText<64> device;
+  FixedText<64> module;
+  FixedText<512> cause;
+  FixedText<256> attachment;
+};
+static_assert(sizeof(Slot) == kSlotBytes && std::is_trivially_copyable_v<Slot>);
+
+// FNV-1a: a change of any one byte changes it.
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
+std::string_view bytes_after_checksum(const Slot& slot) {
+  return {reinterpret_cast<const char*>(&slot) + sizeof slot.checksum, sizeof slot - sizeof slot.checksum};
+}
+
+std::string encode_header(std::size_t slots) {
+  Header header{.magic = kMagic, .slots = slots, .checksum = 0};
+  header.checksum = checksum({reinterpret_cast<const char*>(&header), offsetof(Header, checksum)});
+  return {reinterpret_cast<const char*>(&header), sizeof header};
+}
+
+Result<std::size_t> decode_header(std::string_view content) {
+  const auto other = fail("is no fault record of this version", "read it with the Takt that wrote it");
+  Header header{};
+  if (content.size() < sizeof header) return other;
+  std::memcpy(&header, content.data(), sizeof header);
+  if (header.magic != kMagic || header.slots == 0 || header.slots > kMostSlots ||
+      header.checksum != checksum({reinterpret_cast<const char*>(&header), offsetof(Header, checksum)}))
+    return other;
+  return static_cast<std::size_t>(header.slots);
+}
+
+/// One may still be there, where what took its place was damaged.
+void forget_overwritten(Recorded& recorded) {
+  const auto first =
+      std::find_if(recorded.events.begin(), recorded.events.end(),
+                   [&](const model::Fault& fault) { return fault.sequence > recorded.overwritten; });
+  recorded.events.erase(recorded.events.begin(), first);
+}
+
+bool is_zero(std::string_view bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](char c) { return c == 0; });
+}
+
+/// No device has so many; one that has is forged, and there would be none after it.
+constexpr std::uint64_t kMostEvents = std::uint64_t{1} << 62U;
+
+std::size_t at_of(std::uint64_t sequence, std::size_t slots) {
+  return kHeaderBytes + static_cast<std::size_t>((sequence - 1) % slots) * kSlotBytes;
+}
+
+}  // namespace
+
+std::string encode_slot(const model::Fault& fault) {
+  Slot slot{};
+  slot.sequence = fault.sequence;
+  slot.time_ns = fault.time_ns;
+  slot.cycle = fault.cycle;
+  slot.count = fault.count;
+  slot.kind = static_cast<std::uint32_t>(fault.kind);
+  const auto put = [](auto& field, const std::string& text) {
+    field.assign(dds::cut(text, sizeof field - 1));
+  };
+  put(slot.error, fault.error);
+  put(slot.cell, fault.cell);
+  put(slot.device, fault.device);
+  put(slot.module, fault.module);
+  put(slot.cause, fault.cause);
+  put(slot.attachment, fault.attachment);
+  slot.checksum = checksum(bytes_after_checksum(slot));
+  return {reinterpret_cast<const char*>(&slot), sizeof slot};
+}
+
+std::optional<model::Fault> decode_slot(std::string_view bytes) {
+  Slot slot{};
+  if (bytes.size() != sizeof slot) return std::nullopt;
+  std::memcpy(&slot, bytes.data(), sizeof slot);
+  if (slot.sequence == 0 || slot.kind >= model::kFaultKinds ||
+      slot.checksum != checksum(bytes_after_checksum(slot)))
+    return std::nullopt;
+  const auto text = [](const auto& field) { return std::string{field.view()}; };
+  return model::Fault{.sequence = slot.sequence,
+                      .time_ns = slot.time_ns,
+                      .cell = text(slot.cell),
+                      .device = text(slot.device),
+                      .module = text(slot.module),
+                      .kind = static_cast<model::FaultKind>(slot.kind),
+                      .error = text(slot.error),
+                      .cause = text(slot.cause),
+                      .attachment = text(slot.attachment),
+                      .count = slot.count,
+                      .cycle = slot.cycle};
+}
+
+Result<Recorded> read_record(std::string_view content) {
+  const auto slots = decode_header(content);
+  if (!slots) return slots.problems();
+  Recorded recorded;
+  for (std::size_t i = 0; i < *slots; ++i) {
+    const std::size_t at = kHeaderBytes + i * kSlotBytes;
+    if (at >= content.size()) break;  // cut short: nothing was there yet, or it is gone
+    const std::string_view slot = content.substr(at, kSlotBytes);
+    if (is_zero(slot)) continue;
+    auto fault = decode_slot(slot);
+    if (fault && fault->sequence <= kMostEvents && at_of(fault->sequence, *slots) == at)
+      recorded.events.push_back(std::move(*fault));
+    else
+      ++recorded.damaged;
+  }
+  std::sort(recorded.events.begin(), recorded.events.end(),
+            [](const auto& a, const auto& b) { return a.sequence < b.sequence; });
+  if (!recorded.events.empty() && recorded.events.back().sequence > *slots)
+    recorded.overwritten = recorded.events.back().sequence - *slots;
+  forget_overwritten(recorded);
+  return recorded;
+}
+
+Result<Recorded> read_record_file(const std::string& path) {
+  const auto content = os::read_file(path, kMostBytes);
+  if (!content) return content.problems();
+  if (!*content)
+    return Problem{path, "there is no such file", "a node says where its record is when it starts"};
+  auto recorded = read_record(**content);
+  if (recorded) return recorded;
+  Problem problem = recorded.problems()[0];
+  problem.where = path;
+  return problem;
+}
+
+std::string FaultRecord::path(const std::string& folder, const std::string& device, int domain) {
+  return folder + "/" + device + "." + std::to_string(domain) + ".faults";
+}
+
+FaultRecord::FaultRecord(std::size_t slots) : slots_(slots) {}
+
+FaultRecord FaultRecord::open(const std::string& path, std::size_t slots) {
+  FaultRecord record{slots};
+  if (auto taken = record.take_up(path); !taken) {
+    record.file_.reset();
+    for (Problem problem : taken.problems()) record.problems_.push_back(std::move(problem));
+    return record;
+  }
+  record.path_ = path;
+  return record;
+}
+
+Result<void> FaultRecord::take_up(const std::string& path) {
+  auto file = os::FixedFile::open(path);
+  if (!file) return file.problems();
+  auto content = file->read(kMostBytes);
+  if (!content) return content.problems();
+  // One that was being made when its node died has no header yet.
+  const bool empty = is_zero(*content);
+  auto recorded = empty ? Result<Recorded>{Recorded{}} : read_record(*content);
+  if (!recorded) {
+    const std::string aside = path + ".damaged";
+    if (auto renamed = file->rename(aside); !renamed) return renamed;
+    problems_.push_back({path, recorded.problems()[0].what, "it is set aside as " + aside});
+    file = os::FixedFile::open(path);
+    if (!file) return file.problems();
+    recorded = Recorded{};
+    content = std::string{};
+  }
+  const auto there = decode_header(*content);
+  if (there) slots_ = *there;
+  if (auto reserved = file->reserve(kHeaderBytes + slots_ * kSlotBytes); !reserved) return reserved;
+  if (!there) {
+    if (auto written = file->write(0, encode_header(slots_)); !written) return written;
+  }
+  file->sync();
+  recorded_ = std::move(*recorded);
+  if (!recorded_.events.empty()) next_ = recorded_.events.back().sequence + 1;
+  // The number of an event that was torn is not given again, so that it shows as missing.
+  const std::size_t next_at = at_of(next_, slots_);
+  if (next_at < content->size()) {
+    const std::string_view slot = std::string_view{*content}.substr(next_at, kSlotBytes);
+    if (!is_zero(slot) && !decode_slot(slot)) ++next_;
+  }
+  file_ = std::make_shared<os::FixedFile>(std::move(*file));
+  return {};
+}
+
+void FaultRecord::append(model::Fault& fault) {
+  fault.sequence = next_++;
+  const std::string slot = encode_slot(fault);
+  recorded_.events.push_back(*decode_slot(slot));  // as whoever reads the file sees it
+  if (fault.sequence > slots_) recorded_.overwritten = fault.sequence - slots_;
+  forget_overwritten(recorded_);
+  if (!file_) return;
+  if (auto written = file_->write(at_of(fault.sequence, slots_), slot); !written) {
+    problems_ = written.problems();
+    file_.reset();
+    path_.clear();
+  }
+}
+
+}  // namespace takt::node

@@ -1,0 +1,40 @@
+// A host under supervision.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <takt/channel/layout.hpp>
+#include <takt/core/time.hpp>
+#include <takt/model/hosts.hpp>
+#include <takt/node/host_link.hpp>
+
+namespace takt::node {
+
+/// What never came back.
+struct Hang {
+  std::uint32_t module;
+  channel::Doing doing;
+  Nanoseconds limit;
+};
+
+struct Hosted {
+  Hosted(model::HostShare s, std::size_t i, channel::HostBlock& b)
+      : share(std::move(s)), index(i), block(b) {}
+
+  const model::HostShare share;
+  const std::size_t index;  ///< in model::hosts_of()
+  channel::HostBlock& block;
+  HostLink link;
+  bool halted = false;              ///< its executors have ended
+  std::optional<Hang> hung;         ///< for which it was killed
+  std::vector<Instant> restarts{};  ///< without a culprit
+
+  /// "the host", or "the host of executor motion"
+  [[nodiscard]] std::string name() const {
+    return share.is_own() ? "the host of executor " + share.name : "the host";
+  }
+};
+
+}  // namespace takt::node

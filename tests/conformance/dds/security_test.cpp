@@ -1,0 +1,261 @@
+// DDS Security between processes: those of a cell hear each other, and nobody else is heard.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <mutex>
+#include <set>
+#include <string>
+
+#include <takt/wire/takt.h>
+#include <takt/dds/commands.hpp>
+#include <takt/dds/gateway.hpp>
+#include <takt/dds/topics.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/security/authority.hpp>
+
+#include "domain.hpp"
+#include "peer.hpp"
+#include "sample.hpp"
+
+namespace takt::dds_test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using security::Role;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+constexpr auto kLongEnough = 4s;  // for who is not turned away to be heard
+
+std::int64_t now_s() { return os::wall_ns() / 1'000'000'000; }
+
+/// A cell "test": robot writes "parts" for line to read; anna commands and eve looks.
+class Security : public testing::Test {
+ protected:
+  Security() {
+    fs::remove_all(folder_);
+    plan_.cell.name = "test";
+    plan_.domain = domain();
+    for (const char* name : {"robot", "line"}) {
+      plan_.cell.devices.emplace_back();
+      plan_.cell.devices.back().name = name;
+    }
+    model::Connection connection;
+    connection.from = {"robot", "m", "out"};
+    connection.to = {"line", "m", "in"};
+    connection.topic = "parts";
+    plan_.cell.connections = {connection};
+    make("home");
+  }
+  ~Security() override { fs::remove_all(folder_); }
+
+  void make(const std::string& authority) {
+    auto made = security::Authority::create((folder_ / authority).string(), "test", now_s());
+    ASSERT_TRUE(made.ok());
+    for (const auto& [role, name] : {std::pair{Role::device, "robot"},
+                                     {Role::device, "line"},
+                                     {Role::operator_, "anna"},
+                                     {Role::observer, "eve"}}) {
+      ASSERT_TRUE(made->issue({"test", role, name}, plan_, 100, now_s()).ok());
+    }
+  }
+  [[nodiscard]] std::string of(const std::string& path, const std::string& authority = "home") const {
+    return (folder_ / authority / path).string();
+  }
+  /// Variables of a peer with this identity.
+  [[nodiscard]] std::map<std::string, std::string> as(const std::string& path,
+                                                      const std::string& authority = "home") const {
+    return {{"PEER_SECURITY", of(path, authority)}};
+  }
+
+  /// This process takes part, as this.
+  void join(const std::string& path) {
+    dds::ParticipantOptions options = on_loopback("test");
+    options.security = of(path);
+    options.refused = [this](const std::string& text) {
+      const std::lock_guard lock{mutex_};
+      refused_.push_back(text);
+    };
+    auto made = dds::Participant::create(options);
+    ASSERT_TRUE(made.ok()) << to_text(made.problems());
+    participant_ = std::move(*made);
+    auto reader = dds::Reader<DeviceStatus>::create(
+        participant_, {.sample = [this](const DeviceStatus& status, dds::WriterId) {
+          const std::lock_guard lock{mutex_};
+          heard_.insert(status.device().to_string());
+        }});
+    ASSERT_TRUE(reader.ok()) << to_text(reader.problems());
+    reader_.emplace(std::move(*reader));
+  }
+  std::set<std::string> heard() {
+    const std::lock_guard lock{mutex_};
+    return heard_;
+  }
+  std::vector<std::string> refused() {
+    const std::lock_guard lock{mutex_};
+    return refused_;
+  }
+  [[nodiscard]] bool refuses(const std::string& text) {
+    return soon([&] {
+      for (const std::string& each : refused()) {
+        if (each.find(text) != std::string::npos) return true;
+      }
+      return false;
+    });
+  }
+
+  fs::path folder_ = fs::path{testing::TempDir()} / "takt-dds-security";
+  security::Plan plan_;
+  std::mutex mutex_;
+  std::set<std::string> heard_;
+  std::vector<std::string> refused_;
+  std::shared_ptr<dds::Participant> participant_;
+  std::optional<dds::Reader<DeviceStatus>> reader_;
+};
+
+TEST_F(Security, ThoseOfOneAuthorityHearEachOther) {
+  join("operators/anna");
+  Peer robot{{"device", "robot"}, as("devices/robot")};
+  EXPECT_TRUE(soon([&] { return heard().count("robot") > 0; }));
+  EXPECT_THAT(refused(), IsEmpty());
+}
+
+TEST_F(Security, WhoHasNoIdentityIsNotHeardAndSaidSo) {
+  join("devices/line");
+  Peer plain{{"device", "robot"}};
+  ASSERT_TRUE(plain.says("ready"));
+  EXPECT_TRUE(refuses("participant 'peer' at 127.0.0.1 has no identity of this cell"));
+  std::this_thread::sleep_for(kLongEnough);
+  EXPECT_THAT(heard(), IsEmpty());
+}
+
+TEST_F(Security, WhoIsOfAnotherAuthorityIsNotHeardAndSaidSo) {
+  make("evil");
+  join("devices/line");
+  Peer evil{{"device", "robot"}, as("devices/robot", "evil")};
+  ASSERT_TRUE(evil.says("ready"));
+  EXPECT_TRUE(refuses("device robot at 127.0.0.1: its identity is of another authority; it is not heard"));
+  std::this_thread::sleep_for(kLongEnough);
+  EXPECT_THAT(heard(), IsEmpty());
+}
+
+TEST_F(Security, WhoWasRevokedIsNotHeard) {
+  // Its own folder is as it was before.
+  fs::copy(of("devices/robot"), of("stolen"), fs::copy_options::recursive);
+  auto authority = security::Authority::open(of(""));
+  ASSERT_TRUE(authority.ok()) << to_text(authority.problems());
+  ASSERT_TRUE(authority->revoke({"test", Role::device, "robot"}, now_s()).ok());
+  join("devices/line");
+  Peer robot{{"device", "robot"}, as("stolen")};
+  ASSERT_TRUE(robot.says("ready"));
+  EXPECT_TRUE(refuses("device robot at 127.0.0.1: its identity was revoked"));
+  std::this_thread::sleep_for(kLongEnough);
+  EXPECT_THAT(heard(), IsEmpty());
+}
+
+TEST_F(Security, ADeviceSpeaksForItselfAlone) {
+  join("operators/anna");
+  Peer impostor{{"device", "line"}, as("devices/robot")};
+  EXPECT_TRUE(refuses("device robot at 127.0.0.1 speaks on takt/device for test/line"));
+  Peer line{{"device", "line"}, as("devices/line")};
+  EXPECT_TRUE(soon([&] { return heard().count("line") > 0; }));
+}
+
+TEST_F(Security, WhatWasNotGrantedIsRefusedByTheOthersToo) {
+  join("devices/line");
+  std::atomic<int> came{0};
+  auto tap = dds::Tap::create(participant_, flow("parts"),
+                              [&](const std::byte*, std::size_t, std::int64_t) { ++came; });
+  ASSERT_TRUE(tap.ok()) << to_text(tap.problems());
+
+  Peer robot{{"feed", "parts", "best-effort", "1"}, as("devices/robot")};
+  ASSERT_TRUE(robot.says("ready"));
+  ASSERT_TRUE(soon([&] { return (*tap)->health().matched == 1; }));
+
+  Peer honest{{"feed", "takt/test/line/m/out", "best-effort", "1"}, as("devices/robot")};
+  auto said = honest.line();
+  while (said && said->starts_with("notice ")) said = honest.line();
+  ASSERT_TRUE(said.has_value());
+  EXPECT_THAT(*said, HasSubstr("DDS"));
+
+  auto own = dds::Tap::create(participant_, flow("takt/test/line/m/out"),
+                              [&](const std::byte*, std::size_t, std::int64_t) { ++came; });
+  ASSERT_TRUE(own.ok());
+  auto as_robot = as("devices/robot");
+  as_robot["PEER_CHEATS"] = "1";
+  Peer cheat{{"feed", "takt/test/line/m/out", "best-effort", "1"}, as_robot};
+  ASSERT_TRUE(cheat.says("ready"));
+  EXPECT_TRUE(refuses("device robot at 127.0.0.1 writes takt/test/line/m/out"));
+  std::this_thread::sleep_for(kLongEnough);
+  EXPECT_EQ((*own)->health().matched, 0U);
+}
+
+TEST_F(Security, AnOperatorIsObeyedAndAnObserverIsNot) {
+  join("devices/robot");
+  std::atomic<int> handled{0};
+  dds::CommandServer* self = nullptr;
+  auto server =
+      dds::CommandServer::create(participant_, "robot", "node", [&](const dds::WholeCommand& command) {
+        ++handled;
+        dds::WholeReply reply;
+        reply.head.id(command.head.id());
+        reply.head.code(REPLY_OK);
+        self->reply(reply);
+      });
+  ASSERT_TRUE(server.ok()) << to_text(server.problems());
+  self = &*server;
+
+  Peer anna{{"order", "robot"}, as("operators/anna")};
+  EXPECT_TRUE(anna.says("answer 0 "));
+  EXPECT_EQ(handled, 1);
+
+  Peer eve{{"order", "robot"}, as("observers/eve")};
+  EXPECT_TRUE(eve.says("answer 1 observer eve at 127.0.0.1 may look and not stop"));
+  EXPECT_TRUE(refuses("observer eve at 127.0.0.1 asked to stop, which only an operator may"));
+  EXPECT_EQ(handled, 1) << "a refused order is not done";
+}
+
+TEST_F(Security, NobodyAnswersForAnotherDevice) {
+  join("operators/anna");
+  Peer impostor{{"server", "line", "0"}, as("devices/robot")};
+  ASSERT_TRUE(impostor.says("ready"));
+  std::atomic<int> answers{0};
+  auto client = dds::CommandClient::create(participant_, [&](const dds::WholeReply&) { ++answers; });
+  ASSERT_TRUE(client.ok());
+  dds::WholeCommand command;
+  command.head.id("1");
+  command.head.device("line");
+  command.head.kind(COMMAND_REPORT);
+  command.head.deadline_ns(os::wall_ns() + 20'000'000'000);
+  client->send(command);
+  EXPECT_TRUE(refuses("device robot at 127.0.0.1 speaks on takt/reply for line"));
+  EXPECT_EQ(answers, 0);
+}
+
+TEST_F(Security, WhatIsWrongWithTheFilesIsSaid) {
+  dds::ParticipantOptions options = on_loopback("test");
+  options.security = of("devices/robot");
+  options.domain = domain() + 1;
+  auto made = dds::Participant::create(options);
+  ASSERT_FALSE(made.ok());
+  EXPECT_THAT(to_text(made.problems()), HasSubstr("for domain " + std::to_string(domain()) + " and not for"));
+  options.domain = domain();
+  options.discovery.kind = model::Discovery::Kind::server;
+  options.discovery.server = "127.0.0.1:11811";
+  made = dds::Participant::create(options);
+  ASSERT_FALSE(made.ok());
+  EXPECT_THAT(to_text(made.problems()), HasSubstr("exclude each other"));
+  options.discovery = {};
+  fs::remove(of("devices/robot/governance.smime"));
+  made = dds::Participant::create(options);
+  ASSERT_FALSE(made.ok());
+  EXPECT_THAT(to_text(made.problems()), HasSubstr("governance.smime: error: there is no such file"));
+}
+
+}  // namespace
+}  // namespace takt::dds_test

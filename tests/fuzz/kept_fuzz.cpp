@@ -1,0 +1,210 @@
+// What a node finds on its disk when it starts, as a disk or a person may have left it: its deployment, what
+// a module saved, the fault record. Whatever is taken is taken the same again once it was written; a fault
+// record goes on after it.
+//
+// The first letter of an input says which file, see LLVMFuzzerTestOneInput; a small one stands for a body
+// whose checksum is right.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/channel/saved_state.hpp>
+#include <takt/core/check.hpp>
+#include <takt/dds/fault.hpp>
+#include <takt/dds/sensible.hpp>
+#include <takt/model/safe.hpp>
+#include <takt/node/fault_record.hpp>
+#include <takt/node/kept_deployment.hpp>
+#include <takt/node/retained.hpp>
+
+#include "bytes.hpp"
+
+namespace {
+
+using namespace takt;
+
+/// A folder of this process's own, in memory where there is some. It goes with the process, however that
+/// ends: one that finds something aborts, and destroys nothing.
+class Folder {
+ public:
+  Folder() {
+    TAKT_CHECK(::pipe(life_) == 0);
+    const ::pid_t remover = ::fork();
+    TAKT_CHECK(remover >= 0);
+    if (remover == 0) {
+      ::setsid();  // what ends the fuzzer's group must not end it
+      ::close(life_[1]);
+      char none = 0;
+      while (::read(life_[0], &none, 1) > 0) continue;  // until the fuzzer has ended
+      std::error_code ignored;
+      std::filesystem::remove_all(path, ignored);
+      ::_exit(0);
+    }
+    ::close(life_[0]);
+    std::filesystem::create_directories(path);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const std::string path =
+      (std::filesystem::is_directory("/dev/shm") ? std::string{"/dev/shm"}
+                                                 : std::filesystem::temp_directory_path().string()) +
+      "/takt-fuzz-" + std::to_string(::getpid());
+
+ private:
+  int life_[2]{};
+};
+
+const std::string& folder() {
+  static const Folder made;
+  return made.path;
+}
+
+void put(const std::string& path, std::string_view content) {
+  std::ofstream{path, std::ios::binary | std::ios::trunc}.write(content.data(),
+                                                                static_cast<std::streamsize>(content.size()));
+}
+
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
+/// As node/whole_file.hpp has it.
+std::string whole(const std::string& format, std::string_view body) {
+  std::array<char, 24> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(checksum(body)));
+  return format + " " + digits.data() + "\n" + std::string{body};
+}
+
+void check(const Problems& problems) {
+  TAKT_CHECK(!problems.empty());
+  for (const Problem& problem : problems) TAKT_CHECK(!problem.what.empty());
+}
+
+void check_deployment(std::string_view content) {
+  const node::DeploymentFile file{folder(), "robot", 7};
+  put(file.path(), content);
+  const auto kept = file.kept();
+  if (!kept) return check(kept.problems());
+  TAKT_CHECK(kept->has_value());
+  TAKT_CHECK(file.keep(**kept));
+  const auto again = file.kept();
+  // What is no UTF-8 is kept as what it was read as.
+  TAKT_CHECK(again && *again && **again == **kept);
+  static_cast<void>(model::parse_safe((*kept)->safe));
+}
+
+void check_saved(std::string_view content) {
+  const node::SavedFile file{folder(), "cell", "robot", "servo"};
+  put(file.path(), content);
+  const auto state = std::make_unique<channel::SavedState>();
+  if (const auto read = file.read_into(*state); !read) {
+    TAKT_CHECK(!state->copy());
+    return check(read.problems());
+  }
+  const auto saved = state->copy();
+  TAKT_CHECK(saved && saved->size <= saved->bytes.size());
+  TAKT_CHECK(file.write(*saved));
+  const auto again = std::make_unique<channel::SavedState>();
+  TAKT_CHECK(file.read_into(*again));
+  const auto same = again->copy();
+  TAKT_CHECK(same && same->version == saved->version && same->size == saved->size);
+  TAKT_CHECK(std::memcmp(same->bytes.data(), saved->bytes.data(), saved->size) == 0);
+}
+
+void check_record(std::string_view content) {
+  const std::string path = folder() + "/robot.7.faults";
+  put(path, content);
+  const auto recorded = node::read_record(content);
+  constexpr std::size_t kSlots = 8;  // of one that is made anew
+  node::FaultRecord record = node::FaultRecord::open(path, kSlots);
+  TAKT_CHECK(record.file() == path);
+  if (!recorded) {
+    check(recorded.problems());
+    TAKT_CHECK(record.events().empty());
+  } else {
+    TAKT_CHECK(record.events() == recorded->events && record.damaged() == recorded->damaged);
+    std::uint64_t last = 0;
+    for (const model::Fault& fault : recorded->events) {
+      TAKT_CHECK(fault.sequence > last);
+      last = fault.sequence;
+      const auto again = node::decode_slot(node::encode_slot(fault));  // a text that had no end is cut
+      TAKT_CHECK(again && node::decode_slot(node::encode_slot(*again)) == *again);
+      static_cast<void>(dds::to_wire(fault));
+    }
+  }
+  const std::uint64_t newest = record.events().empty() ? 0 : record.events().back().sequence;
+  if (newest > (std::uint64_t{1} << 62U) - 3) return;  // the last ones that there may be
+  for (int i = 1; i <= 3; ++i) {
+    model::Fault fault{
+        .cell = "cell", .device = "robot", .kind = model::FaultKind::deployed, .cause = "it runs"};
+    record.append(fault);
+    TAKT_CHECK(record.file() == path && fault.sequence > newest);
+    TAKT_CHECK(record.events().back() == fault);
+  }
+  const auto on_disk = node::read_record_file(path);
+  TAKT_CHECK(on_disk && on_disk->events == record.events());
+}
+
+/// Slots as they are written, of fields that are not.
+std::string forged_record(fuzz::Bytes bytes) {
+  constexpr std::size_t kHeader = 4096;
+  constexpr std::uint64_t kMagic = 0x7461'6b74'666c'0001;
+  const std::uint64_t slots = bytes.take<std::uint8_t>();
+  std::string content(kHeader + slots * node::kSlotBytes, '\0');
+  const auto set = [&content](std::size_t at, std::uint64_t value) {
+    std::memcpy(&content[at], &value, sizeof value);
+  };
+  set(0, kMagic);
+  set(8, slots);
+  set(16, checksum({content.data(), 16}));
+  while (!bytes.empty() && slots > 0) {
+    const std::size_t at = kHeader + bytes.take<std::uint8_t>() % slots * node::kSlotBytes;
+    const std::string_view body = bytes.take_counted().substr(0, node::kSlotBytes - 8);
+    std::memcpy(&content[at + 8], body.data(), body.size());
+    set(at, checksum({&content[at + 8], node::kSlotBytes - 8}));
+  }
+  return content;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string_view rest{reinterpret_cast<const char*>(data) + 1, size - 1};
+  switch (data[0]) {
+    case 'd':
+      check_deployment(whole("takt deployment 2", rest));
+      break;
+    case 'D':
+      check_deployment(rest);
+      break;
+    case 's':
+      check_saved(whole("takt saved 1", rest));
+      break;
+    case 'S':
+      check_saved(rest);
+      break;
+    case 'f':
+      check_record(forged_record({data + 1, size - 1}));
+      break;
+    case 'F':
+      check_record(rest);
+      break;
+    default:
+      break;
+  }
+  return 0;
+}

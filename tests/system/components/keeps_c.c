@@ -1,0 +1,12 @@
+/* As keeps.cpp, in the C form. */
+#include <stdint.h>
+#include <stdio.h>
+#include <takt/module.h>
+
+static struct {
+  uint64_t runs;
+} kept;
+TAKT_SAVED(1, kept)
+
+void start(void) { printf("c has %llu\n", (unsigned long long)kept.runs); }
+void run(void) { ++kept.runs; }

@@ -1,0 +1,37 @@
+// Writes samples numbered from 1 on, with a safe value of number 0 and -1 everywhere else. By `how`, which
+// can be set while it runs, it does something else: 1 writes nothing, 2 fails, 3 crashes, 4 takes 50 ms once.
+#include <takt/component.hpp>
+
+#include <chrono>
+#include <csignal>
+
+#include "safe_value.hpp"
+#include "sample.hpp"
+
+class SafeSource : public takt::Component {
+  takt::OutPort<samples::Count> out{*this, "out", {.text = "Numbered from 1.", .safe = safe_value(0)}};
+  takt::Property<std::int64_t> how{*this, "how", 0, {.min = 0, .max = 4}};
+
+  samples::Count count_;
+  std::uint64_t number_ = 0;
+  bool slept_ = false;
+
+  takt::Result<void> initialize() override {
+    count_.few().reserve(4);
+    return {};
+  }
+  void run(const takt::Cycle&) noexcept override {
+    if (how == 1) return;
+    if (how == 2) return fail("it was told to");
+    if (how == 3) std::raise(SIGSEGV);
+    if (how == 4 && !slept_) {
+      slept_ = true;
+      const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds{50};
+      while (std::chrono::steady_clock::now() < end) {
+      }
+    }
+    fill(count_, ++number_);
+    out.write(count_);
+  }
+};
+TAKT_COMPONENT(SafeSource)

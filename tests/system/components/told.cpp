@@ -1,0 +1,69 @@
+// Writes samples whose numbers rise over all of its lives: each begins at the time of day, in us. Does what
+// `order` says, once each time it is set: its last digit says what, the digits before tell orders apart. 1
+// crashes, 2 throws, 3 says a failure, 4 never returns. Says on standard error when it does so: "told 31 at
+// NS", by the time of day.
+#include <takt/module.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include <samples_c.h>
+
+TAKT_OUT_PORT(samples_Count, out);
+TAKT_INTEGER(order, 0, 0, 1000000000, "", "What to do, once.");
+
+namespace {
+
+std::uint64_t number = 0;
+std::int64_t done = 0;
+volatile int* volatile nowhere = nullptr;
+volatile bool for_ever = true;
+
+std::int64_t time_of_day_ns() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
+void obey() {
+  done = order;
+  std::fprintf(stderr, "told %lld at %lld\n", static_cast<long long>(done),
+               static_cast<long long>(time_of_day_ns()));
+  switch (done % 10) {
+    case 1:
+      *nowhere = 1;
+      break;
+    case 2:
+      throw std::runtime_error("it was told to throw");
+    case 3:
+      takt_fail("it was told to fail");
+      break;
+    case 4:
+      while (for_ever) {
+      }
+      break;
+    default:
+      break;
+  }
+}
+
+void write_next() {
+  samples_Count count{};
+  count.number = ++number;
+  for (double& same : count.same) same = static_cast<double>(number);
+  count.few.length = static_cast<std::uint32_t>(number % 5);
+  for (std::uint32_t i = 0; i < count.few.length; ++i) count.few.items[i] = static_cast<std::uint32_t>(number);
+  takt_write(&out, &count);
+}
+
+}  // namespace
+
+extern "C" {
+void initialize(void) {
+  number = static_cast<std::uint64_t>(time_of_day_ns() / 1000);
+  done = order;  // of the life before
+}
+void run(void) {
+  if (order != done) return obey();
+  write_next();
+}
+}

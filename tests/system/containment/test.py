@@ -1,0 +1,246 @@
+import json
+import os
+import shutil
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+STARTED = LIFE[:4]
+HOST = r"the host of executor risky"
+
+
+class Containment(takt_system.Case):
+    def setUp(self):
+        super().setUp()
+        with open(self.beside("cell.xml")) as file:
+            self.cell = file.read()
+
+    def run_with(self, *changes):
+        text = self.cell
+        for old, new in changes:
+            self.assertEqual(1, text.count(old), old)
+            text = text.replace(old, new)
+        run = self.start("run", self.write("cell.xml", text), "--json")
+        for module in ("grid", "far", "program"):
+            run.wait_for_state(module, "EXECUTING")
+        return run
+
+    def finish(self, run):
+        run.signal(signal.SIGINT)
+        run.wait(15)
+        return run.modules()
+
+    def assert_untouched(self, run, hosts=0):
+        """The other executor walked every row, and nothing of its modules was told but their life."""
+        for module in ("grid", "source", "near"):
+            self.assertEqual(LIFE, run.states(module))
+        t0, runs, strayed = map(int, self.read("grid").split())
+        self.assertEqual(0, strayed)
+        self.assertEqual(run.modules()["grid"]["cycles"], runs, "one instance from the first release to the last")
+        near = json.loads(self.read("near"))
+        self.assertEqual((1, 0, 0), (near["first"], near["gaps"], near["wrong"]))
+        self.assertEqual(hosts, run.err.count("is started again"))
+
+    def test_each_has_a_process_and_samples_go_between_them(self):
+        run = self.run_with()
+        time.sleep(0.5)
+        modules = {m["name"]: m for m in self.status_of("d")["modules"]}
+        motion, risky = modules["grid"]["pid"], modules["far"]["pid"]
+        self.assertNotEqual(motion, risky)
+        self.assertEqual({motion, risky}, {p.pid for p in run.processes() if p.program == "takt-host"})
+        self.finish(run)
+        self.assertEqual(0, run.status, run.err)
+        self.assert_untouched(run)
+        far = json.loads(self.read("far"))
+        self.assertGreater(far["read"], 100)
+        self.assertEqual((1, 0, 0), (far["first"], far["gaps"], far["wrong"]))
+
+    def test_a_crash_is_tried_again_and_then_given_up_and_costs_nobody_else_a_row(self):
+        run = self.run_with(('<value name="after">1000000', '<value name="after">25'))
+        run.wait_for_state("culprit", "DESTRUCT", limit=20)
+        time.sleep(0.3)
+        modules = self.finish(run)
+        self.assertEqual(1, run.status, run.err)
+        self.assertEqual(STARTED + ["RECOVER", "EXECUTING"] * 2 + ["RECOVER", "DESTRUCT"], run.states("culprit"))
+        for step in run.steps("culprit"):
+            if step.target == "RECOVER":
+                self.assertRegex(step.text, r"^crash: %s was killed by SIGSEGV .* in run\(\)$" % HOST)
+        self.assertEqual(3, modules["culprit"]["errors"])
+        self.assertIn(modules["culprit"]["cycles"], range(72, 76), "25 runs of each instance, the last of them never ended")
+        self.assertRegex(run.err, r"module d\.culprit: error: was given up: .*SIGSEGV")
+        # Its neighbour was loaded afresh three times, and read on where the link was.
+        self.assertEqual(STARTED + (["DESTRUCT"] + STARTED) * 3 + LIFE[4:], run.states("far"))
+        self.assertEqual(LIFE, run.states("program"))
+        self.assertEqual(0, json.loads(self.read("far"))["wrong"])
+        self.assert_untouched(run, hosts=3)
+
+    def test_an_endless_loop_is_ended_with_its_host_alone(self):
+        run = self.run_with(("segv.so", "endless.so"), ('<value name="after">1000000', '<value name="after">25'))
+        run.wait_for_state("culprit", "RECOVER", limit=20)
+        run.wait_for_line(r"\.culprit: RECOVER -> EXECUTING", limit=20)
+        self.finish(run)
+        self.assertRegex(run.steps("culprit")[3].text, r"hang: run\(\) did not return within .*so %s was ended" % HOST)
+        self.assert_untouched(run, hosts=1)
+
+    def test_a_killed_host_comes_back_and_one_that_keeps_ending_is_given_up_alone(self):
+        run = self.run_with()
+
+        def host_of(module):
+            return next(m for m in self.status_of("d")["modules"] if m["name"] == module)["pid"]
+
+        for time_round in range(4):
+            begun = len(run.raw)
+            os.kill(host_of("far"), signal.SIGKILL)
+            if time_round < 3:
+                run.wait_for_line(r"\.far: START -> EXECUTING", after=begun)
+        run.wait_for_line(HOST + r" is given up, the others go on", after=begun)
+        states = self.states_of("d")
+        self.assertEqual(("EXECUTING", "DESTRUCT", "DESTRUCT", "DESTRUCT"),
+                         (states["grid"], states["far"], states["culprit"], states["program"]))
+        self.assertEqual([], [p for p in run.processes() if p.program == "grid.exe"])
+
+        # Quarantined until somebody says otherwise.
+        begun = len(run.raw)
+        for order in ("reset", "initialize", "start"):
+            self.done("%s d.far" % order)
+        run.wait_for_line(r"\.far: START -> EXECUTING", after=begun)
+        self.assertEqual("EXECUTING", self.states_of("d")["far"])
+        self.finish(run)
+        self.assertEqual(1, run.status)
+        self.assertRegex(run.err, r"module d\.far: error: %s was killed by SIGKILL .*; it has been restarted 3 times" % HOST)
+        self.assert_untouched(run, hosts=4)
+
+    def test_properties_and_orders_reach_the_right_one(self):
+        run = self.run_with()
+        self.done("set d.far most 5", "set d.near most 7")
+        self.assertEqual(["5", "7"], self.done("get d.far most", "get d.near most"))
+        self.done("stop d.far", "stop d.near")
+        states = self.states_of("d")
+        self.assertEqual(("START", "START", "EXECUTING"), (states["far"], states["near"], states["culprit"]))
+        self.done("start d.far", "start d.near")
+        self.finish(run)
+        self.assertEqual(0, run.status, run.err)
+
+
+KEEPS = """<root>
+  <executor name="risky" host="own"/>
+  <module>
+    <name>keeps</name> <filename>%(file)s</filename>
+    <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+    <period>4000000</period> <priority>1</priority>
+    <recovery attempts="2" backoff="20000000"/> <retain>%(retain)s</retain>
+    <property><value name="after">%(after)d</value></property>
+  </module>
+  <module>
+    <name>neighbour</name> <filename>keeps_c.so</filename>
+    <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+    <period>4000000</period> <priority>2</priority>
+  </module>
+</root>"""
+
+RECALLS = """<cell name="recalls">
+  <device name="d">
+    <executor name="risky" host="own"/>
+    <module>
+      <name>writer</name> <filename>recalls.so</filename>
+      <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+      <period>4000000</period> <priority>1</priority> <executor>risky</executor>
+      <property><value name="number">7</value></property>
+    </module>
+    <module>
+      <name>reader</name> <filename>recalls.so</filename>
+      <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+      <period>4000000</period> <priority>2</priority> <executor>risky</executor>
+    </module>
+  </device>
+  <connection from="d.writer.out" to="d.reader.in"/>
+</cell>"""
+
+
+class Saved(takt_system.Case):
+    """What a module saves is there for the instance that takes its place."""
+
+    def run_keeping(self, file="keeps.so", after=1000000000, retain="false"):
+        run = self.start("run", self.write("cell.xml", KEEPS % {"file": file, "after": after, "retain": retain}), "--json")
+        run.wait_for_state("neighbour", "EXECUTING")
+        return run
+
+    def said_of(self, run, what):
+        """What its instances found in start()."""
+        return [line.text for line in run.lines if line.module == "(host risky)" and line.text.startswith(what)]
+
+    def finish(self, run):
+        run.signal(signal.SIGINT)
+        run.wait(15)
+
+    def test_a_crash_costs_one_run_and_what_crashes_twice_begins_anew(self):
+        run = self.run_keeping(after=50)
+        run.wait_for_state("keeps", "DESTRUCT", limit=20)
+        wait_until(lambda: len(self.said_of(run, "c has")) == 4, 10, "the neighbour to begin once more")
+        self.finish(run)
+        # The run that crashed was never saved; that of the second instance was the 50th of its own.
+        self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"], self.said_of(run, "version"))
+        self.assertEqual(1, run.err.count("keeps: what it saved is restored"))
+        runs = [int(text.split()[-1]) for text in self.said_of(run, "c has")]
+        self.assertEqual(4, len(runs), runs)
+        self.assertEqual([0] + sorted(runs[1:]), runs)
+        self.assertGreaterEqual(runs[1], 48)
+        self.assertLessEqual(runs[3], run.modules()["neighbour"]["cycles"])
+
+    def test_another_version_takes_over_what_it_understands(self):
+        folder = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
+        mine = os.path.join(self.folder, "mine.so")
+        shutil.copy(os.path.join(folder, "keeps.so"), mine)
+        run = self.run_keeping(file=mine)
+        wait_until(lambda: self.status_of()["devices"][0]["modules"][0]["cycles"] > 50, 10, "some runs")
+        shutil.copy(os.path.join(folder, "keeps_more.so"), mine + ".new")
+        os.replace(mine + ".new", mine)
+        os.kill(run.one("takt-host").pid, signal.SIGKILL)
+        run.wait_for_line(r"keeps: what version 1 of it saved is taken over")
+        run.wait_for_line(r"version 2 restored \d{2,}")
+        # And back: version 1 knows nothing of it, says so, and begins.
+        time.sleep(0.2)
+        shutil.copy(os.path.join(folder, "keeps.so"), mine + ".new")
+        os.replace(mine + ".new", mine)
+        os.kill(run.one("takt-host").pid, signal.SIGKILL)
+        run.wait_for_line(r"keeps: what was saved is not restored: it was saved by version 2 .*override restore\(\)")
+        self.finish(run)
+        self.assertEqual("version 1 began 0", self.said_of(run, "version")[-1])
+
+    def test_what_is_retained_is_there_when_the_cell_is_started_again(self):
+        first = self.run_keeping(retain="true")
+        wait_until(lambda: self.status_of()["devices"][0]["modules"][0]["cycles"] > 50, 10, "some runs")
+        self.finish(first)
+        self.assertEqual(0, first.status, first.err)
+        second = self.run_keeping(retain="true")
+        second.wait_for_line(r"keeps: what it saved is restored")
+        wait_until(lambda: self.said_of(second, "version"), 5, "its words")
+        self.assertEqual(["version 1 restored %d" % first.modules()["keeps"]["cycles"]], self.said_of(second, "version"))
+        self.assertEqual(["c has 0"], self.said_of(second, "c has"), "its neighbour does not retain")
+        # Who is told to begin anew does.
+        device = self.status_of()["devices"][0]["name"]
+        for order in ("destruct", "reset", "initialize", "start"):
+            self.done("%s %s.keeps" % (order, device))
+        wait_until(lambda: len(self.said_of(second, "version")) == 2, 5, "its words")
+        self.assertEqual("version 1 began 0", self.said_of(second, "version")[-1])
+        self.finish(second)
+
+    def test_the_latest_values_are_there_after_a_crash(self):
+        run = self.start("run", self.write("cell.xml", RECALLS), "--json")
+        run.wait_for_state("reader", "EXECUTING")
+        time.sleep(0.2)
+        for _ in range(2):
+            said = len(self.said_of(run, "holds"))
+            os.kill(run.one("takt-host").pid, signal.SIGKILL)
+            wait_until(lambda: len(self.said_of(run, "holds")) > said, 10, "the reader to begin again")
+            time.sleep(0.2)
+        self.finish(run)
+        self.assertEqual(["holds 0", "holds 7", "holds 7"], self.said_of(run, "holds"))
+
+
+if __name__ == "__main__":
+    takt_system.main()

@@ -1,0 +1,103 @@
+"""The demo cell with what a run of faults needs added: on each device a module that can be told to fail, in a host of its own,
+and those who watch what becomes of its samples."""
+
+import os
+import re
+import xml.etree.ElementTree as ElementTree
+
+import takt_system
+
+DEMO = os.path.join(takt_system.SOURCE, "deploy", "palletizing.xml")
+DEVICES = ("robot", "line", "station")
+EXECUTORS = {"robot": "motion", "line": "plc", "station": "main"}
+PERIOD_NS = 4_000_000
+DEADLINE_NS = 100_000_000
+BACKOFF_NS = 50_000_000
+ATTEMPTS = 3  # as of the modules of the demo, which say nothing of it
+# Long enough that no fault here ends the work of the cell: a hand on its reset is not what is tested.
+STOP_TIMEOUT_S = 10
+
+_SAFE = """
+      <safe> <port name="out"> <field name="number">0</field> <field name="same">[-1, -1, -1, -1, -1, -1]</field> </port> </safe>"""
+
+
+def _module(name, file, executor, more="", priority=100):
+    kind = "process" if file.endswith(".exe") else "thread"
+    return f"""
+    <module>
+      <name>{name}</name> <filename>{file}</filename>
+      <moduletype>{kind}</moduletype> <operationtype>periodic</operationtype>
+      <period>{PERIOD_NS}</period> <priority>{priority}</priority> <executor>{executor}</executor>
+      <recovery attempts="{ATTEMPTS}" backoff="{BACKOFF_NS}"/>{more}
+    </module>"""
+
+
+def _watches(who):
+    return f"""
+      <property> <value name="who">{who}</value> <value name="oldest">{DEADLINE_NS}</value> </property>"""
+
+
+def _added(device):
+    main = EXECUTORS[device]
+    return "".join((
+        # Below all others, so that its endless loop is nobody else's.
+        '\n    <executor name="risky" priority="10" host="own"/>',
+        _module("source", "told.so", "risky", _SAFE, 1),
+        _module("bystander", "fine.so", "risky", "", 2),
+        _module("relay", "port_relay.exe", main, _SAFE),
+        _module("near", "safe_reader.so", main, _watches("near")),
+        _module("far", "safe_reader.so", main, _watches("far")),
+        _module("relayed", "safe_reader_program.exe", main, _watches("relayed"))))
+
+
+def next_to(device):
+    """Who reads what it writes."""
+    return DEVICES[(DEVICES.index(device) + 1) % len(DEVICES)]
+
+
+def text():
+    with open(DEMO, encoding="utf-8") as file:
+        cell = file.read()
+    cell, timeouts = re.subn(r'(timeout">)0\.2<', r"\g<1>%g<" % STOP_TIMEOUT_S, cell)
+    assert timeouts == 3, timeouts
+    head, *rest = cell.split("</device>")
+    parts = [head]
+    for device, after in zip(DEVICES, rest):
+        parts += [_added(device), "\n  </device>", after]
+    cell = "".join(parts)
+    links = ""
+    for device in DEVICES:
+        links += f"""
+  <connection from="{device}.source.out" to="{device}.near.in" deadline="{DEADLINE_NS}"/>
+  <connection from="{device}.source.out" to="{device}.relay.in" kind="queue" depth="64"/>
+  <connection from="{device}.source.out" to="{next_to(device)}.far.in" deadline="{DEADLINE_NS}"/>
+  <connection from="{device}.relay.out" to="{next_to(device)}.relayed.in" deadline="{DEADLINE_NS}"/>"""
+    return cell.replace("</cell>", links + "\n</cell>")
+
+
+def _elements():
+    for device in ElementTree.fromstring(text()).iter("device"):
+        for module in device.iter("module"):
+            yield device.get("name"), module.findtext("name").strip(), module
+
+
+def modules():
+    """Of each device, by name: "thread" or "process"."""
+    found = {device: {} for device in DEVICES}
+    for device, name, module in _elements():
+        found[device][name] = module.findtext("moduletype").strip()
+    return found
+
+
+def programs():
+    """Of each device, by module: the file of its program."""
+    found = {device: {} for device in DEVICES}
+    for device, name, module in _elements():
+        if module.findtext("moduletype").strip() == "process":
+            found[device][name] = os.path.basename(module.findtext("filename").strip())
+    return found
+
+
+def period(device, module):
+    """In seconds."""
+    return next(int(e.findtext("period")) / 1e9 for d, name, e in _elements() if (d, name) == (device, module))

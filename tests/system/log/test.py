@@ -1,0 +1,247 @@
+import json
+import os
+import re
+import resource
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import networks
+import takt_system
+from takt_system import wait_until
+
+DEVICES = ("robot", "line")
+
+
+class Log(takt_system.Case):
+    def log(self, *arguments, status=0):
+        run = self.takt("log", "--json", *arguments)
+        self.assertEqual(status, run.status, run.err)
+        events = [json.loads(line) for line in run.out.splitlines()]
+        for event in events:
+            self.assertEqual({"sequence", "time_ns", "cell", "device", "module", "kind", "severity", "error", "cause",
+                              "attachment", "count", "cycle"}, set(event))
+        for device in {e["device"] for e in events}:
+            numbers = [e["sequence"] for e in events if e["device"] == device]
+            self.assertEqual(sorted(set(numbers)), numbers, "out of order: %s" % device)
+        return events
+
+    def file(self, device):
+        return os.path.join(self.folder, "state", "%s.%d.faults" % (device, self.domain))
+
+    def of(self, events, kind, module=None, device=None):
+        return [e for e in events if e["kind"] == kind and module in (None, e["module"]) and device in (None, e["device"])]
+
+    def crashed(self):
+        """Both nodes, after the module of robot has crashed."""
+        nodes = self.nodes(*DEVICES)
+        self.deploy("crash.xml")
+        nodes["robot"].wait_for_line("the host is started again")
+        self.wait_for_states({"robot": {"grid": "EXECUTING", "culprit": "DESTRUCT"}})
+        return nodes
+
+    def test_a_crash_has_its_line_and_overruns_are_all_counted(self):
+        begun = time.time_ns()
+        nodes = self.crashed()
+        # A refused command, and one that was carried out.
+        self.refused({"start robot.culprit": "refused", "stop robot.none": "no module"})
+        self.done("stop line.program")
+        time.sleep(1.5)
+        self.done("undeploy shop")
+        events = self.log()
+
+        crash, = self.of(events, "error", "culprit")
+        self.assertEqual(("robot", "shop", "crash", 1), (crash["device"], crash["cell"], crash["error"], crash["count"]))
+        self.assertEqual("error", crash["severity"])
+        self.assertRegex(crash["cause"], r"^the host was killed by SIGSEGV \(Segmentation fault\) in run\(\), "
+                                         r"in \w.* at segv\.cpp:1\d in segv\.so, called by run at segv\.cpp:\d+ in segv\.so$|"
+                                         r"^the host was killed by SIGSEGV .* in run\(\), in run at segv\.cpp:\d+ in segv\.so$")
+        self.assertIn(crash["cycle"], (199, 200))
+        self.assertLess(begun, crash["time_ns"])
+        self.assertLess(crash["time_ns"], time.time_ns())
+        self.assertEqual(1, len(self.of(events, "given-up", "culprit")))
+        self.assertEqual(1, len(self.of(events, "host-restart", device="robot")))
+        refused = self.of(events, "refused-command")
+        self.assertEqual({"culprit", "none"}, {e["module"] for e in refused})
+        done, = self.of(events, "command", "program")
+        self.assertEqual("stop was carried out", done["cause"])
+        self.assertEqual({"robot", "line"}, {e["device"] for e in self.of(events, "deployed")})
+        self.assertEqual({"robot", "line"}, {e["device"] for e in self.of(events, "undeployed")})
+        self.assertEqual({"robot", "line"}, {e["device"] for e in self.of(events, "node-start")})
+        overruns = self.of(events, "overrun", "slow")
+        self.assertGreater(sum(e["count"] for e in overruns), 0)
+        self.assertLessEqual(len(overruns), 8, "at most one a second, and one at the end")
+        self.end(nodes)
+
+    def test_the_counts_are_those_of_the_report(self):
+        run = self.takt("run", "crash.xml", "--for", "3", "--json", "--state-dir", os.path.join(self.folder, "state"))
+        for device in DEVICES:
+            events = self.log("--file", self.file(device))
+            for name, module in run.modules(device).items():
+                counted = sum(e["count"] for e in self.of(events, "overrun", name))
+                self.assertEqual(module["overruns"], counted, name)
+            missed = sum(e["count"] for e in self.of(events, "missed-rows"))
+            self.assertEqual(sum(e["missed"] for e in run.device(device)["executors"]), missed, device)
+            self.assertEqual("node-end", events[-1]["kind"])
+        self.assertGreater(run.modules("line")["slow"]["overruns"], 0)
+
+    def test_filters_and_what_a_person_reads(self):
+        nodes = self.crashed()
+        self.assertEqual([], [e for e in self.log("--device", "line") if e["device"] != "line"])
+        self.assertEqual({"culprit"}, {e["module"] for e in self.log("--module", "culprit")})
+        self.assertEqual({"error", "host-restart"}, {e["kind"] for e in self.log("--kind", "error,host-restart", "--device", "robot")})
+        self.assertEqual(2, len(self.log("--last", "2")))
+        self.assertEqual([], self.log("--since", "2100-01-01"))
+        self.assertLess(3, len(self.log("--since", "1h")))
+        text = self.takt("log", "--device", "robot")
+        self.assertRegex(text.out, r"(?m)^\d\d\d\d-\d\d-\d\d$")
+        self.assertRegex(text.out, r"(?m)^\d\d:\d\d:\d\d\.\d\d\d X robot\.culprit +error$")
+        self.assertRegex(text.out, r"segv\.cpp:\d+")
+        for line in text.out.splitlines():
+            self.assertLessEqual(len(line), 100, line)
+        for arguments, pattern in {("--kind", "eror"): "did you mean error", ("--since", "soon"): "10m",
+                                   ("--last", "-1"): "last", ("--file", "x", "--follow"): "excludes"}.items():
+            run = self.takt("log", *arguments)
+            self.assertEqual((2, ""), (run.status, run.out), arguments)
+            self.assertRegex(run.err, pattern)
+        self.refused({"log --module culprid": "did you mean culprit", "log --device lime": "lime",
+                      "log --file /nowhere/x.faults": "/nowhere/x.faults: error: there is no such file"})
+        self.end(nodes)
+
+    def test_it_outlives_host_and_node(self):
+        nodes = self.crashed()
+        begun = len(nodes["robot"].raw)
+        nodes["robot"].one("takt-host").kill()
+        nodes["robot"].wait_for_line("the host is started again", after=begun)
+        before = self.log("--device", "robot")
+        restarts = self.of(before, "host-restart")
+        self.assertEqual(2, len(restarts))
+        self.assertIn("SIGKILL", restarts[-1]["cause"])
+        nodes["robot"].signal(signal.SIGKILL)
+        nodes["robot"].wait(10)
+
+        # Without a node, and told by the other one.
+        dead = self.log("--file", self.file("robot"))
+        self.assertEqual(before, dead[:len(before)])
+        text = self.takt("log", "--file", self.file("robot"), "--kind", "host-restart")
+        self.assertEqual(2, text.out.count("host-restart"))
+        lost = wait_until(lambda: self.of(self.log("--device", "line"), "device-lost"), 5, "the loss of robot")
+        self.assertIn("device robot is lost", lost[0]["cause"])
+        run = self.takt("log")
+        self.assertEqual(1, run.status)
+        self.assertRegex(run.err, "device robot: error: it is lost")
+        self.assertIn("line", run.out)
+
+        nodes["robot"] = self.node("robot")
+        after = self.log("--device", "robot")
+        self.assertEqual(dead, after[:len(dead)])
+        restart, = self.of(after, "node-restart")
+        self.assertEqual(dead[-1]["sequence"] + 1, restart["sequence"])
+        self.assertIn("not ended in order", restart["cause"])
+        self.end(nodes)
+        self.assertEqual("node-end", self.log("--file", self.file("robot"))[-1]["kind"])
+
+    def test_a_file_that_is_damaged_costs_what_is_damaged(self):
+        nodes = self.crashed()
+        self.end(nodes)
+        path = self.file("robot")
+        whole = self.log("--file", path)
+        with open(path, "r+b") as file:
+            file.seek(4096 + 1024 + 500)
+            file.write(b"x")
+        run = self.takt("log", "--file", path, "--json")
+        self.assertEqual(len(whole) - 1, len(run.out.splitlines()))
+        self.assertRegex(run.err, "1 damaged event is left out")
+        with open(path, "r+b") as file:
+            file.write(b"x")
+        self.refused({"log --file " + path: "no fault record of this version"})
+        node = self.node("robot")
+        self.assertIn("set aside", node.err)
+        self.assertEqual({"robot"}, {e["device"] for e in self.log()})
+        self.end({"robot": node})
+
+    def test_a_node_goes_on_where_it_cannot_write(self):
+        place = self.write("file", "")
+        node = self.node("robot", "--state-dir", os.path.join(place, "folder"))
+        self.assertRegex(node.err, "warning: the fault record: ")
+        self.assertEqual(["node-start", "error"], [e["kind"] for e in self.log()])
+        self.end({"robot": node})
+
+    def test_the_crash_of_a_program_names_its_core_dump(self):
+        unlimited = resource.RLIM_INFINITY
+        with open("/proc/sys/kernel/core_pattern") as file:
+            piped = file.read().startswith("|")
+
+        def crash(name, limit):
+            def become():
+                resource.setrlimit(resource.RLIMIT_CORE, (limit, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+            run = self.takt("run", "program.xml", "--for", "0.5", "--json", "--state-dir", os.path.join(self.folder, name),
+                            become=become)
+            events = self.log("--file", os.path.join(self.folder, name, "robot.%d.faults" % self.domain))
+            errors = self.of(events, "error", "program")
+            self.assertEqual(run.modules()["program"]["errors"], sum(e["count"] for e in errors))
+            error = errors[0]
+            self.assertIn("SIGSEGV", error["cause"])
+            return error
+
+        error = crash("none", 0)
+        self.assertIsNone(error["attachment"])
+        self.assertIn("no core dump: core_pattern gives it to" if piped else "no core dump: RLIMIT_CORE is 0", error["cause"])
+        if piped or resource.getrlimit(resource.RLIMIT_CORE)[1] != unlimited:
+            self.skipTest("this system writes no core dumps to files")
+        error = crash("some", unlimited)
+        self.assertTrue(os.path.isfile(error["attachment"]), error)
+
+    def test_whoever_follows_sees_everything_once(self):
+        nodes = self.nodes(*DEVICES)
+        follower = self.start("log", "--follow", "--json")
+        follower.wait_for_out("node-start")
+        self.deploy("crash.xml")
+        follower.wait_for_out("host-restart")
+        self.done("stop robot.grid")
+        follower.wait_for_out("stop was carried out")
+        self.done("undeploy shop")
+        follower.wait_for_out("undeployed")
+        # What its events say is what the record says.
+        time.sleep(0.5)
+        follower.signal(signal.SIGINT)
+        self.assertEqual(0, follower.wait(10).status, follower.err)
+        told = [json.loads(line) for line in follower.out.splitlines()]
+        everything = self.log()
+        for device in DEVICES:
+            self.assertEqual([e for e in everything if e["device"] == device], [e for e in told if e["device"] == device])
+        self.end(nodes)
+
+
+class Cable(networks.NetworkCase):
+    MACHINES = DEVICES
+
+    def test_a_cable_that_is_pulled_is_seen_from_both_ends(self):
+        nodes = self.nodes(*DEVICES)
+
+        def kinds(device):
+            run = self.takt("log", "--json", "--device", device, on=device)
+            self.assertEqual(0, run.status, run.err)
+            return {e["kind"]: e for e in map(json.loads, run.out.splitlines())}
+
+        self.deploy("cable.xml")
+        time.sleep(1.5)
+        for device in DEVICES:
+            self.assertNotIn("connection-lost", kinds(device))
+        self.net.cut("line")
+        for device in DEVICES:
+            wait_until(lambda: {"device-lost", "connection-lost"} <= set(kinds(device)), 15, "the loss seen by " + device)
+        self.assertIn("stale-input", kinds("line"))
+        self.net.join("line")
+        for device in DEVICES:
+            seen = wait_until(lambda: {"device-back", "connection-back"} <= set(kinds(device)) and kinds(device), 20,
+                              "the return seen by " + device)
+            print(device, {k: e["cause"] for k, e in seen.items() if "-" in k})
+        self.assertIn("fresh-input", kinds("line"))
+        self.done("undeploy shop")
+        self.end(nodes)
+
+
+if __name__ == "__main__":
+    takt_system.main()

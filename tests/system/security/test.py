@@ -1,0 +1,380 @@
+"""A cell with DDS Security on machines of its own, and strangers beside it."""
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import networks
+import takt_system
+from takt_system import BIN, Run, wait_until
+
+PEER = os.environ.get("TAKT_DDS_PEER", "")
+CYCLONE = os.environ.get("TAKT_CYCLONE_PEER", "")
+DEVICES = ("robot", "line")
+# What a switch sees. Writes what it saw when it is told to end.
+SNIFF = r"""
+import signal, socket, sys
+ended = []
+signal.signal(signal.SIGTERM, lambda *_: ended.append(1))
+s = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.ntohs(3))
+s.settimeout(0.1)
+print("ready", flush=True)
+seen = b""
+while not ended:
+    try:
+        seen += s.recv(65535)
+    except socket.timeout:
+        pass
+open(sys.argv[1], "wb").write(seen)
+"""
+
+
+# Of a descriptor and of states: what is said, and not who may say it.
+WORDS = (b"quiet_sink", b"port_source.so", b"port_sink.so")
+# Of samples::Count, as its component describes it.
+SHAPE = {"name": "samples::Count", "fields": [{"name": "number", "type": "unsigned long long"}, {"name": "same", "type": "double", "array": [6]},
+                                              {"name": "few", "type": "unsigned long", "sequence": 4}]}
+
+
+class Peer:
+    """The program of the DDS tests, on one of the machines; it ends when its input does."""
+
+    def __init__(self, case, machine, *arguments, **environment):
+        self._process = subprocess.Popen(
+            case.net.on(machine) + [PEER, "0", *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            stderr=subprocess.DEVNULL, env=dict(os.environ, PEER_INTERFACES="all", **environment))
+        case.addCleanup(self.end)
+
+    def line(self):
+        """What it says next, but for whom it refused itself."""
+        while True:
+            line = self._process.stdout.readline()
+            if not line.startswith("notice "):
+                return line.rstrip("\n")
+
+    def end(self):
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait(10)
+        for pipe in (self._process.stdin, self._process.stdout):
+            pipe.close()
+
+
+class Security(takt_system.Case):
+    def setUp(self):
+        super().setUp()
+        reason = networks.available()
+        if reason:
+            self.skipTest(reason)
+        self.net = networks.Networks(*DEVICES, "operator", "stranger")
+        self.net.__enter__()
+        self.addCleanup(self.net.__exit__)
+        # Each machine has all its interfaces here; they are the test's own.
+        self.environment = {"TAKT_DOMAIN": "0", "TAKT_INTERFACE": ""}
+        self.keys = os.path.join(self.folder, "keys")
+        run = self.secure("init", self.beside("cell.xml"), "keys", "--operator", "anna", "--observer", "eve")
+        self.assertIn("cell guarded, domain 0", run.out)
+
+    def secure(self, *arguments):
+        run = self.takt("secure", *arguments, environment=self.environment)
+        self.assertEqual(0, run.status, run.err)
+        return run
+
+    def node(self, device, folder=None, machine=None, wait=True, options=()):
+        folder = os.path.join(self.keys, "devices", device) if folder is None else folder
+        security = ["--security", folder] if folder else []
+        run = Run([os.path.join(BIN, "takt-node"), "--device", device, "--state-dir", os.path.join(self.folder, device),
+                   *security, *options], self.folder, environment=self.environment, before=self.net.on(machine or device))
+        self.runs.append(run)
+        if wait:
+            run.wait_for_line("waits for a deployment")
+        return run
+
+    def started(self, **options):
+        return {device: self.node(device, **options) for device in DEVICES}
+
+    def as_one(self, who, *arguments, machine="operator", limit=40):
+        """takt, as this one of the authority ("operators/anna"), or of another folder, or as nobody ("")."""
+        environment = dict(self.environment, TAKT_SECURITY=who and os.path.join(self.keys, who))
+        return self.start(*arguments, environment=environment, before=self.net.on(machine)).wait(limit)
+
+    def deploy(self):
+        run = self.as_one("operators/anna", "deploy", "cell.xml")
+        self.assertEqual(0, run.status, run.err)
+
+    def end(self, nodes):
+        for node in nodes.values():
+            node.signal(signal.SIGTERM)
+        for node in nodes.values():
+            self.assertEqual(0, node.wait(10).status, node.err)
+
+    def states(self, who="operators/anna"):
+        run = self.as_one(who, "status", "--json")
+        self.assertEqual(0, run.status, run.err)
+        return {m["name"]: m["state"] for d in run.report["devices"] for m in d["modules"]}
+
+    def sniff(self):
+        path = os.path.join(self.folder, "seen")
+        process = subprocess.Popen(["ip", "netns", "exec", self.net._bridge, sys.executable, "-c", SNIFF, path],
+                                   stdout=subprocess.PIPE)
+        self.addCleanup(process.kill)
+        self.assertEqual(b"ready\n", process.stdout.readline())
+
+        def seen():
+            process.terminate()
+            process.wait(10)
+            process.stdout.close()
+            with open(path, "rb") as file:
+                return file.read()
+        return seen
+
+    def test_the_cell_runs_and_who_listens_on_the_cable_reads_nothing(self):
+        sniffed = self.sniff()
+        nodes = self.started()
+        self.assertIn("security is on: device robot of cell guarded", nodes["robot"].err)
+        self.deploy()
+        wait_until(lambda: self.states() == {"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, 20, "both modules")
+        echo = self.as_one("operators/anna", "echo", "robot.plainly_visible.out", "--count", "3")
+        self.assertEqual((0, 3), (echo.status, len(echo.out.splitlines())), echo.err)
+        # Who may look sees all of it, and changes nothing.
+        self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states("observers/eve"))
+        echo = self.as_one("observers/eve", "echo", "robot.plainly_visible.out", "--count", "3")
+        self.assertEqual((0, 3), (echo.status, len(echo.out.splitlines())), echo.err)
+        stop = self.as_one("observers/eve", "stop", "robot.plainly_visible")
+        self.assertEqual(1, stop.status)
+        self.assertIn("observer eve at 10.77.0.3 may look and not stop", stop.err)
+        nodes["robot"].wait_for_line("refused: observer eve at 10.77.0.3 asked to stop, which only an operator may")
+        undeploy = self.as_one("observers/eve", "undeploy", "guarded")
+        self.assertEqual(1, undeploy.status, undeploy.err)
+        self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
+
+        stop = self.as_one("operators/anna", "stop", "robot.plainly_visible")
+        self.assertEqual(0, stop.status, stop.err)
+        self.assertEqual(0, self.as_one("operators/anna", "undeploy", "guarded").status)
+        self.end(nodes)
+        seen = json.loads(self.read("sink"))
+        self.assertGreater(seen["read"], 10, "samples of the robot")
+        self.assertEqual(0, seen["wrong"])
+        seen = sniffed()
+        self.assertGreater(len(seen), 50000, "something was said")
+        # Not the names of topics: participants show each other their permissions when they meet.
+        for secret in WORDS:
+            self.assertEqual(0, seen.count(secret), secret)
+
+    def test_without_security_the_same_words_are_on_the_cable(self):
+        """So that the test above can fail."""
+        with open(self.beside("cell.xml")) as file:
+            text = file.read()
+        plain = self.write("plain.xml", text.replace(' security="required"', ""))
+        sniffed = self.sniff()
+        nodes = self.started(folder="")
+        for node in nodes.values():
+            self.assertIn("security is off: whoever is on its network may command it and read what it says", node.err)
+        refused = self.as_one("", "deploy", "cell.xml")
+        self.assertEqual(1, refused.status)
+        self.assertIn("cell guarded requires security, and the node of device robot runs without", refused.err)
+        run = self.as_one("", "deploy", plain)
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(0, self.as_one("", "undeploy", "guarded").status)
+        self.end(nodes)
+        seen = sniffed()
+        for word in WORDS:
+            self.assertGreater(seen.count(word), 0, word)
+
+    def test_strangers_are_not_heard(self):
+        self.takt("secure", "init", self.beside("cell.xml"), "evil", "--operator", "anna", environment=self.environment)
+        nodes = self.started()
+        self.deploy()
+        line = nodes["line"]
+
+        # No identity: Takt's own tool, plain Fast DDS, plain Cyclone DDS.
+        run = self.as_one("", "stop", "line.quiet_sink", machine="stranger")
+        self.assertEqual(1, run.status)
+        self.assertIn("it is not there", run.err)
+        line.wait_for_line("refused: participant 'takt' at 10.77.0.4 has no identity of this cell")
+        plain = Peer(self, "stranger", "order", "line")
+        self.assertEqual("no answer", plain.line())
+        line.wait_for_line("refused: participant 'peer' at 10.77.0.4 has no identity of this cell")
+        if CYCLONE:
+            cyclone = subprocess.run(self.net.on("stranger") + [CYCLONE, "0", "command", "line", "quiet_sink", "7"],
+                                     capture_output=True, timeout=60,
+                                     env=dict(os.environ, CYCLONEDDS_URI="<CycloneDDS><Domain id='any'><General>"
+                                              "<AllowMulticast>true</AllowMulticast></General></Domain></CycloneDDS>"))
+            self.assertNotEqual(0, cyclone.returncode, cyclone.stdout)
+
+        # Another authority that issues the same names.
+        run = self.as_one(os.path.join(self.folder, "evil", "operators", "anna"), "stop", "line.quiet_sink", machine="stranger")
+        self.assertEqual(1, run.status)
+        line.wait_for_line("refused: operator anna at 10.77.0.4: its identity is of another authority")
+        self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
+        self.assertEqual(1, sum("'takt' at 10.77.0.4" in text for text in line.raw), "said once")
+        self.end(nodes)
+
+    def test_nobody_does_more_than_he_was_granted(self):
+        nodes = self.started()
+        self.deploy()
+        robot, line = nodes["robot"], nodes["line"]
+        identity = lambda path: os.path.join(self.keys, path)
+
+        # A device that speaks for another one: of the peer's cell "test", so of nobody's here.
+        impostor = Peer(self, "stranger", "device", "robot", PEER_SECURITY=identity("devices/line"))
+        self.assertEqual("ready", impostor.line())
+        robot.wait_for_line("refused: device line at 10.77.0.4 speaks on takt/device for test/robot, which is not its own")
+        impostor.end()
+
+        # A device that writes another's topic: its own program does not let it, and if it does, nobody hears.
+        shape = self.write("type.json", json.dumps(SHAPE))
+        topic = "takt/guarded/robot/plainly_visible/out"
+        wanted = "refused: device line at 10.77.0.4 writes %s, which it was not granted" % topic
+        honest = Peer(self, "stranger", "give", topic, "reliable", "32", shape, PEER_SECURITY=identity("devices/line"))
+        self.assertNotEqual("ready", honest.line())
+        honest.end()
+        self.assertNotIn(wanted, line.err)
+        cheat = Peer(self, "stranger", "give", topic, "reliable", "32", shape, PEER_SECURITY=identity("devices/line"), PEER_CHEATS="1")
+        self.assertEqual("ready", cheat.line())
+        line.wait_for_line(wanted)
+
+        # An observer whose program was tampered with, on the topic of commands.
+        forge = Peer(self, "stranger", "forge", "takt/command", "takt::Command", "plain", "1", "00" * 64,
+                     PEER_SECURITY=identity("observers/eve"), PEER_CHEATS="1")
+        robot.wait_for_line("refused: observer eve at 10.77.0.4 writes takt/command, which it was not granted")
+        forge.end()
+        self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
+        self.end(nodes)
+
+    def test_who_was_revoked_is_refused_from_the_next_start_on(self):
+        shutil.copytree(os.path.join(self.keys, "operators", "anna"), os.path.join(self.folder, "stolen"))
+        self.secure("add", "keys", "operator", "bert")
+        run = self.secure("revoke", "keys", "anna")
+        self.assertRegex(run.out, r"operator +anna +revoked")
+        own = self.as_one("operators/anna", "status")
+        self.assertEqual(1, own.status)
+        self.assertIn("it was revoked", own.err)
+        nodes = self.started()
+        run = self.as_one(os.path.join(self.folder, "stolen"), "status", machine="stranger")
+        self.assertEqual(1, run.status)
+        nodes["robot"].wait_for_line("refused: operator anna at 10.77.0.4: its identity was revoked")
+        self.assertEqual(0, self.as_one("operators/bert", "status").status)
+        self.end(nodes)
+
+    def test_files_that_are_not_in_order_are_named(self):
+        folder = os.path.join(self.keys, "devices", "robot")
+
+        def refused(pattern, **options):
+            run = self.node("robot", wait=False, **options).wait(20)
+            self.assertEqual(1, run.status, run.err)
+            self.assertRegex(run.err, pattern)
+
+        key = os.path.join(folder, "identity.key.pem")
+        self.assertEqual(0o600, os.stat(key).st_mode & 0o777)
+        self.assertEqual(0o700, os.stat(folder).st_mode & 0o777)
+        os.chmod(key, 0o640)
+        refused("others than its owner may read or write this private key; chmod 600 .*identity.key.pem")
+        os.chmod(key, 0o600)
+        os.rename(key, key + ".away")
+        refused("identity.key.pem: error: there is no such file")
+        os.rename(key + ".away", key)
+        refused("this is the identity of device line, not of device robot", folder=os.path.join(self.keys, "devices", "line"))
+        refused("not of device robot", folder=os.path.join(self.keys, "operators", "anna"))
+        refused("this identity is for domain 0 and not for domain 5", options=["--domain", "5"])
+        refused("exclude each other", options=["--server", "127.0.0.1:11811"])
+        refused("there is no such folder", folder=os.path.join(self.keys, "devices", "nobody"))
+
+        again = self.takt("secure", "init", "cell.xml", "keys", environment=self.environment)
+        self.assertEqual(1, again.status)
+        self.assertIn("there is an authority already", again.err)
+
+    def test_an_identity_that_expires_soon_is_warned_of(self):
+        run = self.secure("renew", "keys", "robot", "--days", "10")
+        self.assertRegex(run.out, r"device +robot .*it expires in (9|10) days")
+        robot = self.node("robot")
+        self.assertRegex(robot.err, r"warning: its identity is to be renewed, it expires in (9|10) days: takt secure renew")
+        self.end({"robot": robot})
+        doctor = self.takt("doctor", "--json", environment={"TAKT_SECURITY": os.path.join(self.keys, "devices", "robot")})
+        finding = next(f for f in doctor.report["findings"] if f["check"] == "security")
+        self.assertEqual("note", finding["severity"])
+        self.assertRegex(finding["found"], r"is on: CN=robot,OU=device,O=guarded; it expires in (9|10) days")
+        doctor = self.takt("doctor", "--json", environment={"TAKT_SECURITY": ""})
+        finding = next(f for f in doctor.report["findings"] if f["check"] == "security")
+        self.assertRegex(finding["found"], "is off")
+
+    def test_one_folder_is_enough_for_a_cell_on_one_machine(self):
+        run = self.start("run", "cell.xml", "--for", "2", "--security", "keys", environment=self.environment,
+                         before=self.net.on("operator")).wait(60)
+        self.assertEqual(0, run.status, run.err)
+        self.assertIn("security is on: device line of cell guarded", run.err)
+
+
+class Components(takt_system.Case):
+    """What a node loads is code."""
+
+    def setUp(self):
+        super().setUp()
+        folders = os.environ["TAKT_COMPONENT_PATH"].split(":")
+        found = next(os.path.join(f, "fine.so") for f in folders if os.path.exists(os.path.join(f, "fine.so")))
+        self.components = os.path.join(self.folder, "components")
+        os.mkdir(self.components, 0o755)
+        shutil.copy(found, os.path.join(self.components, "mine.so"))
+        self.file = os.path.join(self.components, "mine.so")
+        os.chmod(self.file, 0o755)
+        self.cell = self.write("cell.xml", """<cell name="c"><device name="d"><module>
+          <filename>mine.so</filename> <moduletype>thread</moduletype> <operationtype>periodic</operationtype>
+          <period>10000000</period> <priority>1</priority></module></device></cell>""")
+        self.environment = {"TAKT_COMPONENT_PATH": self.components}
+
+    def try_it(self, **more):
+        runs = [self.start(*command, environment=dict(self.environment, **more))
+                for command in (("check", self.cell), ("run", self.cell, "--for", "1"))]
+        for run in runs:
+            run.wait(60)
+        self.assertEqual(1, len({run.status for run in runs}), [run.err for run in runs])
+        return runs[0].status, runs[0].err + runs[1].err
+
+    def test_that_everybody_may_write_are_refused(self):
+        self.assertEqual(0, self.try_it()[0])
+        os.chmod(self.file, 0o757)
+        status, said = self.try_it()
+        self.assertEqual(1, status)
+        self.assertIn("everybody may write to %s; chmod o-w %s" % (self.file, self.file), said)
+        os.chmod(self.file, 0o755)
+        os.chmod(self.components, 0o777)
+        self.assertIn("everybody may write to %s; chmod o-w" % self.components, self.try_it()[1])
+
+    def test_that_are_not_signed_are_refused_where_signatures_are_asked_for(self):
+        self.assertEqual(0, self.takt("secure", "init", self.cell, "keys").status)
+        signed = self.takt("sign", self.file, "--key", "keys")
+        self.assertEqual(0, signed.status, signed.err)
+        certificate = os.path.join(self.folder, "keys", "authority", "components.cert.pem")
+        self.assertIn("1 signed", signed.out)
+        self.assertEqual((0, ""), self.try_it(TAKT_SIGNED_BY=certificate)[:1] + ("",))
+        # As anybody can check it.
+        public = subprocess.run(["openssl", "x509", "-in", certificate, "-pubkey", "-noout"], capture_output=True, check=True).stdout
+        self.write("public.pem", public.decode())
+        subprocess.run(["openssl", "dgst", "-sha256", "-verify", os.path.join(self.folder, "public.pem"), "-signature",
+                        self.file + ".sig", self.file], check=True, capture_output=True)
+
+        with open(self.file, "ab") as file:
+            file.write(b"x")
+        status, said = self.try_it(TAKT_SIGNED_BY=certificate)
+        self.assertEqual(1, status)
+        self.assertIn("its signature is not of this file", said)
+        os.remove(self.file + ".sig")
+        self.assertIn("it is not signed, and only signed components are used here", self.try_it(TAKT_SIGNED_BY=certificate)[1])
+        self.assertEqual(0, self.try_it()[0], "nobody asks")
+        # The certificate in a node's folder is enough.
+        self.assertEqual(0, self.takt("sign", self.file, "--key", "keys").status)
+        shutil.copy(certificate, os.path.join(self.folder, "keys", "devices", "d"))
+        run = self.takt("run", self.cell, "--for", "1", "--security", "keys", environment=self.environment)
+        self.assertEqual(0, run.status, run.err)
+        os.remove(self.file + ".sig")
+        run = self.takt("run", self.cell, "--for", "1", "--security", "keys", environment=self.environment)
+        self.assertEqual(1, run.status)
+        self.assertIn("it is not signed", run.err)
+
+
+if __name__ == "__main__":
+    takt_system.main()

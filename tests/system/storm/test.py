@@ -1,0 +1,179 @@
+"""A cell on machines of its own, and somebody beside it who throws whatever he likes at every port that is open.
+
+TAKT_STORM_SECONDS: how long each storm lasts, and the quiet before the first (20). TAKT_STORM_RATE: packets a second (5000).
+TAKT_STORM_SEED: of what is thrown; printed."""
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import networks
+import takt_system
+from takt_system import wait_until
+
+DEVICES = ("robot", "line")
+SECONDS = float(os.environ.get("TAKT_STORM_SECONDS", "20"))
+RATE = float(os.environ.get("TAKT_STORM_RATE", "5000"))
+SEED = int(os.environ.get("TAKT_STORM_SEED", random.randrange(10 ** 6)))
+ATTACK = os.path.join(os.path.dirname(os.path.abspath(__file__)), "attack.py")
+TCP_PORT = 1502
+
+
+class Storm(networks.NetworkCase):
+    MACHINES = (*DEVICES, "stranger")
+    secured = False
+
+    def setUp(self):
+        super().setUp()
+        with open(self.beside("cell.xml")) as file:
+            text = file.read().replace("PORT", str(TCP_PORT))
+        self.cell = self.write("harbour.xml", text.replace("SECURITY", 'security="required"' if self.secured else ""))
+        self.identity, options = {}, {device: [] for device in DEVICES}
+        if self.secured:
+            self.order("secure", "init", self.cell, "keys", "--operator", "anna")
+            keys = os.path.join(self.folder, "keys")
+            self.identity = {"TAKT_SECURITY": os.path.join(keys, "operators", "anna")}
+            options = {device: ["--security", os.path.join(keys, "devices", device)] for device in DEVICES}
+        self.machines = {device: self.node(device, *options[device]) for device in DEVICES}
+
+    def order(self, *arguments):
+        """A command that is carried out."""
+        run = self.operator(*arguments, environment=self.identity)
+        self.assertEqual(0, run.status, "takt %s: %s" % (" ".join(arguments), run.err))
+        return run
+
+    def status(self):
+        return {d["name"]: d for d in self.order("status", "--json").report["devices"]}
+
+    def attack(self, machine, *arguments, wait=True):
+        process = subprocess.Popen([*self.net.on(machine), sys.executable, "-B", ATTACK, *arguments], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(lambda: (process.kill(), process.wait(), process.stdout.close()))
+        if not wait:
+            return process
+        out, _ = process.communicate(timeout=60)
+        self.assertEqual(0, process.returncode)
+        return json.loads(out)
+
+    def targets(self):
+        """Every port that is open on the machines of the cell, and the one by which participants find each other."""
+        targets = {"udp": [["239.255.0.1", 7400]], "tcp": [], "from": self.net.address("stranger")}
+        for device in DEVICES:
+            ports = self.attack(device, "ports")
+            self.assertGreater(len(ports["udp"]), 1, device)
+            for kind in ("udp", "tcp"):
+                targets[kind] += [[self.net.address(device), port] for port in ports[kind]]
+        self.assertEqual([[self.net.address("line"), TCP_PORT]], targets["tcp"])
+        return targets
+
+    def deploy(self):
+        self.order("deploy", self.cell)
+        self.wait_until_all_execute()
+        self.orders = 0
+        self.hosts = {device: self.machines[device].one("takt-host").pid for device in DEVICES}
+
+    def undeploy(self):
+        """Again where a machine was held up for longer than a lease: the first one is carried out, and not answered."""
+        for _ in range(3):
+            run = self.operator("undeploy", "harbour", environment=self.identity)
+            if run.status == 0:
+                return
+            self.assertIn("was lost before it answered", run.err)
+            print("undeploy is asked again: " + run.err)
+        self.fail("nobody answers to undeploy")
+
+    def wait_until_all_execute(self, limit=15):
+        def holds():
+            status = self.status()
+            return {m["state"] for d in status.values() for m in d["modules"]} == {"EXECUTING"} and status
+        return wait_until(holds, limit, "every module to execute")
+
+    def stop_and_start(self):
+        for verb, state in (("stop", "START"), ("start", "EXECUTING")):
+            began = time.monotonic()
+            self.order(verb, "robot.source")
+            self.slowest = max(self.slowest, time.monotonic() - began)
+            self.machines["robot"].wait_for_state("source", state)
+        self.orders += 1
+
+    def hold(self, seconds):
+        """Commands now and then, for so long."""
+        self.slowest = 0.0
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.stop_and_start()
+            time.sleep(min(1.0, max(0.0, end - time.monotonic())))
+
+    def read_back(self, what):
+        """What the loop of 1 kHz was like; the cell is undeployed."""
+        status = self.wait_until_all_execute()
+        for device in DEVICES:
+            self.assertIsNone(self.machines[device].status, "the node of %s ended: %s" % (device, self.machines[device].err))
+            self.assertEqual(self.hosts[device], self.machines[device].one("takt-host").pid, "the host of %s" % device)
+        executor = status["robot"]["executors"][0]
+        module = next(m for m in status["robot"]["modules"] if m["name"] == "source")
+        jitter = module["jitter_us"]
+        print("%-22s jitter p50 %.1f us, p99 %.1f us, max %.0f us; rows %d, missed %d; %d stops and starts, the slowest command %.2f s" %
+              (what + ":", jitter["p50"], jitter["p99"], jitter["max"], executor["cycles"], executor["missed"], 2 * self.orders, self.slowest))
+        steps = len(self.machines["robot"].steps("source"))
+        self.undeploy()
+        self.machines["robot"].wait_for_line(r"robot\.source: START -> DESTRUCT", after=0)
+        states = ["INITIALIZE", "START", "EXECUTING"] + ["START", "EXECUTING"] * self.orders
+        said = self.machines["robot"].steps("source")
+        self.assertEqual(states + ["START", "DESTRUCT"], [s.target for s in said[-len(states) - 2:]], "%d steps before" % steps)
+        return json.loads(self.read("sink"))
+
+    def weather(self, kinds, quiet_seconds=SECONDS):
+        print("seed %d, %g s, %g packets a second" % (SEED, SECONDS, RATE))
+        captured = os.path.join(self.folder, "captured")
+        listening = self.attack("robot", "capture", captured, str(quiet_seconds + 2), wait=False)
+        self.assertEqual("ready\n", listening.stdout.readline())
+        self.deploy()
+        self.hold(quiet_seconds)
+        quiet = self.read_back("quiet")
+        self.assertEqual((0, True), (quiet["wrong"], quiet["read"] > 0))
+        for run in self.machines.values():
+            self.assertNotIn("no RTPS message", run.err, "what members say to each other is never refused")
+        listening.wait(60)
+
+        self.deploy()
+        targets = self.targets()
+        storm = self.attack("stranger", "storm", str(SECONDS), str(RATE), str(SEED), ",".join(kinds), json.dumps(targets), captured, wait=False)
+        self.hold(SECONDS)
+        out, _ = storm.communicate(timeout=60)
+        thrown = json.loads(out)
+        print("thrown: %s at %d UDP and %d TCP ports" % (thrown, len(targets["udp"]), len(targets["tcp"])))
+        self.assertEqual(0, storm.returncode)
+        self.assertTrue(all(n > 0 for n in thrown["sent"].values()), thrown)
+        self.stop_and_start()  # after it
+        sink = self.read_back("storm")
+        for device, run in self.machines.items():
+            self.assertIn("refused: what %s sends is no RTPS message" % self.net.address("stranger"), run.err)
+        for run in self.machines.values():
+            run.signal(signal.SIGTERM)
+        for run in self.machines.values():
+            self.assertEqual(0, run.wait(15).status, run.err)
+        return sink
+
+
+class InTheOpen(Storm):
+    def test_what_is_no_message_of_a_member_disturbs_nobody(self):
+        sink = self.weather(["random", "rtps", "tcp"])
+        self.assertEqual(0, sink["wrong"])
+        self.assertGreater(sink["read"], 0)
+
+
+class Secured(Storm):
+    secured = True
+
+    def test_who_uses_names_and_words_of_members_is_not_believed(self):
+        sink = self.weather(["random", "rtps", "tcp", "mutated"], quiet_seconds=5)
+        self.assertEqual(0, sink["wrong"])
+        self.assertGreater(sink["read"], 0)
+
+
+if __name__ == "__main__":
+    takt_system.main()

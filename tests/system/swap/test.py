@@ -1,0 +1,190 @@
+import json
+import os
+import re
+import shutil
+import signal
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+COUNT = int(os.environ.get("TAKT_SWAP_COUNT", "20"))
+COMPONENTS = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
+
+
+class Swap(takt_system.Case):
+    def setUp(self):
+        super().setUp()
+        with open(self.beside("cell.xml")) as file:
+            self.cell = file.read()
+
+    def running(self, *changes):
+        text = self.cell
+        for old, new in changes:
+            self.assertEqual(1, text.count(old), old)
+            text = text.replace(old, new)
+        run = self.start("run", self.write("cell.xml", text), "--json")
+        for module in ("ticks", "reader", "program"):
+            run.wait_for_state(module, "EXECUTING")
+        return run
+
+    def swap(self, file, module="d.ticks"):
+        return self.done("swap %s %s" % (module, file))[0]
+
+    def count(self):
+        return next(m for m in self.status_of("d")["modules"] if m["name"] == "ticks")["cycles"]
+
+    def versions(self, run):
+        """What each instance said in start()."""
+        found = [re.match(r"version (\d) (from|begins at) (\d+), label (\w+)", line.text.lstrip("| ")) for line in run.lines]
+        return [(int(m[1]), m[2], int(m[3]), m[4]) for m in found if m]
+
+    def finish(self, run):
+        run.signal(signal.SIGINT)
+        run.wait(15)
+        return run.modules()
+
+    def assert_nothing_missed(self, run):
+        """Every row that was walked called the module once, and its reader saw each of its numbers once."""
+        self.assertEqual(0, run.status, run.err)
+        modules, rows = run.modules(), run.executor()
+        seen = json.loads(self.read("seen"))
+        print("%d rows walked, %d missed; %d runs; the reader saw %s" % (
+            rows["cycles"], rows["missed"], modules["ticks"]["cycles"], {k: seen[k] for k in ("read", "first", "gaps", "wrong")}))
+        self.assert_grid(run, "ticks")
+        self.assertEqual(modules["reader"]["cycles"], modules["ticks"]["cycles"])
+        self.assertEqual((1, 0, 0), (seen["first"], seen["gaps"], seen["wrong"]))
+        self.assertEqual(modules["ticks"]["cycles"], seen["read"])
+        self.assertEqual(LIFE, run.states("ticks"))
+        self.assertEqual(LIFE, run.states("reader"))
+
+    def test_no_release_is_missed_and_the_count_goes_on(self):
+        run = self.running()
+        self.done("set d.ticks label mine")
+        files = ["ticks_more.so", "ticks.so", "ticks.so"]
+        for n in range(COUNT):
+            file = files[n % 3]
+            self.assertRegex(self.swap(file), r"^d\.ticks: \S+/%s from row \d+ of its executor on$" % file)
+        self.finish(run)
+        said = self.versions(run)
+        self.assertEqual([1] + [2 if n % 3 == 0 else 1 for n in range(COUNT)], [version for version, *_ in said])
+        self.assertEqual(("begins at", 0, "given"), said[0][1:])
+        counts = [count for _, _, count, _ in said]
+        self.assertEqual(sorted(counts), counts)
+        self.assertEqual({("from", "mine")}, {(how, label) for _, how, _, label in said[1:]})
+        self.assertGreater(counts[-1], counts[1])
+        self.assert_nothing_missed(run)
+
+    def test_one_whose_first_runs_fail_is_put_back(self):
+        run = self.running()
+        self.refused({"swap d.ticks ticks_fails.so":
+                      r"module d\.ticks: error: the one before it was put back in cycle \d+: failure: the third is not for me"})
+        before = self.count()
+        wait_until(lambda: self.count() > before + 100, 10, "some runs")
+        self.swap("ticks_more.so")
+        modules = self.finish(run)
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual((0, LIFE), (modules["ticks"]["errors"], run.states("ticks")))
+        seen = json.loads(self.read("seen"))
+        # The numbers of the two runs that went well are counted again by the one that was put back.
+        self.assertEqual((1, 0, 1), (seen["first"], seen["gaps"], seen["wrong"]))
+        self.assertEqual(modules["ticks"]["cycles"] - 2, seen["last"])
+        self.assert_grid(run, "ticks")
+
+    def test_one_that_crashes_costs_its_host_and_is_not_loaded_again(self):
+        run = self.running()
+        before = self.count()
+        self.refused({"swap d.ticks ticks_crashes.so":
+                      r"the one before it is loaded again: the host was killed by SIGSEGV .* in run\(\) of its new instance"})
+        wait_until(lambda: len(self.versions(run)) == 3, 10, "the old version to be loaded again")
+        version, how, count, _ = self.versions(run)[2]
+        self.assertEqual((1, "from"), (version, how))
+        self.assertGreaterEqual(count, before, "what it had saved itself, up to the exchange")
+        self.wait_for_states({"d": "EXECUTING"})
+        modules = self.finish(run)
+        self.assertEqual(0, run.status, run.err)
+        # What two runs of the new one counted is counted again; the third never ended.
+        self.assertEqual(modules["ticks"]["cycles"] - 2, json.loads(self.read("seen"))["last"])
+
+    def test_a_host_that_ends_later_loads_the_new_file(self):
+        mine = os.path.join(self.folder, "mine.so")
+        shutil.copy(os.path.join(COMPONENTS, "ticks.so"), mine)
+        run = self.running(("ticks.so", "mine.so"))
+        # Another file of the same name: what is loaded already must not be taken for it.
+        shutil.copy(os.path.join(COMPONENTS, "ticks_more.so"), mine + ".new")
+        os.replace(mine + ".new", mine)
+        self.swap("mine.so")
+        self.assertEqual([1, 2], [version for version, *_ in self.versions(run)])
+        self.swap("ticks.so")
+        os.kill(run.one("takt-host").pid, signal.SIGKILL)
+        wait_until(lambda: len(self.versions(run)) == 4, 10, "the module to be loaded again")
+        count, again = self.versions(run)[2][2], self.versions(run)[3]
+        self.assertEqual((1, "from"), again[:2])
+        self.assertGreaterEqual(again[2], count)
+        self.wait_for_states({"d": "EXECUTING"})
+        self.finish(run)
+
+    def test_what_must_not_take_its_place_is_refused_and_nothing_else_is_lost(self):
+        run = self.running()
+        everybody = self.write("everybody.so", "")
+        shutil.copy(os.path.join(COMPONENTS, "ticks.so"), everybody)
+        os.chmod(everybody, 0o666)
+        for commands in (
+                {"swap d.ticks nothing.so": r"there is no file nothing\.so .*looked in",
+                 "swap d.ticks not_a_library.so": r"not_a_library\.so is no shared object",
+                 "swap d.ticks everybody.so": r"everybody may write to .*; chmod o-w"},
+                {"swap d.ticks ticks_other.so":
+                 r"it has not the ports and properties of the module that runs: port 'more' is new, "
+                 r"property 'step' is of type integer, not double; undeploy the cell and deploy it with this file"},
+                {"swap d.ticks fine.so": r"port 'out' is missing, port 'in' is missing, property 'label' is missing"},
+                {"swap d.ticks ticks_forgets.so": r"it does not take over what version 1 of it saved: .*override restore\(\)"},
+                {"swap d.ticks ticks_hangs.so": r"initialize\(\) did not return within 5 s"},
+                {"swap d.tick ticks.so": r"device d has no module 'tick'; did you mean ticks\?",
+                 "swap d.program fine.so": r"module d\.program is a program; only a thread module can be swapped",
+                 "swap d.sporadic fine_sporadic.so": r"module d\.sporadic is sporadic; only a periodic module can be swapped",
+                 "swap d ticks.so": r"'d' names no module; say DEVICE\.MODULE, and the file after a blank"}):
+            for command, pattern in commands.items():
+                self.refused({command: pattern})
+        self.done("stop d.ticks")
+        self.refused({"swap d.ticks ticks.so": r"module d\.ticks is in START; it can be swapped in EXECUTING alone; takt start d\.ticks"})
+        self.done("start d.ticks")
+        self.swap("ticks_more.so")  # the thread that hangs is in nobody's way
+        self.finish(run)
+        self.assertEqual(0, run.status, run.err)
+        seen = json.loads(self.read("seen"))
+        self.assertEqual((1, 0, 0), (seen["first"], seen["gaps"], seen["wrong"]))
+        self.assertEqual(run.modules()["ticks"]["cycles"], seen["read"])
+
+    def test_a_node_looks_on_its_component_path_asks_for_signatures_and_resumes_what_the_descriptor_says(self):
+        folder = os.path.join(self.folder, "signed")
+        os.mkdir(folder)
+        for name in ("ticks.so", "ticks_more.so", "ticks_fails.so", "port_sink.so"):
+            shutil.copy(os.path.join(COMPONENTS, name), folder)
+        cell = self.write("cell.xml", re.sub(r"(?s)<module>\s*<name>(sporadic|program)<.*?</module>", "", self.cell))
+        self.done("secure init %s keys" % cell)
+        self.done("sign signed/ticks.so signed/ticks_more.so signed/port_sink.so --key keys")
+        environment = {"TAKT_COMPONENT_PATH": folder,
+                       "TAKT_SIGNED_BY": os.path.join(self.folder, "keys", "authority", "components.cert.pem")}
+        node = self.node("d", environment=environment)
+        self.deploy(cell)
+        self.wait_for_states({"d": "EXECUTING"})
+        self.refused({"swap d.ticks ticks_fails.so": r"it is not signed, and only signed components are used here"})
+        self.refused({"swap d.ticks ticks_hangs.so": r"there is no file ticks_hangs\.so on this device's component path"})
+        # Of a name with folders, which are the asker's, the last part counts.
+        self.assertIn(folder + "/ticks_more.so", self.swap("somewhere/else/ticks_more.so"))
+        log = self.done("log --device d --kind command,refused-command --json")[0]
+        self.assertIn("swap to somewhere/else/ticks_more.so was carried out", log)
+        self.assertIn("swap to ticks_fails.so: ", log)
+        self.assertEqual([1, 2], [version for version, *_ in self.versions(node)])
+        os.kill(node.pid, signal.SIGKILL)
+        node.wait(10)
+        again = self.node("d", "--resume", environment=environment)
+        self.wait_for_states({"d": "EXECUTING"})
+        self.assertEqual([1], [version for version, *_ in self.versions(again)])
+        self.end({"d": again})
+
+
+if __name__ == "__main__":
+    takt_system.main()

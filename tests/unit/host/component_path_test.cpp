@@ -1,0 +1,55 @@
+#include <takt/host/component_path.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include <takt/os/environment.hpp>
+
+namespace takt::host {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class ComponentPath : public testing::Test {
+ protected:
+  ComponentPath() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    std::ofstream{file_} << "a component";
+  }
+  ~ComponentPath() override {
+    require_of_components(nullptr);
+    fs::remove_all(folder_);
+  }
+  [[nodiscard]] std::string wrong() const {
+    const auto found = find_component("servo.so", (folder_ / "cell.xml").string());
+    return found ? "" : to_text(found.problems());
+  }
+
+  fs::path folder_ =
+      fs::path{testing::TempDir()} / ("takt-component-path-" + std::to_string(os::process_id()));
+  std::string file_ = (folder_ / "servo.so").string();
+};
+
+TEST_F(ComponentPath, FindsWhatLiesBesideTheDescriptor) { EXPECT_EQ(wrong(), ""); }
+
+TEST_F(ComponentPath, WhatEverybodyMayWriteIsRefusedWithTheCure) {
+  fs::permissions(file_, fs::perms::others_write, fs::perm_options::add);
+  EXPECT_THAT(wrong(), HasSubstr("everybody may write to " + file_ + "; chmod o-w " + file_));
+  fs::permissions(file_, fs::perms::others_write, fs::perm_options::remove);
+  fs::permissions(folder_, fs::perms::others_write, fs::perm_options::add);
+  EXPECT_THAT(wrong(), HasSubstr("everybody may write to " + folder_.string() + "; chmod o-w"));
+}
+
+TEST_F(ComponentPath, MoreMayBeRequired) {
+  require_of_components([](const std::string& path) -> Result<void> { return fail("no " + path); });
+  EXPECT_THAT(wrong(), HasSubstr("no " + file_));
+  require_of_components([](const std::string&) { return Result<void>{}; });
+  EXPECT_EQ(wrong(), "");
+}
+
+}  // namespace
+}  // namespace takt::host

@@ -1,0 +1,201 @@
+#include <takt/node/agent.hpp>
+
+#include <gmock/gmock.h>
+
+#include <takt/dds/words.hpp>
+
+#include "fake_device.hpp"
+
+namespace takt::node {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(AgentCommands, DescribesItsComponentsOnceForAllWhoAsk) {
+  FakeDevice device;
+  device.become_running();
+  device.work.inspected.reset();
+  device.hear(device.command(COMMAND_DESCRIBE));
+  device.hear(device.command(COMMAND_DESCRIBE));
+  EXPECT_TRUE(device.said.replies.empty());
+  device.work.inspected = Inspected{.paths = {"", ""}, .description = R"({"device":"robot"})"};
+  device.agent.step();
+  device.hear(device.command(COMMAND_DESCRIBE));
+  ASSERT_EQ(device.said.replies.size(), 3U);
+  for (const dds::WholeReply& reply : device.said.replies) EXPECT_EQ(reply.data, R"({"device":"robot"})");
+  EXPECT_EQ(device.work.inspections.size(), 2U);
+  EXPECT_TRUE(device.work.inspections[1].describe);
+}
+
+TEST(AgentCommands, AnOrderGoesToItsModuleAndItsAnswerBack) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand stop = device.command(COMMAND_STOP);
+  stop.head.module_name("arm");
+  device.hear(stop);
+  EXPECT_TRUE(device.said.replies.empty());
+  ASSERT_EQ(device.work.orders.size(), 1U);
+  EXPECT_EQ(device.work.orders[0], (std::pair{1U, Verb::stop}));
+  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::start, .text = {}});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.reply().state(), STATE_START);
+  EXPECT_EQ(device.reply().module_name(), "arm");
+}
+
+TEST(AgentCommands, AModuleThatIsNotThereIsNamedWithWhatIs) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand stop = device.command(COMMAND_STOP);
+  stop.head.module_name("serv");
+  device.hear(stop);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_THAT(device.text(), HasSubstr("no module 'serv'"));
+  EXPECT_THAT(device.text(), HasSubstr("servo"));
+}
+
+TEST(AgentCommands, APropertyIsAskedForAndSetAtItsModule) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand get = device.command(COMMAND_GET);
+  get.head.module_name("arm");
+  get.head.property("gain");
+  device.hear(get);
+  dds::WholeCommand set = device.command(COMMAND_SET);
+  set.head.module_name("arm");
+  set.head.property("gain");
+  set.head.value("2.5");
+  device.hear(set);
+  EXPECT_EQ(device.work.properties, (std::vector<std::string>{"1 gain", "1 gain = 2.5"}));
+
+  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::executing, .text = "", .value = "1.5"});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.reply().id(), get.head.id());
+  EXPECT_EQ(device.reply().value(), "1.5");
+  EXPECT_EQ(device.reply().state(), STATE_EXECUTING);
+  device.work.done[1]({.code = REPLY_REFUSED, .state = lifecycle::State::executing, .text = "0 to 2"});
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.reply().id(), set.head.id());
+  EXPECT_EQ(device.text(), "0 to 2");
+}
+
+TEST(AgentCommands, APropertyOfNoModuleIsRefused) {
+  FakeDevice device;
+  dds::WholeCommand get = device.command(COMMAND_GET);
+  get.head.module_name("arn");
+  get.head.property("gain");
+  device.hear(get);
+  EXPECT_EQ(device.text(), "device robot has no deployment");
+  device.become_running();
+  dds::WholeCommand again = device.command(COMMAND_GET);
+  again.head.module_name("arn");
+  device.hear(again);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "device robot has no module 'arn'; did you mean arm?");
+  dds::WholeCommand none = device.command(COMMAND_SET);
+  device.hear(none);
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a device as a whole has no properties";
+  EXPECT_TRUE(device.work.properties.empty());
+}
+
+TEST(AgentCommands, ATraceIsMadeOfADeploymentAndOfAsMuchAsIsAskedFor) {
+  FakeDevice device;
+  const auto ask = [&device](const char* value) {
+    dds::WholeCommand trace = device.command(COMMAND_TRACE);
+    trace.head.value(value);
+    device.hear(trace);
+    return device.reply().code();
+  };
+  EXPECT_EQ(ask("5000000000"), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "device robot has no deployment to trace");
+  device.become_running();
+  for (const char* value : {"", "0", "-1", "5s", "99999999999999999999"}) {
+    EXPECT_EQ(ask(value), REPLY_REFUSED) << value;
+    EXPECT_EQ(device.text(), "'" + std::string{value} + "' is no number of nanoseconds");
+  }
+  EXPECT_EQ(ask("5000000000"), REPLY_OK);
+  EXPECT_EQ(device.said.replies.back().data, "5000000000 of " + std::to_string(dds::kMaxData));
+}
+
+dds::WholeCommand swap_of(FakeDevice& device, const char* module, const char* file) {
+  dds::WholeCommand swap = device.command(COMMAND_SWAP);
+  swap.head.module_name(module);
+  swap.head.value(file);
+  return swap;
+}
+
+TEST(AgentCommands, AFileIsLookedAtBeforeItIsSwappedInAndDescribedAfterwards) {
+  FakeDevice device;
+  device.become_running();
+  device.work.inspected.reset();
+  device.hear(swap_of(device, "arm", "new/arm2.so"));
+  ASSERT_EQ(device.work.inspections.size(), 2U);
+  EXPECT_EQ(device.work.inspections[1].only, "arm");
+  EXPECT_EQ(device.work.inspections[1].swapped.at("arm"), "new/arm2.so");
+  EXPECT_TRUE(device.work.swaps.empty());
+
+  device.hear(swap_of(device, "servo", "servo.so"));
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "device robot is still swapping arm; ask again");
+
+  device.work.inspected = Inspected{.paths = {"/components/arm2.so"}};
+  device.agent.step();
+  ASSERT_EQ(device.work.swaps.size(), 1U);
+  EXPECT_EQ(device.work.swaps[0], (std::pair<std::uint32_t, std::string>{1, "/components/arm2.so"}));
+  device.work.done.back()({.code = REPLY_OK, .state = lifecycle::State::executing, .text = "from row 5 on"});
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.reply().value().to_string(), "/components/arm2.so");
+  EXPECT_EQ(device.said.faults.back().cause().to_string(), "swap to new/arm2.so was carried out");
+
+  device.hear(device.command(COMMAND_DESCRIBE));
+  EXPECT_EQ(device.work.inspections.back().swapped.at("arm"), "/components/arm2.so");
+  EXPECT_EQ(device.work.inspections.back().only, "");
+}
+
+TEST(AgentCommands, ASwapThatCannotBeIsRefusedWithTheReason) {
+  FakeDevice device;
+  device.hear(swap_of(device, "arm", "arm.so"));
+  EXPECT_EQ(device.text(), "device robot has no deployment");
+  device.become_running();
+  device.hear(swap_of(device, "arn", "arm.so"));
+  EXPECT_EQ(device.text(), "device robot has no module 'arn'; did you mean arm?");
+  device.work.may_swap = fail("it is in START", "start it");
+  device.hear(swap_of(device, "arm", "arm.so"));
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "it is in START; start it");
+  EXPECT_EQ(device.work.inspections.size(), 1U) << "nothing was looked at";
+
+  device.work.may_swap = {};
+  device.work.inspected = Result<Inspected>{fail("there is no file arm3.so", "build it")};
+  device.hear(swap_of(device, "arm", "arm3.so"));
+  EXPECT_EQ(device.text(), "there is no file arm3.so; build it");
+  EXPECT_EQ(device.said.faults.back().kind(), FAULT_REFUSED_COMMAND);
+
+  device.work.inspected.reset();
+  device.hear(swap_of(device, "arm", "arm4.so"));
+  device.undeploy();
+  device.end();
+  const auto& replies = device.said.replies;
+  EXPECT_TRUE(std::any_of(replies.begin(), replies.end(),
+                          [](const auto& one) { return one.head.text().to_string() == "the device ends"; }));
+  EXPECT_TRUE(device.work.swaps.empty());
+}
+
+TEST(AgentCommands, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
+  FakeDevice device;
+  device.become_running();
+  device.hear(device.command(COMMAND_STOP));
+  ASSERT_EQ(device.work.orders.size(), 2U);
+  device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::start, .text = {}});
+  EXPECT_TRUE(device.said.replies.empty());
+  device.work.done[1](
+      {.code = REPLY_REFUSED, .state = lifecycle::State::idle, .text = "stop is refused in state IDLE"});
+  ASSERT_EQ(device.said.replies.size(), 1U);
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.data()[0]["module"], "servo");
+  EXPECT_EQ(device.data()[0]["state"], "START");
+  EXPECT_EQ(device.data()[1]["ok"], false);
+  EXPECT_EQ(device.data()[1]["text"], "stop is refused in state IDLE");
+}
+
+}  // namespace
+}  // namespace takt::node

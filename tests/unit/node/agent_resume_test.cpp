@@ -1,0 +1,131 @@
+#include <takt/node/agent.hpp>
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <limits>
+
+#include <takt/os/environment.hpp>
+
+#include "fake_device.hpp"
+
+namespace takt::node {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+using Phase = Supervised::Phase;
+
+class Resuming : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string folder_ = testing::TempDir() + "takt-agent-" + std::to_string(os::process_id());
+  DeploymentFile file_{folder_, "robot", 7};
+};
+
+TEST_F(Resuming, ARunningDeploymentIsKeptUntilItIsUndeployed) {
+  FakeDevice device{file_};
+  device.become_ready();
+  EXPECT_FALSE(file_.kept()->has_value()) << "it does not run yet";
+  device.run(milliseconds{500});
+  const auto kept = file_.kept();
+  ASSERT_TRUE(kept.ok() && *kept);
+  EXPECT_EQ((*kept)->id, "d1");
+  EXPECT_EQ((*kept)->text, FakeDevice::kCell);
+  EXPECT_EQ((*kept)->t0_ns, device.wall() + 500'000'000);
+  device.undeploy();
+  device.end();
+  EXPECT_FALSE(file_.kept()->has_value());
+}
+
+TEST_F(Resuming, ItIsTakenUpOnTheSameGrid) {
+  std::int64_t t0 = 0;
+  {
+    FakeDevice device{file_};
+    device.become_running();
+    t0 = (*file_.kept())->t0_ns;
+    device.agent.end(false);
+    device.end();
+  }
+  FakeDevice device{file_};
+  device.now += seconds{100};
+  device.agent.resume();
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
+  device.work.inspected = Inspected{.paths = {"", ""}};
+  device.agent.step();
+  device.work.phase = Phase::ready;
+  device.agent.step();
+  EXPECT_EQ(device.work.t0, device.now + Nanoseconds{t0 - device.wall()});
+  EXPECT_LT(*device.work.t0, device.now);
+  EXPECT_EQ((*file_.kept())->t0_ns, t0);
+  EXPECT_TRUE(device.said.replies.empty()) << "nobody asked";
+}
+
+TEST_F(Resuming, WhatCannotBeTakenUpIsSaidAndKept) {
+  {
+    FakeDevice device{file_};
+    device.become_running();
+  }
+  FakeDevice device{file_};
+  device.agent.resume();
+  device.work.inspected = Problems{fail("there is no file servo.so")};
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().health(), HEALTH_FAILED);
+  EXPECT_THAT(device.status().text().to_string(), HasSubstr("no file servo.so"));
+  EXPECT_TRUE(file_.kept()->has_value());
+  device.undeploy();
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+  EXPECT_FALSE(file_.kept()->has_value());
+}
+
+TEST_F(Resuming, OfAnInstantFarAheadIsRefusedAndNotWaitedFor) {
+  {
+    FakeDevice device{file_};
+    device.become_running();
+  }
+  KeptDeployment kept = **file_.kept();
+  for (const std::int64_t ahead :
+       {std::int64_t{3600'000'000'000}, std::numeric_limits<std::int64_t>::max() - kept.t0_ns}) {
+    KeptDeployment later = kept;
+    later.t0_ns += ahead;
+    ASSERT_TRUE(file_.keep(later).ok());
+    FakeDevice device{file_};
+    device.agent.resume();
+    device.agent.step();
+    EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+    EXPECT_EQ(device.status().health(), HEALTH_FAILED);
+    EXPECT_THAT(device.status().text().to_string(), HasSubstr("set the clock of device robot"));
+    EXPECT_TRUE(file_.kept()->has_value());
+  }
+}
+
+TEST_F(Resuming, ADamagedFileIsSaidToAllUntilThereIsAnotherDeployment) {
+  {
+    FakeDevice device{file_};
+    device.become_running();
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    std::filesystem::resize_file(entry.path(), 100);
+  FakeDevice device{file_};
+  device.agent.resume();
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().health(), HEALTH_FAILED);
+  EXPECT_THAT(device.status().text().to_string(), HasSubstr("damaged"));
+  device.become_running();
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+}
+
+TEST_F(Resuming, WithoutAFileItWaits) {
+  FakeDevice device{file_};
+  device.agent.resume();
+  device.agent.step();
+  EXPECT_EQ(device.status().state(), DEVICE_WAITING);
+  EXPECT_EQ(device.status().health(), HEALTH_OK);
+}
+
+}  // namespace
+}  // namespace takt::node

@@ -1,0 +1,278 @@
+#include <takt/node/fault_record.hpp>
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+namespace takt::node {
+namespace {
+
+using model::Fault;
+using model::FaultKind;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Fault event(const std::string& cause, FaultKind kind = FaultKind::overrun) {
+  return {.time_ns = 1'700'000'000'000'000'123,
+          .cell = "cell",
+          .device = "robot",
+          .module = "servo",
+          .kind = kind,
+          .error = "crash",
+          .cause = cause,
+          .attachment = "/tmp/core.1",
+          .count = 3,
+          .cycle = 1234};
+}
+
+std::vector<std::uint64_t> numbers(const std::vector<Fault>& events) {
+  std::vector<std::uint64_t> numbers;
+  for (const Fault& each : events) numbers.push_back(each.sequence);
+  return numbers;
+}
+
+class FaultRecordTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = testing::TempDir() + "/faults-" + testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::filesystem::remove_all(folder_);
+    path_ = FaultRecord::path(folder_, "robot", 7);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static constexpr std::size_t kSlots = 4;
+  FaultRecord open() { return FaultRecord::open(path_, kSlots); }
+  void append(FaultRecord& record, int count) {
+    for (int i = 0; i < count; ++i) {
+      Fault fault = event("number " + std::to_string(++appended_));
+      record.append(fault);
+    }
+  }
+  std::string content() const {
+    std::ifstream file{path_, std::ios::binary};
+    return {std::istreambuf_iterator<char>{file}, {}};
+  }
+  void put(const std::string& content) const {
+    std::ofstream{path_, std::ios::binary | std::ios::trunc} << content;
+  }
+
+  std::string folder_;
+  std::string path_;
+  int appended_ = 0;
+};
+
+TEST_F(FaultRecordTest, AnEventIsInItsFileAsItIs) {
+  FaultRecord record = open();
+  EXPECT_THAT(record.problems(), IsEmpty());
+  EXPECT_EQ(record.file(), path_);
+  Fault fault = event("run() threw");
+  record.append(fault);
+  EXPECT_EQ(fault.sequence, 1U);
+  EXPECT_THAT(record.events(), ElementsAre(fault));
+  const auto read = read_record_file(path_);
+  ASSERT_TRUE(read.ok());
+  EXPECT_THAT(read->events, ElementsAre(fault));
+  EXPECT_EQ(read->damaged + read->overwritten, 0U);
+}
+
+TEST_F(FaultRecordTest, HoldsWhatFitsAndThenTheNewest) {
+  FaultRecord record = open();
+  append(record, kSlots);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 3, 4));
+  EXPECT_EQ(record.overwritten(), 0U);
+  append(record, 1);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(2, 3, 4, 5));
+  EXPECT_EQ(record.overwritten(), 1U);
+  append(record, 9);
+  EXPECT_EQ(record.overwritten(), 10U);
+  const auto read = read_record_file(path_);
+  ASSERT_TRUE(read.ok());
+  EXPECT_THAT(read->events, testing::ElementsAreArray(record.events()));
+  EXPECT_THAT(numbers(read->events), ElementsAre(11, 12, 13, 14));
+  EXPECT_EQ(read->overwritten, 10U);
+}
+
+TEST_F(FaultRecordTest, NumbersGoOnOverRestarts) {
+  for (int restart = 0; restart < 4; ++restart) {
+    FaultRecord record = open();
+    append(record, 3);
+    EXPECT_EQ(record.events().back().sequence, 3U * (static_cast<unsigned>(restart) + 1));
+  }
+  EXPECT_EQ(open().overwritten(), 8U);
+}
+
+TEST_F(FaultRecordTest, TakesItsRoomAtOnce) {
+  open();
+  const std::string at_first = content();
+  EXPECT_EQ(at_first.size(), 4096 + kSlots * kSlotBytes);
+  FaultRecord record = open();
+  append(record, 10);
+  EXPECT_EQ(content().size(), at_first.size());
+}
+
+TEST_F(FaultRecordTest, ASlotWithAnyByteDamagedIsNoEvent) {
+  Fault fault = event("run() threw");
+  fault.sequence = 5;
+  const std::string slot = encode_slot(fault);
+  ASSERT_EQ(decode_slot(slot), fault);
+  for (std::size_t i = 0; i < slot.size(); ++i) {
+    for (const int change : {1, 0x80, 0xff}) {
+      std::string damaged = slot;
+      damaged[i] = static_cast<char>(damaged[i] ^ change);
+      EXPECT_EQ(decode_slot(damaged), std::nullopt) << "byte " << i;
+    }
+  }
+}
+
+TEST_F(FaultRecordTest, AForgedNumberIsNotTheLastThatThereCanBe) {
+  {
+    FaultRecord record = open();
+    append(record, 2);
+  }
+  Fault forged = event("it never was");
+  forged.sequence = std::numeric_limits<std::uint64_t>::max();
+  const std::streamoff at = 4096 + static_cast<std::streamoff>((forged.sequence - 1) % kSlots * kSlotBytes);
+  std::fstream{path_, std::ios::in | std::ios::out | std::ios::binary}.seekp(at) << encode_slot(forged);
+  FaultRecord record = open();
+  EXPECT_EQ(record.damaged(), 1U);
+  append(record, 2);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 3, 4));
+}
+
+TEST_F(FaultRecordTest, WhatWasToBeOverwrittenIsNotInItWhateverBecameOfWhatOverwrote) {
+  {
+    FaultRecord record = open();
+    append(record, 3);
+  }
+  Fault later = event("much later");
+  later.sequence = 9;
+  std::fstream{path_, std::ios::in | std::ios::out | std::ios::binary}.seekp(4096) << encode_slot(later);
+  FaultRecord record = open();
+  EXPECT_THAT(numbers(record.events()), ElementsAre(9));
+  append(record, 1);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(9, 10));
+  EXPECT_EQ(read_record_file(path_)->events, record.events());
+}
+
+TEST_F(FaultRecordTest, AWriteThatWasCutAnywhereCostsOneEvent) {
+  {
+    FaultRecord record = open();
+    append(record, 3);
+  }
+  const std::string before = content();
+  Fault next = event("the fourth, in the slot where nothing was");
+  next.sequence = 4;
+  Fault over = event("the fifth, in the place of the first");
+  over.sequence = 5;
+  for (const Fault& torn : {next, over}) {
+    const std::string slot = encode_slot(torn);
+    const std::size_t at = 4096 + ((torn.sequence - 1) % kSlots) * kSlotBytes;
+    const std::string old = before.substr(at, kSlotBytes);
+    for (std::size_t cut = 0; cut <= slot.size(); ++cut) {
+      std::string after = before;
+      after.replace(at, cut, slot.substr(0, cut));
+      const auto read = read_record(after);
+      ASSERT_TRUE(read.ok());
+      const std::string there = after.substr(at, kSlotBytes);
+      if (there == slot) {
+        EXPECT_EQ(numbers(read->events).back(), torn.sequence);
+        EXPECT_EQ(read->damaged, 0U);
+      } else if (there == old) {
+        EXPECT_THAT(numbers(read->events), ElementsAre(1, 2, 3));
+        EXPECT_EQ(read->damaged, 0U);
+      } else {
+        EXPECT_EQ(read->damaged, 1U) << cut;
+        EXPECT_EQ(read->events.back().sequence, 3U);
+      }
+    }
+  }
+}
+
+TEST_F(FaultRecordTest, TheNumberOfATornEventIsNotGivenAgain) {
+  {
+    FaultRecord record = open();
+    append(record, 2);
+  }
+  std::string torn = content();
+  torn.replace(4096 + 2 * kSlotBytes, 100, std::string(100, 'x'));
+  put(torn);
+  FaultRecord record = open();
+  EXPECT_EQ(record.damaged(), 1U);
+  append(record, 1);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 4));
+}
+
+TEST_F(FaultRecordTest, AFileThatIsCutShortAnywhereIsReadAsFarAsItGoes) {
+  {
+    FaultRecord record = open();
+    append(record, 4);
+  }
+  const std::string whole = content();
+  for (std::size_t size = 24; size < whole.size(); size += size < 4200 ? 1 : 37) {
+    const auto read = read_record(whole.substr(0, size));
+    ASSERT_TRUE(read.ok()) << size;
+    EXPECT_EQ(read->events.size(), size <= 4096 ? 0 : (size - 4096) / kSlotBytes) << size;
+  }
+  put(whole.substr(0, 4096 + kSlotBytes + 5));
+  FaultRecord record = open();
+  EXPECT_THAT(record.problems(), IsEmpty());
+  append(record, 1);
+  EXPECT_EQ(content().size(), whole.size());
+}
+
+TEST_F(FaultRecordTest, AnotherVersionIsSetAside) {
+  open();
+  std::string other = content();
+  other[0] = static_cast<char>(other[0] + 1);
+  put(other);
+  EXPECT_FALSE(read_record_file(path_).ok());
+  FaultRecord record = open();
+  ASSERT_EQ(record.problems().size(), 1U);
+  EXPECT_THAT(to_text(record.problems()), HasSubstr(path_ + ".damaged"));
+  EXPECT_EQ(record.file(), path_);
+  append(record, 1);
+  EXPECT_EQ(read_record_file(path_)->events.size(), 1U);
+  EXPECT_TRUE(std::filesystem::exists(path_ + ".damaged"));
+}
+
+TEST_F(FaultRecordTest, WithoutAFileItIsInMemory) {
+  std::filesystem::create_directories(path_);  // where the file should be
+  FaultRecord record = open();
+  EXPECT_EQ(record.problems().size(), 1U);
+  EXPECT_EQ(record.file(), "");
+  append(record, 6);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(3, 4, 5, 6));
+  FaultRecord in_memory{2};
+  append(in_memory, 3);
+  EXPECT_THAT(numbers(in_memory.events()), ElementsAre(2, 3));
+}
+
+TEST_F(FaultRecordTest, AFileThatAnotherHasOpenIsNotShared) {
+  FaultRecord first = open();
+  FaultRecord second = open();
+  EXPECT_THAT(to_text(second.problems()), HasSubstr("in use"));
+  append(first, 1);
+  append(second, 1);
+  EXPECT_EQ(read_record_file(path_)->events.size(), 1U);
+}
+
+TEST_F(FaultRecordTest, ATextThatIsTooLongIsCut) {
+  FaultRecord record = open();
+  Fault fault = event(std::string(2000, 'x'));
+  record.append(fault);
+  EXPECT_EQ(record.events()[0].cause, std::string(508, 'x') + "...");
+  EXPECT_EQ(read_record_file(path_)->events, record.events());
+}
+
+TEST(ReadRecord, RefusesWhatIsNone) {
+  for (const std::string& content : {std::string{}, std::string(10, 'x'), std::string(5000, '\0')})
+    EXPECT_FALSE(read_record(content).ok());
+  EXPECT_THAT(to_text(read_record_file("/nowhere/robot.0.faults").problems()),
+              HasSubstr("/nowhere/robot.0.faults: error: there is no such file"));
+}
+
+}  // namespace
+}  // namespace takt::node

@@ -1,0 +1,115 @@
+#include <takt/node/retained.hpp>
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <takt/node/whole_file.hpp>
+#include <takt/os/environment.hpp>
+
+namespace takt::node {
+namespace {
+
+using testing::HasSubstr;
+
+class Retain : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  void save(const std::string& text, std::uint32_t version = 1) {
+    state->save(text.data(), static_cast<std::uint32_t>(text.size()), version, 0);
+  }
+  static std::string text_of(const channel::SavedState& state) {
+    const auto* place = state.saved();
+    if (place == nullptr) return "nothing";
+    return {reinterpret_cast<const char*>(place->bytes.data()), place->size};
+  }
+  std::string read_back() const {
+    const auto other = std::make_unique<channel::SavedState>();
+    const auto read = file_.read_into(*other);
+    return read ? text_of(*other) : in_words(read.problems());
+  }
+
+  std::string folder_ = testing::TempDir() + "takt-retained-" + std::to_string(os::process_id());
+  SavedFile file_{folder_, "cell", "robot", "servo"};
+  std::unique_ptr<channel::SavedState> state = std::make_unique<channel::SavedState>();
+};
+
+TEST_F(Retain, AFileHoldsWhatWasSavedWithItsVersion) {
+  const std::string bytes{"\0\xff\x10 end", 7};
+  save(bytes, 42);
+  ASSERT_TRUE(file_.write(*state->saved()).ok());
+  EXPECT_EQ(file_.path(), folder_ + "/cell.robot.servo.saved");
+  const auto other = std::make_unique<channel::SavedState>();
+  ASSERT_TRUE(file_.read_into(*other).ok());
+  EXPECT_EQ(text_of(*other), bytes);
+  EXPECT_EQ(other->saved()->version, 42U);
+}
+
+TEST_F(Retain, NoFileIsNothing) { EXPECT_EQ(read_back(), "nothing"); }
+
+TEST_F(Retain, EveryByteThatADiskChangesIsSeen) {
+  save("some state");
+  ASSERT_TRUE(file_.write(*state->saved()).ok());
+  std::ifstream in{file_.path()};
+  const std::string whole{std::istreambuf_iterator<char>{in}, {}};
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    std::string other = whole;
+    other[i] ^= 1;
+    std::ofstream{file_.path()} << other;
+    ASSERT_THAT(read_back(), HasSubstr("is damaged")) << i;
+    std::ofstream{file_.path()} << whole.substr(0, i);
+    ASSERT_THAT(read_back(), HasSubstr("is damaged")) << i;
+  }
+}
+
+TEST_F(Retain, AVersionThatIsNoneIsADamagedFile) {
+  for (const char* version : {"-1", "1.5", "1e300", "4294967296"}) {
+    const std::string body = "{\"version\":" + std::string{version} + R"(,"bytes":"00"})";
+    ASSERT_TRUE(write_whole(file_.path(), "takt saved 1", body).ok());
+    EXPECT_THAT(read_back(), HasSubstr("is damaged")) << version;
+  }
+}
+
+TEST_F(Retain, TheLastIsOnDiskAtTheEndAndWhatWasClearedIsNot) {
+  {
+    auto retained = Retained::start({{.file = file_, .state = state.get()}}, [](const Problem&) {});
+    ASSERT_TRUE(retained.ok());
+    save("first");
+    save("last");
+  }
+  EXPECT_EQ(read_back(), "last");
+  {
+    auto retained =
+        Retained::start({{.file = file_, .state = state.get(), .written = 2}}, [](const Problem&) {});
+    state->clear();
+  }
+  EXPECT_EQ(read_back(), "nothing");
+}
+
+TEST_F(Retain, WhatCannotBeWrittenIsSaidOnce) {
+  std::ofstream{folder_} << "a file where a folder should be";
+  std::atomic<int> said = 0;
+  save("some");
+  {
+    auto retained = Retained::start(
+        {{.file = file_, .state = state.get()}}, [&](const Problem&) { ++said; },
+        std::chrono::microseconds{1});
+    while (said == 0) std::this_thread::yield();
+    for (int i = 0; i < 100; ++i) {
+      save("more");
+      std::this_thread::yield();
+    }
+  }
+  EXPECT_EQ(said, 1);
+}
+
+}  // namespace
+}  // namespace takt::node

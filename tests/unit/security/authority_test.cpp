@@ -1,0 +1,213 @@
+#include <takt/security/authority.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+
+#include <takt/os/environment.hpp>
+#include <takt/os/files.hpp>
+
+namespace {
+
+using namespace takt;
+using namespace takt::security;
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+constexpr std::int64_t kNow = 1'800'000'000;
+constexpr std::int64_t kDay = 24 * 3600;
+
+std::string text_of(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream{path}.rdbuf();
+  return text.str();
+}
+void write(const fs::path& path, const std::string& text) { std::ofstream{path} << text; }
+
+/// A folder, and in it an authority "home" that knows the robot and the operator anna.
+class AuthorityTest : public testing::Test {
+ protected:
+  AuthorityTest() {
+    fs::remove_all(folder_);
+    plan_.cell.name = "belt";
+    for (const char* name : {"robot", "line"}) {
+      plan_.cell.devices.emplace_back();
+      plan_.cell.devices.back().name = name;
+    }
+    plan_.domain = 7;
+    authority_.emplace(std::move(*Authority::create(home(), "belt", kNow)));
+    EXPECT_TRUE(authority_->issue(robot_, plan_, 100, kNow).ok());
+    EXPECT_TRUE(authority_->issue(anna_, plan_, 100, kNow).ok());
+  }
+  ~AuthorityTest() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string home() const { return (folder_ / "home").string(); }
+  [[nodiscard]] std::string of_robot() const { return home() + "/devices/robot"; }
+  [[nodiscard]] std::string of_anna() const { return home() + "/operators/anna"; }
+  [[nodiscard]] std::string wrong_with_robot(std::int64_t now = kNow) const {
+    const auto identity = read_identity(of_robot(), now);
+    return identity ? "" : to_text(identity.problems());
+  }
+
+  fs::path folder_ =
+      fs::path{testing::TempDir()} / ("takt-authority-test-" + std::to_string(os::process_id()));
+  Plan plan_;
+  Subject robot_{"belt", Role::device, "robot"};
+  Subject anna_{"belt", Role::operator_, "anna"};
+  std::optional<Authority> authority_;
+};
+
+TEST_F(AuthorityTest, GivesAFolderThatIsInOrder) {
+  const auto identity = read_identity(of_robot(), kNow);
+  ASSERT_TRUE(identity.ok()) << to_text(identity.problems());
+  EXPECT_EQ(identity->subject, robot_);
+  EXPECT_EQ(identity->until, kNow + 100 * kDay);
+  EXPECT_THAT(identity->domains, testing::ElementsAre(7));
+}
+
+TEST_F(AuthorityTest, NobodyElseMayReadWhatItMakes) {
+  for (const auto& entry : fs::recursive_directory_iterator{home()}) {
+    EXPECT_EQ(entry.status().permissions() & (fs::perms::group_all | fs::perms::others_all), fs::perms::none)
+        << entry.path();
+  }
+}
+
+TEST_F(AuthorityTest, AKeyThatOthersMayReadIsRefusedWithTheCure) {
+  fs::permissions(of_robot() + "/identity.key.pem", fs::perms::group_read, fs::perm_options::add);
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("chmod 600 " + of_robot() + "/identity.key.pem"));
+}
+
+TEST_F(AuthorityTest, IsNeverOverwritten) {
+  const std::string key = text_of(home() + "/authority/ca.key.pem");
+  const auto again = Authority::create(home(), "belt", kNow);
+  ASSERT_FALSE(again.ok());
+  EXPECT_THAT(again.problems()[0].what, HasSubstr("already"));
+  EXPECT_EQ(text_of(home() + "/authority/ca.key.pem"), key);
+  EXPECT_FALSE(authority_->issue(robot_, plan_, 100, kNow).ok()) << "an identity neither";
+}
+
+TEST_F(AuthorityTest, GoesOnWhenItIsOpenedAgain) {
+  auto again = Authority::open(home());
+  ASSERT_TRUE(again.ok()) << to_text(again.problems());
+  EXPECT_EQ(again->cell(), "belt");
+  ASSERT_TRUE(again->issue({"belt", Role::observer, "eve"}, plan_, 10, kNow).ok());
+  EXPECT_TRUE(read_identity(home() + "/observers/eve", kNow).ok());
+  EXPECT_THAT(again->members(kNow), SizeIs(3));
+}
+
+TEST_F(AuthorityTest, AnIdentityEndsWithItsDays) {
+  EXPECT_EQ(wrong_with_robot(kNow + 100 * kDay - 60), "");
+  EXPECT_THAT(wrong_with_robot(kNow + 100 * kDay + 60), HasSubstr("it has expired"));
+  EXPECT_EQ(wrong_with_robot(kNow - 600), "") << "clocks differ";
+  EXPECT_THAT(wrong_with_robot(kNow - 2 * kDay), HasSubstr("not valid yet"));
+}
+
+TEST_F(AuthorityTest, NoIdentityOutlivesTheAuthority) {
+  ASSERT_TRUE(authority_->issue({"belt", Role::operator_, "old"}, plan_, 3650, kNow + 3000 * kDay).ok());
+  EXPECT_EQ(read_identity(home() + "/operators/old", kNow + 3000 * kDay)->until, kNow + 3650 * kDay);
+}
+
+TEST_F(AuthorityTest, RenewalIsANewKey) {
+  const std::string key = text_of(of_robot() + "/identity.key.pem");
+  ASSERT_TRUE(authority_->issue(robot_, plan_, 200, kNow, true).ok());
+  EXPECT_NE(text_of(of_robot() + "/identity.key.pem"), key);
+  EXPECT_EQ(read_identity(of_robot(), kNow)->until, kNow + 200 * kDay);
+}
+
+TEST_F(AuthorityTest, WhoIsRevokedIsToldSoEverywhere) {
+  ASSERT_TRUE(authority_->revoke(robot_, kNow).ok());
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("revoked"));
+  EXPECT_TRUE(read_identity(of_anna(), kNow).ok());
+  EXPECT_EQ(text_of(of_anna() + "/crl.pem"), text_of(of_robot() + "/crl.pem"));
+  EXPECT_FALSE(authority_->revoke(robot_, kNow).ok()) << "twice";
+  ASSERT_TRUE(Authority::open(home())->revoke(anna_, kNow).ok());
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("revoked")) << "the first is still on the list";
+  ASSERT_TRUE(Authority::open(home())->issue(robot_, plan_, 10, kNow, true).ok());
+  EXPECT_EQ(wrong_with_robot(), "") << "a new certificate is not on it";
+}
+
+TEST_F(AuthorityTest, AMissingFileIsNamed) {
+  for (const char* file : {"ca.cert.pem", "permissions.cert.pem", "identity.cert.pem", "identity.key.pem",
+                           "governance.smime", "permissions.smime", "crl.pem"}) {
+    const std::string path = of_robot() + "/" + file;
+    const std::string content = text_of(path);
+    fs::remove(path);
+    EXPECT_THAT(wrong_with_robot(), HasSubstr(path + ": error: there is no such file")) << file;
+    write(path, "nonsense");
+    fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
+    EXPECT_THAT(wrong_with_robot(), HasSubstr(path + ": error: it")) << file;
+    write(path, content);
+  }
+  EXPECT_EQ(wrong_with_robot(), "");
+  EXPECT_FALSE(read_identity(home() + "/devices/nobody", kNow).ok());
+}
+
+TEST_F(AuthorityTest, TheKeyOfAnotherIsNone) {
+  write(of_robot() + "/identity.key.pem", text_of(of_anna() + "/identity.key.pem"));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("not the key of identity.cert.pem"));
+}
+
+TEST_F(AuthorityTest, ThePermissionsOfAnotherAreNone) {
+  write(of_robot() + "/permissions.smime", text_of(of_anna() + "/permissions.smime"));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("not those of CN=robot,OU=device,O=belt"));
+}
+
+TEST_F(AuthorityTest, AChangedDocumentIsRefused) {
+  std::string text = text_of(of_robot() + "/permissions.smime");
+  text.replace(text.find("takt/lifecycle"), 14, "takt/*        ");
+  write(of_robot() + "/permissions.smime", text);
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("its signature is not the authority's"));
+}
+
+TEST_F(AuthorityTest, WhatAnotherAuthoritySignedIsRefused) {
+  auto evil = Authority::create((folder_ / "evil").string(), "belt", kNow);
+  ASSERT_TRUE(evil->issue(robot_, plan_, 100, kNow).ok());
+  const std::string theirs = (folder_ / "evil/devices/robot/").string();
+  for (const char* file : {"identity.cert.pem", "identity.key.pem"})
+    write(of_robot() + "/" + file, text_of(theirs + file));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("another authority has issued it"));
+  write(of_robot() + "/governance.smime", text_of(theirs + "governance.smime"));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("governance.smime: error: its signature"));
+  write(of_robot() + "/crl.pem", text_of(theirs + "crl.pem"));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("crl.pem: error: its signature"));
+}
+
+TEST_F(AuthorityTest, WritesTheDocumentsOfAllAnewWhenTheCellHasChanged) {
+  const std::string before = text_of(of_robot() + "/permissions.smime");
+  plan_.domain = 9;
+  ASSERT_TRUE(authority_->document(plan_, kNow).ok());
+  EXPECT_THAT(read_identity(of_robot(), kNow)->domains, testing::ElementsAre(9));
+  EXPECT_THAT(read_identity(of_anna(), kNow)->domains, testing::ElementsAre(9));
+}
+
+TEST_F(AuthorityTest, KeepsTheDescriptor) {
+  EXPECT_FALSE(authority_->descriptor().ok());
+  ASSERT_TRUE(authority_->keep("<cell/>", 7).ok());
+  EXPECT_EQ(*Authority::open(home())->descriptor(), "<cell/>");
+  EXPECT_EQ(*Authority::open(home())->domain(), 7);
+}
+
+TEST_F(AuthorityTest, FindsTheFolderOfOneBelowItsOwn) {
+  EXPECT_EQ(folder_of(home(), Role::device, "robot"), of_robot());
+  EXPECT_EQ(folder_of(home(), Role::operator_), of_anna());
+  EXPECT_EQ(folder_of(of_robot(), Role::device, "robot"), of_robot());
+}
+
+TEST(Expiry, IsWarnedOfInItsLastThirtyDays) {
+  EXPECT_EQ(expiry_warning(kNow + 31 * kDay, kNow), "");
+  EXPECT_EQ(expiry_warning(kNow + 29 * kDay + 60, kNow), "it expires in 29 days");
+  EXPECT_EQ(expiry_warning(kNow + 60, kNow), "it expires within a day");
+}
+
+TEST(Prefix, IsOfOneSubjectAndNoOther) {
+  const Prefix robot = prefix_of({"belt", Role::device, "robot"});
+  EXPECT_EQ(robot, prefix_of({"belt", Role::device, "robot"}));
+  EXPECT_NE(robot, prefix_of({"belt", Role::operator_, "robot"}));
+  EXPECT_NE(robot, prefix_of({"belt", Role::device, "line"}));
+  EXPECT_EQ(robot[0] & 0x80, 0x80) << "as DDS Security has it";
+}
+
+}  // namespace

@@ -1,0 +1,82 @@
+#include <takt/security/signature.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include <takt/os/environment.hpp>
+#include <takt/security/authority.hpp>
+
+namespace {
+
+using namespace takt;
+using namespace takt::security;
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr std::int64_t kNow = 1'800'000'000;
+constexpr std::int64_t kYear = std::int64_t{365} * 24 * 3600;
+
+class Signature : public testing::Test {
+ protected:
+  Signature() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    std::ofstream{file_} << "a component";
+    auto authority = Authority::create((folder_ / "home").string(), "belt", kNow);
+    certificate_ = *authority->sign_components({file_}, kNow);
+  }
+  ~Signature() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::string wrong(std::int64_t now = kNow) const {
+    const auto checked = check_signature(file_, certificate_, now);
+    return checked ? "" : to_text(checked.problems());
+  }
+
+  fs::path folder_ =
+      fs::path{testing::TempDir()} / ("takt-signature-test-" + std::to_string(os::process_id()));
+  std::string file_ = (folder_ / "servo.so").string();
+  std::string certificate_;
+};
+
+TEST_F(Signature, OfTheFileItselfIsGood) { EXPECT_EQ(wrong(), ""); }
+
+TEST_F(Signature, OfAChangedFileIsNone) {
+  std::ofstream{file_, std::ios::app} << "!";
+  EXPECT_THAT(wrong(), HasSubstr("its signature is not of this file"));
+}
+
+TEST_F(Signature, OfAnotherFileIsNone) {
+  std::ofstream{folder_ / "other.so"} << "another";
+  auto authority = Authority::open((folder_ / "home").string());
+  ASSERT_TRUE(authority->sign_components({(folder_ / "other.so").string()}, kNow).ok());
+  fs::rename(folder_ / "other.so.sig", file_ + ".sig");
+  EXPECT_THAT(wrong(), HasSubstr("its signature is not of this file"));
+}
+
+TEST_F(Signature, ByAnotherAuthorityIsNone) {
+  auto evil = Authority::create((folder_ / "evil").string(), "belt", kNow);
+  ASSERT_TRUE(evil->sign_components({file_}, kNow).ok());
+  EXPECT_THAT(wrong(), HasSubstr("or not by " + certificate_));
+}
+
+TEST_F(Signature, ThatIsMissingIsSaidWithTheCure) {
+  fs::remove(file_ + ".sig");
+  EXPECT_THAT(wrong(), HasSubstr("it is not signed, and only signed components are used here; takt sign"));
+  std::ofstream{file_ + ".sig"} << "nonsense";
+  EXPECT_THAT(wrong(), HasSubstr("its signature is not"));
+}
+
+TEST_F(Signature, EndsWithItsCertificate) {
+  EXPECT_EQ(wrong(kNow + 9 * kYear), "");
+  EXPECT_THAT(wrong(kNow + 11 * kYear), HasSubstr("it has expired"));
+}
+
+TEST_F(Signature, NeedsAFileAndACertificate) {
+  fs::remove(certificate_);
+  EXPECT_THAT(wrong(), HasSubstr("there is no such file"));
+  EXPECT_FALSE(sign_file((folder_ / "nothing").string(), "").ok());
+  EXPECT_FALSE(sign_file(file_, "nonsense").ok());
+}
+
+}  // namespace
