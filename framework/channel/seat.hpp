@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include <takt/channel/layout.hpp>
+#include <takt/channel/saved_state.hpp>
 #include <takt/core/statistics.hpp>
 
 namespace takt::channel {
@@ -61,7 +62,7 @@ enum class SeatPhase : std::uint32_t {
 };
 
 struct alignas(64) Seat {
-  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0005;  // "seat", layout 5
+  static constexpr std::uint64_t kMagic = 0x7365'6174'0000'0006;  // "seat", layout 6
 
   // Written by the node before the program starts.
   std::uint64_t magic;
@@ -104,6 +105,7 @@ struct alignas(64) Seat {
   std::atomic<std::uint64_t> begun;      ///< bodies for which it released itself
   Statistics jitter;                     ///< Eq. (1), P_n - T_n, with T_n taken by the program
   Statistics run;
+  SavedState saved;  ///< after each body; by the node while there is no program
 
   /// It was released and is not done.
   [[nodiscard]] bool in_body() const noexcept {

@@ -60,11 +60,6 @@ Nanoseconds Component::period() noexcept { return served == nullptr ? Nanosecond
 
 void Component::fail(const char* text) noexcept { say_failure(text); }
 
-SavedBase::SavedBase(Component& owner, void* data, std::uint32_t size, std::uint32_t version)
-    : data_(data), size_(size), version_(version) {
-  owner.saved_.push_back(this);
-}
-
 Result<void> Component::restore(const SavedBefore& before) {
   return takt::fail(
       "it was saved by version " + std::to_string(before.version) + " of what it saves, and this is another",
@@ -100,6 +95,7 @@ void remove_loose(T& one) noexcept {
 
 std::vector<PortBase*> take_loose_ports() { return std::exchange(*loose<PortBase>(), {}); }
 std::vector<PropertyBase*> take_loose_properties() { return std::exchange(*loose<PropertyBase>(), {}); }
+std::vector<SavedBase*> take_loose_saved() { return std::exchange(*loose<SavedBase>(), {}); }
 
 namespace detail {
 const char* take_said() noexcept { return take_failure(); }
@@ -107,6 +103,8 @@ void add_loose_port(PortBase& port) { loose<PortBase>()->push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { remove_loose(port); }
 void add_loose_property(PropertyBase& property) { loose<PropertyBase>()->push_back(&property); }
 void remove_loose_property(PropertyBase& property) noexcept { remove_loose(property); }
+void add_loose_saved(SavedBase& saved) { loose<SavedBase>()->push_back(&saved); }
+void remove_loose_saved(SavedBase& saved) noexcept { remove_loose(saved); }
 }  // namespace detail
 
 }  // namespace takt

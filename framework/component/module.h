@@ -18,6 +18,7 @@
 
 #include <takt/port.h>
 #include <takt/property.h>
+#include <takt/saved.h>
 #include <takt/text.h>
 
 #ifndef TRUE
@@ -46,26 +47,6 @@ extern "C" {
 /* Says that the hook which calls it failed, and why (at most 255 bytes are kept). Returns; the hook ends by itself. From any
  * hook, also from a real-time one: no lock, no allocation. Links with libtakt_component, which the host has loaded. */
 void takt_fail(const char* text);
-
-/* What a module in the C form keeps when its process dies: one variable of the file, of at most 4096 bytes and without pointers.
- *   static struct { double sum; } kept;
- *   TAKT_SAVED(1, kept)           1 is its version: count it up when its meaning changes
- * After each run() that did not fail it is copied into memory that outlives the process; what was saved with the same version and
- * size is in it again before start() is called. */
-struct takt_saved_state {
-  uint32_t version;
-  uint32_t size; /* bytes */
-  void* data;
-};
-#ifdef __cplusplus
-#define TAKT_SAVED(version, variable)                                                          \
-  extern "C" __attribute__((visibility("default"))) const struct takt_saved_state takt_saved; \
-  const struct takt_saved_state takt_saved = {version, (uint32_t)sizeof(variable), &(variable)};
-#else
-#define TAKT_SAVED(version, variable)                              \
-  __attribute__((visibility("default"))) const struct takt_saved_state takt_saved = { \
-      version, (uint32_t)sizeof(variable), &(variable)};
-#endif
 
 /* The release that run() serves: its place in the module's grid, counting from 0 with gaps where releases were missed; its
  * instant in nanoseconds of CLOCK_MONOTONIC, P_n of the paper's Eq. (1); 0 outside of run().

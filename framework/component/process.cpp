@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 #include <takt/channel/violations.hpp>
 #include <takt/component/port.hpp>
 #include <takt/component/program_properties.hpp>
+#include <takt/component/saved.hpp>
 #include <takt/component/service.hpp>
 #include <takt/core/hex.hpp>
 #include <takt/os/clock.hpp>
@@ -24,6 +26,9 @@
 #include <takt/os/shared_memory.hpp>
 #include <takt/os/waker.hpp>
 
+/// Of a program in C that has a TAKT_SAVED.
+extern "C" __attribute__((weak)) const takt_saved_state takt_saved;
+
 namespace {
 
 using namespace takt;
@@ -31,6 +36,10 @@ using namespace takt;
 /// Of the program, in the order in which they were constructed.
 std::vector<PortBase*>& ports() {
   static std::vector<PortBase*> all;
+  return all;
+}
+std::vector<SavedBase*>& saved() {
+  static std::vector<SavedBase*> all;
   return all;
 }
 
@@ -46,7 +55,9 @@ class Guest {
  private:
   [[noreturn]] static void refuse(const char* function, const std::string& what);
   static void check_ports(const char* function);
-  static void describe(channel::SeatKind kind);
+  void find_saved(const char* function);
+  void restore() const;
+  void describe(channel::SeatKind kind) const;
   static void check_properties(const char* function);
   void connect_ports(const char* function);
   [[nodiscard]] static std::int64_t event_at();
@@ -66,7 +77,8 @@ class Guest {
   os::WakeMargin margin_{Nanoseconds{0}};
   std::vector<os::SharedMemory> link_memories_;
   PortContext context_;
-  channel::Taken taken_;  // the release that is served, or was last
+  takt_saved_state saved_{};  // what it saves; no data: nothing
+  channel::Taken taken_;      // the release that is served, or was last
   Instant started_{};
   channel::ModuleWatch watch_;
   std::uint32_t watched_as_ = 0;
@@ -85,8 +97,37 @@ void Guest::check_ports(const char* function) {
   }
 }
 
+void Guest::find_saved(const char* function) {
+  std::vector<takt_saved_state> all;
+  for (const SavedBase* one : saved()) all.push_back({one->version(), one->size(), one->data()});
+  if (&takt_saved != nullptr) all.push_back(takt_saved);
+  if (all.empty()) return;
+  if (all.size() > 1) refuse(function, "there is more than one variable to save; put them into one struct");
+  saved_ = all[0];
+  if (saved_.data == nullptr || saved_.size == 0 || saved_.size > channel::kMostSaved) {
+    refuse(function, "it saves " + std::to_string(saved_.size) + " bytes; at most " +
+                         std::to_string(channel::kMostSaved) + " are saved");
+  }
+}
+
+// What another version saved is not for this one.
+void Guest::restore() const {
+  const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : seat_->saved.saved();
+  if (before == nullptr) return;
+  const bool same = before->version == saved_.version && before->size == saved_.size;
+  if (same) std::memcpy(saved_.data, before->bytes.data(), saved_.size);
+  for (SavedBase* one : saved()) one->set_restored(same);
+  if (same) {
+    std::puts("takt: what it saved is restored");
+  } else {
+    std::printf(
+        "takt: what version %u of it saved (%u bytes) is not restored: this is version %u (%u bytes)\n",
+        before->version, before->size, saved_.version, saved_.size);
+  }
+}
+
 // Whoever started us only asks what we are: answered, and the program ends before it does anything.
-void Guest::describe(channel::SeatKind kind) {
+void Guest::describe(channel::SeatKind kind) const {
   os::MessageSocket asker{os::take_fd_from_environment("TAKT_DESCRIBE_FD")};
   if (!asker.fd()) return;
   const auto member = [](const char* name, std::string_view text) {
@@ -104,9 +145,13 @@ void Guest::describe(channel::SeatKind kind) {
     problems += (problems.empty() ? "{" : ",{") + member("what", problem.what) + "," +
                 member("fix", problem.fix) + "}";
   }
+  std::string kept;
+  if (saved_.data != nullptr)
+    kept = R"(,"saved":{"version":)" + std::to_string(saved_.version) + R"(,"bytes":)" +
+           std::to_string(saved_.size) + "}";
   asker.send_wait("{" + member("operation", kind == channel::SeatKind::periodic ? "periodic" : "sporadic") +
                   R"(,"ports":[)" + list + R"(],"properties":)" + program_properties_json() +
-                  R"(,"problems":[)" + problems + "]}");
+                  R"(,"problems":[)" + problems + "]" + kept + "}");
   std::_Exit(0);
 }
 
@@ -159,6 +204,7 @@ void Guest::attach(channel::SeatKind kind, const char* function) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (seat_ != nullptr) refuse(function, "called twice; call it once, before the first wait");
   check_ports(function);
+  find_saved(function);
   describe(kind);
   check_properties(function);
   os::Fd seat = os::take_fd_from_environment("TAKT_SEAT_FD");
@@ -185,6 +231,7 @@ void Guest::attach(channel::SeatKind kind, const char* function) {
   context_ = {.start_ns = to_ns(os::now()), .bell = bell_};
   for (PortBase* port : ports()) port->serve(context_);
   connect_ports(function);
+  restore();
   margin_ = os::WakeMargin{Nanoseconds{seat_->margin_cap_ns}};
   if (seat_->lock_memory != 0) static_cast<void>(os::lock_memory());
   const std::string index = os::take_from_environment(channel::kCheckModule);
@@ -251,6 +298,7 @@ void Guest::body_done() {
   seat_->run.record((now - started_).count());
   seat_->body_began_ns.store(to_ns(started_), std::memory_order_relaxed);
   seat_->body_ended_ns.store(to_ns(now), std::memory_order_relaxed);
+  if (saved_.data != nullptr) seat_->saved.save(saved_.data, saved_.size, saved_.version, to_ns(started_));
   if (seat_->deadline_ns == 0) return;
   const std::int64_t late = to_ns(now) - taken_.release_ns - seat_->deadline_ns;
   if (late <= 0) return;
@@ -294,11 +342,14 @@ Guest guest;
 namespace takt {
 
 std::vector<PortBase*> take_loose_ports() { return ports(); }
+std::vector<SavedBase*> take_loose_saved() { return saved(); }
 
 namespace detail {
 const char* take_said() noexcept { return nullptr; }
 void add_loose_port(PortBase& port) { ports().push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { std::erase(ports(), &port); }
+void add_loose_saved(SavedBase& one) { saved().push_back(&one); }
+void remove_loose_saved(SavedBase& one) noexcept { std::erase(saved(), &one); }
 }  // namespace detail
 
 }  // namespace takt

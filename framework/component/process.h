@@ -19,6 +19,8 @@
  * ports and, of arguments that it cannot take, says on standard error what is wrong; what would be right, a line each, and ends
  * with a status that is not 0. It starts nothing else: no device is opened before the call.
  *
+ * A program that is started again because it crashed finds there what it had saved: <takt/saved.h>, in C++ takt::Saved.
+ *
  * When the device ends the module, waitPeriod() and waitSporadic() do not return but end the program by exit(0), so that
  * output is flushed and atexit() functions run. A program that never comes back to them gets SIGTERM, then SIGKILL. */
 #ifndef TAKT_PROCESS_H
@@ -28,6 +30,7 @@
 
 #include <takt/port.h>
 #include <takt/property.h>
+#include <takt/saved.h>
 #include <takt/text.h>
 
 #ifndef TRUE

@@ -4,6 +4,7 @@
 //   TAKT_TEXT("Holds a joint in its place.");
 //   takt::InPort<motion::JointState> measured{"measured"};
 //   takt::Property<double> gain{"gain", 60, {.unit = "1/s", .min = 1, .max = 200, .text = "Proportional."}};
+//   takt::Saved<Kept> kept{1};
 //
 //   int main() {
 //     initPeriodExe();
@@ -19,4 +20,5 @@
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/component/property.hpp>
+#include <takt/component/saved.hpp>
 #include <takt/component/service.hpp>

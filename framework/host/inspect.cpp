@@ -72,7 +72,14 @@ struct Answer {
   std::vector<model::Port> ports;
   std::vector<PropertyDescription> properties;
   Problems problems;  ///< of its properties, and of the values that they were given
+  std::optional<SavedDescription> saved{};
 };
+
+std::optional<SavedDescription> saved_of(const json& answer) {
+  const auto at = answer.find("saved");
+  if (at == answer.end()) return std::nullopt;
+  return SavedDescription{.version = at->at("version"), .bytes = at->at("bytes")};
+}
 
 Result<Answer> parse_answer(const std::string& text) {
   auto ports = model::parse_ports(text);
@@ -81,7 +88,7 @@ Result<Answer> parse_answer(const std::string& text) {
   auto properties = parse_properties(model::json_text(answer.value("properties", json::array())));
   if (!properties) return properties.problems();
   return Answer{answer.value("operation", ""), std::move(*ports), std::move(*properties),
-                problems_from(answer.value("problems", json::array()))};
+                problems_from(answer.value("problems", json::array())), saved_of(answer)};
 }
 
 constexpr const char* kProcessLibrary = "libtakt_process.so";
@@ -250,6 +257,7 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
     program.operation = std::move(answer->operation);
     program.properties = std::move(answer->properties);
     program.ports = std::move(answer->ports);
+    program.saved = answer->saved;
     return program;
   }
   if (!arguments.empty())
@@ -270,9 +278,6 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
   if (!ports) return ports.problems();
   auto properties = parse_properties(model::json_text(answer["properties"]));
   if (!properties) return properties.problems();
-  std::optional<SavedDescription> saved;
-  if (const auto at = answer.find("saved"); at != answer.end())
-    saved = SavedDescription{.version = at->at("version"), .bytes = at->at("bytes")};
   return Description{.name = answer["name"],
                      .text = component_text(path),
                      .interface = answer["interface"],
@@ -280,7 +285,7 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
                      .hooks = answer["hooks"],
                      .properties = std::move(*properties),
                      .ports = std::move(*ports),
-                     .saved = saved};
+                     .saved = saved_of(answer)};
 }
 
 std::string component_text(const std::string& path) {

@@ -64,6 +64,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   unload();
   static_cast<void>(take_loose_ports());
   static_cast<void>(take_loose_properties());
+  static_cast<void>(take_loose_saved());
   auto library = os::Library::open(path, globals);
   if (!library) return library.problems();
   library_ = std::move(*library);
@@ -136,6 +137,10 @@ Result<void> ThreadModule::take_properties(const std::string& path) {
 }
 
 Result<void> ThreadModule::take_saved(const std::string& path) {
+  if (const auto outside = take_loose_saved(); !outside.empty())
+    return fail(path + " has a Saved outside of a component",
+                component_ != nullptr ? "make it a member: Saved<T> name{*this, 1}"
+                                      : "TAKT_SAVED(1, variable) of <takt/saved.h> is for the C form");
   if (component_ != nullptr) {
     const auto& saved = component_->saved();
     if (saved.size() > 1)

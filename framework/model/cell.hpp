@@ -110,7 +110,7 @@ struct Module {
   BudgetTolerance tolerance;
   std::optional<OverrunContract> overrun;  ///< periodic; none: its executor's
   Recovery recovery;
-  bool retain = false;  ///< what it saves is kept on disk; of a thread module
+  bool retain = false;  ///< what it saves is kept on disk; not of a non-real program
   std::vector<PropertyValue> properties;
   std::vector<SafeValue> safe;  ///< of its outputs, each at most once
   Line line{};

@@ -187,9 +187,9 @@ void Validation::check_release(const Module& module) {
         "module " + name + " has an interarrival of " + std::to_string(module.interarrival->count()) + " ns",
         "an interarrival is a whole number of nanoseconds, at least 1");
   }
-  if (module.retain && module.type == ModuleType::process) {
-    add(or_module(module.lines.retain), "process module " + name + " has a <retain>",
-        "remove it: a program keeps what it needs in files of its own");
+  if (module.retain && module.type == ModuleType::process && module.operation == Operation::non_real) {
+    add(or_module(module.lines.retain), "non-real program " + name + " has a <retain>",
+        "remove it: a program that is not released keeps what it needs in files of its own");
   }
   if (module.operation == Operation::sporadic) return;
   const std::string kind = std::string{to_text(module.operation)} + " module " + name;

@@ -84,7 +84,7 @@ Result<void> Supervisor::prepare() {
   saved_memory_ = std::move(*saved);
 
   if (options_.check_real_time) {
-    auto violations = Violations::create();
+    auto violations = Violations::create(device().modules.size(), device().executors.size());
     if (!violations) return violations.problems();
     violations_ = std::move(*violations);
   }
@@ -419,7 +419,8 @@ void Supervisor::attempt_recovery(Member& member) {
   log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
                   std::to_string(member.model.recovery.attempts));
   // What it had saved may be what makes it crash.
-  if (member.reload && member.recovery.attempts() > 1) saved_of(member).clear();
+  if ((member.reload || (member.is_process() && !alive)) && member.recovery.attempts() > 1)
+    saved_of(member).clear();
   if (member.is_thread()) {
     ask(member, member.reload ? Doing::load : Doing::recover);
   } else if (alive) {

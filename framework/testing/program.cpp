@@ -18,6 +18,7 @@
 #include <takt/channel/seat.hpp>
 #include <takt/component/current_cycle.hpp>
 #include <takt/component/property.hpp>
+#include <takt/component/saved.hpp>
 #include <takt/core/check.hpp>
 #include <takt/core/words.hpp>
 #include <takt/os/fiber.hpp>
@@ -97,6 +98,8 @@ class Course {
   void run_main();
   void give(const std::vector<PropertyBase*>& made);
   void check_properties(const char* function);
+  void find_saved(const char* function);
+  void restore() const;
   void leave() noexcept;
   [[noreturn]] void finish();
   [[nodiscard]] const char* place() const;
@@ -111,6 +114,8 @@ class Course {
   std::vector<PropertyBase*> properties_of_file_;
   std::vector<PropertyBase*> properties_;  // with those that main() made
   Problems refused_;                       // of what they were given
+  std::vector<SavedBase*> saved_by_;       // of the file and of main()
+  takt_saved_state saved_{};               // no data: it saves nothing
   std::vector<char*> argv_;
   PortContext context_;
   channel::Taken taken_;
@@ -139,6 +144,7 @@ Course& Course::of_caller(const char* function) {
 Result<void> Course::load() {
   static_cast<void>(take_loose_ports());
   static_cast<void>(take_loose_properties());
+  static_cast<void>(take_loose_saved());
   const bool copy = LoadedFile::is_taken(path_);
   auto library = os::Library::open(path_, copy ? os::Library::Globals::own : os::Library::Globals::shared);
   if (!library) return library.problems();
@@ -148,6 +154,9 @@ Result<void> Course::load() {
   for_ever.back()->take(path_);
   ports_ = take_loose_ports();
   properties_of_file_ = take_loose_properties();
+  saved_by_ = take_loose_saved();
+  if (const void* of_c = library_.own_symbol("takt_saved"); of_c != nullptr)
+    saved_ = *static_cast<const takt_saved_state*>(of_c);
   main_ = reinterpret_cast<Main>(library_.own_symbol("main"));
   library_.abandon();
   if (main_ == nullptr) return fail(path_ + " has no main()", "name a program of takt_add_process()");
@@ -242,6 +251,23 @@ void Course::check_properties(const char* function) {
   if (!problems.empty()) refuse(function, in_words(problems).c_str());
 }
 
+// As libtakt_process does.
+void Course::find_saved(const char* function) {
+  for (SavedBase* one : take_loose_saved()) saved_by_.push_back(one);  // those that main() made
+  if (saved_by_.size() + (saved_.data != nullptr ? 1 : 0) > 1)
+    refuse(function, "there is more than one variable to save; put them into one struct");
+  if (!saved_by_.empty()) saved_ = {saved_by_[0]->version(), saved_by_[0]->size(), saved_by_[0]->data()};
+  if (saved_.size > channel::kMostSaved) refuse(function, "it saves too much; at most 4096 bytes are saved");
+}
+
+void Course::restore() const {
+  const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : seat_.saved.saved();
+  if (before == nullptr) return;
+  const bool same = before->version == saved_.version && before->size == saved_.size;
+  if (same) std::memcpy(saved_.data, before->bytes.data(), saved_.size);
+  for (SavedBase* one : saved_by_) one->set_restored(same);
+}
+
 void Course::attach(bool sporadic, const char* function) {
   if (attached_) refuse(function, "called twice; call it once, before the first wait");
   if (sporadic != sporadic_) {
@@ -260,6 +286,8 @@ void Course::attach(bool sporadic, const char* function) {
   }
   context_.start_ns = to_ns(clock_.now());
   for (PortBase* port : ports_) port->serve(context_);
+  find_saved(function);
+  restore();
   cycle_.period = Nanoseconds{seat_.period_ns};
   seat_.phase = channel::SeatPhase::attached;
   leave();
@@ -269,6 +297,8 @@ void Course::attach(bool sporadic, const char* function) {
 // libtakt_process.
 void Course::wait(const char* function) {
   if (!attached_) refuse(function, "call initPeriodExe() or initSporadicExe() first");
+  if (saved_.data != nullptr && taken_.count != 0)
+    seat_.saved.save(saved_.data, saved_.size, saved_.version, context_.start_ns);
   seat_.done = taken_.count;
   seat_.phase = channel::SeatPhase::ready;
   if (seat_.end != 0) exit(0);
@@ -291,9 +321,11 @@ class ProgramSubject final : public Subject {
 
   Result<void> load() override {
     static auto& all = *new std::vector<std::unique_ptr<Life>>;  // for ever, see Course
+    const auto before = life_ == nullptr ? std::nullopt : life_->seat.saved.copy();
     all.push_back(std::make_unique<Life>(path_, sporadic_, clock_));
     life_ = all.back().get();
     channel::Seat& seat = life_->seat;
+    if (before) seat.saved.save(before->bytes.data(), before->size, before->version, before->saved_ns);
     seat.magic = channel::Seat::kMagic;
     seat.kind = sporadic_ ? channel::SeatKind::sporadic : channel::SeatKind::periodic;
     seat.period_ns = period_.count();

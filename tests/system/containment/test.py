@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import shutil
 import signal
 import sys
@@ -142,6 +143,22 @@ KEEPS = """<root>
   </module>
 </root>"""
 
+PROGRAMS = """<root>
+  <module>
+    <name>keeps</name> <filename>%(file)s</filename>
+    <moduletype>process</moduletype> <operationtype>periodic</operationtype>
+    <period>4000000</period> <priority>1</priority>
+    <recovery attempts="2" backoff="20000000"/> <retain>%(retain)s</retain>
+    <property><value name="after">%(after)d</value></property>
+  </module>
+  <module>
+    <name>in_c</name> <filename>keeps_program_c.exe</filename>
+    <moduletype>process</moduletype> <operationtype>periodic</operationtype>
+    <period>4000000</period> <priority>2</priority>
+    <recovery attempts="2" backoff="20000000"/>
+  </module>
+</root>"""
+
 RECALLS = """<cell name="recalls">
   <device name="d">
     <executor name="risky" host="own"/>
@@ -240,6 +257,76 @@ class Saved(takt_system.Case):
             time.sleep(0.2)
         self.finish(run)
         self.assertEqual(["holds 0", "holds 7", "holds 7"], self.said_of(run, "holds"))
+
+
+class SavedByPrograms(takt_system.Case):
+    def run_keeping(self, file="keeps_program.exe", after=1000000000, retain="false"):
+        run = self.start("run", self.write("cell.xml", PROGRAMS % {"file": file, "after": after, "retain": retain}), "--json")
+        run.wait_for_state("in_c", "EXECUTING")
+        return run
+
+    def cycles(self):
+        return {m["name"]: m["cycles"] for m in self.status_of()["devices"][0]["modules"]}
+
+    def told(self, run, module, what):
+        return [line for line in run.printed(module) if line.startswith(what)]
+
+    def finish(self, run):
+        run.signal(signal.SIGINT)
+        run.wait(15)
+
+    def test_a_crash_costs_one_body_and_what_crashes_twice_begins_anew(self):
+        run = self.run_keeping(after=50)
+        run.wait_for_state("keeps", "DESTRUCT", limit=20)
+        self.finish(run)
+        # A later crash is a first one again: what came before it had run well.
+        self.assertEqual(["version 1 began 0", "version 1 restored 49", "version 1 began 0"],
+                         self.told(run, "keeps", "version"))
+        self.assertEqual(["takt: what it saved is restored"], self.told(run, "keeps", "takt:"))
+        self.assertEqual(["c has 0"], run.printed("in_c"), "another program's crash is nothing to it")
+
+    def test_one_that_is_killed_goes_on_where_it_was_in_c_too(self):
+        run = self.run_keeping()
+        wait_until(lambda: min(self.cycles().values()) > 50, 10, "some bodies")
+        for module, file in (("keeps", "keeps_program.exe"), ("in_c", "keeps_program_c.exe")):
+            begun = len(run.raw)
+            os.kill(run.one(file).pid, signal.SIGKILL)
+            run.wait_for_line(r"\.%s: RECOVER -> EXECUTING" % module, after=begun)
+        self.finish(run)
+        modules = run.modules()
+        for module, before in (("keeps", r"version 1 restored (\d+)"), ("in_c", r"c has (\d+)")):
+            found = int(re.fullmatch(before, run.printed(module)[-1])[1])
+            self.assertGreater(found, 48)
+            self.assertLessEqual(found, modules[module]["cycles"])
+
+    def test_another_version_begins_anew_and_says_so(self):
+        folder = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
+        mine = os.path.join(self.folder, "mine.exe")
+        shutil.copy(os.path.join(folder, "keeps_program.exe"), mine)
+        run = self.run_keeping(file=mine)
+        wait_until(lambda: min(self.cycles().values()) > 50, 10, "some bodies")
+        shutil.copy(os.path.join(folder, "keeps_program_more.exe"), mine + ".new")
+        os.replace(mine + ".new", mine)
+        os.kill(run.one("mine.exe").pid, signal.SIGKILL)
+        run.wait_for_line(r"what version 1 of it saved \(8 bytes\) is not restored: this is version 2 \(16 bytes\)")
+        run.wait_for_line(r"version 2 began 0")
+        self.finish(run)
+
+    def test_what_is_retained_is_there_when_the_cell_is_started_again(self):
+        first = self.run_keeping(retain="true")
+        wait_until(lambda: min(self.cycles().values()) > 50, 10, "some bodies")
+        self.finish(first)
+        self.assertEqual(0, first.status, first.err)
+        second = self.run_keeping(retain="true")
+        self.finish(second)
+        found = int(self.told(second, "keeps", "version 1 restored")[0].split()[-1])
+        # Its last body was perhaps cut short by the end.
+        self.assertIn(first.modules()["keeps"]["cycles"] - found, (0, 1))
+        self.assertEqual(["c has 0"], second.printed("in_c"), "it does not retain")
+
+    def test_what_a_program_saves_is_described(self):
+        told = json.loads(self.done("describe keeps_program_more.exe --json")[0])
+        self.assertEqual({"version": 2, "bytes": 16}, told["saved"])
 
 
 if __name__ == "__main__":

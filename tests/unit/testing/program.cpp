@@ -14,6 +14,10 @@ namespace {
 takt::InPort<basic::Number> in{"in"};
 takt::OutPort<basic::Count> out{"out"};
 int lives = 0;  // of this copy of the variables
+struct Kept {
+  std::int64_t bodies = 0;
+};
+takt::Saved<Kept> kept{1};
 
 void tell(std::int64_t what) {
   basic::Count count;
@@ -42,6 +46,11 @@ int main(int argc, char* argv[]) {
   if (exits_at_first) std::exit(4);
   while (true) {
     waitPeriod();
+    ++kept->bodies;
+    if (how == "how=saves") {
+      tell(kept->bodies * 10 + (kept.restored() ? 1 : 0));
+      continue;
+    }
     try {
       if (in.read() && in.value().value() < 0) throw std::runtime_error("negative");
     } catch (const std::exception&) {

@@ -105,6 +105,21 @@ TEST(Program, IsStartedAgainAfterACrash) {
   EXPECT_EQ(module.step(5), 5U);
 }
 
+TEST(Program, HasWhatItSavedAfterACrash) {
+  Module module;
+  auto& out = module.out<basic::Count>("out");
+  ASSERT_TRUE(module.set("how", "saves"));
+  ASSERT_TRUE(module.start());
+  module.step(5);
+  EXPECT_EQ(out.value().value(), 50);
+  for (const int bodies : {6, 7}) {
+    ASSERT_TRUE(module.crash());
+    ASSERT_TRUE(module.recover());
+    module.step();
+    EXPECT_EQ(out.value().value(), bodies * 10 + 1);
+  }
+}
+
 TEST(Program, MayEndInACatchBlock) {
   Module module;
   auto& in = module.in<basic::Number>("in");
