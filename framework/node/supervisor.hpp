@@ -198,7 +198,12 @@ class Supervisor final : public Supervised {
   void destruct(Member& member, Instant now);
   const model::Device& device() const { return options_.cell.devices[options_.device]; }
   std::size_t executor_of(const Member& member) const;
+  /// Of a number that a host gave: foreign code writes there too. Null where no module has it.
+  Member* member_at(std::uint32_t index) const {
+    return index < members_.size() ? members_[index].get() : nullptr;
+  }
   channel::SavedState& saved_of(const Member& member) const {
+    if (member.seat != nullptr) return member.seat->saved;
     return reinterpret_cast<channel::SavedState*>(saved_memory_.data())[member.index];
   }
 

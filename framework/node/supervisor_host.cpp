@@ -50,10 +50,11 @@ void Supervisor::take_answers(Hosted& host) {
   while (auto answer = host.link.answer()) {
     switch (answer->request.what) {
       case host::Request::Do::call: {
-        Member& member = *members_.at(answer->request.module);
-        if (member.lost || member.pending != answer->request.hook) break;  // it was given up in the meantime
-        member.pending.reset();
-        answered(member, answer->request.hook, answer->ok, answer->text);
+        Member* const member = member_at(answer->request.module);
+        if (member == nullptr || member->lost || member->pending != answer->request.hook)
+          break;  // it was given up in the meantime
+        member->pending.reset();
+        answered(*member, answer->request.hook, answer->ok, answer->text);
         break;
       }
       case host::Request::Do::get:
@@ -61,7 +62,8 @@ void Supervisor::take_answers(Hosted& host) {
         property_answered(*answer);
         break;
       case host::Request::Do::swap:
-        end_swap(*members_.at(answer->request.module), answer->ok ? REPLY_OK : REPLY_FAILED, answer->text);
+        if (Member* const member = member_at(answer->request.module))
+          end_swap(*member, answer->ok ? REPLY_OK : REPLY_FAILED, answer->text);
         break;
       case host::Request::Do::begin:
         for (const std::string& warning : answer->warnings) {
@@ -168,13 +170,12 @@ void Supervisor::watch_host(Hosted& host, Instant now) {
   };
 
   const channel::Activity& hooks = host.block.hooks;
-  if (const std::uint32_t busy = hooks.module.load(std::memory_order_acquire);
-      busy != 0 && since(hooks) > kHookLimit) {
-    Member& member = *members_.at(busy - 1);
+  if (Member* const member = member_at(hooks.module.load(std::memory_order_acquire) - 1);
+      member != nullptr && since(hooks) > kHookLimit) {
     const Doing doing = hooks.doing.load();
-    if (member.pending == doing) {
-      host.link.ask({.what = host::Request::Do::give_up, .module = member.index});
-      lose(member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit),
+    if (member->pending == doing) {
+      host.link.ask({.what = host::Request::Do::give_up, .module = member->index});
+      lose(*member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit),
            ErrorType::hang);
     }
   }
@@ -190,11 +191,10 @@ void Supervisor::watch_host(Hosted& host, Instant now) {
   for (const std::size_t e : host.share.executors) {
     const channel::ExecutorBlock& block = channel_.executor(e);
     for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
-      const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
-      if (busy == 0 || since(*activity) < stuck_after(members_.at(busy - 1)->model)) continue;
-      host.hung = {.module = busy - 1,
-                   .doing = activity->doing.load(),
-                   .limit = stuck_after(members_[busy - 1]->model)};
+      const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1);
+      if (busy == nullptr || since(*activity) < stuck_after(busy->model)) continue;
+      host.hung = {
+          .module = busy->index, .doing = activity->doing.load(), .limit = stuck_after(busy->model)};
       host.link.kill();
       return;
     }
@@ -211,8 +211,8 @@ std::optional<Hang> Supervisor::never_halts(const Hosted& host) const {
   for (const std::uint32_t index : host.share.modules)
     activities.push_back(&members_[index]->block.background);
   for (const channel::Activity* activity : activities) {
-    const std::uint32_t busy = activity->module.load(std::memory_order_acquire);
-    if (busy != 0) return Hang{.module = busy - 1, .doing = activity->doing.load(), .limit = kHaltLimit};
+    if (const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1))
+      return Hang{.module = busy->index, .doing = activity->doing.load(), .limit = kHaltLimit};
   }
   return std::nullopt;
 }
@@ -248,10 +248,9 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
     culprit = members_[host.hung->module].get();
     text = std::string{channel::to_text(host.hung->doing)} + " did not return within " +
            to_text(host.hung->limit) + ", so " + host.name() + " was ended";
-  } else if (crash.signal.load() == (end.signalled ? end.code : channel::Crash::kExit) &&
-             crash.module.load() != 0) {
-    culprit = members_.at(crash.module.load() - 1).get();
-    text += std::string{" in "} + channel::to_text(crash.doing.load());
+  } else if (crash.signal.load() == (end.signalled ? end.code : channel::Crash::kExit)) {
+    culprit = member_at(crash.module.load() - 1);
+    if (culprit != nullptr) text += std::string{" in "} + channel::to_text(crash.doing.load());
   }
   const Doing doing = host.hung ? host.hung->doing : crash.doing.load();
   const bool swapped = culprit != nullptr && by_swap(*culprit, doing);

@@ -168,8 +168,9 @@ void Supervisor::watch_process(Member& member, Instant now) {
 void Supervisor::watch_body(Member& member, Instant now) {
   channel::Seat& seat = *member.seat;
   if (member.killed_for_hanging) return;
-  const Instant released = from_ns(seat.release_ns.load(std::memory_order_relaxed));
-  if (seat.in_body() && now - released >= stuck_after(member.model)) {
+  // In this order: the instant of the release before it would make a body that has just begun an old one.
+  if (seat.in_body() &&
+      now - from_ns(seat.release_ns.load(std::memory_order_acquire)) >= stuck_after(member.model)) {
     member.killed_for_hanging = true;
     member.child.signal(os::kKill);
     return;

@@ -65,7 +65,7 @@ void Supervisor::property_answered(const host::Answer& answer) {
   if (!asked && answer.ok) {
     log(member, answer.request.property + " = " + answer.request.value);
     // What was set stays when the host is started again, by the fault of another module perhaps.
-    model::give_property(options_.cell.devices[options_.device].modules[answer.request.module],
+    model::give_property(options_.cell.devices[options_.device].modules[member.index],
                          answer.request.property, answer.request.value);
   }
   request.mapped().done({.code = answer.ok ? REPLY_OK : REPLY_REFUSED,

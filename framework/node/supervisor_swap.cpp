@@ -67,13 +67,11 @@ void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& tex
 // A hook of the new instance that never comes back.
 void Supervisor::watch_swaps(Hosted& host, Instant now) {
   const channel::Activity& activity = host.block.swap;
-  const std::uint32_t busy = activity.module.load(std::memory_order_acquire);
-  if (busy == 0 || now - from_ns(activity.since_ns.load()) <= kHookLimit) return;
-  Member& member = *members_.at(busy - 1);
-  if (!member.swap) return;
-  host.link.ask({.what = host::Request::Do::give_up_swap, .module = member.index});
+  Member* const member = member_at(activity.module.load(std::memory_order_acquire) - 1);
+  if (member == nullptr || !member->swap || now - from_ns(activity.since_ns.load()) <= kHookLimit) return;
+  host.link.ask({.what = host::Request::Do::give_up_swap, .module = member->index});
   end_swap(
-      member, REPLY_FAILED,
+      *member, REPLY_FAILED,
       std::string{channel::to_text(activity.doing.load())} + " did not return within " + to_text(kHookLimit));
 }
 

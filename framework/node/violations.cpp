@@ -19,8 +19,10 @@ using channel::ViolationLog;
 
 }  // namespace
 
-Result<Violations> Violations::create() {
+Result<Violations> Violations::create(std::size_t modules, std::size_t executors) {
   Violations violations;
+  violations.modules_ = modules;
+  violations.executors_ = executors;
   violations.library_ = os::private_directory() + "/libtakt_check.so";
   if (!os::is_shared_object(violations.library_)) {
     return fail("there is no " + violations.library_, "install it there, or run without --check-realtime");
@@ -77,6 +79,8 @@ std::vector<SeenViolation> Violations::news(const std::vector<std::string>& path
     if (violation.key.load(std::memory_order_relaxed) == 0) break;  // they are taken in order
     if (said_[i] || violation.ready.load(std::memory_order_acquire) == 0) continue;  // SYNC: violation
     said_[i] = true;
+    const std::uint32_t number = violation.module & ~channel::kOfExecutor;
+    if (number >= (number == violation.module ? modules_ : executors_)) continue;
     seen_.push_back({in_words(violation, paths), i});
     news.push_back(seen_.back().words);
   }

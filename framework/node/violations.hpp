@@ -28,8 +28,9 @@ struct SeenViolation {
 
 class Violations {
  public:
-  /// Fails where libtakt_check.so is not where takt-host is.
-  static Result<Violations> create();
+  /// Fails where libtakt_check.so is not where takt-host is. What is told of others than so many modules and
+  /// executors is passed over: foreign code writes in that memory too.
+  static Result<Violations> create(std::size_t modules, std::size_t executors);
 
   /// What a program that is checked is started with; its descriptor is added to `inherit`. It stays valid as
   /// long as this.
@@ -56,6 +57,8 @@ class Violations {
   SeenViolation in_words(const channel::Violation& violation, const std::vector<std::string>& paths);
 
   os::SharedMemory memory_;
+  std::size_t modules_ = 0;
+  std::size_t executors_ = 0;
   std::string library_;
   Symbols symbols_;
   std::vector<Seen> seen_;

@@ -1,0 +1,44 @@
+import os
+import random
+import re
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+COUNT = int(os.environ.get("TAKT_SCRIBBLES", "4"))
+
+
+class Scribbles(takt_system.Case):
+    def test_costs_its_device_at_most_and_never_the_node(self):
+        with open(self.beside("cell.xml")) as file:
+            cell = file.read()
+        nodes = self.nodes("hurt", "whole")
+        seeds = [random.randrange(10**6) for _ in range(COUNT)]
+        print("seeds", *seeds)
+        for n, seed in enumerate(seeds):
+            text = cell.replace('"seed">1<', '"seed">%d<' % seed)
+            before = len(nodes["whole"].lines)
+            self.deploy(self.write("cell.xml", text))
+            # It is at it after 0.2 s. What comes of that is seen by people, who ask.
+            for _ in range(4):
+                time.sleep(0.4)
+                status = self.status_of()
+                self.assertEqual({"hurt", "whole"}, {d["name"] for d in status["devices"]})
+                self.takt("log", "--device", "hurt", "--json")
+                self.takt("trace", "hurt", "--last", "1", "-o", "hurt.json", limit=20)
+            for device, node in nodes.items():
+                self.assertIsNone(node.status, "seed %d: the node of %s has ended:\n%s" % (seed, device, node.err))
+            self.assertEqual({"EXECUTING"}, set(self.states_of("whole").values()), "seed %d" % seed)
+            self.takt("undeploy", "scribbled", limit=90)
+            wait_until(lambda: not any(d["modules"] for d in self.status_of()["devices"]), 60,
+                       "both to be free again after seed %d" % seed)
+            new = nodes["whole"].lines[before:]
+            self.assertEqual([], [line.text for line in new if re.match(r"\w+ -> RECOVER", line.text)], "seed %d" % seed)
+        self.end(nodes)
+
+
+if __name__ == "__main__":
+    takt_system.main()
