@@ -1,0 +1,206 @@
+// What a connection promises, whatever way its samples go. A way is a class that ties ports together; every
+// claim is held for each. To add one, give it the functions of InHost and name it in Ways.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <takt/channel/seat.hpp>
+#include <takt/component.hpp>
+#include <takt/dds/gateway.hpp>
+#include <takt/node/far_gateway.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/futex.hpp>
+#include <takt/os/shared_memory.hpp>
+
+#include "../system/components/sample.hpp"
+#include "dds/domain.hpp"
+namespace takt {
+
+using Sample = ::samples::Count;
+
+struct Quality {
+  std::uint32_t depth = 1;
+  bool safe = false;
+  Nanoseconds deadline{};
+
+  [[nodiscard]] std::uint32_t safe_room() const { return safe ? PortType<Sample>::info.max_size : 0; }
+};
+
+/// A safe value that no writer ever writes.
+inline Sample safe_sample() {
+  Sample sample;
+  sample.number(1'000'000);
+  sample.same()[3] = -1;
+  sample.few().push_back(7);
+  return sample;
+}
+inline void give_safe(const channel::Link& link) {
+  std::vector<std::byte> bytes(PortType<Sample>::info.max_size);
+  bytes.resize(PortType<Sample>::encode(safe_sample(), bytes.data(), PortType<Sample>::info.max_size));
+  link.give_safe(bytes);
+}
+
+/// One writer, one reader, and what lies between. Settles at once.
+template <bool kObjects>
+class Link {
+ public:
+  /// What was written can be read at once, under the writer's number.
+  static constexpr bool kAtOnce = true;
+  static constexpr Nanoseconds kTolerance{0};  ///< of an age
+  static constexpr std::uint64_t kMany = 200'000;
+
+  explicit Link(Quality quality) {
+    const channel::Link::Options options{.depth = quality.depth,
+                                         .payload = kObjects ? 0 : PortType<Sample>::info.max_size,
+                                         .is_queue = quality.depth > 1,
+                                         .deadline_ns = quality.deadline.count(),
+                                         .safe = quality.safe_room()};
+    memory_ = std::move(os::SharedMemory::create("takt-link", channel::Link::layout(options).size()).value());
+    channel::Link::format(memory_.data(), options);
+    if (kObjects) values_ = OutPort<Sample>{"any"}.make_values(link().buffers());
+  }
+  void connect(PortBase& port) { port.connect(link(), values_); }
+  /// Returns once what was written can be read, or is lost.
+  void settle() const {}
+  [[nodiscard]] channel::Link at_reader() const { return link(); }
+  [[nodiscard]] std::uint64_t dropped() const { return link().block().overwritten.load(); }
+  [[nodiscard]] std::uint64_t unfit() const { return link().block().unfit.load(); }
+
+ private:
+  [[nodiscard]] channel::Link link() const { return channel::Link{memory_.data()}; }
+  os::SharedMemory memory_;
+  void* values_ = nullptr;
+};
+
+using InHost = Link<true>;  // objects in the memory of the host
+using Ring = Link<false>;   // bytes in memory that is shared
+
+/// Over DDS: a gateway here takes what is written, one in a program of its own gives it to the reader's link.
+class BetweenDevices {
+ public:
+  static constexpr bool kAtOnce = false;
+  static constexpr Nanoseconds kTolerance =
+      std::chrono::milliseconds{100};  // two clocks are read one after the other
+  static constexpr std::uint64_t kMany = 5'000;
+
+  explicit BetweenDevices(Quality quality) {
+    const channel::Link::Options options{.depth = quality.depth,
+                                         .payload = PortType<Sample>::info.max_size,
+                                         .is_queue = quality.depth > 1,
+                                         .wake_bits = channel::kGatewayBit,
+                                         .deadline_ns = quality.deadline.count(),
+                                         .safe = quality.safe_room()};
+    for (os::SharedMemory* memory : {&from_, &to_}) {
+      *memory = os::SharedMemory::create("takt-link", channel::Link::layout(options).size()).value();
+      channel::Link::format(memory->data(), options);
+    }
+    const dds::Flow flow{
+        .topic = "takt/ports/" + std::to_string(++made_),
+        .type = model::parse_type(PortType<Sample>::info.description).value(),
+        .quality = {.reliable = true, .depth = quality.depth, .deadline = {}, .lifespan = {}}};
+    setenv("TAKT_INTERFACE", "127.0.0.1", 1);  // of the other program
+    out_ = gateway().add_outgoing(flow, link(from_)).value();
+    far_ = node::FarGateway::start({.device = "test",
+                                    .domain = domain(),
+                                    .peers = {},
+                                    .bell = &bell_memory(),
+                                    .place = made_ % 31 + 1,
+                                    .flows = {{.flow = flow, .outgoing = false, .links = {&to_}}}})
+               .value();
+    until([this] {
+      return far_->opened() && gateway().health(out_).matched == 1 && far_->health(0).matched == 1;
+    });
+  }
+  ~BetweenDevices() { gateway().remove(out_); }
+  BetweenDevices(const BetweenDevices&) = delete;
+  BetweenDevices& operator=(const BetweenDevices&) = delete;
+
+  void connect(PortBase& port) {
+    port.connect(link(port.direction() == PortDirection::out ? from_ : to_), nullptr);
+  }
+  void settle() {
+    bell().rings.fetch_add(1);
+    os::futex_wake(bell().rings, channel::kGatewayBit);
+    const channel::LinkBlock& from = link(from_).block();
+    until([&] {
+      const std::uint64_t moved = gateway().health(out_).samples;
+      return from.taken.load() + from.overwritten.load() == from.written.load() &&
+             moved == from.taken.load() && link(to_).block().written.load() == moved;
+    });
+  }
+  [[nodiscard]] channel::Link at_reader() const { return link(to_); }
+  [[nodiscard]] std::uint64_t dropped() const {
+    return link(from_).block().overwritten.load() + link(to_).block().overwritten.load();
+  }
+  [[nodiscard]] std::uint64_t unfit() const { return link(from_).block().unfit.load(); }
+
+ private:
+  static int domain() { return dds_test::domain() + 20; }
+  static channel::Link link(const os::SharedMemory& memory) { return channel::Link{memory.data()}; }
+  static os::SharedMemory& bell_memory() {
+    static os::SharedMemory memory = os::SharedMemory::create("takt-bell", sizeof(channel::Bell)).value();
+    return memory;
+  }
+  static channel::Bell& bell() { return *reinterpret_cast<channel::Bell*>(bell_memory().data()); }
+  // For all tests of the process: it may have one participant.
+  static dds::Gateway& gateway() {
+    static const auto made =
+        dds::Gateway::create(
+            dds::Participant::create(
+                {.name = "ports_test", .domain = domain(), .discovery = {}, .interfaces = {"127.0.0.1"}})
+                .value(),
+            bell())
+            .value();
+    return *made;
+  }
+  template <class Condition>
+  void until(Condition condition) {
+    const Instant end = os::now() + std::chrono::seconds{20};
+    while (!condition()) {
+      if (far_) far_->step(os::now());
+      ASSERT_LT(os::now(), end) << "it does not settle";
+      std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    }
+  }
+
+  static inline std::uint32_t made_ = 0;
+  os::SharedMemory from_;
+  os::SharedMemory to_;
+  dds::Gateway::FlowId out_ = 0;
+  std::unique_ptr<node::FarGateway> far_;
+};
+
+/// A module with an output, or with an input, that runs at a time.
+struct Writer {
+  Writer() { out.serve(context); }
+  Written write(std::uint64_t number, std::int64_t start_ns = 1000) {
+    context.start_ns = start_ns;
+    fill(sample, number);
+    return out.write(sample);
+  }
+  PortContext context;
+  Sample sample;
+  OutPort<Sample> out{"out"};
+};
+struct Reader {
+  Reader() { in.serve(context); }
+  std::vector<std::uint64_t> read_all() {
+    std::vector<std::uint64_t> numbers;
+    while (in.read()) numbers.push_back(is_whole(in.value()) ? in.value().number() : 0);
+    return numbers;
+  }
+  PortContext context;
+  InPort<Sample> in{"in"};
+};
+using Numbers = std::vector<std::uint64_t>;
+
+using Ways = testing::Types<InHost, Ring, BetweenDevices>;
+
+}  // namespace takt

@@ -1,0 +1,190 @@
+// A device that runs for real, on whose real-time threads every allocation, lock and system call is counted.
+// The product knows nothing of the traps; a module's run() sets them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <takt/channel/flight_record.hpp>
+#include <takt/channel/layout.hpp>
+#include <takt/channel/seat.hpp>
+#include <takt/host/executor_threads.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/futex.hpp>
+#include <takt/schedule/plan.hpp>
+
+#include "system_call_trap.hpp"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TAKT_SANITIZED 1
+#else
+#define TAKT_SANITIZED 0
+#endif
+
+namespace takt::host {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+/// Of the threads that are watched (watched.cpp).
+extern std::atomic<std::uint64_t> allocations;
+extern std::atomic<std::uint64_t> frees;
+extern std::atomic<std::uint64_t> locks;
+extern std::atomic<std::uint64_t> waits;
+/// The calling thread is, from now on; false: it was already.
+bool watch();
+
+class Script final : public executor::Body {
+ public:
+  executor::Outcome run(const Cycle& cycle) noexcept override {
+    if (on_run) on_run(cycle);
+    return {};
+  }
+  executor::Outcome condition(const Cycle&, bool* ready) noexcept override {
+    *ready = ++asked % 3 == 0;
+    return {};
+  }
+  std::function<void(const Cycle&)> on_run;
+  std::uint64_t asked = 0;
+};
+
+/// A device that runs for real and records it: three thread modules, a sporadic one, and a program that
+/// sleeps on the bell after each body.
+class RealTimePath : public testing::Test {
+ protected:
+  static constexpr auto kPeriod = microseconds{500};
+  static constexpr std::size_t kSporadic = 3;
+  static constexpr std::size_t kProgram = 4;
+  static constexpr std::uint64_t kRecorded = 256;  // fewer than are made, so that entries are overwritten
+
+  void SetUp() override {
+    if (TAKT_SANITIZED != 0)
+      GTEST_SKIP() << "the sanitizer's own allocator, locks and system calls would be counted";
+    for (auto* counter : {&allocations, &frees, &locks, &waits}) counter->store(0);
+    model::Device device;
+    device.executors.emplace_back();
+    for (std::size_t i = 0; i < 5; ++i) {
+      model::Module module;
+      module.name = "m" + std::to_string(i);
+      module.executor = "main";
+      module.type = i == kProgram ? model::ModuleType::process : model::ModuleType::thread;
+      module.operation = i == kSporadic ? model::Operation::sporadic : model::Operation::periodic;
+      if (i == kSporadic) {
+        module.deadline = milliseconds{10};
+      } else {
+        module.period = i == 2 ? kPeriod * 3 : kPeriod;
+      }
+      device.modules.push_back(module);
+      blocks[i].in_tables.store(1);
+    }
+    const auto plan = *schedule::plan(model::Cell{}, device);
+    record = std::move(*channel::FlightRecord::create({kRecorded, kRecorded}));
+    for (std::size_t ring = 0; ring < flight.size(); ++ring) flight[ring] = record.writer(ring);
+    seat.bell_bit = channel::bell_bit(0);
+    seat.phase.store(channel::SeatPhase::ready);
+    std::vector<executor::Unit> periodic;
+    for (const std::uint32_t i : plan.executors[0].periodic) {
+      periodic.push_back({.index = i,
+                          .body = i == kProgram                   ? nullptr
+                                  : replaced == nullptr || i != 1 ? &bodies[i]
+                                                                  : replaced,
+                          .seat = i == kProgram ? &seat : nullptr,
+                          .block = &blocks[i],
+                          .period = *device.modules[i].period});
+    }
+    std::vector<executor::Unit> sporadic{{.index = kSporadic,
+                                          .body = &bodies[kSporadic],
+                                          .block = &blocks[kSporadic],
+                                          .deadline = milliseconds{10}}};
+    threads = std::make_unique<ExecutorThreads>(device.executors[0], plan.executors[0], periodic, sporadic,
+                                                *block, bell, executor::Flight{&flight[0], &flight[1]});
+    row_trap = std::make_unique<SystemCallTrap>([this] { return block->cycles.load(); });
+    sporadic_trap = std::make_unique<SystemCallTrap>([this] { return blocks[kSporadic].cycles.load(); });
+    set_at_first_run(0, *row_trap);
+    set_at_first_run(kSporadic, *sporadic_trap);
+  }
+
+  /// From the module's first run() on, its thread is watched.
+  void set_at_first_run(std::size_t module, SystemCallTrap& trap) {
+    bodies[module].on_run = [this, &trap](const Cycle&) {
+      if (!watch()) return;
+      if (const int error = trap.arm(); error != 0) refused = error;
+    };
+  }
+
+  /// Runs the device until it has made this many cycles, and takes away what was seen until then.
+  void run(std::uint64_t cycles) {
+    std::thread program{[this] { serve(); }};
+    Problems problems;
+    const auto begun = threads->begin(os::now() + milliseconds{20}, {os::allowed_cpus().back()}, &problems);
+    EXPECT_TRUE(begun.ok());
+    for (const Problem& problem : problems) GTEST_LOG_(WARNING) << to_text(problem);
+    const Instant limit = os::now() + std::chrono::seconds{60};
+    while (block->cycles.load() < cycles && refused == 0 && os::now() < limit) {
+      std::this_thread::sleep_for(milliseconds{10});
+    }
+    row_calls = row_trap->calls();
+    sporadic_calls = sporadic_trap->calls();
+    seen = {{"allocations", allocations}, {"frees", frees}, {"locks", locks}, {"waits", waits}};
+    threads->ask_to_halt();
+    threads->join();
+    seat.end.store(1);
+    bell.rings.fetch_add(1);
+    os::futex_wake(bell.rings, ~0U);
+    program.join();
+    ASSERT_EQ(refused, 0)
+        << "seccomp user notification is refused here (" << std::strerror(refused)
+        << "), so nothing is proved; allow seccomp(SECCOMP_SET_MODE_FILTER) with a listener";
+    ASSERT_GE(block->cycles.load(), cycles);
+  }
+
+  void serve() {
+    std::uint32_t taken = 0;
+    while (seat.end.load() == 0) {
+      seat.done.store(taken);
+      const std::uint32_t rings = bell.rings.load();
+      seat.sleeping.store(1);
+      if (seat.released.load() == taken && seat.end.load() == 0)
+        os::futex_wait(bell.rings, rings, seat.bell_bit);
+      seat.sleeping.store(0);
+      taken = seat.released.load();
+    }
+  }
+
+  static bool is_futex(const SystemCall& call, int operation, const void* from, std::size_t size) {
+    const auto first = reinterpret_cast<std::uintptr_t>(from);
+    return call.number == SYS_futex && (static_cast<int>(call.arguments[1]) & FUTEX_CMD_MASK) == operation &&
+           call.arguments[0] >= first && call.arguments[0] < first + size;
+  }
+
+  std::array<Script, 5> bodies;
+  executor::Body* replaced = nullptr;  // in place of bodies[1]
+  std::array<channel::ModuleBlock, 5> blocks{};
+  std::unique_ptr<channel::ExecutorBlock> block = std::make_unique<channel::ExecutorBlock>();
+  channel::Seat seat{};
+  channel::Bell bell{};
+  channel::FlightRecord record;
+  std::array<channel::FlightWriter, 2> flight;
+  std::unique_ptr<SystemCallTrap> row_trap;
+  std::unique_ptr<SystemCallTrap> sporadic_trap;
+  std::unique_ptr<ExecutorThreads> threads;  // ends before the traps of its threads do
+  std::atomic<int> refused{0};
+  std::vector<SystemCall> row_calls;
+  std::vector<SystemCall> sporadic_calls;
+  std::map<std::string, std::uint64_t> seen;
+};
+
+}  // namespace takt::host
