@@ -86,6 +86,7 @@ class Processes(takt_system.Case):
 
     def test_one_that_stays_in_its_body_is_ended_and_started_again_then_given_up(self):
         run = self.start("run", "stuck.xml", "--for", "4", "--json")
+        run.wait_for_state("stuck", "EXECUTING")  # before, it was started to say what it is
         pids = set()
         wait_until(lambda: pids.update(p.pid for p in run.processes("stuck.exe")) or len(pids) == 2, 10)
         run.wait()
