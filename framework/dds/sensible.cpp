@@ -106,7 +106,7 @@ bool make_sensible(FaultEvent& event) noexcept {
 bool make_sensible(Command& command) noexcept {
   clean(command.value());
   return is_part(command) && are_given(command.id(), command.device()) &&
-         exists(command.kind(), COMMAND_SWAP) &&
+         exists(command.kind(), COMMAND_PUT_BACK) &&
          are_names(command.id(), command.device(), command.node(), command.module_name(),
                    command.deployment(), command.property());
 }

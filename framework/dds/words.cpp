@@ -138,6 +138,14 @@ const char* to_text(CommandKind kind) noexcept {
       return "swap";
     case COMMAND_TRACE:
       return "trace";
+    case COMMAND_UPDATE:
+      return "update";
+    case COMMAND_CHANGE:
+      return "change";
+    case COMMAND_KEEP:
+      return "keep";
+    case COMMAND_PUT_BACK:
+      return "put back";
   }
   return "?";
 }

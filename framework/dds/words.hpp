@@ -40,5 +40,7 @@ std::string path_of(std::string_view cell, std::string_view device, std::string_
 inline constexpr std::string_view kNoCell = "-";
 /// Command::property of COMMAND_PREPARE: the device refuses where it cannot be real-time.
 inline constexpr const char* kRequireRealTime = "require-realtime";
+/// Reply::value of an update that is put back, where the device is as it was before.
+inline constexpr const char* kAsBefore = "as before";
 
 }  // namespace takt::dds

@@ -4,7 +4,7 @@
 
 #include <takt/dds/fault.hpp>
 #include <takt/dds/words.hpp>
-#include <takt/node/agent_deployment.hpp>
+#include <takt/node/agent_update.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/log.hpp>
 #include <takt/os/environment.hpp>
@@ -36,6 +36,7 @@ void Agent::end(bool at_once) {
   at_once_ |= at_once;
   if (ending_) return;
   ending_ = true;
+  drop_update("its node was told to end");
   if (!deployment_) return;
   if (deployment_->supervised)
     deployment_->supervised->stop();
@@ -64,6 +65,7 @@ void Agent::step() {
   look_at_supervised();
   look_at_description();
   look_at_swap();
+  look_at_update();
   tell_status();
   tell_measures();
   sieve_.step(options_.now());

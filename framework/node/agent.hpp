@@ -18,6 +18,7 @@
 #include <takt/dds/commands.hpp>
 #include <takt/dds/picture.hpp>
 #include <takt/model/cell.hpp>
+#include <takt/model/difference.hpp>
 #include <takt/model/fault.hpp>
 #include <takt/node/fault_record.hpp>
 #include <takt/node/fault_sieve.hpp>
@@ -83,6 +84,7 @@ class Agent {
 
  private:
   struct Deployment;
+  struct Update;
   struct WholeDevice;
 
   // Commands (agent_commands.cpp)
@@ -114,16 +116,48 @@ class Agent {
   void run(const dds::WholeCommand& command);
   void undeploy(const Command& command);
   void begin(std::unique_ptr<Deployment> deployment);
+  void bring_up();
   [[nodiscard]] Result<void> check_security(const model::Cell& cell) const;
   void look_at_inspection();
   void look_at_supervised();
   void refuse(const Problems& problems);
   void go(std::int64_t t0_wall_ns);
   void finish();
+  void keep_for_restart();
   void forget_kept();
   void clear();
   void stepped(const Step& step);
   [[nodiscard]] std::string occupied() const;
+
+  // Updates (agent_update.cpp)
+  void update(const dds::WholeCommand& command);
+  void change(const dds::WholeCommand& command);
+  void keep(const Command& command);
+  void put_back(const Command& command);
+  /// False where no such update is under way; that is answered then.
+  bool updates(const Command& command);
+  void complain(const Command& command, ReplyCode code, const Problems& problems,
+                const std::string& value = {});
+  Result<void> compare(Update& update) const;
+  void look_at_update();
+  void looked_at(const Result<Inspected>& result);
+  void judge_in_place(const Inspected& found);
+  [[nodiscard]] Result<void> may_change_in_place() const;
+  void changed();
+  void undo(const Problems& problems);
+  void undone();
+  /// Nothing of it is carried on: what it was about has ended.
+  void drop_update(const std::string& why);
+  // How they are carried out and put back (agent_change.cpp)
+  void tell(const model::ModuleChange& change, const std::string& value,
+            const std::function<void(const Outcome&)>& done);
+  void change_next();
+  void undo_last();
+  void begin_again(const Deployment& description);
+  /// The deployment that an update had to end has ended, or could not be brought up.
+  void taken_down(const Problems& problems);
+  void bring_back();
+  void brought_up();
 
   void watch_names();
   void watch_cell();
@@ -137,8 +171,9 @@ class Agent {
   Outlet& outlet_;
   dds::Picture others_;
   std::unique_ptr<Deployment> deployment_;
-  std::string clash_;    // who else has this name; empty: nobody
-  std::string last_id_;  // of the deployment that ended last, and what was said of it
+  std::shared_ptr<Update> update_;  // callbacks of its supervised device know whether it is still there
+  std::string clash_;               // who else has this name; empty: nobody
+  std::string last_id_;             // of the deployment that ended last, and what was said of it
   std::string last_data_;
   std::string last_refusal_;  // why a deployment could not be taken up again
   DeviceStatus told_;

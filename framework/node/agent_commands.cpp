@@ -10,7 +10,7 @@
 #include <takt/core/words.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/model/json.hpp>
-#include <takt/node/agent_deployment.hpp>
+#include <takt/node/agent_update.hpp>
 #include <takt/node/limits.hpp>
 #include <takt/node/problems_json.hpp>
 
@@ -78,6 +78,14 @@ void Agent::hear(const dds::WholeCommand& command) {
       return trace(head);
     case COMMAND_SWAP:
       return swap(head);
+    case COMMAND_UPDATE:
+      return update(command);
+    case COMMAND_CHANGE:
+      return change(command);
+    case COMMAND_KEEP:
+      return keep(head);
+    case COMMAND_PUT_BACK:
+      return put_back(head);
   }
   answer(head, REPLY_REFUSED,
          "this node does not know the command '" + std::to_string(static_cast<std::uint32_t>(head.kind())) +
@@ -88,6 +96,7 @@ void Agent::report(const Command& command) {
   // Who prepares a cell asks for as long as its other devices take.
   if (deployment_ && deployment_->ready_since && deployment_->id == command.deployment().to_string())
     deployment_->ready_since = options_.now();
+  if (update_ && update_->after->id == command.deployment().to_string()) update_->heard = options_.now();
   json report{{"name", options_.device},
               {"alive", true},
               {"real_time", options_.real_time},
@@ -219,7 +228,13 @@ void Agent::property(const Command& command) {
   if (command.kind() == COMMAND_GET) {
     deployment_->supervised->get(*module, name, done);
   } else {
-    deployment_->supervised->set(*module, name, command.value().to_string(), done);
+    const auto set = [this, command, name, done](const Outcome& outcome) {
+      const std::string value = command.value().to_string();
+      if (outcome.code == REPLY_OK && deployment_)
+        deployment_->set[command.module_name().to_string()][name] = value;
+      done(outcome);
+    };
+    deployment_->supervised->set(*module, name, command.value().to_string(), set);
   }
 }
 
@@ -268,6 +283,10 @@ void Agent::swap(const Command& command) {
   const auto module = module_of(command);
   if (!module) return;
   Deployment& d = *deployment_;
+  if (update_) {
+    answer(command, REPLY_REFUSED, "device " + options_.device + " is just being updated; ask again");
+    return;
+  }
   if (d.swap) {
     answer(command, REPLY_REFUSED,
            "device " + options_.device + " is still swapping " + d.swap->module_name().to_string() +
@@ -306,11 +325,12 @@ void Agent::look_at_swap() {
     return;
   }
   const std::string path = (*result)->paths.at(0);
-  d.supervised->swap(*module, path, [this, path](const Outcome& outcome) {
+  d.supervised->swap(*module, path, [this, path, index = *module](const Outcome& outcome) {
     Deployment& swapped = *deployment_;
     const Command command = *std::exchange(swapped.swap, std::nullopt);
     if (outcome.code == REPLY_OK) {
       swapped.swapped[command.module_name().to_string()] = path;
+      swapped.found.paths.at(index) = path;
       swapped.description.clear();
     }
     const bool ok = outcome.code == REPLY_OK;

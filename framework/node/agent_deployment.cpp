@@ -1,5 +1,5 @@
 // From a descriptor that was sent to a device that runs, and back.
-#include <takt/node/agent_deployment.hpp>
+#include <takt/node/agent_update.hpp>
 
 #include <algorithm>
 
@@ -39,18 +39,35 @@ Result<Found> find(const std::string& text, const std::string& file, const std::
   return Found{std::move(*cell), index};
 }
 
-std::string ports_of(const model::Device& device, const std::vector<model::ModulePorts>& ports) {
+}  // namespace
+
+nlohmann::ordered_json Agent::Deployment::ports_of(const model::Device& device, const Inspected& found) {
   using json = nlohmann::ordered_json;
   json modules = json::array();
   for (std::size_t i = 0; i < device.modules.size(); ++i) {
-    const bool known = i < ports.size() && ports[i];
-    modules.push_back({{"name", device.modules[i].name},
-                       {"ports", known ? model::parse_json(model::ports_json(*ports[i])) : json(nullptr)}});
+    const bool known = i < found.ports.size() && found.ports[i];
+    modules.push_back(
+        {{"name", device.modules[i].name},
+         {"ports", known ? model::parse_json(model::ports_json(*found.ports[i])) : json(nullptr)}});
   }
-  return model::json_text({{"modules", modules}});
+  return {{"modules", modules}};
 }
 
-}  // namespace
+std::unique_ptr<Agent::Deployment> Agent::Deployment::afresh() const {
+  auto again = std::make_unique<Deployment>();
+  again->id = id;
+  again->file = file;
+  again->text = text;
+  again->require_real_time = require_real_time;
+  again->cell = cell;
+  again->device = device;
+  again->found = found;
+  again->swapped = swapped;
+  again->set = set;
+  again->t0_wall_ns = t0_wall_ns;
+  again->safe = safe;
+  return again;
+}
 
 // Why there can be no other deployment now.
 std::string Agent::occupied() const {
@@ -76,9 +93,14 @@ void Agent::prepare(const dds::WholeCommand& command) {
     answer(head, REPLY_REFUSED, "the node of device " + options_.device + " is ending");
     return;
   }
+  if (update_) {
+    answer(head, REPLY_REFUSED, "device " + options_.device + " is just being updated; ask again");
+    return;
+  }
   if (deployment_ && deployment_->id == id && !deployment_->over && deployment_->undeployers.empty()) {
     if (deployment_->ready_since)
-      answer(head, REPLY_OK, "", deployment_->ports);
+      answer(head, REPLY_OK, "",
+             model::json_text(Deployment::ports_of(deployment_->of_device(), deployment_->found)));
     else
       deployment_->preparers.push_back(head);
     return;
@@ -147,8 +169,12 @@ void Agent::look_at_inspection() {
     refuse(result->problems());
     return;
   }
+  deployment_->found = **result;
+  bring_up();
+}
+
+void Agent::bring_up() {
   Deployment& d = *deployment_;
-  d.ports = ports_of(d.of_device(), (*result)->ports);
   for (const model::Module& module : d.of_device().modules) {
     LifecycleStatus status;
     dds::set(status.path(), dds::path_of(d.cell.name, options_.device, module.name));
@@ -162,11 +188,15 @@ void Agent::look_at_inspection() {
     outlet_.say(status);
     d.modules.push_back(status);
   }
+  model::Cell cell = d.cell;
+  for (model::Module& module : cell.devices[d.device].modules) {
+    for (const auto& [name, value] : d.set[module.name]) model::give_property(module, name, value);
+  }
   d.supervised = workshop_.supervise(
-      {.cell = d.cell,
+      {.cell = std::move(cell),
        .device = d.device,
-       .paths = (*result)->paths,
-       .ports = (*result)->ports,
+       .paths = d.found.paths,
+       .ports = d.found.ports,
        .require_real_time = d.require_real_time,
        .stepped = [this](const Step& step) { stepped(step); },
        .noted = [this](model::Fault fault, const std::string& origin) { note(std::move(fault), origin); },
@@ -191,6 +221,10 @@ void Agent::stepped(const Step& step) {
 
 // The deployment could not be brought up; nothing of it is left.
 void Agent::refuse(const Problems& problems) {
+  if (update_ && update_->in_transit()) {
+    taken_down(problems);
+    return;
+  }
   if (deployment_->preparers.empty()) {
     log("cell " + deployment_->cell.name + " could not be taken up again: " + in_words(problems));
     last_refusal_ = to_text(problems[0]);
@@ -213,9 +247,11 @@ void Agent::look_at_supervised() {
     case Phase::ready:
       if (!d.ready_since) {
         d.ready_since = options_.now();
-        for (const Command& preparer : d.preparers) answer(preparer, REPLY_OK, "", d.ports);
+        for (const Command& preparer : d.preparers)
+          answer(preparer, REPLY_OK, "", model::json_text(Deployment::ports_of(d.of_device(), d.found)));
         d.preparers.clear();
         if (d.t0_wall_ns) go(*d.t0_wall_ns);
+        if (update_ && update_->in_transit()) brought_up();
       } else if (options_.now() - *d.ready_since > kRunAwaited) {
         d.undone = "nobody said when it is to run, within " + takt::to_text(kRunAwaited);
         log("cell " + d.cell.name + " is undone: " + d.undone);
@@ -266,12 +302,17 @@ void Agent::go(std::int64_t t0_wall_ns) {
   d.supervised->give_safe(model::parse_safe(d.safe));
   d.supervised->go(options_.instant_of_wall(t0_wall_ns));
   note({.kind = model::FaultKind::deployed, .cause = "cell " + d.cell.name + " runs, from " + d.file});
+  if (!update_) keep_for_restart();
+}
+
+void Agent::keep_for_restart() {
   if (!options_.file) return;
+  const Deployment& d = *deployment_;
   const auto kept = options_.file->keep({.id = d.id,
                                          .file = d.file,
                                          .text = d.text,
                                          .require_real_time = d.require_real_time,
-                                         .t0_ns = t0_wall_ns,
+                                         .t0_ns = *d.t0_wall_ns,
                                          .safe = d.safe});
   if (!kept) log("warning: cell " + d.cell.name + " is not kept for a restart: " + in_words(kept.problems()));
 }
@@ -283,6 +324,7 @@ void Agent::undeploy(const Command& command) {
            "device " + options_.device + " has another deployment, of cell " + deployment_->cell.name);
     return;
   }
+  drop_update("it was undeployed");
   if (!deployment_) {
     forget_kept();
     last_refusal_.clear();
@@ -307,6 +349,7 @@ void Agent::finish() {
   const bool started = d.ready_since.has_value();
   const std::vector<Command> preparers = std::move(d.preparers);
   const std::vector<Command> undeployers = std::move(d.undeployers);
+  const bool in_transit = update_ && update_->in_transit();
   ended_at_ = options_.now();
   nlohmann::ordered_json texts = nlohmann::ordered_json::array();
   for (const Problem& problem : failures) texts.push_back(to_text(problem));
@@ -322,11 +365,19 @@ void Agent::finish() {
                    (!failures.empty()      ? ": " + in_words({failures[0]})
                     : !undeployers.empty() ? ", as it was told to"
                     : !d.undone.empty()    ? ": " + d.undone
+                    : in_transit           ? ": it is being changed"
                     : ending_              ? ": its node is ending"
                                            : "")});
   }
   devices_seen_.clear();
+  if (in_transit) {
+    taken_down(failures);
+    return;
+  }
   if (undeployers.empty() && started && d.undone.empty()) {
+    // What was brought up anew can still be put back.
+    if (update_ && !update_->is_after)
+      drop_update("the device has ended" + (failures.empty() ? "" : ": " + in_words({failures[0]})));
     d.over = true;
     return;
   }

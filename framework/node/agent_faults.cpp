@@ -20,10 +20,11 @@ namespace {
 /// "robot.servo: stop", "set gain = 2": what somebody asked for.
 std::string wish_of(const Command& command) {
   std::string text = takt::to_text(command.kind());
-  if (command.property().size() != 0 && command.kind() != COMMAND_PREPARE)
+  if (command.kind() == COMMAND_GET || command.kind() == COMMAND_SET || command.kind() == COMMAND_TAP)
     text += " " + command.property().to_string();
   if (command.kind() == COMMAND_SET) text += " = " + command.value().to_string();
-  if (command.kind() == COMMAND_SWAP) text += " to " + command.value().to_string();
+  if (command.kind() == COMMAND_SWAP || command.kind() == COMMAND_UPDATE)
+    text += " to " + command.value().to_string();
   return text;
 }
 

@@ -15,6 +15,7 @@
 #include <takt/core/check.hpp>
 #include <takt/dds/assembly.hpp>
 #include <takt/dds/sensible.hpp>
+#include <takt/descriptor/descriptor.hpp>
 
 #include "bytes.hpp"
 #include "tests/unit/node/fake_device.hpp"
@@ -91,7 +92,7 @@ class Play {
       case 't':
         return device_.pass(std::chrono::milliseconds{1U << bytes_.take<std::uint8_t>() % 16});
       case 'i':
-        return inspected(node::Inspected{.paths = {"/servo.so", "/arm.so"}, .description = "{}"});
+        return inspected(found());
       case 'f':
         return inspected(fail("a component is missing", "build it"));
       case 'r':
@@ -134,6 +135,19 @@ class Play {
     device_.agent.step();
   }
 
+  // As the real one finds it: a file for each module.
+  [[nodiscard]] node::Inspected found() const {
+    node::Inspected inspected{
+        .paths = {}, .description = R"({"modules":[{"name":"servo","properties":[{"name":"gain"}]}]})"};
+    if (device_.work.inspections.empty()) return inspected;
+    const node::InspectionRequest& request = device_.work.inspections.back();
+    const auto cell = descriptor::parse(request.text, request.file);
+    for (const model::Device& device : cell ? cell->devices : std::vector<model::Device>{}) {
+      for (const model::Module& module : device.modules)
+        if (device.name == request.device) inspected.paths.push_back("/" + module.filename);
+    }
+    return inspected;
+  }
   void inspected(Result<node::Inspected> result) {
     device_.work.inspected = std::move(result);
     device_.agent.step();
@@ -142,6 +156,8 @@ class Play {
   // Only from one to a later one.
   void phase(node::Supervised::Phase to) {
     if (device_.work.supervised == 0 || device_.work.phase > to) return;
+    // Nothing that it was told stays without an outcome.
+    while (to == node::Supervised::Phase::ended && !device_.work.done.empty()) outcomes(REPLY_FAILED);
     device_.work.phase = to;
     device_.agent.step();
     if (device_.work.supervised == 0) device_.work.phase = node::Supervised::Phase::preparing;

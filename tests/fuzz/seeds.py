@@ -11,10 +11,10 @@ import sys
 
 NOW = 1_700_000_005_000_000_000
 (REPORT, DESCRIBE, PREPARE, RUN, UNDEPLOY, INITIALIZE, START, STOP, RECOVER, RESET, DESTRUCT, GET, SET, TAP, LOG,
- TRACE) = range(16)
+ TRACE, SWAP, UPDATE, CHANGE, KEEP, PUT_BACK) = range(21)
 CELL = """<cell name="cell"><device name="robot">
 <module><name>servo</name><filename>servo.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
-<period>1000000</period><priority>1</priority></module></device></cell>"""
+<period>1000000</period><priority>1</priority><property><value name="gain">1</value></property></module></device></cell>"""
 
 
 class Cdr:
@@ -79,6 +79,12 @@ def module(state):
 PREPARED = command(PREPARE, data=CELL.encode(), value="cell.xml")
 RUNNING = PREPARED + b"ir" + command(RUN, time=NOW + 5 * 10**8,
                                      data=json.dumps([{"device": "robot", "module": "servo", "port": "out", "safe": "{}"}]).encode())
+
+
+def update(gain):
+    return command(UPDATE, data=CELL.replace('"gain">1', gain).encode(), name="u", value="cell.xml")
+
+
 COMMANDS = {
     "report": command(REPORT) + command(REPORT, order=">"),
     "run": RUNNING + b"t\x0a" + command(UNDEPLOY) + b"e",
@@ -95,6 +101,15 @@ COMMANDS = {
     "others": RUNNING + device(3) + module(3) + b"t\x0a" + command(REPORT) + b"l" + device(5, health=2, stops=True) + b"g",
     "namesake": device(0, name="robot", deployment="") + command(PREPARE, data=CELL.encode()),
     "never": PREPARED + b"ir" + b"t\x0f" + b"t\x0f" + b"e",
+    "swap": RUNNING + command(SWAP, module="servo", value="servo2.so") + b"i" + b"o\0",
+    "in_place": RUNNING + update('"gain">2').replace(b"servo.so", b"serv2.so") + b"i" + command(CHANGE, name="u") + b"o\0" * 3 +
+    command(KEEP, name="u") + command(REPORT),
+    "put_back": RUNNING + update('"gain">2') + b"i" + command(CHANGE, name="u") + b"o\0" * 2 + command(PUT_BACK, name="u") + b"o\0",
+    "failing": RUNNING + update('"gain">2') + b"i" + command(CHANGE, name="u") + b"o\1",
+    "anew": RUNNING + update('"other">1') + b"i" + command(CHANGE, name="u") + b"er" + command(KEEP, name="u") + b"e",
+    "anew_fails": RUNNING + update('"other">1') + b"i" + command(CHANGE, name="u") + b"eer" + command(PUT_BACK, name="u"),
+    "added": update('"gain">1') + b"i" + command(CHANGE, name="u", time=NOW) + b"r" + command(PUT_BACK, name="u") + b"e",
+    "forgotten": RUNNING + update('"gain">2') + b"i" + b"t\x0f" + command(CHANGE, name="u"),
 }
 
 # ---- What kept_fuzz reads

@@ -45,6 +45,8 @@ struct Work {
   std::vector<model::SafeOutput> safe;
   bool told_to_stop = false;
   int supervised = 0;  ///< alive
+  model::Cell cell;    ///< of the newest
+  host::ComponentPaths paths;
   std::function<void(const Step&)> stepped;
   std::function<void(model::Fault, const std::string&)> noted;
   std::vector<std::pair<std::uint32_t, Verb>> orders;
@@ -70,6 +72,9 @@ class FakeSupervised final : public Supervised {
  public:
   FakeSupervised(Work& work, const Supervisor::Options& options) : work_(work) {
     ++work_.supervised;
+    work_.phase = Phase::preparing;
+    work_.cell = options.cell;
+    work_.paths = options.paths;
     work_.stepped = options.stepped;
     work_.noted = options.noted;
   }
