@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/client/deploy.hpp>
+#include <takt/client/update.hpp>
 #include <takt/os/signals.hpp>
 
 #include "client.hpp"
@@ -21,7 +22,26 @@ struct DeployOptions {
   std::string file;
   Network network;
   bool require_real_time = false;
+  bool update = false;
 };
+
+void say(const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); }
+
+int update(client::Operator& asker, const Loaded& loaded, const std::function<bool()>& cancelled) {
+  bool printed = true;
+  const auto updated = client::update(asker, loaded.cell, loaded.text,
+                                      {.progress = say,
+                                       .differs =
+                                           [&printed](const std::vector<std::string>& lines) {
+                                             for (const std::string& line : lines)
+                                               printed = print(line + "\n") && printed;
+                                           },
+                                       .cancelled = cancelled});
+  if (updated.problems.empty()) return print(updated.outcome + "\n") && printed ? 0 : 1;
+  complain(updated.problems);
+  std::fprintf(stderr, "%s\n", updated.outcome.c_str());
+  return 1;
+}
 
 int deploy(const DeployOptions& options) {
   const auto loaded = load_remote(options.file);
@@ -35,17 +55,17 @@ int deploy(const DeployOptions& options) {
     complain(signals ? client.problems() : signals.problems());
     return 1;
   }
-  bool cancelled = false;
-  const auto deployed = client::deploy(
-      *client->asker, loaded->cell, loaded->text,
-      {.require_real_time = options.require_real_time,
-       .process_ids = {},
-       .progress = [](const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); },
-       .cancelled =
-           [&] {
-             while (signals->next()) cancelled = true;
-             return cancelled;
-           }});
+  bool told_to_end = false;
+  const auto cancelled = [&] {
+    while (signals->next()) told_to_end = true;
+    return told_to_end;
+  };
+  if (options.update) return update(*client->asker, *loaded, cancelled);
+  const auto deployed = client::deploy(*client->asker, loaded->cell, loaded->text,
+                                       {.require_real_time = options.require_real_time,
+                                        .process_ids = {},
+                                        .progress = say,
+                                        .cancelled = cancelled});
   if (!deployed) {
     complain(deployed.problems());
     std::fprintf(stderr, "cell %s was not deployed; nothing was changed\n", loaded->cell.name.c_str());
@@ -99,9 +119,19 @@ void add_deploy(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand(
       "deploy", "Run a cell on the nodes of the network: on all of its devices or on none");
   command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
-  command->add_flag("--require-realtime", options->require_real_time,
-                    "refuse where a device's system refuses real-time scheduling");
+  auto* require = command->add_flag("--require-realtime", options->require_real_time,
+                                    "refuse where a device's system refuses real-time scheduling");
+  command
+      ->add_flag("--update", options->update,
+                 "the cell runs: change only what differs, on all of its devices or on none")
+      ->excludes(require);
   add_network_options(*command, options->network);
+  command->footer(
+      "--update does what can be done while a module runs: sets properties, and swaps the file of a "
+      "periodic\n"
+      "thread module. A device on which anything else differs is taken down and brought up anew, on the "
+      "same\n"
+      "time grid. The other devices run on.");
   command->callback([options, &chosen] { chosen = [options] { return deploy(*options); }; });
 }
 
