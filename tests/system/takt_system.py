@@ -423,8 +423,13 @@ class Case(unittest.TestCase):
         except AssertionError:
             self.fail("left behind: %s" % left())
         if run._seen:
-            holders = [p for p in _pids() if Process(p, "", []).memories() & run._seen]
-            self.assertEqual([], holders, "processes that hold shared memory of a run that is over")
+            # A process that is ending has no environment any more before it closes its files.
+            def holders():
+                return [p for p in _pids() if Process(p, "", []).memories() & run._seen]
+            try:
+                wait_until(lambda: not holders(), limit)
+            except AssertionError:
+                self.fail("processes that hold shared memory of a run that is over: %s" % holders())
         new = {name for name in os.listdir("/dev/shm") if "takt" in name} - self._shared_before
         self.assertEqual(set(), new, "left in /dev/shm")
 
