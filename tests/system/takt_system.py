@@ -48,6 +48,11 @@ class Process(namedtuple("Process", "pid program arguments")):
     def alive(self):
         return _read(self.pid, "cmdline") != b""  # a zombie has none
 
+    def parent(self):
+        """Its pid; 0 where it has ended."""
+        stat = _read(self.pid, "stat")
+        return int(stat.rsplit(b")", 1)[1].split()[1]) if stat else 0
+
     def threads(self):
         try:
             return len(os.listdir("/proc/%d/task" % self.pid))
@@ -147,26 +152,32 @@ class Run:
     # While it runs
 
     def processes(self, program=None):
-        """Of this run, whoever their parent is. Never a zombie."""
+        """Of this run, whoever their parent is. Never a zombie, and never a copy of its parent: what is between fork and exec."""
         wanted = ("%s=%s" % (MARK, self.mark)).encode()
-        found = []
+        all_of_it = {}
         for pid in _pids():
             if wanted not in _read(pid, "environ").split(b"\0"):
                 continue
             arguments = [a.decode(errors="replace") for a in _read(pid, "cmdline").split(b"\0")[:-1]]
             if not arguments:
                 continue
-            process = Process(pid, os.path.basename(arguments[0]), arguments[1:])
+            all_of_it[pid] = Process(pid, os.path.basename(arguments[0]), arguments[1:])
+        found = []
+        for process in all_of_it.values():
+            parent = all_of_it.get(process.parent())
+            if parent is not None and process[1:] == parent[1:]:
+                continue
             if program is None or process.program == program:
                 found.append(process)
                 self._seen |= process.memories()
         return sorted(found)
 
     def one(self, program):
-        """The only process of this program."""
-        found = self.processes(program)
-        assert len(found) == 1, "there are %d processes %s" % (len(found), program)
-        return found[0]
+        """The only process of this program. One that is just in exec has no name yet."""
+        try:
+            return wait_until(lambda: (lambda found: found[0] if len(found) == 1 else None)(self.processes(program)), 2)
+        except AssertionError:
+            raise AssertionError("there are %d processes %s" % (len(self.processes(program)), program)) from None
 
     def wait_for_line(self, pattern, limit=15.0, after=0):
         """The first line of standard error from index `after` on that `pattern` is found in."""
