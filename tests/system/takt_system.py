@@ -91,19 +91,32 @@ def _pids():
     return [int(entry) for entry in os.listdir("/proc") if entry.isdigit()]
 
 
+_claims = []  # on domains, of the test that runs
+
+
 def free_domain():
-    """A DDS domain that no process of this machine is on: the first port of one that is used is taken."""
+    """A DDS domain that no process of this machine is on: the first port of one that is used is taken. No other test takes it
+    before release_domains(): between two programs of this one nobody is on it."""
     first, last = (int(n) for n in os.environ.get("TAKT_TEST_DOMAINS", "1-100").split("-"))
     domains = list(range(first, last + 1))
     random.shuffle(domains)
     for domain in domains:
+        claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
+                claim.bind("\0takt-test-domain-%d" % domain)  # a name without a file, gone with whoever has it
                 probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
-                return domain
             except OSError:
-                pass
+                claim.close()
+                continue
+        _claims.append(claim)
+        return domain
     raise AssertionError("no DDS domain of %d to %d is free" % (first, last))
+
+
+def release_domains():
+    while _claims:
+        _claims.pop().close()
 
 
 def wait_until(condition, limit=10.0, what="the condition"):
@@ -315,6 +328,7 @@ class Case(unittest.TestCase):
         self.assertTrue(os.path.exists(os.path.join(BIN, "takt")), "set TAKT_BIN to the folder of the programs")
         self.folder = tempfile.mkdtemp(prefix="takt-system-")
         self.runs = []
+        self.addCleanup(release_domains)
         self.domain = free_domain()
         self._shared_before = set(os.listdir("/dev/shm"))
 
