@@ -70,7 +70,7 @@ class Trace(takt_system.Case):
         self.assertEqual("takt trace 1", trace["otherData"]["format"])
         return spans
 
-    def trace(self, last=2):
+    def trace(self, last=20):
         run = self.takt("trace", "robot", "--last", str(last), "-o", "trace.json", "--json")
         self.assertEqual(0, run.status, run.err)
         trace = json.loads(self.read("trace.json"))
@@ -147,8 +147,10 @@ class Trace(takt_system.Case):
         os.kill(host, signal.SIGCONT)
         time.sleep(0.3)
         report, trace = self.trace()
-        late = max(self.caused(report, trace, "preemption"), key=lambda e: e["args"]["begins_late_us"])
-        self.assertIn("stopped by a signal", late["args"]["why"])
+        # The machine may have taken its processor away as well, and for longer.
+        stopped = [e for e in self.caused(report, trace, "preemption") if "stopped by a signal" in e["args"]["why"]]
+        self.assertTrue(stopped, report)
+        late = max(stopped, key=lambda e: e["args"]["begins_late_us"])
         self.assertGreater(late["args"]["missed"], 20)
         self.end({"robot": node})
 
