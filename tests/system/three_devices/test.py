@@ -12,7 +12,7 @@ DEVICES = {"robot": ["grid", "program"], "line": ["grid", "sporadic"], "station"
 
 class ThreeDevices(takt_system.Case):
     def test_all_run_from_one_instant(self):
-        run = self.start("run", "cell.xml", "--for", "1", "--json")
+        run = self.start("run", "cell.xml", "--for", "3", "--json")
         run.wait_for_state("monitoring", "EXECUTING")
         nodes = run.processes("takt-node")
         self.assertEqual(sorted(DEVICES), sorted(node.arguments[node.arguments.index("--device") + 1] for node in nodes))
@@ -43,7 +43,7 @@ class ThreeDevices(takt_system.Case):
             self.assert_grid(run, module, every=every, executor=executor, device=device)
 
     def test_if_one_refuses_none_runs(self):
-        run = self.takt("run", "one_refuses.xml", "--for", "5", "--json", limit=15)
+        run = self.takt("run", "one_refuses.xml", "--for", "5", "--json", limit=30)
         self.assert_refused(run)
         self.assertEqual(["module line.bad: error: initialize() failed: threw: initialize() threw as it was asked to"], run.other_lines)
         for device in run.report["devices"]:
@@ -57,11 +57,11 @@ class ThreeDevices(takt_system.Case):
         run.wait_for_state("monitoring", "EXECUTING")
         line = next(node for node in run.processes("takt-node") if "line" in node.arguments)
         line.kill()
-        wait_until(lambda: len(run.processes("takt-host")) == 2, 5, "the end of its host")
+        wait_until(lambda: len(run.processes("takt-host")) == 2, 15, "the end of its host")
         self.assertEqual(2, len(run.processes("takt-node")))
         self.assertIsNone(run.status)
         run.signal(signal.SIGINT)
-        run.wait(10)
+        run.wait(20)
         self.assertEqual(1, run.status)
         self.assertEqual(["device line: error: its node was killed by SIGKILL (Killed)"], run.other_lines)
         self.assertEqual([True, False, True], [d["alive"] for d in run.report["devices"]])
