@@ -11,7 +11,7 @@ AGAIN = ["RECOVER", "EXECUTING"]
 
 class NonReal(takt_system.Case):
     def test_threads_and_programs_beside_the_tables(self):
-        run = self.takt("run", "cell.xml", "--for", "1", "--json")
+        run = self.takt("run", "cell.xml", "--for", "4", "--json")
         self.assertEqual(1, run.status, run.err)
         modules = run.modules()
 
@@ -51,7 +51,7 @@ class NonReal(takt_system.Case):
             self.assertGreater(int(run.printed(module)[0].split()[1]), t0)
 
     def test_one_that_never_returns_does_not_hold_up_the_end(self):
-        run = self.takt("run", "endless.xml", "--for", "0.5", "--json", limit=15)
+        run = self.takt("run", "endless.xml", "--for", "2", "--json", limit=30)
         self.assertEqual(1, run.status)
         self.assertEqual(["module endless.endless: error: run() did not return within 2 s, so the host was ended"],
                          run.other_lines)
