@@ -8,7 +8,7 @@ import takt_system
 
 class Output(takt_system.Case):
     def test_lines_are_shown_with_the_name_of_their_module(self):
-        run = self.takt("run", "cell.xml", "--for", "0.5", "--json")
+        run = self.takt("run", "cell.xml", "--for", "2", "--json")
         self.assertEqual(0, run.status, run.err)
         self.assertEqual("cell", run.report["cell"])
         self.assertEqual(1, len(run.out.splitlines()))
