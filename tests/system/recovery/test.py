@@ -31,7 +31,7 @@ class Recovery(takt_system.Case):
                 self.assertGreaterEqual((line.at - before) % 86400, seconds - 0.0015, line)  # the times are cut to 1 ms
 
     def test_a_module_recovers_and_runs_again(self):
-        run = self.takt("run", "recovers.xml", "--for", "1.2", "--json")
+        run = self.takt("run", "recovers.xml", "--for", "2.5", "--json")
         modules = run.modules()
         # Why, and the number that error() is told.
         reasons = {
@@ -69,7 +69,7 @@ class Recovery(takt_system.Case):
                       "or give it more attempts in <recovery>", run.other_lines)
 
     def test_a_module_that_cannot_recover_is_given_up(self):
-        run = self.takt("run", "gives_up.xml", "--for", "1", "--json")
+        run = self.takt("run", "gives_up.xml", "--for", "3", "--json")
         self.assertEqual(1, run.status)
         modules = run.modules()
         threw = "recover() failed: recover() failed as it was asked to"
@@ -92,7 +92,7 @@ class Recovery(takt_system.Case):
         self.assert_others_unaffected(run)
 
     def test_a_module_that_the_device_cannot_do_without_ends_it(self):
-        run = self.takt("run", "stop_device.xml", "--for", "60", "--json", limit=20)
+        run = self.takt("run", "stop_device.xml", "--for", "60", "--json", limit=40)
         self.assertEqual(1, run.status)
         self.assertEqual(STARTED + AGAIN + ["RECOVER", "DESTRUCT"], run.states("needed"))
         self.assertEqual(1, len(run.other_lines), run.other_lines)
