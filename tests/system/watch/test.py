@@ -137,7 +137,7 @@ class Watch(takt_system.Case):
         self.finish()
 
     def test_however_it_ends_the_terminal_is_restored(self):
-        terminals = [self.open(*arguments) for arguments in ((), (), (), ("--for", "1"))]
+        terminals = [self.open(*arguments) for arguments in ((), (), (), ("--for", "3"))]
         for terminal, _ in terminals:
             terminal.wait_for("no device")
         ways = (lambda: terminals[0][0].press("\x03"), lambda: terminals[1][1].signal(signal.SIGTERM),
@@ -152,7 +152,10 @@ class Watch(takt_system.Case):
 
     def test_without_a_terminal_a_line_is_printed_for_each_transition(self):
         run = self.start("watch")
-        self.cell()
+        self.running = self.nodes("robot", "line")
+        for device in self.running:  # who comes later is told the last transition alone
+            run.wait_for_out(r"^\S+ %s: waiting" % device)
+        self.deploy("cell.xml")
         for module in ("robot.grid", "robot.program", "line.fails"):
             for step in ("IDLE -> INITIALIZE", "INITIALIZE -> START", "START -> EXECUTING"):
                 run.wait_for_out(r"^\d\d:\d\d:\d\d\.\d{3} %s: %s$" % (re.escape(module), step))
