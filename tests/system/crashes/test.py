@@ -1,26 +1,31 @@
 import os
 import re
+import signal
 import sys
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
-from takt_system import LIFE
+from takt_system import LIFE, wait_until
 
 STARTED = LIFE[:4]
 SEGV = r"the host was killed by SIGSEGV \(Segmentation fault\) in %s\(\)"
 
 
 class Crashes(takt_system.Case):
-    def crash(self, descriptor, reason, seconds="1", culprits=("culprit",)):
-        """Runs it, and checks all that holds whatever the crash was."""
-        run = self.start("run", descriptor + ".xml", "--for", seconds, "--json")
+    def crash(self, descriptor, reason, culprits=("culprit",)):
+        """Runs it until all have crashed and for a while after, and checks all that holds whatever the crash was."""
+        run = self.start("run", descriptor + ".xml", "--json")
         run.wait_for_state("program", "EXECUTING")
         node, program = run.one("takt-node").pid, run.one("grid.exe").pid
-        begun = len(run.raw)
         run.wait_for_line("the host is started again")
         self.assertEqual(node, run.one("takt-node").pid)
         self.assertEqual(program, run.one("grid.exe").pid)
-        run.wait_for_line(r"\.grid: START -> EXECUTING", after=begun)
+        for module in ("grid", "slower", "sporadic"):
+            wait_until(lambda: [s.target for s in run.steps(module)].count("EXECUTING") == 1 + len(culprits), 20,
+                       "%s to run in the last host" % module)
+        time.sleep(0.8)
+        run.signal(signal.SIGINT)
         run.wait()
 
         self.assertEqual(1, run.status, run.err)
@@ -74,7 +79,7 @@ class Crashes(takt_system.Case):
         self.crash("overflow", SEGV % "run")
 
     def test_endless_loop(self):
-        run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the host was ended", seconds="2.5")
+        run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the host was ended")
         self.assertGreaterEqual(run.executor()["missed"], 1000, "nobody walked the rows while it spun")
 
     def test_in_error_and_recover(self):
@@ -88,7 +93,7 @@ class Crashes(takt_system.Case):
         self.crash("background", SEGV % "run")
 
     def test_one_after_the_other(self):
-        self.crash("two", SEGV % "run", seconds="1.5", culprits=("first", "second"))
+        self.crash("two", SEGV % "run", culprits=("first", "second"))
 
     def test_in_initialize_and_start_refuses_the_device(self):
         for hook in ("initialize", "start"):
@@ -100,7 +105,7 @@ class Crashes(takt_system.Case):
                 self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
 
     def test_in_destruct_is_reported(self):
-        run = self.takt("run", "segv_in_destruct.xml", "--for", "0.3", "--json", limit=15)
+        run = self.takt("run", "segv_in_destruct.xml", "--for", "1", "--json", limit=15)
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, "(?m)^module segv_in_destruct.culprit: error: %s$" % (SEGV % "destruct"))
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
