@@ -1,6 +1,8 @@
 import os
 import re
+import signal
 import sys
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
@@ -9,9 +11,12 @@ from takt_system import LIFE
 
 class Copies(takt_system.Case):
     def test_each_module_counts_for_itself(self):
-        run = self.start("run", "counters.xml", "--for", "0.5", "--json")
-        run.wait_for_state("program_two", "EXECUTING")
+        run = self.start("run", "counters.xml", "--json")
+        for module in ("four", "sporadic_two", "program_two"):
+            run.wait_for_state(module, "EXECUTING")
         self.assertEqual(2, len(run.processes("fine.exe")))
+        time.sleep(0.5)
+        run.signal(signal.SIGINT)
         run.wait()
         self.assertEqual(0, run.status, run.err)
         modules = run.modules()
