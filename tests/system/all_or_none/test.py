@@ -6,7 +6,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
-from takt_system import LIFE
+from takt_system import LIFE, wait_until
 
 MODULE = """
     <module>
@@ -51,15 +51,16 @@ class AllOrNone(takt_system.Case):
         return "\n".join(self.running[device].raw[self.marks[device]:])
 
     def assert_nothing_runs(self):
-        """All nodes wait, and nothing is there but them."""
-        status = self.status_of()
-        self.assertEqual("-", status["cell"])
-        self.assertEqual({"robot": [], "line": []}, {d["name"]: d["modules"] for d in status["devices"]})
+        """All nodes wait, and nothing is there but them. The cell that they are of they say a moment after the answer."""
+        def free():
+            status = self.status_of()
+            return status["cell"] == "-" and {d["name"]: d["modules"] for d in status["devices"]} == {"robot": [], "line": []}
+        wait_until(free, 5, "all nodes to wait")
         self.assert_nothing_left_of_it()
 
     def assert_nothing_left_of_it(self):
         for device, node in self.running.items():
-            self.assertEqual(["takt-node"], [process.program for process in node.processes()])
+            wait_until(lambda: [process.program for process in node.processes()] == ["takt-node"], 5, "the node of %s to be alone" % device)
             self.assertNotIn("EXECUTING", self.said_since(device))
 
     def assert_refused_everywhere(self, run, cell, *patterns):
@@ -72,7 +73,13 @@ class AllOrNone(takt_system.Case):
         self.deploy("cell.xml")
         for device, node in self.running.items():
             node.wait_for_line(r" %s\.grid: START -> EXECUTING" % device, after=self.marks[device])
-        self.done("undeploy cell")
+        self.undeploy("cell")
+
+    def undeploy(self, cell):
+        """And hears the last of it, so that it is not taken to be said of the next."""
+        self.done("undeploy " + cell)
+        for device, node in self.running.items():
+            node.wait_for_line(": cell %s is undeployed$" % cell, after=self.marks[device])
         self.mark()
 
     def refuse(self, cell, *patterns, then_a_good_one=True):
@@ -180,7 +187,7 @@ class AllOrNone(takt_system.Case):
             status = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
             self.assertEqual(2, len(status))
             self.assertEqual(winners[0], self.status_of()["cell"])
-            self.done("undeploy " + winners[0])
+            self.undeploy(winners[0])
         print("of two cells at once ran: %s" % won)
         self.end(self.running)
 
