@@ -1,11 +1,10 @@
 import os
 import signal
 import sys
-import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
-from takt_system import LIFE, NEVER_RAN
+from takt_system import LIFE, NEVER_RAN, wait_until
 
 
 def reason(hook):
@@ -30,26 +29,35 @@ class Hangs(takt_system.Case):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
-        run.wait(8)
+        run.wait(20)
         self.assertIn("module initialize.culprit: error: %s" % reason("initialize"), run.other_lines)
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
+
+    @staticmethod
+    def is_pending(pid, number):
+        """Whether a signal was sent to the process, and it has not taken it yet."""
+        with open("/proc/%d/status" % pid) as file:
+            status = dict(line.split(":", 1) for line in file if ":" in line)
+        return int(status["ShdPnd"], 16) >> (number - 1) & 1
 
     def test_asked_twice_it_ends_at_once(self):
         run = self.start("run", "initialize.xml", "--json")
         run.wait_for_state("program", "INITIALIZE")
         run.signal(signal.SIGINT)
-        time.sleep(0.2)
+        wait_until(lambda: not self.is_pending(run.pid, signal.SIGINT), 3, "the first one to be taken")  # two that wait are one
         run.signal(signal.SIGINT)
-        run.wait(3)
+        run.wait(20)
         self.assertEqual(1, run.status)
         self.assertIn("device initialize: error: its node was killed by SIGKILL (Killed)", run.other_lines)
 
     def test_while_it_runs_and_at_its_end(self):
-        run = self.start("run", "running.xml", "--for", "11.5", "--json")
-        run.wait_for_line("after: recovery, attempt 1")
+        run = self.start("run", "running.xml", "--json")
+        run.wait_for_line("after: recovery, attempt 1", limit=30)
         host = run.one("takt-host")
         run.wait_for_line(r"in_recover: RECOVER -> DESTRUCT")
         self.assertEqual(host.pid, run.one("takt-host").pid)
+        run.wait_for_state("after", "DESTRUCT", limit=30)
+        run.signal(signal.SIGINT)
         run.wait(40)
         self.assertEqual(1, run.status)
         for module, hook in (("in_error", "error"), ("in_recover", "recover"), ("in_destruct", "destruct")):
