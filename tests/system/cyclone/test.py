@@ -4,13 +4,19 @@ TAKT_DDS_PEER is the program of tests/conformance/dds, TAKT_CYCLONE_PEER the one
 import json
 import os
 import subprocess
+import sys
 import tempfile
+import threading
 import time
 import unittest
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+
 PEER = os.environ["TAKT_DDS_PEER"]
 CYCLONE = os.environ["TAKT_CYCLONE_PEER"]
-DOMAIN = os.environ.get("TAKT_TEST_DOMAIN", "149")
+DOMAIN = os.environ.get("TAKT_TEST_DOMAIN") or str(takt_system.free_domain())
+KEPT = 32  # samples by either side: what is on its way when one of them stands still must not be more
 # Cyclone takes the first interface that is up and can multicast; nothing of this test leaves the machine.
 LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
 <AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
@@ -81,7 +87,7 @@ class Cyclone(unittest.TestCase):
         device = self.takt("device", "robot")
         self.takt("statistics", "servo")
         watch = self.cyclone("watch", "60")
-        modules, seen, lost = {}, {}, False
+        modules, seen, killed, gone = {}, {}, False, False
         for text in watch.lines():
             said = json.loads(text)
             if said["topic"] == "lifecycle" and "path" in said:
@@ -90,10 +96,12 @@ class Cyclone(unittest.TestCase):
                 seen.setdefault(said["topic"], []).append(said)
             if len(modules) == 12 and len(seen.get("device", [])) >= 5 and len(seen.get("statistics", [])) >= 3:
                 device.process.kill()
-            if said == {"topic": "device", "not_alive": 1}:
-                lost = True
+                killed = True
+            if said["topic"] == "device" and "not_alive" in said:
+                gone = said["not_alive"] == 1  # before, when the machine stood still for longer than its lease
+            if killed and gone:
                 break
-        self.assertTrue(lost, "the death of a node")
+        self.assertTrue(killed and gone, "the death of a node")
         self.assertEqual({"test/device/module%d" % n for n in range(12)}, set(modules))
         one = modules["test/device/module3"]
         self.assertEqual((2, 2, "module3", "test", "device"),
@@ -118,34 +126,35 @@ class Cyclone(unittest.TestCase):
         for reliability in ("reliable", "best-effort"):
             with self.subTest(reliability):
                 topic = "to/" + reliability.replace("-", "_")  # Cyclone takes no other marks
-                tap = self.takt("tap", topic, reliability, "32")
-                write = self.cyclone("write", "Sample", topic, "40", "5", reliability)
-                for number in range(1, 41):
+                tap = self.takt("tap", topic, reliability, str(KEPT))
+                count = KEPT - 2
+                write = self.cyclone("write", "Sample", topic, str(count), "5", reliability)
+                for number in range(1, count + 1):
                     self.assertEqual("sample %d" % number, tap.line(), "whole, and in order")
                 self.assertEqual("written", write.line())
                 tap.say("health")
-                self.assertEqual("samples 40 lost 0 refused 0", " ".join(tap.line().split()[2:8]))
+                self.assertEqual("samples %d lost 0 refused 0" % count, " ".join(tap.line().split()[2:8]))
 
     def test_reads_samples_that_a_port_writes(self):
         for reliability in ("reliable", "best-effort"):
             with self.subTest(reliability):
                 topic = "from/" + reliability.replace("-", "_")
-                feed = self.takt("feed", topic, reliability, "32")
+                feed = self.takt("feed", topic, reliability, str(KEPT))
                 read = self.cyclone("read", "Sample", topic, "30", "30", reliability)
-                first = None
-                for step in range(100):  # what is written before they match is not delivered
-                    feed.say("1 3000")
-                    if "matched 1" in feed.line():
-                        break
-                    time.sleep(0.05)
-                time.sleep(1)
-                feed.say("40")
-                numbers = []
-                for text in read.lines():
-                    sample = json.loads(text)
+                samples = []
+                reader = threading.Thread(target=lambda: samples.extend(json.loads(text) for text in read.lines()))
+                reader.start()
+                written = 0
+                while reader.is_alive():  # what is written before they match is not delivered
+                    if not samples or written - samples[-1]["number"] < KEPT // 2:
+                        feed.say("1 3000")
+                        written = int(feed.line().split()[1])
+                    time.sleep(0.01 if samples else 0.05)
+                reader.join()
+                numbers = [sample["number"] for sample in samples]
+                for sample in samples:
                     self.assertTrue(sample["whole"])
                     self.assertEqual(sample["number"], sample["value"])
-                    numbers.append(sample["number"])
                 self.assertEqual(list(range(numbers[0], numbers[0] + 30)), numbers)
                 self.assertEqual(0, read.process.wait(10))
 
