@@ -106,9 +106,10 @@ class Interfaces(unittest.TestCase):
         while time.monotonic() < end:
             feed.say("1")
             written = int(feed.line().split()[1])
-            if tap.line(0.1):
-                while tap.line(0.3):
-                    pass
+            heard = tap.line(0.1)
+            if heard:
+                while heard and heard != "sample %d" % written:
+                    heard = tap.line()
                 return written
         self.fail("they did not find each other")
 
