@@ -23,9 +23,10 @@ class Deploy(takt_system.Case):
             self.assertEqual("cell cell runs on robot, line, station\n", run.out)
             self.assert_contract(self.wait_for_states({device: "EXECUTING" for device in DEVICES}))
             # All are ready before the first runs.
-            lines = [line for device, node in nodes.items() for line in node.lines[begun[device]:]]
-            ready = [line.at for line in lines if line.text == "INITIALIZE -> START"]
-            first = [line.at for line in lines if line.text == "START -> EXECUTING"]
+            def said(step):
+                return [line.at for device, node in nodes.items() for line in node.lines[begun[device]:] if line.text == step]
+            wait_until(lambda: len(said("START -> EXECUTING")) >= 9, 5, "all to have said so")
+            ready, first = said("INITIALIZE -> START"), said("START -> EXECUTING")
             self.assertEqual((9, 9), (len(ready), len(first)))
             self.assertLessEqual(max(ready), min(first))
             self.assertEqual(["cell cell is undeployed from line, robot, station"], self.done("undeploy cell"))
@@ -152,7 +153,7 @@ class Deploy(takt_system.Case):
             "echo station.sink.in": r"^device station: error: port station\.sink\.in is an input; .*line\.source\.out",
         })
         self.assertEqual(["7", "a b"], self.done("get line.properties count", "get line.properties label"))
-        self.assertIn("line.properties: count = 7", nodes["line"].err)
+        nodes["line"].wait_for_line(r"line\.properties: count = 7")
         # A device that is not there is told within seconds, whatever it was asked.
         asked = ("get nobody.grid x", "set nobody.grid x 1", "stop nobody.grid", "start nobody", "echo nobody.grid.out")
         begun = time.monotonic()
@@ -193,9 +194,10 @@ class Deploy(takt_system.Case):
                          self.done(*("recover robot.%s" % module for module in recovered)))
         self.refused({"recover robot.never": r"^device robot: error: it could not recover: recover\(\) failed: threw: recover\(\) threw"})
         # They fail again, as they do.
-        self.wait_for_states({"robot": in_recover})
         for module in recovered:
+            wait_until(lambda: len(node.steps(module)) == 6, 10, "%s to fail again" % module)
             self.assertEqual(LIFE[:4] + ["RECOVER", "EXECUTING", "RECOVER"], node.states(module))
+        self.wait_for_states({"robot": in_recover})
         self.assertEqual(["robot.%s: DESTRUCT" % module for module in modules],
                          self.done(*("destruct robot.%s" % module for module in modules)))
         self.done("undeploy recover")
