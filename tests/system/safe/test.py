@@ -24,12 +24,14 @@ def changes(node, who):
 
 
 class Readers:
-    def wait_for(self, node, readers, what, since, limit=15.0):
-        """When each of the readers was first `what` after that, in seconds."""
+    def wait_for(self, node, readers, what, since, limit=15.0, after=None):
+        """When each of the readers was first `what` after that, in seconds. `after`: how much later to begin for each reader."""
         took = {}
         for who in readers:
+            begin = since + (after[who] if after else 0.0)
+
             def found():
-                return next((c for c in changes(node, who) if c.what == what and c.at > since), None)
+                return next((c for c in changes(node, who) if c.what == what and c.at > begin), None)
             took[who] = wait_until(found, limit, "%s of %s" % (what, who)).at - since
         return took
 
@@ -44,10 +46,11 @@ class Readers:
         self.tell(what, took)
         if back is None:
             return
-        since += max(took.values())
-        if back != "itself":
-            since = time.monotonic()
-            back()
+        if back == "itself":  # the one reader may be back before the other has seen that it was gone
+            self.tell("  and back", self.wait_for(node, readers, "LIVE", since, after=took))
+            return
+        since = time.monotonic()
+        back()
         self.tell("  and back", self.wait_for(node, readers, "LIVE", since))
 
     def assert_never_wrong(self, node):
