@@ -51,6 +51,14 @@ class Lost(takt_system.Case):
         self.assertEqual([m["pid"] for m in self.begun["line"]["modules"]], [m["pid"] for m in now["line"]["modules"]])
         return now
 
+    def told_by_the_line(self):
+        """What is said of all devices once the line has lost the robot, too: who comes now hears of it from the line alone."""
+        def holds():
+            status = {d["name"]: d for d in self.status_of()["devices"]}
+            alive = {name: device["alive"] for name, device in status.items()}
+            return status if alive == {"robot": False, "line": True} else None
+        return wait_until(holds, 15, "that the line has lost the robot")
+
     def finish(self, failure="^$"):
         run = self.takt("undeploy", "cell")
         self.assertEqual(0, run.status, run.err)
@@ -109,8 +117,7 @@ class Lost(takt_system.Case):
         killed = time.monotonic()
         self.robot.one("takt-node").kill()
         gone = 1000 * (self.watch.wait_for_out(r"^\S+ robot: LOST", after=after) - killed)
-        status = {d["name"]: d for d in self.status_of()["devices"]}
-        self.assertEqual((False, True), (status["robot"]["alive"], status["line"]["alive"]))
+        status = self.told_by_the_line()
         self.assertEqual(["grid", "sporadic", "program"], [m["name"] for m in status["robot"]["modules"]])
         self.refused({"stop robot": "^device robot: error: it is "})
         self.assertRegex(self.done("status")[0], r"(?m)^device robot  LOST$")
@@ -133,6 +140,7 @@ class Lost(takt_system.Case):
         self.begin()
         self.robot.one("takt-node").kill()
         self.watch.wait_for_out(r"^\S+ robot: LOST")
+        self.told_by_the_line()
         run = self.takt("undeploy", "cell")
         self.assertEqual((1, "cell cell is undeployed from line\n"), (run.status, run.out))
         self.assertEqual("device robot: error: it is lost and could not be told; start its node without --resume, else it takes the cell "
