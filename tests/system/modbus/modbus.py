@@ -1,6 +1,7 @@
 """Modbus TCP as its specification has it (Application Protocol V1.1b3, Messaging on TCP/IP V1.0b), frame by frame, with nothing
 of what Takt uses: a device that can be told to misbehave, and a master."""
 
+import random
 import socket
 import struct
 import threading
@@ -10,9 +11,17 @@ ILLEGAL_ADDRESS = 2
 
 
 def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """Below those that the system gives to whoever connects to somebody, so that it stays free until it is used."""
+    ports = list(range(12000, 30000))
+    random.shuffle(ports)
+    for port in ports:
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+                return port
+            except OSError:
+                pass
+    raise AssertionError("no port is free")
 
 
 def _bits(values):
@@ -46,7 +55,7 @@ class Device:
         self.inputs = dict.fromkeys(range(64), 0)
         self.mood = "well"
         self.requests = []  # (function, address, count)
-        self._listener = socket.create_server(("127.0.0.1", port or 0))
+        self._listener = socket.create_server(("127.0.0.1", port or free_port()))
         self.port = self._listener.getsockname()[1]
         self._connections = []
         threading.Thread(target=self._accept, daemon=True).start()
@@ -130,7 +139,7 @@ class Refused(Exception):
 
 
 class Master:
-    def __init__(self, port, timeout=2.0):
+    def __init__(self, port, timeout=10.0):
         self.connection = socket.create_connection(("127.0.0.1", port), timeout)
         self._transaction = 0
 
