@@ -394,8 +394,12 @@ class Case(unittest.TestCase):
             self.assertEqual(0, node.wait(10).status, node.err)
 
     def deploy(self, descriptor, *options):
-        """Deployed; runs from the instant on that all have agreed on."""
-        run = self.takt("deploy", descriptor, *options)
+        """Deployed; runs from the instant on that all have agreed on. They have 0.4 s for that: where the machine stands still for
+        longer nothing has run, and it is deployed again."""
+        for _ in range(3):
+            run = self.takt("deploy", descriptor, *options)
+            if "it gave no answer to run within" not in run.err:
+                break
         self.assertEqual(0, run.status, run.err)
         return run
 
