@@ -5,14 +5,19 @@ Usage: new_test.py PREFIX      where Takt is installed"""
 import itertools
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
 
+sys.dont_write_bytecode = True  # beside takt_system
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "system"))
+import takt_system
+
 prefix = sys.argv[1]
 environment = {name: value for name, value in os.environ.items() if not name.startswith("TAKT_")}
 environment.update({"PATH": os.path.join(prefix, "bin") + ":" + environment["PATH"], "CMAKE_PREFIX_PATH": prefix,
-                    "TAKT_INTERFACE": "127.0.0.1", "TAKT_DOMAIN": "152"})
+                    "TAKT_INTERFACE": "127.0.0.1", "TAKT_DOMAIN": str(takt_system.free_domain())})
 KINDS = list(itertools.product(("thread", "process"), ("periodic", "sporadic"), ("c++", "c")))
 
 
@@ -50,20 +55,26 @@ def test_every_kind(folder):
         assert {p["name"] for p in described["ports"]} == {"in", "out"} and [p["name"] for p in described["properties"]] == ["gain"], described
         run("takt", "check", name + ".xml", cwd=place)
         report = json.loads(run("takt", "run", name + ".xml", "--for", "1", "--json", cwd=place).stdout)
-        module = report["devices"][0]["modules"][0]
+        module, executor = report["devices"][0]["modules"][0], report["devices"][0]["executors"][0]
         assert (module["type"], module["operation"], module["state"], module["errors"]) == (kind[0], kind[1], "DESTRUCT", 0), module
         if kind[1] == "periodic":
-            assert module["cycles"] > 500, module
+            assert module["cycles"] > 0 and module["cycles"] + executor["missed"] > 500, (module, executor)
         refused = run("takt", "new", name, cwd=folder, status=1)
         assert "is there already" in refused.stderr, refused.stderr
 
 
 def test_a_cell(folder):
     run("takt", "new", "cell", "plant", cwd=folder)
-    report = json.loads(run("takt", "run", "plant/plant.xml", "--for", "2", "--json", cwd=folder).stdout)
+    done = run("takt", "run", "plant/plant.xml", "--for", "2", "--json", cwd=folder)
+    report = json.loads(done.stdout)
     assert [d["name"] for d in report["devices"]] == ["sensor", "controller"] and report["cell"] == "plant", report
+    missed = {m["name"]: d["executors"][0]["missed"] for d in report["devices"] for m in d["modules"]}
     modules = {m["name"]: m for d in report["devices"] for m in d["modules"]}
-    assert set(modules) == {"level", "filter", "limit"} and all(m["cycles"] > 100 and m["errors"] == 0 for m in modules.values()), modules
+    assert set(modules) == {"level", "filter", "limit"}, modules
+    assert all(m["cycles"] > 0 and m["cycles"] + missed[name] > 100 for name, m in modules.items()), (modules, missed)
+    # Its level may come late where the machine stands still for more than the 50 ms that it has.
+    late = len(re.findall(r"controller\.filter: \w+ -> RECOVER \(.*the newest value of input 'in' is older than", done.stderr))
+    assert {name: m["errors"] for name, m in modules.items()} == {"level": 0, "filter": late, "limit": 0}, (modules, done.stderr)
 
 
 def test_what_is_refused(folder):

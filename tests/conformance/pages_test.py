@@ -20,6 +20,10 @@ import subprocess
 import sys
 import tempfile
 
+sys.dont_write_bytecode = True  # beside takt_system
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "system"))
+import takt_system
+
 FENCE = re.compile(r"^(?:<!-- (?P<mark>file|not run|shown): (?P<value>.*?) -->\n)?```(?P<kind>\S*)\n(?P<text>.*?)^```$", re.M | re.S)
 NUMBER = r"[-+]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?"
 
@@ -64,6 +68,8 @@ class Shell:
         os.mkdir(self.work)
         self.bash = subprocess.Popen(["bash", "--norc"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                      cwd=self.work, env=environment, text=True, start_new_session=True)
+        # What a page waits for takes twice as long on a machine that others hold up.
+        self.bash.stdin.write('sleep() { command sleep "$@" "$@"; }\n')
         self.number = 0
 
     def run(self, command, limit=300):
@@ -126,6 +132,8 @@ def commands_of(text):
 def run_page(path, source, environment):
     with open(path, encoding="utf-8") as stream:
         page = stream.read()
+    for domain in sorted(set(re.findall(r"--domain (\d+)", page))):
+        takt_system.wait_until(lambda: takt_system.claim_domain(int(domain)), 100, f"domain {domain}, which the page names, to be free,")
     ran = 0
     with tempfile.TemporaryDirectory(prefix="takt-page-") as folder:
         shell = Shell(folder, environment)
@@ -139,6 +147,7 @@ def run_page(path, source, environment):
                     raise Wrong(f"{path}:{line}: {wrong}") from None
         finally:
             shell.end()
+            takt_system.release_domains()
     return ran
 
 
@@ -170,9 +179,10 @@ def main():
     prefix, source, *pages = sys.argv[1:]
     environment = {name: value for name, value in os.environ.items() if not name.startswith("TAKT_")}
     environment.update({"PATH": os.path.join(prefix, "bin") + ":" + environment["PATH"], "CMAKE_PREFIX_PATH": prefix,
-                        "TAKT_INTERFACE": "127.0.0.1", "TAKT_DOMAIN": os.environ.get("TAKT_TEST_DOMAIN", "151")})
+                        "TAKT_INTERFACE": "127.0.0.1"})
     failed = 0
     for page in pages:
+        environment["TAKT_DOMAIN"] = os.environ.get("TAKT_TEST_DOMAIN") or str(takt_system.free_domain())
         try:
             print(f"{page}: {run_page(page, source, environment)} commands")
         except Wrong as wrong:

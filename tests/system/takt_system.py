@@ -94,6 +94,20 @@ def _pids():
 _claims = []  # on domains, of the test that runs
 
 
+def claim_domain(domain):
+    """Whether nobody is on it, nor any other test has it; then it is this one's until release_domains()."""
+    claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            claim.bind("\0takt-test-domain-%d" % domain)  # a name without a file, gone with whoever has it
+            probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
+        except OSError:
+            claim.close()
+            return False
+    _claims.append(claim)
+    return True
+
+
 def free_domain():
     """A DDS domain that no process of this machine is on: the first port of one that is used is taken. No other test takes it
     before release_domains(): between two programs of this one nobody is on it."""
@@ -101,16 +115,8 @@ def free_domain():
     domains = list(range(first, last + 1))
     random.shuffle(domains)
     for domain in domains:
-        claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            try:
-                claim.bind("\0takt-test-domain-%d" % domain)  # a name without a file, gone with whoever has it
-                probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
-            except OSError:
-                claim.close()
-                continue
-        _claims.append(claim)
-        return domain
+        if claim_domain(domain):
+            return domain
     raise AssertionError("no DDS domain of %d to %d is free" % (first, last))
 
 
