@@ -27,6 +27,13 @@ class Log(takt_system.Case):
             self.assertEqual(sorted(set(numbers)), numbers, "out of order: %s" % device)
         return events
 
+    def log_of_both(self):
+        """A node that is held up may not be found by one command, and is by the next."""
+        def both():
+            events = self.log()
+            return events if {e["device"] for e in events} == set(DEVICES) else None
+        return wait_until(both, 15, "the records of both devices")
+
     def file(self, device):
         return os.path.join(self.folder, "state", "%s.%d.faults" % (device, self.domain))
 
@@ -43,13 +50,15 @@ class Log(takt_system.Case):
 
     def test_a_crash_has_its_line_and_overruns_are_all_counted(self):
         begun = time.time_ns()
+        began = time.monotonic()
         nodes = self.crashed()
         # A refused command, and one that was carried out.
         self.refused({"start robot.culprit": "refused", "stop robot.none": "no module"})
         self.done("stop line.program")
         time.sleep(1.5)
         self.done("undeploy shop")
-        events = self.log()
+        seconds = time.monotonic() - began
+        events = self.log_of_both()
 
         crash, = self.of(events, "error", "culprit")
         self.assertEqual(("robot", "shop", "crash", 1), (crash["device"], crash["cell"], crash["error"], crash["count"]))
@@ -71,7 +80,7 @@ class Log(takt_system.Case):
         self.assertEqual({"robot", "line"}, {e["device"] for e in self.of(events, "node-start")})
         overruns = self.of(events, "overrun", "slow")
         self.assertGreater(sum(e["count"] for e in overruns), 0)
-        self.assertLessEqual(len(overruns), 8, "at most one a second, and one at the end")
+        self.assertLessEqual(len(overruns), seconds + 2, "at most one a second, and one at the end")
         self.end(nodes)
 
     def test_the_counts_are_those_of_the_report(self):
@@ -126,7 +135,7 @@ class Log(takt_system.Case):
         self.assertEqual(before, dead[:len(before)])
         text = self.takt("log", "--file", self.file("robot"), "--kind", "host-restart")
         self.assertEqual(2, text.out.count("host-restart"))
-        lost = wait_until(lambda: self.of(self.log("--device", "line"), "device-lost"), 5, "the loss of robot")
+        lost = wait_until(lambda: self.of(self.log("--device", "line"), "device-lost"), 15, "the loss of robot")
         self.assertIn("device robot is lost", lost[0]["cause"])
         run = self.takt("log")
         self.assertEqual(1, run.status)
@@ -176,7 +185,7 @@ class Log(takt_system.Case):
         def crash(name, limit):
             def become():
                 resource.setrlimit(resource.RLIMIT_CORE, (limit, resource.getrlimit(resource.RLIMIT_CORE)[1]))
-            run = self.takt("run", "program.xml", "--for", "0.5", "--json", "--state-dir", os.path.join(self.folder, name),
+            run = self.takt("run", "program.xml", "--for", "2", "--json", "--state-dir", os.path.join(self.folder, name),
                             become=become)
             events = self.log("--file", os.path.join(self.folder, name, "robot.%d.faults" % self.domain))
             errors = self.of(events, "error", "program")
@@ -204,13 +213,22 @@ class Log(takt_system.Case):
         self.done("undeploy shop")
         follower.wait_for_out("undeployed")
         # What its events say is what the record says.
-        time.sleep(0.5)
+        last = {e["device"]: e for e in self.log_of_both()}
+
+        def told(device):
+            return [e for e in [json.loads(line) for _, line in list(follower.out_lines)] if e["device"] == device]
+        wait_until(lambda: all(last[device] in told(device) for device in DEVICES), 15, "the last of both records")
+        time.sleep(0.5)  # for what would come twice
         follower.signal(signal.SIGINT)
         self.assertEqual(0, follower.wait(10).status, follower.err)
-        told = [json.loads(line) for line in follower.out.splitlines()]
-        everything = self.log()
+        everything = self.log_of_both()
+        self.assertIn("node-start", [e["kind"] for device in DEVICES for e in told(device)])
         for device in DEVICES:
-            self.assertEqual([e for e in everything if e["device"] == device], [e for e in told if e["device"] == device])
+            # Of a device that it found a moment after it had begun, from then on; and there may be more by now.
+            seen = told(device)
+            since = [e for e in everything if e["device"] == device and e["sequence"] >= seen[0]["sequence"]]
+            self.assertEqual(since[:len(seen)], seen)
+            self.assertIn("deployed", [e["kind"] for e in seen])
         self.end(nodes)
 
 
@@ -220,25 +238,31 @@ class Cable(networks.NetworkCase):
     def test_a_cable_that_is_pulled_is_seen_from_both_ends(self):
         nodes = self.nodes(*DEVICES)
 
+        since = {}
+
         def kinds(device):
             run = self.takt("log", "--json", "--device", device, on=device)
             self.assertEqual(0, run.status, run.err)
-            return {e["kind"]: e for e in map(json.loads, run.out.splitlines())}
+            return {e["kind"]: e for e in map(json.loads, run.out.splitlines()) if e["sequence"] > since.get(device, -1)}
+
+        def newest(device):
+            """Of the events of the device. A machine that stands still may have lost and found its devices by itself."""
+            return max(e["sequence"] for e in kinds(device).values())
+
+        def wait_for(wanted, limit, what):
+            for device in DEVICES:
+                expected = wanted[0] | (wanted[1] if device == "line" else set())
+                seen = wait_until(lambda: [k for k in [kinds(device)] if expected <= set(k)], limit, what + device)[0]
+                print(device, {k: e["cause"] for k, e in seen.items() if "-" in k})
 
         self.deploy("cable.xml")
         time.sleep(1.5)
-        for device in DEVICES:
-            self.assertNotIn("connection-lost", kinds(device))
+        since = {device: newest(device) for device in DEVICES}
         self.net.cut("line")
-        for device in DEVICES:
-            wait_until(lambda: {"device-lost", "connection-lost"} <= set(kinds(device)), 15, "the loss seen by " + device)
-        self.assertIn("stale-input", kinds("line"))
+        wait_for(({"device-lost", "connection-lost"}, {"stale-input"}), 15, "the loss seen by ")
+        since = {device: newest(device) for device in DEVICES}
         self.net.join("line")
-        for device in DEVICES:
-            seen = wait_until(lambda: {"device-back", "connection-back"} <= set(kinds(device)) and kinds(device), 20,
-                              "the return seen by " + device)
-            print(device, {k: e["cause"] for k, e in seen.items() if "-" in k})
-        self.assertIn("fresh-input", kinds("line"))
+        wait_for(({"device-back", "connection-back"}, {"fresh-input"}), 20, "the return seen by ")
         self.done("undeploy shop")
         self.end(nodes)
 
