@@ -8,7 +8,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import takt_system
 from takt_system import wait_until
 
-FIVE = "number=5 same=[5,5,5,5,5,5]"
+FIVE = "number=5 same=[5,5,5,5,5,5] --timeout 10"
 
 
 class Services(takt_system.Case):
@@ -35,7 +35,7 @@ class Services(takt_system.Case):
         reply = json.loads(self.done("call serve.answers.polled --json " + FIVE)[0])
         self.assertEqual({"number": 10, "same": [10] * 6, "few": []}, reply["reply"])
         self.assertGreater(reply["ms"], 0)
-        self.done(*["call ask.relay.pass --timeout 5 " + FIVE] * 4)
+        self.done(*["call ask.relay.pass " + FIVE] * 4)
         self.ended(run)
         for name in ("near", "near_polled", "far", "far_polled", "through"):
             seen = self.seen(name)
@@ -61,11 +61,11 @@ class Services(takt_system.Case):
             "call serve.answers.handled number=1 number=2": "samples::Count.number: error: is given twice",
             "call serve.answers.handled few=[1,2,3,4,5]": "samples::Count.few: error: .*write a list of at most 4",
             "call serve.answers.handled '{\"number\": }'": "this is no JSON",
-            "call serve.answers.handled": "serve.answers.handled refuses: a multiple of 7",
-            "call serve.answers.handled number=11 same=[11,11,11,11,11,11] few=[11]":
+            "call serve.answers.handled --timeout 10": "serve.answers.handled refuses: a multiple of 7",
+            "call serve.answers.handled --timeout 10 number=11 same=[11,11,11,11,11,11] few=[11]":
                 "serve.answers.handled refuses: its handler threw: a multiple of 11",
             "call nobody.answers.handled": "nobody",
-            "record serve.answers.handled --out none.takt --for 2":
+            "record serve.answers.handled --out none.takt --for 6":
                 "waits for serve.answers.handled: it is a service; record the client's NAME/request and NAME/reply",
         })
         self.assertEqual(2, self.takt("call", "serve.answers.handled", "--timeout", "0").status)
