@@ -21,9 +21,10 @@ import signal, socket, sys
 ended = []
 signal.signal(signal.SIGTERM, lambda *_: ended.append(1))
 s = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.ntohs(3))
+s.setsockopt(socket.SOL_SOCKET, 33, 1 << 26)  # SO_RCVBUFFORCE: nothing is lost while it is held up
 s.settimeout(0.1)
 print("ready", flush=True)
-seen = b""
+seen = bytearray()
 while not ended:
     try:
         seen += s.recv(65535)
