@@ -129,10 +129,11 @@ def wait_until(condition, limit=10.0, what="the condition"):
     """What `condition` returns once that is true. Fails after `limit` seconds."""
     end = time.monotonic() + limit
     while True:
+        late = time.monotonic() > end  # before it looks: it looks once more however long it was held up
         value = condition()
         if value:
             return value
-        if time.monotonic() > end:
+        if late:
             raise AssertionError("%s did not come about within %g s" % (what, limit))
         time.sleep(0.01)
 
@@ -203,10 +204,11 @@ class Run:
         expression = re.compile(pattern)
 
         def find():
+            over = self._process.poll() is not None and not self._readers[1].is_alive()  # before the look, else it may miss the last
             for text in self.raw[after:]:
                 if expression.search(text):
                     return text
-            if self._process.poll() is not None and not self._readers[1].is_alive():
+            if over:
                 raise AssertionError("it ended without a line %r; it said:\n%s" % (pattern, self.err))
             return None
 
