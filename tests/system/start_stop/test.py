@@ -27,7 +27,7 @@ class StartStop(takt_system.Case):
 
     def test_fifty_times_in_a_row(self):
         for _ in range(50):
-            run = self.takt("run", "cell.xml", "--for", "0.2", "--json")
+            run = self.takt("run", "cell.xml", "--for", "0.3", "--json")
             self.assert_ended_well(run)
             self.assert_nothing_left(run)
             self.assert_grid(run, "fine")
@@ -39,17 +39,17 @@ class StartStop(takt_system.Case):
             with self.subTest(signal=number):
                 run = self.running()
                 run.signal(number)
-                self.assert_ended_well(run.wait(5))
+                self.assert_ended_well(run.wait(20))
 
     def test_ctrl_c_at_a_terminal_reaches_the_whole_group(self):
         run = self.running()
         os.killpg(run.pid, signal.SIGINT)
-        self.assert_ended_well(run.wait(5))
+        self.assert_ended_well(run.wait(20))
 
     def test_a_node_that_is_asked_to_end_ends_its_device(self):
         run = self.running()
         run.one("takt-node").kill(signal.SIGTERM)
-        self.assert_ended_well(run.wait(5))
+        self.assert_ended_well(run.wait(20))
 
     def test_a_request_to_end_at_any_moment_of_the_start(self):
         for step in range(16):
@@ -57,7 +57,7 @@ class StartStop(takt_system.Case):
             time.sleep(0.01 * step)
             number = signal.SIGTERM if step % 2 else signal.SIGINT
             run.signal(number)
-            run.wait(5)
+            run.wait(20)
             # Before takt can be asked, the signal itself ends it; nothing has been started then.
             self.assertIn(run.status, (0, -number), run.err)
             self.assert_nothing_left(run)
@@ -67,13 +67,13 @@ class StartStop(takt_system.Case):
             run = self.start("run", "cell.xml")
             time.sleep(0.015 * step)
             run.signal(signal.SIGKILL)
-            run.wait(5)
+            run.wait(20)
             self.assert_nothing_left(run)
 
     def test_killed_takt_leaves_nothing(self):
         run = self.running()
         run.signal(signal.SIGKILL)
-        run.wait(5)
+        run.wait(20)
         for module in MODULES:
             self.assertEqual(LIFE, run.states(module), "the node ends in order")
         self.assert_nothing_left(run)
@@ -81,7 +81,7 @@ class StartStop(takt_system.Case):
     def test_killed_node_leaves_nothing_and_is_reported(self):
         run = self.running()
         run.one("takt-node").kill()
-        run.wait(5)
+        run.wait(20)
         self.assertEqual(1, run.status)
         self.assertRegex(run.err, r"device cell: error: its node was killed by SIGKILL")
         device = run.device()
@@ -106,7 +106,7 @@ class StartStop(takt_system.Case):
         self.assertEqual(programs, [run.one(program).pid for program in PROGRAMS])
         self.assertEqual(held, len(run.one("takt-node").memories()), "the channel is the same")
         run.signal(signal.SIGINT)
-        run.wait(5)
+        run.wait(20)
         self.assertEqual(0, run.status, run.err)
         self.assertRegex(run.err, "the host was killed by SIGKILL")
         for module in ("program", "sporadic_program", "monitoring"):
@@ -122,8 +122,8 @@ class StartStop(takt_system.Case):
         for _ in range(4):
             host = run.one("takt-host")
             host.kill()
-            wait_until(lambda: run.status is not None or [p for p in run.processes("takt-host") if p.pid != host.pid], 5)
-        run.wait(10)
+            wait_until(lambda: run.status is not None or [p for p in run.processes("takt-host") if p.pid != host.pid], 15)
+        run.wait(20)
         self.assertEqual(1, run.status, run.err)
         self.assertRegex(run.err, "it has been restarted 3 times")
         self.assertEqual({"DESTRUCT"}, {m["state"] for m in run.modules().values()})
@@ -140,7 +140,7 @@ class StartStop(takt_system.Case):
         self.assertFalse(set(before.values()) & set(after.values()))
         self.assertEqual(host, run.one("takt-host").pid)
         run.signal(signal.SIGINT)
-        run.wait(5)
+        run.wait(20)
         self.assertEqual(0, run.status, run.err)
         self.assert_grid(run, "fine")
         modules = run.modules()
