@@ -104,7 +104,7 @@ class ModuleXml(takt_system.Case):
         self.assertRegex(" ".join(run.printed("monitoring")), r"load .* monitoring: ended after \d+ lines")
 
     def test_no_module_starts_before_all_are_initialised_and_none_runs_before_all_are_started(self):
-        run = self.takt("run", EXAMPLE, "--for", "0.2")
+        run = self.takt("run", EXAMPLE, "--for", "1")
         self.assertEqual(0, run.status, run.err)
         order = [run.lines.index(line) for state in ("INITIALIZE", "START", "EXECUTING")
                  for line in run.lines if re.match(r"\w+ -> %s" % state, line.text) and "EXECUTING -> START" not in line.text]
