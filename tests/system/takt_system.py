@@ -402,12 +402,17 @@ class Case(unittest.TestCase):
             self.assertEqual(0, node.wait(10).status, node.err)
 
     def deploy(self, descriptor, *options):
-        """Deployed; runs from the instant on that all have agreed on. They have 0.4 s for that: where the machine stands still for
-        longer nothing has run, and it is deployed again."""
+        """Deployed; runs from the instant on that all have agreed on."""
+        return self.agreed(lambda: self.takt("deploy", descriptor, *options))
+
+    def agreed(self, deploy):
+        """The run of a command that deploys. The devices have 0.4 s to agree on the instant: where the machine stands still for longer
+        nothing has run, and it is given again."""
         for _ in range(3):
-            run = self.takt("deploy", descriptor, *options)
+            run = deploy()
             if "it gave no answer to run within" not in run.err:
                 break
+            print("it is deployed again: " + run.err)
         self.assertEqual(0, run.status, run.err)
         return run
 
