@@ -70,7 +70,7 @@ class Storm(networks.NetworkCase):
         return targets
 
     def deploy(self):
-        self.order("deploy", self.cell)
+        self.agreed(lambda: self.operator("deploy", self.cell, environment=self.identity))
         self.wait_until_all_execute()
         self.orders = 0
         self.hosts = {device: self.machines[device].one("takt-host").pid for device in DEVICES}
@@ -119,8 +119,9 @@ class Storm(networks.NetworkCase):
         print("%-22s jitter p50 %.1f us, p99 %.1f us, max %.0f us; rows %d, missed %d; %d stops and starts, the slowest command %.2f s" %
               (what + ":", jitter["p50"], jitter["p99"], jitter["max"], executor["cycles"], executor["missed"], 2 * self.orders, self.slowest))
         steps = len(self.machines["robot"].steps("source"))
+        begun = len(self.machines["robot"].raw)
         self.undeploy()
-        self.machines["robot"].wait_for_line(r"robot\.source: START -> DESTRUCT", after=0)
+        self.machines["robot"].wait_for_line(r"robot\.source: START -> DESTRUCT", after=begun)
         states = ["INITIALIZE", "START", "EXECUTING"] + ["START", "EXECUTING"] * self.orders
         said = self.machines["robot"].steps("source")
         self.assertEqual(states + ["START", "DESTRUCT"], [s.target for s in said[-len(states) - 2:]], "%d steps before" % steps)
