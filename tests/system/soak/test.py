@@ -79,11 +79,11 @@ class Soak(networks.NetworkCase):
         self.deploy()
 
     def deploy(self):
-        run = self.operator("deploy", self.beside("cell.xml"))
-        self.assertEqual(0, run.status, run.err)
+        self.agreed(lambda: self.operator("deploy", self.beside("cell.xml")))
 
     def take_down(self):
-        self.crashes += sum(m["errors"] for m in self.status()["left"]["modules"] if m["name"] == "crashes")
+        left = wait_until(lambda: self.status().get("left"), 15, "what the left one says")
+        self.crashes += sum(m["errors"] for m in left["modules"] if m["name"] == "crashes")
         run = self.operator("undeploy", "soak")
         self.assertEqual(0, run.status, run.err)
 
@@ -116,7 +116,9 @@ class Soak(networks.NetworkCase):
         self.take_down()
         self.measure()
         self.assertGreater(self.crashes, 0)
-        self.assertEqual(before, set(os.listdir("/dev/shm")))
+        # Others on this machine have theirs.
+        new = {name for name in os.listdir("/dev/shm") if "takt" in name or "fast" in name} - before
+        self.assertEqual(set(), new, "left in /dev/shm")
 
         figures = {"seed": SEED, "seconds": round(time.monotonic() - self.began), "events": dict(self.done_so_far),
                    "nodes": {device: wear.ends for device, wear in self.wear.items()}}
