@@ -103,7 +103,7 @@ class Bench(takt_system.Case):
         self.assertEqual(3, len([name for name in rows if "with a safe value" in name]))
 
     def test_cell_is_deployed_and_its_samples_arrive(self):
-        report = self.measured("cell", "--for", "0.3", "--devices", "2")
+        report = self.measured("cell", "--for", "1", "--devices", "2")
         self.assertEqual(["nodes started and seen", "takt deploy", "takt status", "takt undeploy"], list(self.rows(report, 0)))
         for row in self.rows(report, 1).values():
             self.assertGreater(row["samples"], 0)

@@ -180,8 +180,11 @@ class Faults(networks.NetworkCase):
         for process in self.running[device].processes("takt-host"):
             threads = set()
             for task in os.listdir("/proc/%d/task" % process.pid):
-                with open("/proc/%d/task/%s/comm" % (process.pid, task)) as file:
-                    threads.add(file.read().strip())
+                try:
+                    with open("/proc/%d/task/%s/comm" % (process.pid, task)) as file:
+                        threads.add(file.read().strip())
+                except OSError:
+                    pass  # one that calls a hook, and has ended
             found["risky" if "risky" in threads else cell.EXECUTORS[device]] = process.pid
         return found
 

@@ -142,7 +142,7 @@ class Installed(takt_system.Case):
         self.assertIn("press.Press.CountsItsStrokes", tests.stdout)
         run = self.command("TAKT_COMPONENT_PATH=build/components /opt/takt/bin/takt run cell.xml --for 2", folder)
         self.assertRegex(run.stderr, r"press\.gauge: \| stroke \d+ at 0\.0\d\d m")
-        run = self.installed("run", os.path.join(folder, "cell.xml"), "--for", "0.5", "--json", "--quiet",
+        run = self.installed("run", os.path.join(folder, "cell.xml"), "--for", "1.5", "--json", "--quiet",
                              components=os.path.join(folder, "build", "components"))
         self.assert_ran(run, ["press", "gauge"])
         # The folder of the package, of no use to who wants another version.
