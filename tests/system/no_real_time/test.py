@@ -53,7 +53,7 @@ class NoRealTime(takt_system.Case):
     def test_a_limit_on_locked_memory_is_a_refusal(self):
         # What users have on many systems: more than a program needs when it begins, and less than it needs later.
         options = dict(self.options, become=lambda: become_unprivileged(8 * 1024 * 1024))
-        run = self.takt("run", self.descriptor, "--for", "0.5", "--json", **options)
+        run = self.takt("run", self.descriptor, "--for", "1.5", "--json", **options)
         self.assert_ran(run)
         self.assertIs(False, run.device()["real_time"])
         self.assertIn("mlockall is refused beyond 8192 KiB", run.err)
