@@ -106,6 +106,14 @@ class Security(takt_system.Case):
     def deploy(self):
         self.agreed(lambda: self.as_one("operators/anna", "deploy", "cell.xml"))
 
+    def undeploy(self, who):
+        """Again where the machine was held up for longer than a lease: the first one is carried out, and not answered."""
+        for _ in range(3):
+            run = self.as_one(who, "undeploy", "guarded")
+            if "was lost before it answered" not in run.err:
+                break
+        self.assertEqual(0, run.status, run.err)
+
     def end(self, nodes):
         for node in nodes.values():
             node.signal(signal.SIGTERM)
@@ -154,7 +162,7 @@ class Security(takt_system.Case):
 
         stop = self.as_one("operators/anna", "stop", "robot.plainly_visible")
         self.assertEqual(0, stop.status, stop.err)
-        self.assertEqual(0, self.as_one("operators/anna", "undeploy", "guarded").status)
+        self.undeploy("operators/anna")
         self.end(nodes)
         seen = json.loads(self.read("sink"))
         self.assertGreater(seen["read"], 10, "samples of the robot")
@@ -179,7 +187,7 @@ class Security(takt_system.Case):
         self.assertIn("cell guarded requires security, and the node of device robot runs without", refused.err)
         run = self.as_one("", "deploy", plain)
         self.assertEqual(0, run.status, run.err)
-        self.assertEqual(0, self.as_one("", "undeploy", "guarded").status)
+        self.undeploy("")
         self.end(nodes)
         seen = sniffed()
         for word in WORDS:
