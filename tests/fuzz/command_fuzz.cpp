@@ -99,6 +99,8 @@ class Play {
         return phase(node::Supervised::Phase::ready);
       case 'e':
         return phase(node::Supervised::Phase::ended);
+      case 's':
+        return stepped(static_cast<lifecycle::State>(bytes_.take<std::uint8_t>() % 6));
       case 'o':
         return outcomes(bytes_.take<std::uint8_t>());
       case 'g':
@@ -161,6 +163,10 @@ class Play {
     device_.work.phase = to;
     device_.agent.step();
     if (device_.work.supervised == 0) device_.work.phase = node::Supervised::Phase::preparing;
+  }
+  void stepped(lifecycle::State state) {
+    if (device_.work.supervised == 0 || device_.work.paths.empty()) return;
+    device_.work.stepped({.module = 0, .transition = {.to = state}});
   }
   void outcomes(std::uint8_t code) {
     for (const auto& done : std::exchange(device_.work.done, {}))

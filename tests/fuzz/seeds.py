@@ -78,7 +78,7 @@ def module(state):
 
 PREPARED = command(PREPARE, data=CELL.encode(), value="cell.xml")
 RUNNING = PREPARED + b"ir" + command(RUN, time=NOW + 5 * 10**8,
-                                     data=json.dumps([{"device": "robot", "module": "servo", "port": "out", "safe": "{}"}]).encode())
+                                     data=json.dumps([{"device": "robot", "module": "servo", "port": "out", "safe": "{}"}]).encode()) + b"s\3"
 
 
 def update(gain):
