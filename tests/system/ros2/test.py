@@ -59,6 +59,7 @@ class Ros2(takt_system.Case):
 
         # A velocity from a writer of either reliability.
         for reliability in ("reliable", "best-effort"):
+            wait_until(lambda: not self.matched("echo.x"), 20, "that the reader before has gone")
             x = self.peer("sub", "Float64", "/cell/x", 5, 40)
             wait_until(lambda: self.matched("echo.x"), 20, "that the reader has matched")
             self.assertEqual(0, self.peer("pub", "Twist", "/cmd_vel", 40, 20, reliability).wait(30).status)
