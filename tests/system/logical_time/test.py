@@ -28,7 +28,7 @@ class LogicalTime(takt_system.Case):
     def computed(self, executors, timing):
         """What all modules end up with, of a run in which no release was late: the machine may be taken away for longer."""
         cell = self.cell(executors, timing)
-        for _ in range(8):
+        for _ in range(20):
             run = self.takt("run", cell, "--for", "1.7", "--json", "--quiet")
             self.assertEqual(0, run.status, run.err)
             modules = run.modules("d").values()
@@ -36,7 +36,7 @@ class LogicalTime(takt_system.Case):
             if any(rows) or any(m["overruns"] for m in modules):
                 continue
             return [self.read(name) for name in PERIODS]
-        self.fail("not one of 8 runs without an overrun")
+        self.fail("not one of 20 runs without an overrun")
 
     def test_depends_on_nothing_but_the_cell(self):
         one = self.computed(1, "let")
