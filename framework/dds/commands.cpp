@@ -144,23 +144,18 @@ class Ends : Remade {
     set_quality(reader_qos);
     reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
     reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
-    reader_ = mine.subscriber().create_datareader(in_topic_, reader_qos, reader_listener_,
-                                                  fast::StatusMask::data_available());
+    reader_ = mine.make_reader(in_topic_, reader_qos, reader_listener_, fast::StatusMask::data_available());
     if (also_in_topic_ != nullptr) {
-      also_reader_ = mine.subscriber().create_datareader(also_in_topic_, reader_qos, reader_listener_,
-                                                         fast::StatusMask::data_available());
+      also_reader_ =
+          mine.make_reader(also_in_topic_, reader_qos, reader_listener_, fast::StatusMask::data_available());
     }
     if (writer_ == nullptr || reader_ == nullptr || (also_in_topic_ != nullptr && also_reader_ == nullptr))
       return fail("DDS made no writer or reader for commands", "see what it printed");
     return {};
   }
   void unmake() {
-    for (fast::DataReader** reader : {&reader_, &also_reader_}) {
-      if (*reader == nullptr) continue;
-      (*reader)->set_listener(nullptr);
-      own(*participant_).subscriber().delete_datareader(*reader);
-      *reader = nullptr;
-    }
+    own(*participant_).end(reader_);
+    own(*participant_).end(also_reader_);
     own(*participant_).end(writer_);
   }
   void remake() override {

@@ -49,7 +49,7 @@ class OwnParticipant final : public Participant {
   /// `watch`: none without DDS Security.
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                  fast::Subscriber* subscriber, bool only_loopback, std::unique_ptr<Notices> notices,
-                 std::unique_ptr<Watch> watch, std::shared_ptr<const Sieve> sieve);
+                 std::unique_ptr<Watch> watch, std::shared_ptr<Sieve> sieve);
   ~OwnParticipant() override;
   void rescan_interfaces() override;
   [[nodiscard]] const std::optional<security::Identity>& identity() const noexcept override {
@@ -79,7 +79,12 @@ class OwnParticipant final : public Participant {
   /// Ends a writer, which may be null. Its samples go first: Fast DDS takes the room of each before it stops
   /// the heartbeat, which in between counts from a sample to one that has no number any more, for ever.
   void end(fast::DataWriter*& writer);
-  [[nodiscard]] fast::Subscriber& subscriber() noexcept { return *subscriber_; }
+  /// Null where DDS made none. Neither while a packet is handled, see Handling; the caller holds no lock that
+  /// a listener waits for.
+  fast::DataReader* make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
+                                fast::DataReaderListener* listener, const fast::StatusMask& mask);
+  /// Ends a reader, which may be null.
+  void end(fast::DataReader*& reader);
 
  private:
   struct Shared {
@@ -94,7 +99,7 @@ class OwnParticipant final : public Participant {
   };
   std::unique_ptr<Notices> notices_;
   std::unique_ptr<Watch> watch_;  // listens to the participant
-  std::shared_ptr<const Sieve> sieve_;
+  std::shared_ptr<Sieve> sieve_;
   std::optional<security::Identity> identity_;
   fast::DomainParticipant* participant_;
   fast::Publisher* publisher_;

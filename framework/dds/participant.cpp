@@ -229,7 +229,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                                fast::Subscriber* subscriber, bool only_loopback,
                                std::unique_ptr<Notices> notices, std::unique_ptr<Watch> watch,
-                               std::shared_ptr<const Sieve> sieve)
+                               std::shared_ptr<Sieve> sieve)
     : notices_(std::move(notices)),
       watch_(std::move(watch)),
       sieve_(std::move(sieve)),
@@ -311,6 +311,21 @@ void OwnParticipant::end(fast::DataWriter*& writer) {
   static_cast<void>(writer->clear_history(&removed));
   publisher_->delete_datawriter(writer);
   writer = nullptr;
+}
+
+fast::DataReader* OwnParticipant::make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
+                                              fast::DataReaderListener* listener,
+                                              const fast::StatusMask& mask) {
+  const Handling::Pause pause{sieve_->handling};
+  return subscriber_->create_datareader(topic, qos, listener, mask);
+}
+
+void OwnParticipant::end(fast::DataReader*& reader) {
+  if (reader == nullptr) return;
+  reader->set_listener(nullptr);
+  const Handling::Pause pause{sieve_->handling};
+  subscriber_->delete_datareader(reader);
+  reader = nullptr;
 }
 
 void OwnParticipant::release(fast::Topic* topic) {

@@ -121,9 +121,7 @@ Result<void> RawWriter::make() {
   return {};
 }
 
-void RawWriter::unmake() {
-  own(*participant_).end(writer_);
-}
+void RawWriter::unmake() { own(*participant_).end(writer_); }
 
 void RawWriter::remake() {
   const std::lock_guard lock{using_it_};
@@ -183,17 +181,12 @@ Result<void> RawReader::make() {
   qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
   fast::StatusMask mask = fast::StatusMask::data_available();
   mask << fast::StatusMask::subscription_matched() << fast::StatusMask::requested_incompatible_qos();
-  reader_ = own(*participant_).subscriber().create_datareader(topic_, qos, this, mask);
+  reader_ = own(*participant_).make_reader(topic_, qos, this, mask);
   if (reader_ == nullptr) return fail("DDS made no reader of '" + flow_.topic + "'", "see what it printed");
   return {};
 }
 
-void RawReader::unmake() {
-  if (reader_ == nullptr) return;
-  reader_->set_listener(nullptr);
-  own(*participant_).subscriber().delete_datareader(reader_);
-  reader_ = nullptr;
-}
+void RawReader::unmake() { own(*participant_).end(reader_); }
 
 void RawReader::remake() {
   unmake();

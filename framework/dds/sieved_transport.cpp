@@ -33,7 +33,8 @@ class SievedTransport final : public fast::ChainingTransport {
   void receive(fast::TransportReceiverInterface* above, const octet* bytes, std::uint32_t size,
                const Locator_t& here, const Locator_t& from) override {
     if (const std::size_t readable = readable_rtps({bytes, size}); readable > 0)
-      return above->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), here, from);
+      return sieve_->handling.handle(
+          [&] { above->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), here, from); });
     sieve_->refused.fetch_add(1, std::memory_order_relaxed);
     sieve_->notices.tell("refused: what " + IPLocator::toIPv4string(from) + " sends is no RTPS message");
   }

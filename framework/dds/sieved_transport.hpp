@@ -1,4 +1,4 @@
-// UDP without what is no RTPS message. Not for other rooms.
+// UDP without what is no RTPS message, one at a time with the making of readers. Not for other rooms.
 #pragma once
 
 #include <atomic>
@@ -9,15 +9,17 @@
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 
+#include <takt/dds/handling.hpp>
 #include <takt/dds/notices.hpp>
 
 namespace takt::dds {
 
-/// What was refused, for all transports of a process.
+/// What was refused and what is handled, for all transports of a process.
 struct Sieve {
   explicit Sieve(Notices& whom) : notices(whom) {}
   Notices& notices;
   std::atomic<std::uint64_t> refused{0};
+  Handling handling;
 };
 
 /// Of a transport of Fast DDS, in which whatever comes is held against readable_rtps() first.

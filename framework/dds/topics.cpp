@@ -270,16 +270,11 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Remade {
     qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
     fast::StatusMask mask = fast::StatusMask::data_available();
     mask << fast::StatusMask::liveliness_changed() << fast::StatusMask::subscription_matched();
-    reader = own(*participant).subscriber().create_datareader(topic, qos, this, mask);
+    reader = own(*participant).make_reader(topic, qos, this, mask);
     if (reader == nullptr) return no_entity<T>("reader");
     return {};
   }
-  void unmake() {
-    if (reader == nullptr) return;
-    reader->set_listener(nullptr);
-    own(*participant).subscriber().delete_datareader(reader);
-    reader = nullptr;
-  }
+  void unmake() { own(*participant).end(reader); }
   void remake() override {
     unmake();
     {

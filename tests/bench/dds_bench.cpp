@@ -122,11 +122,11 @@ class Bare final : dds::fast::DataReaderListener, dds::Taker {
     set(reader, reliable);
     reader.endpoint().history_memory_policy = dds::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     reader.reliable_reader_qos().times.heartbeatResponseDelay = dds::duration(1ms);
-    reader_ = mine.subscriber().create_datareader(in_, reader, this, dds::fast::StatusMask::data_available());
+    reader_ = mine.make_reader(in_, reader, this, dds::fast::StatusMask::data_available());
   }
   ~Bare() override {
     dds::OwnParticipant& mine = dds::own(*participant_);
-    mine.subscriber().delete_datareader(reader_);
+    mine.end(reader_);
     mine.publisher().delete_datawriter(writer_);
     mine.release(in_);
     mine.release(out_);
