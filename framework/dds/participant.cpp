@@ -20,6 +20,7 @@
 #include <takt/dds/sieved_transport.hpp>
 #include <takt/dds/watch.hpp>
 #include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
 #include <takt/os/network.hpp>
 #include <takt/os/real_time.hpp>
 
@@ -33,6 +34,8 @@ constexpr std::uint16_t kServerPort = 11811;
 constexpr std::uint32_t kReceiveBuffer = 4 * 1024 * 1024;
 /// Participants of one machine that are tried where only its address is known.
 constexpr std::uint32_t kPeerParticipants = 40;
+/// More than a participant takes on a machine of a few networks. Fast DDS ends a process that has too few.
+constexpr std::size_t kDescriptors = 48;
 
 std::atomic<bool> there_is_one{false};
 
@@ -68,9 +71,8 @@ Result<rtps::Locator_t> server_locator(const std::string& server) {
   return locator(server.substr(0, colon), port);
 }
 
-bool has_only_loopback() {
-  const std::vector<std::string> mine = os::ipv4_addresses();
-  return std::all_of(mine.begin(), mine.end(),
+bool only_loopback(const std::vector<std::string>& addresses) {
+  return std::all_of(addresses.begin(), addresses.end(),
                      [](const std::string& address) { return address.starts_with("127."); });
 }
 
@@ -114,12 +116,11 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
 }
 
 Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<std::string>& interfaces,
-                           std::shared_ptr<Sieve> sieve) {
+                           const std::vector<std::string>& mine, std::shared_ptr<Sieve> sieve) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->receiveBufferSize = kReceiveBuffer;
   udp->non_blocking_send = true;
   udp->maxInitialPeersRange = kPeerParticipants;
-  const std::vector<std::string> mine = os::ipv4_addresses();
   for (const std::string& address : interfaces) {
     if (std::find(mine.begin(), mine.end(), address) == mine.end()) {
       std::string known;
@@ -187,6 +188,9 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     there_is_one = false;
     return problems;
   };
+  const auto addresses = os::ipv4_addresses();
+  if (!addresses) return refuse(addresses.problems());
+  if (auto room = os::can_open(kDescriptors); !room) return refuse(room.problems());
   ignore_environment();
   log_to_standard_error();
   eprosima::fastrtps::LibrarySettingsAttributes library;
@@ -198,7 +202,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
   auto notices = std::make_unique<Notices>(options.refused);
   auto sieve = std::make_shared<Sieve>(*notices);
-  if (auto set = set_transport(qos, options.interfaces, sieve); !set) return refuse(set.problems());
+  if (auto set = set_transport(qos, options.interfaces, *addresses, sieve); !set)
+    return refuse(set.problems());
 
   std::unique_ptr<Watch> watch;
   if (!options.security.empty()) {
@@ -220,8 +225,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
-      made, publisher, subscriber, options.interfaces.empty() && has_only_loopback(), std::move(notices),
-      std::move(watch), std::move(sieve));
+      made, publisher, subscriber, options.interfaces.empty() && only_loopback(*addresses),
+      std::move(notices), std::move(watch), std::move(sieve));
   if (publisher == nullptr || subscriber == nullptr) return fail("DDS made no publisher or subscriber");
   return participant;
 }
@@ -250,10 +255,13 @@ OwnParticipant::~OwnParticipant() {
 }
 
 void OwnParticipant::rescan_interfaces() {
+  // Without a descriptor left nobody is told of any, and Fast DDS would complain each time.
+  const auto addresses = os::ipv4_addresses();
+  if (!addresses) return;
   fast::DomainParticipantQos qos;
   if (participant_->get_qos(qos) == ReturnCode::RETCODE_OK) participant_->set_qos(qos);
   const std::lock_guard lock{remaking_};
-  if (!only_loopback_ || has_only_loopback()) return;
+  if (!only_loopback_ || only_loopback(*addresses)) return;
   only_loopback_ = false;
   for (Remade* each : remade_) each->remake();
 }

@@ -1,6 +1,7 @@
 #include <takt/os/environment.hpp>
 
 #include <fcntl.h>
+#include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -9,6 +10,9 @@
 #include <cstdlib>
 #include <fstream>
 #include <string_view>
+
+#include <takt/os/error.hpp>
+#include <takt/os/files.hpp>
 
 namespace takt::os {
 
@@ -58,5 +62,18 @@ void raise_descriptor_limit() {
   limit.rlim_cur = limit.rlim_max;
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
+
+Result<void> can_open(std::size_t descriptors) {
+  std::vector<Fd> opened;
+  while (opened.size() < descriptors) {
+    opened.emplace_back(::eventfd(0, EFD_CLOEXEC));
+    if (opened.back()) continue;
+    return errno_problem("this process can open " + std::to_string(opened.size() - 1) + " more files of " +
+                         std::to_string(descriptors) + " that it may need");
+  }
+  return {};
+}
+
+std::string boot_id() { return text_of("/proc/sys/kernel/random/boot_id"); }
 
 }  // namespace takt::os

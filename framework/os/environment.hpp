@@ -1,9 +1,11 @@
 // What a program is told by the one that started it, and who and where it is.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
+#include <takt/core/result.hpp>
 #include <takt/os/fd.hpp>
 
 namespace takt::os {
@@ -34,5 +36,11 @@ bool is_root();
 
 /// Lifts this process's limit on open descriptors to what it may have.
 void raise_descriptor_limit();
+/// Fails where this process cannot open so many more.
+Result<void> can_open(std::size_t descriptors);
+
+/// Of this machine since it was switched on: another one after each start of its kernel, until which
+/// CLOCK_MONOTONIC goes on. Empty where the system does not say.
+std::string boot_id();
 
 }  // namespace takt::os

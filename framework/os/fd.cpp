@@ -15,6 +15,9 @@ void Fd::close() noexcept {
 }
 
 Problem error_problem(std::string call, int error, std::string fix) {
+  // Whatever the call was for, it is the process that lacks something.
+  if (error == EMFILE)
+    fix = "raise its limit on open files: ulimit -n, prlimit --nofile, LimitNOFILE= of its service";
   return fail(std::move(call) + ": " + std::strerror(error), std::move(fix));
 }
 

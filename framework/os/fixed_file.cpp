@@ -38,9 +38,13 @@ Result<FixedFile> FixedFile::open(const std::string& path) {
 }
 
 Result<void> FixedFile::reserve(std::size_t bytes) {
+  struct stat before {};
+  if (::fstat(fd_.get(), &before) != 0) return errno_problem(path_);
   const int error = ::posix_fallocate(fd_.get(), 0, static_cast<off_t>(bytes));
-  if (error != 0) return error_problem(path_, error, kRoom);
-  return {};
+  if (error == 0) return {};
+  // What there was of it is left to others.
+  if (::ftruncate(fd_.get(), before.st_size) != 0) return errno_problem(path_);
+  return error_problem(path_, error, kRoom);
 }
 
 Result<std::string> FixedFile::read(std::size_t most) const {

@@ -19,7 +19,8 @@ class FixedFile {
   /// Opens it, or makes an empty one and its folder. It is this process's alone: fails while another one has
   /// it open by this function.
   static Result<FixedFile> open(const std::string& path);
-  /// Makes room for so many bytes; what is new is zero. Fails where the disk is full.
+  /// Makes room for so many bytes; what is new is zero. Fails where the disk is full; it has then the size
+  /// that it had.
   Result<void> reserve(std::size_t bytes);
   /// All that is in it. Fails when that is more than `most` bytes.
   [[nodiscard]] Result<std::string> read(std::size_t most) const;

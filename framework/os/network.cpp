@@ -10,6 +10,8 @@
 #include <array>
 #include <memory>
 
+#include <takt/os/error.hpp>
+
 namespace takt::os {
 
 namespace {
@@ -22,10 +24,10 @@ std::string in_dots(const sockaddr* address) {
 
 }  // namespace
 
-std::vector<std::string> ipv4_addresses() {
+Result<std::vector<std::string>> ipv4_addresses() {
   ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return errno_problem("getifaddrs");
   std::vector<std::string> addresses;
-  if (getifaddrs(&all) != 0) return addresses;
   for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
     constexpr unsigned kUsable = IFF_UP | IFF_RUNNING;
     if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET ||
