@@ -18,6 +18,7 @@
 #include <takt/dds/guarded.hpp>
 #include <takt/dds/inside.hpp>
 #include <takt/dds/pace.hpp>
+#include <takt/dds/question.hpp>
 #include <takt/dds/sensible.hpp>
 #include <takt/dds/watch.hpp>
 #include <takt/dds/words.hpp>
@@ -178,12 +179,6 @@ class Ends : Remade {
   fast::DataReader* also_reader_ = nullptr;
   Undecoded* undecoded_ = nullptr;
 };
-
-/// What changes no module, and may be asked by whoever may look.
-bool is_question(CommandKind kind) {
-  return kind == COMMAND_REPORT || kind == COMMAND_DESCRIBE || kind == COMMAND_GET || kind == COMMAND_TAP ||
-         kind == COMMAND_LOG || kind == COMMAND_TRACE;
-}
 
 std::uint64_t participant_of(const rtps::InstanceHandle_t& handle) {
   rtps::GuidPrefix_t prefix;

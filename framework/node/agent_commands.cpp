@@ -8,6 +8,7 @@
 
 #include <takt/core/span.hpp>
 #include <takt/core/words.hpp>
+#include <takt/dds/question.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/node/agent_update.hpp>
@@ -38,7 +39,8 @@ void Agent::answer(const Command& command, ReplyCode code, const std::string& te
 void Agent::hear(const dds::WholeCommand& command) {
   const Command& head = command.head;
   const Nanoseconds late = span(head.deadline_ns(), options_.wall_ns());
-  if (head.deadline_ns() != 0 && late > Nanoseconds{0}) {
+  // A device whose clock is another one can still be looked at.
+  if (head.deadline_ns() != 0 && late > Nanoseconds{0} && !dds::is_question(head.kind())) {
     answer(head, REPLY_LATE,
            std::string{takt::to_text(head.kind())} + " came " + takt::to_text(late) +
                " after its deadline; synchronise the clocks of the devices, or give it more time");
@@ -242,10 +244,11 @@ void Agent::tap(const Command& command) {
   if (!runs(command)) return;
   const auto module = module_of(command);
   if (!module) return;
-  const Nanoseconds longer = span(options_.wall_ns(), command.time_ns());
-  const auto tapped = deployment_->supervised->tap(
-      *module, command.property().to_string(),
-      options_.now() + std::clamp<Nanoseconds>(longer, Nanoseconds{0}, kLongestTap));
+  // Until when it is asked for says nothing where the asker's clock is another one.
+  const Nanoseconds asked = span(options_.wall_ns(), command.time_ns());
+  const Nanoseconds longer = asked > Nanoseconds{0} ? std::min(asked, kLongestTap) : kLongestTap;
+  const auto tapped =
+      deployment_->supervised->tap(*module, command.property().to_string(), options_.now() + longer);
   if (!tapped) {
     answer(command, REPLY_REFUSED, in_words(tapped.problems()));
     return;

@@ -59,6 +59,21 @@ TEST(Agent, DoesNotBeginWhatIsPastItsDeadline) {
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
+TEST(Agent, AnswersAQuestionHoweverLate) {
+  FakeDevice device;
+  device.become_running();
+  for (const CommandKind kind :
+       {COMMAND_REPORT, COMMAND_DESCRIBE, COMMAND_GET, COMMAND_TAP, COMMAND_LOG, COMMAND_TRACE}) {
+    dds::WholeCommand late = device.command(kind);
+    late.head.module_name("servo");
+    late.head.value("1");
+    late.head.deadline_ns(device.wall() - 3'600'000'000'000);
+    device.hear(late);
+    for (const dds::WholeReply& reply : device.said.replies)
+      EXPECT_NE(reply.head.code(), REPLY_LATE) << to_text(kind);
+  }
+}
+
 TEST(Agent, TakesTimesOfWhateverSize) {
   constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
@@ -69,10 +84,11 @@ TEST(Agent, TakesTimesOfWhateverSize) {
     run.head.time_ns(time);
     device.hear(run);
     EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << time;
-    dds::WholeCommand report = device.command(COMMAND_REPORT);
-    report.head.deadline_ns(time);
-    device.hear(report);
-    EXPECT_EQ(device.reply().code(), time == kMax ? REPLY_OK : REPLY_LATE) << time;
+    dds::WholeCommand undeploy = device.command(COMMAND_UNDEPLOY);
+    undeploy.head.deployment("another");
+    undeploy.head.deadline_ns(time);
+    device.hear(undeploy);
+    EXPECT_EQ(device.reply().code(), time == kMax ? REPLY_REFUSED : REPLY_LATE) << time;
   }
   device.run();
   for (const std::int64_t time : {kMin, std::int64_t{0}, kMax}) {
