@@ -1,12 +1,11 @@
 // takt deploy, takt undeploy: a cell onto the nodes of the network, and off them.
-#include <chrono>
 #include <cstdio>
-#include <thread>
 
 #include <nlohmann/json.hpp>
 
 #include <takt/client/deploy.hpp>
 #include <takt/client/update.hpp>
+#include <takt/os/clock.hpp>
 #include <takt/os/signals.hpp>
 
 #include "client.hpp"
@@ -72,8 +71,7 @@ int deploy(const DeployOptions& options) {
     return 1;
   }
   // It runs from that instant on; who is told so may give it orders.
-  std::this_thread::sleep_until(std::chrono::system_clock::time_point{
-      std::chrono::duration_cast<std::chrono::system_clock::duration>(Nanoseconds{deployed->t0_ns})});
+  os::sleep_until(os::instant_of_wall(deployed->t0_ns));
   std::string names;
   for (const model::Device& device : loaded->cell.devices) names += (names.empty() ? "" : ", ") + device.name;
   return print("cell " + loaded->cell.name + " runs on " + names + "\n") ? 0 : 1;
