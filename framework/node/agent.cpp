@@ -61,6 +61,7 @@ void Agent::step() {
   watch_names();
   watch_devices();
   watch_cell();
+  watch_disk();
   look_at_inspection();
   look_at_supervised();
   look_at_description();

@@ -43,6 +43,7 @@ class Agent {
     /// fetched.
     bool lent = false;
     std::optional<DeploymentFile> file;     ///< where the deployment is kept; none: nowhere
+    std::string boot{};                     ///< os::boot_id()
     std::shared_ptr<FaultRecord> record{};  ///< none: one in memory
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
@@ -161,6 +162,7 @@ class Agent {
 
   void watch_names();
   void watch_cell();
+  void watch_disk();
   [[nodiscard]] DeviceStatus status() const;
   void tell_status();
   void tell_measures();
@@ -179,6 +181,7 @@ class Agent {
   DeviceStatus told_;
   bool told_once_ = false;
   Instant measured_at_{};
+  Instant disk_tried_at_{};
   std::uint64_t measures_told_ = 0;
   bool ending_ = false;
   bool at_once_ = false;

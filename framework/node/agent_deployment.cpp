@@ -65,6 +65,7 @@ std::unique_ptr<Agent::Deployment> Agent::Deployment::afresh() const {
   again->swapped = swapped;
   again->set = set;
   again->t0_wall_ns = t0_wall_ns;
+  again->t0 = t0;
   again->safe = safe;
   return again;
 }
@@ -250,7 +251,10 @@ void Agent::look_at_supervised() {
         for (const Command& preparer : d.preparers)
           answer(preparer, REPLY_OK, "", model::json_text(Deployment::ports_of(d.of_device(), d.found)));
         d.preparers.clear();
-        if (d.t0_wall_ns) go(*d.t0_wall_ns);
+        if (d.t0_wall_ns) {
+          go(*d.t0_wall_ns);
+          if (!update_) keep_for_restart();
+        }
         if (update_ && update_->in_transit()) brought_up();
       } else if (options_.now() - *d.ready_since > kRunAwaited) {
         d.undone = "nobody said when it is to run, within " + takt::to_text(kRunAwaited);
@@ -294,27 +298,45 @@ void Agent::run(const dds::WholeCommand& whole) {
   deployment_->safe = whole.data;
   go(command.time_ns());
   answer(command, REPLY_OK, "");
+  keep_for_restart();  // a disk may take longer than the asker waits
 }
 
 void Agent::go(std::int64_t t0_wall_ns) {
   Deployment& d = *deployment_;
   d.t0_wall_ns = t0_wall_ns;
+  if (!d.t0) d.t0 = options_.instant_of_wall(t0_wall_ns);
   d.supervised->give_safe(model::parse_safe(d.safe));
-  d.supervised->go(options_.instant_of_wall(t0_wall_ns));
+  d.supervised->go(*d.t0);
   note({.kind = model::FaultKind::deployed, .cause = "cell " + d.cell.name + " runs, from " + d.file});
-  if (!update_) keep_for_restart();
 }
 
 void Agent::keep_for_restart() {
   if (!options_.file) return;
-  const Deployment& d = *deployment_;
+  Deployment& d = *deployment_;
   const auto kept = options_.file->keep({.id = d.id,
                                          .file = d.file,
                                          .text = d.text,
                                          .require_real_time = d.require_real_time,
                                          .t0_ns = *d.t0_wall_ns,
+                                         .boot = options_.boot,
+                                         .t0_monotonic_ns = to_ns(*d.t0),
                                          .safe = d.safe});
-  if (!kept) log("warning: cell " + d.cell.name + " is not kept for a restart: " + in_words(kept.problems()));
+  const bool again = std::exchange(d.unkept, !kept);
+  if (kept && again) log("cell " + d.cell.name + " is kept for a restart now");
+  if (kept || again) return;
+  const std::string what = "cell " + d.cell.name + " is not kept for a restart: " + in_words(kept.problems());
+  log("warning: " + what);
+  note({.kind = model::FaultKind::error, .cause = what});
+}
+
+// What could not be written may find room again.
+void Agent::watch_disk() {
+  const Instant now = options_.now();
+  if (now - disk_tried_at_ < kDiskTriedEvery) return;
+  disk_tried_at_ = now;
+  if (options_.record->take_up_again())
+    log("the fault record is in its file again: " + options_.record->file());
+  if (deployment_ && deployment_->unkept && !update_) keep_for_restart();
 }
 
 void Agent::undeploy(const Command& command) {
@@ -416,8 +438,13 @@ void Agent::resume() {
     return;
   }
   if (!*kept) return;
+  // The wall clock may have been set; the other goes on as long as the machine does.
+  std::optional<Instant> t0;
+  if (!options_.boot.empty() && (*kept)->boot == options_.boot) t0 = from_ns((*kept)->t0_monotonic_ns);
   // Else it would wait for that instant in silence, for years where a clock went wrong.
-  if (const Nanoseconds ahead = span(options_.wall_ns(), (*kept)->t0_ns); ahead > kFurthestStart) {
+  const Nanoseconds ahead =
+      t0 ? span(to_ns(options_.now()), to_ns(*t0)) : span(options_.wall_ns(), (*kept)->t0_ns);
+  if (ahead > kFurthestStart) {
     last_refusal_ = "the kept deployment runs from an instant that is " + takt::to_text(ahead) +
                     " ahead; set the clock of device " + options_.device + ", or deploy the cell again";
     log("nothing is taken up again: " + last_refusal_);
@@ -429,6 +456,7 @@ void Agent::resume() {
   deployment->text = (*kept)->text;
   deployment->require_real_time = (*kept)->require_real_time || options_.require_real_time;
   deployment->t0_wall_ns = (*kept)->t0_ns;
+  deployment->t0 = t0;
   deployment->safe = (*kept)->safe;
   begin(std::move(deployment));
 }

@@ -37,6 +37,8 @@ struct Agent::Deployment {
   std::vector<Command> undeployers;  ///< to be answered when it has ended
   std::optional<Instant> ready_since;
   std::optional<std::int64_t> t0_wall_ns;  ///< to run from then on
+  std::optional<Instant> t0;               ///< the same, once the wall clock is not asked any more
+  bool unkept = false;                     ///< it could not be written to disk, which is tried again
   std::string safe;    ///< values of the cell's outputs, as model::parse_safe() reads them
   std::string undone;  ///< why it is undone before it ran; empty: it is not
   bool over = false;   ///< it ended by itself and is kept to be looked at

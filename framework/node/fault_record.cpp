@@ -175,6 +175,7 @@ FaultRecord::FaultRecord(std::size_t slots) : slots_(slots) {}
 
 FaultRecord FaultRecord::open(const std::string& path, std::size_t slots) {
   FaultRecord record{slots};
+  record.wanted_ = path;
   if (auto taken = record.take_up(path); !taken) {
     record.file_.reset();
     for (Problem problem : taken.problems()) record.problems_.push_back(std::move(problem));
@@ -218,6 +219,29 @@ Result<void> FaultRecord::take_up(const std::string& path) {
   }
   file_ = std::make_shared<os::FixedFile>(std::move(*file));
   return {};
+}
+
+bool FaultRecord::take_up_again() {
+  if (file_ || wanted_.empty()) return false;
+  FaultRecord other = open(wanted_, slots_);
+  if (!other.file_) return false;
+  const auto& theirs = other.recorded_.events;
+  auto from = recorded_.events.begin();  // what the file does not have
+  bool goes_on =
+      theirs.empty() || (from != recorded_.events.end() && from->sequence > theirs.back().sequence);
+  if (!goes_on) {
+    const auto shared = std::find(from, recorded_.events.end(), theirs.back());
+    goes_on = shared != recorded_.events.end();
+    if (goes_on) from = shared + 1;
+  }
+  if (goes_on) other.next_ = from == recorded_.events.end() ? next_ : from->sequence;
+  for (; from != recorded_.events.end(); ++from) {
+    model::Fault fault = *from;
+    other.append(fault);
+  }
+  if (!other.file_) return false;
+  *this = std::move(other);
+  return true;
 }
 
 void FaultRecord::append(model::Fault& fault) {

@@ -53,6 +53,9 @@ class FaultRecord {
 
   /// Gives it its number. Writes to the file's pages, which does not wait for the disk.
   void append(model::Fault& fault);
+  /// Where open() or a write failed: tries the file again. True when it was taken up, with all that is in
+  /// memory. Events get other numbers where the file has others of theirs.
+  bool take_up_again();
   [[nodiscard]] const std::vector<model::Fault>& events() const noexcept { return recorded_.events; }
   [[nodiscard]] std::uint64_t overwritten() const noexcept { return recorded_.overwritten; }
   [[nodiscard]] std::uint64_t damaged() const noexcept { return recorded_.damaged; }
@@ -71,6 +74,7 @@ class FaultRecord {
   Recorded recorded_;
   std::shared_ptr<os::FixedFile> file_;
   std::string path_;
+  std::string wanted_;  // what open() was given; empty: it was not opened
   Problems problems_;
 };
 

@@ -254,7 +254,11 @@ void FlightRecorder::write_file(const std::string& text, std::int64_t wall_ns) {
     if (name.starts_with(begin) && name.ends_with(kSuffix)) all.push_back(entry.path());
   }
   std::sort(all.begin(), all.end());
+  // Those of a later time than this one are older: the clock was set back since.
+  std::rotate(all.begin(), std::upper_bound(all.begin(), all.end(), fs::path{path}), all.end());
   for (std::size_t i = 0; i + kMostFiles < all.size(); ++i) fs::remove(all[i], ignored);
+  const bool said = std::exchange(refused_, !written) && !written;
+  if (said) return;
   const std::lock_guard lock{mutex_};
   said_.push_back(written ? "what happened before it: takt trace " + path
                           : "warning: no trace was written: " + in_words(written.problems()));

@@ -107,6 +107,7 @@ class FlightRecorder {
   std::vector<std::string> said_;
   bool end_ = false;
   std::atomic<bool> finished_{false};
+  bool refused_ = false;  // the worker's: a file could not be written, and that was said
   std::thread worker_;
 };
 

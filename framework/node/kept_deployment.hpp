@@ -14,8 +14,12 @@ struct KeptDeployment {
   std::string file;  ///< the descriptor's name, for messages
   std::string text;  ///< of the descriptor
   bool require_real_time = false;
-  std::int64_t t0_ns = 0;  ///< of the wall clock
-  std::string safe{};      ///< the safe values of the cell's outputs, as model::parse_safe() reads them
+  std::int64_t t0_ns = 0;  ///< of the wall clock, which may have been set since
+  /// The same of the monotonic clock, which goes on until the machine is started again: os::boot_id() of
+  /// then. Empty: not known.
+  std::string boot{};
+  std::int64_t t0_monotonic_ns = 0;
+  std::string safe{};  ///< the safe values of the cell's outputs, as model::parse_safe() reads them
   bool operator==(const KeptDeployment&) const = default;
 };
 

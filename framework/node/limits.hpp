@@ -42,6 +42,8 @@ inline constexpr Nanoseconds kNamedWithin = std::chrono::milliseconds{500};
 inline constexpr Nanoseconds kLongestTap = std::chrono::seconds{60};
 /// Between two looks at ports for the fault record.
 inline constexpr Nanoseconds kPortsEvery = std::chrono::milliseconds{100};
+/// Between two attempts at a file that could not be written.
+inline constexpr Nanoseconds kDiskTriedEvery = std::chrono::seconds{5};
 /// Between two statistics of a module.
 inline constexpr Nanoseconds kMeasuresEvery = std::chrono::seconds{1};
 

@@ -75,14 +75,14 @@ class Inbox {
 /// Waits for the disk that the fault record is on, which the main loop must not.
 class RecordKeeper {
  public:
-  explicit RecordKeeper(std::shared_ptr<const os::FixedFile> disk) {
+  explicit RecordKeeper(std::shared_ptr<const os::FixedFile> disk) : disk_(std::move(disk)) {
     auto notice = os::Notice::create();
-    if (!disk || !notice) return;
+    if (!disk_ || !notice) return;
     end_.emplace(std::move(*notice));
     auto thread = os::Thread::start(
         {.name = "takt-record"},
-        [this, disk] {
-          while (!os::wait_readable({&end_->fd()}, kSyncEveryMs)) disk->sync();
+        [this] {
+          while (!os::wait_readable({&end_->fd()}, kSyncEveryMs)) disk_->sync();
         },
         nullptr);
     if (thread) thread_ = std::move(*thread);
@@ -93,8 +93,10 @@ class RecordKeeper {
   }
   RecordKeeper(const RecordKeeper&) = delete;
   RecordKeeper& operator=(const RecordKeeper&) = delete;
+  [[nodiscard]] const std::shared_ptr<const os::FixedFile>& disk() const noexcept { return disk_; }
 
  private:
+  const std::shared_ptr<const os::FixedFile> disk_;
   std::optional<os::Notice> end_;
   os::Thread thread_;
 };
@@ -205,6 +207,7 @@ int run_node(const NodeOptions& options) {
                                .real_time = real_time,
                                .lent = lent,
                                .file = std::nullopt,
+                               .boot = os::boot_id(),
                                .now = os::now,
                                .wall_ns = os::wall_ns,
                                .instant_of_wall = os::instant_of_wall};
@@ -301,6 +304,9 @@ int run_node(const NodeOptions& options) {
            .count = now_refused - before});
     }
     agent.step();
+    // It was lost, or taken up again.
+    if (keeper && keeper->disk() != agent_options.record->disk())
+      keeper.emplace(agent_options.record->disk());
   }
   agent.goes_down();
   return 0;

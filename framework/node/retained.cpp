@@ -57,7 +57,7 @@ Result<void> SavedFile::read_into(channel::SavedState& state) const {
 Result<void> SavedFile::remove() const { return os::remove_file(path_); }
 
 Result<std::unique_ptr<Retained>> Retained::start(std::vector<One> all,
-                                                  std::function<void(const Problem&)> said,
+                                                  std::function<void(const std::string&)> said,
                                                   Nanoseconds every) {
   std::unique_ptr<Retained> retained{new Retained{std::move(all), std::move(said)}};
   auto thread = os::Thread::start(
@@ -100,7 +100,9 @@ void Retained::write_changes() {
     } else {
       continue;  // it was being saved
     }
-    if (!written && !one.refused) said_(written.problems()[0]);
+    if (!written && !one.refused)
+      said_("warning: what modules retain is not on disk: " + in_words(written.problems()));
+    if (written && one.refused) said_("what modules retain is on disk again: " + one.file.path());
     one.refused = !written;
   }
 }

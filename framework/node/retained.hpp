@@ -41,21 +41,21 @@ class Retained {
     std::uint64_t written = 0;   ///< the number that is on disk
     bool refused = false;        ///< it was said that it cannot be written
   };
-  /// `said` is called, on that thread, with what could not be written: once, until it can be again.
+  /// `said` is called, on that thread, with what could not be written, once, and when it could be again.
   static Result<std::unique_ptr<Retained>> start(std::vector<One> all,
-                                                 std::function<void(const Problem&)> said,
+                                                 std::function<void(const std::string&)> said,
                                                  Nanoseconds every = std::chrono::seconds{1});
   ~Retained();
   /// Does not wait: true once the last is on disk; then the end takes no time.
   [[nodiscard]] bool finish();
 
  private:
-  Retained(std::vector<One> all, std::function<void(const Problem&)> said)
+  Retained(std::vector<One> all, std::function<void(const std::string&)> said)
       : all_(std::move(all)), said_(std::move(said)) {}
   void write_changes();
 
   std::vector<One> all_;
-  std::function<void(const Problem&)> said_;
+  std::function<void(const std::string&)> said_;
   std::atomic<std::uint32_t> end_{0};
   std::atomic<bool> finished_{false};
   os::Thread thread_;

@@ -140,9 +140,8 @@ Result<void> Supervisor::retain() {
     all.push_back({.file = std::move(file), .state = &state, .written = state.whole.load()});
   }
   if (all.empty()) return {};
-  auto retained = Retained::start(std::move(all), [name = device().name](const Problem& problem) {
-    node::log(name, "", "warning: what modules retain is not on disk: " + to_text(problem));
-  });
+  auto retained = Retained::start(
+      std::move(all), [name = device().name](const std::string& text) { node::log(name, "", text); });
   if (!retained) return retained.problems();
   retained_ = std::move(*retained);
   return {};

@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 
 #include <takt/os/environment.hpp>
@@ -63,6 +65,57 @@ TEST_F(Resuming, ItIsTakenUpOnTheSameGrid) {
   EXPECT_TRUE(device.said.replies.empty()) << "nobody asked";
 }
 
+TEST_F(Resuming, AWallClockThatWasSetDoesNotMoveTheGridUntilTheMachineIsStartedAgain) {
+  Instant t0{};
+  {
+    FakeDevice device{file_};
+    device.become_running();
+    t0 = *device.work.t0;
+  }
+  for (const int hours : {1, -1}) {
+    FakeDevice device{file_};
+    device.now += seconds{100};
+    device.set = std::chrono::hours{hours};
+    device.agent.resume();
+    device.agent.step();
+    device.work.inspected = Inspected{.paths = {"", ""}};
+    device.agent.step();
+    device.work.phase = Phase::ready;
+    device.agent.step();
+    EXPECT_EQ(device.work.t0, t0) << hours;
+  }
+  KeptDeployment kept = **file_.kept();
+  kept.boot = "another";
+  ASSERT_TRUE(file_.keep(kept).ok());
+  FakeDevice device{file_};
+  device.set = std::chrono::hours{-1};
+  device.agent.resume();
+  device.agent.step();
+  EXPECT_THAT(device.status().text().to_string(), HasSubstr("set the clock of device robot"));
+}
+
+TEST_F(Resuming, WhatCannotBeKeptIsSaidOnceAndKeptWhenThereIsRoom) {
+  std::ofstream{folder_} << "a file where a folder should be";
+  FakeDevice device{file_};
+  device.become_running();
+  const auto said = [&device] {
+    return std::count_if(device.said.faults.begin(), device.said.faults.end(), [](const FaultEvent& event) {
+      return event.cause().to_string().find("not kept for a restart: ") != std::string::npos;
+    });
+  };
+  for (int i = 0; i < 100; ++i) device.pass(seconds{1});
+  EXPECT_EQ(said(), 1);
+  std::filesystem::remove(folder_);
+  for (int i = 0; i < 10; ++i) device.pass(seconds{1});
+  ASSERT_TRUE(file_.kept().ok() && *file_.kept());
+  EXPECT_EQ((*file_.kept())->id, "d1");
+  EXPECT_EQ(said(), 1);
+  device.undeploy();
+  device.end();
+  for (int i = 0; i < 10; ++i) device.pass(seconds{1});
+  EXPECT_FALSE(file_.kept()->has_value());
+}
+
 TEST_F(Resuming, WhatCannotBeTakenUpIsSaidAndKept) {
   {
     FakeDevice device{file_};
@@ -91,6 +144,7 @@ TEST_F(Resuming, OfAnInstantFarAheadIsRefusedAndNotWaitedFor) {
        {std::int64_t{3600'000'000'000}, std::numeric_limits<std::int64_t>::max() - kept.t0_ns}) {
     KeptDeployment later = kept;
     later.t0_ns += ahead;
+    later.boot = "another";
     ASSERT_TRUE(file_.keep(later).ok());
     FakeDevice device{file_};
     device.agent.resume();

@@ -159,6 +159,7 @@ class FakeDevice {
                .cell = cell_of_identity,
                .lent = lent,
                .file = std::move(file),
+               .boot = "since today",
                .record = std::move(record),
                .now = [this] { return now; },
                .wall_ns = [this] { return wall(); },
@@ -175,7 +176,7 @@ class FakeDevice {
     agent.step();
   }
 
-  [[nodiscard]] std::int64_t wall() const { return to_ns(now) + 1'700'000'000'000'000'000; }
+  [[nodiscard]] std::int64_t wall() const { return to_ns(now) + 1'700'000'000'000'000'000 + set.count(); }
   void pass(Nanoseconds time) {
     now += time;
     agent.step();
@@ -237,6 +238,7 @@ class FakeDevice {
   }
 
   Instant now = from_ns(5'000'000'000);
+  Nanoseconds set{0};  ///< by how much the wall clock was set
   int asked = 0;
   Work work;
   ReadAlong said;

@@ -1,10 +1,13 @@
 #include <takt/node/fault_record.hpp>
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <memory>
 
 namespace takt::node {
 namespace {
@@ -33,6 +36,26 @@ std::vector<std::uint64_t> numbers(const std::vector<Fault>& events) {
   for (const Fault& each : events) numbers.push_back(each.sequence);
   return numbers;
 }
+
+/// Files of this process end here, as on a disk that is full.
+class ShortFiles {
+ public:
+  explicit ShortFiles(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~ShortFiles() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  ShortFiles(const ShortFiles&) = delete;
+  ShortFiles& operator=(const ShortFiles&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
 
 class FaultRecordTest : public testing::Test {
  protected:
@@ -248,6 +271,61 @@ TEST_F(FaultRecordTest, WithoutAFileItIsInMemory) {
   FaultRecord in_memory{2};
   append(in_memory, 3);
   EXPECT_THAT(numbers(in_memory.events()), ElementsAre(2, 3));
+}
+
+TEST_F(FaultRecordTest, WhatIsInMemoryComesToItsFileWhenThereIsRoom) {
+  std::ofstream{folder_} << "a file where a folder should be";
+  FaultRecord record = open();
+  append(record, 6);
+  EXPECT_FALSE(record.take_up_again());
+  std::filesystem::remove(folder_);
+  EXPECT_TRUE(record.take_up_again());
+  EXPECT_FALSE(record.take_up_again()) << "it is there";
+  EXPECT_THAT(record.problems(), IsEmpty());
+  EXPECT_EQ(record.file(), path_);
+  EXPECT_THAT(numbers(read_record_file(path_)->events), ElementsAre(3, 4, 5, 6));
+  append(record, 1);
+  EXPECT_THAT(numbers(read_record_file(path_)->events), ElementsAre(4, 5, 6, 7));
+  EXPECT_EQ(record.overwritten(), 3U);
+}
+
+TEST_F(FaultRecordTest, WhatCouldNotBeWrittenFollowsWhatWas) {
+  FaultRecord record = open();
+  append(record, 2);
+  {
+    const ShortFiles limit{4096};
+    append(record, 1);
+    EXPECT_EQ(record.file(), "");
+    EXPECT_FALSE(record.take_up_again());
+    append(record, 1);
+  }
+  const std::vector<Fault> all = record.events();
+  EXPECT_THAT(numbers(read_record_file(path_)->events), ElementsAre(1, 2));
+  EXPECT_TRUE(record.take_up_again());
+  EXPECT_EQ(record.events(), all);
+  EXPECT_EQ(read_record_file(path_)->events, all);
+  append(record, 1);
+  EXPECT_THAT(numbers(record.events()), ElementsAre(2, 3, 4, 5));
+}
+
+TEST_F(FaultRecordTest, WhatIsInMemoryFollowsTheEventsOfAnother) {
+  auto first = std::make_unique<FaultRecord>(open());
+  append(*first, 2);
+  FaultRecord second = open();
+  append(second, 1);
+  EXPECT_THAT(numbers(second.events()), ElementsAre(1));
+  first.reset();
+  EXPECT_TRUE(second.take_up_again());
+  EXPECT_THAT(numbers(second.events()), ElementsAre(1, 2, 3));
+  EXPECT_EQ(second.events()[2].cause, "number 3");
+  EXPECT_EQ(read_record_file(path_)->events, second.events());
+}
+
+TEST_F(FaultRecordTest, LeavesNothingOfAFileThatHasNoRoom) {
+  const ShortFiles limit{4096 + kSlotBytes};
+  FaultRecord record = open();
+  EXPECT_EQ(record.problems().size(), 1U);
+  EXPECT_EQ(content(), "");
 }
 
 TEST_F(FaultRecordTest, AFileThatAnotherHasOpenIsNotShared) {

@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
 
 namespace takt::node {
 namespace {
@@ -23,7 +27,8 @@ TEST(FlightRecorder, MakesTracesOnAThreadThatIsAsUrgentAsTheNode) {
   const auto channel = channel::Channel::create(1, {"main"}, {});
   ASSERT_TRUE(plan && channel);
   auto recorder = FlightRecorder::create(
-      {.cell = "cell", .device = "robot", .modules = {}, .executors = {"main"}, .files = {}}, *plan, *channel);
+      {.cell = "cell", .device = "robot", .modules = {}, .executors = {"main"}, .files = {}}, *plan,
+      *channel);
   ASSERT_TRUE(recorder);
   bool done = false;
   (*recorder)->trace(1s, 1 << 20, [&done](const Result<std::string>& text) { done = text.ok(); });
@@ -34,6 +39,37 @@ TEST(FlightRecorder, MakesTracesOnAThreadThatIsAsUrgentAsTheNode) {
     const auto thread = static_cast<id_t>(std::stoi(task.path().filename().string()));
     EXPECT_EQ(::getpriority(PRIO_PROCESS, thread), ::getpriority(PRIO_PROCESS, 0)) << thread;
   }
+}
+
+// Those that are named after a later time were written before the clock was set back.
+TEST(FlightRecorder, WritesATraceWhereTheOthersAreOfALaterTime) {
+  namespace fs = std::filesystem;
+  const fs::path folder = testing::TempDir() + "takt-traces-" + std::to_string(os::process_id());
+  fs::create_directories(folder);
+  for (int i = 0; i < 8; ++i)
+    std::ofstream{folder / ("robot.0.2999010" + std::to_string(i) + "T000000.000Z.trace.json")} << "{}";
+  model::Device device;
+  device.executors.emplace_back();
+  const auto plan = schedule::plan(model::Cell{}, device);
+  const auto channel = channel::Channel::create(1, {"main"}, {});
+  ASSERT_TRUE(plan && channel);
+  {
+    auto recorder = FlightRecorder::create({.cell = "cell",
+                                            .device = "robot",
+                                            .modules = {},
+                                            .executors = {"main"},
+                                            .files = folder / "robot.0"},
+                                           *plan, *channel);
+    ASSERT_TRUE(recorder);
+    (*recorder)->fault("something");
+  }
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator{folder}) names.push_back(entry.path().filename());
+  fs::remove_all(folder);
+  std::sort(names.begin(), names.end());
+  ASSERT_EQ(names.size(), 8U);
+  EXPECT_LT(names[0], "robot.0.2999") << "the new one is there";
+  EXPECT_EQ(names[1].substr(0, 16), "robot.0.29990101") << "the oldest is gone";
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 namespace takt::node {
 namespace {
 
+using namespace std::string_literals;
 using testing::HasSubstr;
 
 class Kept : public testing::Test {
@@ -32,7 +33,9 @@ class Kept : public testing::Test {
                              .file = "cell.xml",
                              .text = "<cell name=\"\u00e9\">\n\"\\</cell>",
                              .require_real_time = true,
-                             .t0_ns = 1'700'000'000'123'456'789};
+                             .t0_ns = 1'700'000'000'123'456'789,
+                             .boot = "3f1c",
+                             .t0_monotonic_ns = 123'456'789};
 };
 
 TEST_F(Kept, NothingIsKeptAtFirst) {
@@ -76,13 +79,24 @@ TEST_F(Kept, AChangedByteIsNoticedWhereverItIs) {
 
 TEST_F(Kept, AnInstantThatIsNoneIsADamagedFile) {
   for (const char* other : {"-1", "1.5", "1e300", "9223372036854775808", "\"1\"", "null"}) {
-    std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":)";
-    body += std::string{other} + R"(,"safe":""})";
-    ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body).ok());
-    const auto kept = file_.kept();
-    ASSERT_FALSE(kept.ok()) << other;
-    EXPECT_THAT(to_text(kept.problems()), HasSubstr("damaged"));
+    const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":)";
+    for (const std::string& rest : {other + R"(,"boot":"3f1c","t0_monotonic_ns":1,"safe":""})"s,
+                                    R"(1,"boot":"3f1c","t0_monotonic_ns":)"s + other + R"(,"safe":""})"s}) {
+      ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body + rest).ok());
+      const auto kept = file_.kept();
+      ASSERT_FALSE(kept.ok()) << rest;
+      EXPECT_THAT(to_text(kept.problems()), HasSubstr("damaged"));
+    }
   }
+}
+
+TEST_F(Kept, OneOfAVersionThatKnewNoMonotonicClockIsReadToo) {
+  const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":7,"safe":""})";
+  ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body).ok());
+  const auto kept = file_.kept();
+  ASSERT_TRUE(kept.ok() && *kept);
+  EXPECT_EQ((*kept)->t0_ns, 7);
+  EXPECT_EQ((*kept)->boot, "");
 }
 
 TEST_F(Kept, EachDeviceOfEachDomainHasItsOwn) {

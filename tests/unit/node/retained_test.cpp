@@ -2,14 +2,15 @@
 
 #include <gmock/gmock.h>
 
-#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <takt/node/whole_file.hpp>
 #include <takt/os/environment.hpp>
@@ -80,7 +81,7 @@ TEST_F(Retain, AVersionThatIsNoneIsADamagedFile) {
 
 TEST_F(Retain, TheLastIsOnDiskAtTheEndAndWhatWasClearedIsNot) {
   {
-    auto retained = Retained::start({{.file = file_, .state = state.get()}}, [](const Problem&) {});
+    auto retained = Retained::start({{.file = file_, .state = state.get()}}, [](const std::string&) {});
     ASSERT_TRUE(retained.ok());
     save("first");
     save("last");
@@ -88,27 +89,41 @@ TEST_F(Retain, TheLastIsOnDiskAtTheEndAndWhatWasClearedIsNot) {
   EXPECT_EQ(read_back(), "last");
   {
     auto retained =
-        Retained::start({{.file = file_, .state = state.get(), .written = 2}}, [](const Problem&) {});
+        Retained::start({{.file = file_, .state = state.get(), .written = 2}}, [](const std::string&) {});
     state->clear();
   }
   EXPECT_EQ(read_back(), "nothing");
 }
 
-TEST_F(Retain, WhatCannotBeWrittenIsSaidOnce) {
+TEST_F(Retain, WhatCannotBeWrittenIsSaidOnceAndWhenItCanBeAgain) {
   std::ofstream{folder_} << "a file where a folder should be";
-  std::atomic<int> said = 0;
+  std::mutex mutex;
+  std::vector<std::string> said;
+  const auto has_said = [&](std::size_t count) {
+    const std::lock_guard lock{mutex};
+    return said.size() >= count;
+  };
   save("some");
   {
     auto retained = Retained::start(
-        {{.file = file_, .state = state.get()}}, [&](const Problem&) { ++said; },
+        {{.file = file_, .state = state.get()}},
+        [&](const std::string& text) {
+          const std::lock_guard lock{mutex};
+          said.push_back(text);
+        },
         std::chrono::microseconds{1});
-    while (said == 0) std::this_thread::yield();
+    while (!has_said(1)) std::this_thread::yield();
     for (int i = 0; i < 100; ++i) {
       save("more");
       std::this_thread::yield();
     }
+    std::filesystem::remove(folder_);
+    while (!has_said(2)) std::this_thread::yield();
   }
-  EXPECT_EQ(said, 1);
+  ASSERT_EQ(said.size(), 2U);
+  EXPECT_THAT(said[0], HasSubstr("not on disk: " + folder_));
+  EXPECT_THAT(said[1], HasSubstr("on disk again: " + file_.path()));
+  EXPECT_EQ(read_back(), "more");
 }
 
 }  // namespace
