@@ -1,7 +1,10 @@
 // The agent of one device.
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
+#include <new>
 #include <string_view>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 
@@ -15,6 +18,31 @@
 #include "../takt/pages.hpp"
 #include "../takt/signatures.hpp"
 
+namespace {
+
+// Memory and threads that the system refuses are exceptions of the standard library, which come up in Fast
+// DDS too and on threads of its own.
+[[noreturn]] void say_what_was_refused() {
+  const auto say = [](const char* what) {
+    std::fprintf(stderr,
+                 "takt-node: error: the system refuses it memory or a thread: %s; free memory, or raise the "
+                 "limits on memory and tasks: ulimit -v and -u, MemoryMax= and TasksMax= of its service\n",
+                 what);
+    std::_Exit(1);
+  };
+  try {
+    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::system_error& error) {
+    say(error.what());
+  } catch (const std::bad_alloc& error) {
+    say(error.what());
+  } catch (...) {
+  }
+  std::abort();
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   takt::tool::require_signatures();  // of those that the processes below look at
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
@@ -22,6 +50,8 @@ int main(int argc, char** argv) {
     const int status = takt::node::run_far_gateway(takt::tool::interfaces());
     std::_Exit(status);  // not by way of the static objects of Fast DDS, as below
   }
+
+  std::set_terminate(say_what_was_refused);
 
   takt::node::NodeOptions options;
   takt::tool::Network network;

@@ -1,0 +1,179 @@
+import json
+import mmap
+import os
+import re
+import signal
+import struct
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import wait_until
+
+LIBRARY = os.environ.get("TAKT_SHIFTED_CLOCK_LIBRARY", "")
+HOUR = 3600
+DAY = 24 * HOUR
+
+
+class WallClock:
+    """The wall clock of a machine, as its programs see it. The machine's own is left alone."""
+
+    def __init__(self, path):
+        with open(path, "wb") as file:
+            file.write(struct.pack("qq", 0, 0))
+        with open(path, "r+b") as file:
+            self._words = mmap.mmap(file.fileno(), 16)
+        self.environment = {"LD_PRELOAD": LIBRARY, "TAKT_SHIFTED_CLOCK": path}
+
+    def set_by(self, seconds):
+        """Against that of the machine."""
+        struct.pack_into("q", self._words, 0, seconds * 10**9)
+
+    @property
+    def waits(self):
+        """How often somebody waited until an instant of it."""
+        return struct.unpack_from("q", self._words, 8)[0]
+
+
+class ClockSteps(takt_system.Case):
+    def setUp(self):
+        super().setUp()
+        self.assertTrue(os.path.exists(LIBRARY), "set TAKT_SHIFTED_CLOCK_LIBRARY to shifted_clock.so")
+        self.robot = WallClock(os.path.join(self.folder, "clock.robot"))
+        self.line = WallClock(os.path.join(self.folder, "clock.line"))
+
+    def program(self, name, *arguments, **options):
+        """Whoever has no clock of his own has the robot's."""
+        options["environment"] = {**self.robot.environment, **(options.get("environment") or {})}
+        return super().program(name, *arguments, **options)
+
+    def start_cell(self):
+        self.nodes_of_cell = {"robot": self.node("robot"), "line": self.node("line", environment=self.line.environment)}
+        self.deploy("cell.xml")
+        self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+
+    def end_cell(self):
+        self.done("undeploy cell")
+        self.end(self.nodes_of_cell)
+        for node in self.nodes_of_cell.values():
+            self.assertNotRegex(node.err, "RECOVER|stale")
+
+    def walk_on(self, rows=1500):
+        """Both devices, by so many rows; they are fine then, and were all the time. What status said before and after."""
+        before = {d["name"]: d for d in self.status_of()["devices"]}
+
+        def walked():
+            now = {d["name"]: d for d in self.status_of()["devices"]}
+            return now if set(now) == set(before) and all(
+                now[name]["executors"][0]["cycles"] >= before[name]["executors"][0]["cycles"] + rows for name in before) else None
+        after = wait_until(walked, 60, "%d more rows" % rows)
+        for name in before:
+            self.assertTrue(after[name]["alive"], name)
+            missed = [each[name]["executors"][0]["missed"] for each in (before, after)]
+            self.assertLess(missed[1] - missed[0], 60 * 1000, "%s: an hour is 3,600,000 rows" % name)
+            for module in after[name]["modules"]:
+                self.assertEqual(("EXECUTING", 0), (module["state"], module["errors"]), (name, module["name"]))
+        return after
+
+    def walked(self, device):
+        """T0 as the device's modules saw it, which must be one."""
+        t0, runs, strayed = (int(word) for word in self.read(device).split())
+        self.assertGreater(runs, 0)
+        self.assertEqual(0, strayed, "%s: releases beside the grid" % device)
+        return t0
+
+    def assert_one_grid(self, restarts=0):
+        """`restarts`: of the source, which numbers from 1 then."""
+        t0 = {device: self.walked(device) for device in ("robot", "line")}
+        print("T0 of the devices differs by %d ns" % (t0["robot"] - t0["line"]))
+        self.assertLess(abs(t0["robot"] - t0["line"]), 500 * 1000)
+        seen = json.loads(self.read("seen"))
+        self.assertGreater(seen["read"], 100)
+        self.assertLessEqual(seen["wrong"], restarts)
+        self.assertLess(seen["oldest_ns"], 30 * 10**9, "a sample as old as a step")
+
+    def robots_times(self):
+        """Seconds of the day at which the robot's node said that the source executes."""
+        return [step.at for step in self.nodes_of_cell["robot"].steps("source") if step.target == "EXECUTING"]
+
+    def test_the_grid_stays_when_the_clocks_of_all_are_set(self):
+        self.start_cell()
+        began = wait_until(self.robots_times, 15, "a source that executes")[0]
+        for seconds in (HOUR, -HOUR, 0):
+            with self.subTest(seconds):
+                for clock in (self.robot, self.line):
+                    clock.set_by(seconds)
+                self.walk_on()
+                before = len(self.robots_times())
+                self.done("stop robot.source", "get line.sink most")
+                self.done("start robot.source")
+                # It was set indeed: what is said now has its time.
+                said = wait_until(lambda: self.robots_times()[before:], 15, "a source that executes again")[0]
+                ahead = (said - began + DAY // 2) % DAY - DAY // 2
+                self.assertAlmostEqual(seconds, ahead, delta=600)
+                log, trace = self.done("log --json --device robot", "trace robot --json")
+                told = [json.loads(line) for line in log.splitlines()]
+                self.assertEqual(sorted(event["sequence"] for event in told), [event["sequence"] for event in told])
+                commands = [event for event in told if event["kind"] == "command"]
+                self.assertIn("start was carried out", commands[-1]["cause"])
+                self.assertAlmostEqual(seconds, commands[-1]["time_ns"] / 1e9 - time.time(), delta=600)
+                self.assertIn("executors", json.loads(trace))
+        self.done("swap robot.source port_source.so")
+        self.walk_on(500)
+        self.end_cell()
+        self.assert_one_grid(restarts=1)
+        for clock in (self.robot, self.line):
+            self.assertEqual(0, clock.waits, "somebody waits until an instant of the wall clock")
+
+    def test_the_grid_stays_when_one_device_is_set(self):
+        self.start_cell()
+        for seconds in (HOUR, -HOUR):
+            with self.subTest(seconds):
+                self.line.set_by(seconds)
+                self.walk_on(3000)  # longer than any lease, and than values are good for
+                self.done("get line.sink most", "log", "trace line")
+                order = self.takt("stop", "line.grid")
+                if seconds > 0:  # where it arrives its deadline is long past
+                    self.assertEqual(1, order.status)
+                    self.assertRegex(order.err, "after its deadline; synchronise the clocks of the devices")
+                else:
+                    self.assertEqual(0, order.status, order.err)
+                    self.done("start line.grid")
+        self.line.set_by(0)
+        self.walk_on()
+        self.end_cell()
+        self.assert_one_grid()
+
+    def test_what_is_resumed_after_a_step_is_on_its_grid(self):
+        self.start_cell()
+        for seconds in (HOUR, -HOUR):
+            with self.subTest(seconds):
+                for clock in (self.robot, self.line):
+                    clock.set_by(seconds)
+                node = self.nodes_of_cell["robot"]
+                node.signal(signal.SIGKILL)
+                node.wait(10)
+                wait_until(lambda: not [p for p in node.processes() if p.alive], 10, "the end of all that it had started")
+                self.nodes_of_cell["robot"] = self.node("robot", "--resume")
+                self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
+        self.done("undeploy cell")
+        self.end(self.nodes_of_cell)
+        self.assert_one_grid(restarts=2)
+
+    def test_a_recording_goes_on(self):
+        self.start_cell()
+        recording = self.start("record", "robot.source.out", "--for", "4", "--out", "steps.takt")
+        wait_until(lambda: os.path.exists(os.path.join(self.folder, "steps.takt")), 15, "a recording")
+        for seconds in (HOUR, -HOUR, 0):
+            for clock in (self.robot, self.line):
+                clock.set_by(seconds)
+            self.walk_on(300)
+        self.assertEqual(0, recording.wait(30).status, recording.err)
+        self.assertGreater(int(re.search(r"(\d+) samples", recording.out + recording.err)[1]), 100)
+        self.end_cell()
+        self.assert_one_grid()
+
+
+if __name__ == "__main__":
+    takt_system.main()

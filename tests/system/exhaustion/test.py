@@ -1,0 +1,269 @@
+import ctypes
+import glob
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import LIFE, wait_until
+
+CLONE_NEWNS = 0x20000
+MODULES = ("grid", "source", "keeps", "program")
+
+
+def own_mounts():
+    """Gives this process mounts that are its own and that of what it starts; they end with it. Why not, or an empty text."""
+    if os.geteuid() != 0:
+        return "mounts need root"
+    if ctypes.CDLL(None, use_errno=True).unshare(CLONE_NEWNS) != 0:
+        return "no mount namespace can be made here: " + os.strerror(ctypes.get_errno())
+    made = subprocess.run(["mount", "--make-rprivate", "/"], capture_output=True, text=True)
+    return made.stderr.strip() if made.returncode != 0 else ""
+
+
+WITHOUT_MOUNTS = own_mounts()
+
+
+def fill(folder):
+    """Until there is no room any more. The file that takes it."""
+    path = os.path.join(folder, "filler")
+    with open(path, "ab", buffering=0) as file:
+        try:
+            while True:
+                file.write(bytes(4096))
+        except OSError:
+            return path
+
+
+class Exhaustion(takt_system.Case):
+    """A cell that runs, while something of its machine runs out."""
+
+    def begin(self, **options):
+        node = self.node("robot", **options)
+        self.deploy("cell.xml")
+        self.wait_for_states({"robot": "EXECUTING"})
+        return node
+
+    def walk_on(self, rows):
+        """By so many; all modules are in the tables then, and none of the threads had an error."""
+        def cycles():
+            return self.status_of("robot")["executors"][0]["cycles"]
+        until = cycles() + rows
+        wait_until(lambda: cycles() >= until, 60, "%d more rows" % rows)
+        for module in self.status_of("robot")["modules"]:
+            if module["type"] == "thread":
+                self.assertEqual(("EXECUTING", 0), (module["state"], module["errors"]), module["name"])
+
+    def finish(self, node):
+        self.done("undeploy cell")
+        self.end({"robot": node})
+        self.assertEqual(LIFE, node.states("grid"))
+        t0, runs, strayed = (int(word) for word in self.read("grid").split())
+        self.assertGreater(runs, 0)
+        self.assertEqual(0, strayed, "releases beside the grid")
+
+
+@unittest.skipIf(WITHOUT_MOUNTS, WITHOUT_MOUNTS)
+class FullDisk(Exhaustion):
+    def setUp(self):
+        super().setUp()
+        self.state = os.path.join(self.folder, "state")
+        os.mkdir(self.state)
+
+    def tearDown(self):
+        super().tearDown()
+        subprocess.run(["umount", "-l", self.state], capture_output=True, check=False)
+
+    def mount(self, size, how=""):
+        subprocess.run(["mount", "-t", "tmpfs", "-o", how + "size=" + size, "tmpfs", self.state], check=True)
+
+    def kept(self):
+        return glob.glob(os.path.join(self.state, "robot.*.deployment"))
+
+    def recorded(self):
+        """What the file of the fault record has, without the node."""
+        found = glob.glob(os.path.join(self.state, "robot.*.faults"))
+        self.assertEqual(1, len(found))
+        return [json.loads(line) for line in self.done("log --file %s --json" % found[0])[0].splitlines()]
+
+    def a_fault(self, node):
+        """One of a module: its program is killed."""
+        before = len(node.steps("program"))
+        node.one("grid.exe").kill()
+        wait_until(lambda: [s.target for s in node.steps("program")[before:]][-1:] == ["EXECUTING"], 15, "the program's return")
+
+    def test_what_has_no_room_is_said_once_and_written_when_there_is(self):
+        self.mount("64k")
+        filler = fill(self.state)
+        full = r"warning: .*%s/.*No space left on device; name a folder that this user may write to, with space on its disk"
+        node = self.node("robot")
+        node.wait_for_line(r"the fault record: .*robot\.\d+\.faults: No space left on device")
+        self.deploy("cell.xml")
+        self.wait_for_states({"robot": "EXECUTING"})
+        node.wait_for_line(r"cell cell is not kept for a restart: .*No space left on device")
+        node.wait_for_line(r"what modules retain is not on disk: .*No space left on device")
+        self.a_fault(node)
+        node.wait_for_line(r"no trace was written: .*No space left on device")
+        self.walk_on(3000)
+        self.assertEqual(4, sum("No space left" in line for line in node.raw), "each is said once")
+        for line in node.raw:
+            if "No space left" in line:
+                self.assertRegex(line, full % self.state)
+        self.assertEqual([], self.kept())
+        in_memory = [json.loads(line) for line in self.done("log --json")[0].splitlines()]
+        self.assertIn("program", [event["module"] for event in in_memory])
+
+        os.remove(filler)
+        self.mount("64m", "remount,")
+        for what in ("the fault record is in its file again: ", "cell cell is kept for a restart now",
+                     "what modules retain is on disk again: "):
+            node.wait_for_line(what + ".*", limit=30)
+        self.assertEqual(1, len(self.kept()))
+        self.assertEqual(in_memory, self.recorded()[:len(in_memory)])
+        self.a_fault(node)
+        trace = node.wait_for_line("what happened before it: takt trace ", limit=30).split()[-1]
+        self.assertTrue(os.path.exists(trace), trace)
+
+        # And once more: of what there was room for, nothing is lost.
+        after = len(node.raw)
+        fill(self.state)
+        node.wait_for_line(r"what modules retain is not on disk: .*No space left on device", after=after)
+        self.a_fault(node)
+        self.done("set robot.source burst 2")
+        self.assertIn("set burst = 2 was carried out", [event["cause"] for event in self.recorded()])
+        os.remove(filler)
+        node.wait_for_line("what modules retain is on disk again: ", limit=30, after=after)
+        self.walk_on(500)
+        self.finish(node)
+
+    def test_a_recording_without_room_says_so(self):
+        self.mount("256k")
+        node = self.begin()
+        fill(self.state)
+        recording = self.takt("record", "robot.source.out", "--for", "3", "--out", os.path.join(self.state, "a.takt"))
+        self.assertEqual(1, recording.status, recording.err)
+        self.assertRegex(recording.err, "a.takt.*(full|No space left)")
+        self.walk_on(500)
+        self.finish(node)
+
+    def test_shared_memory_is_not_of_dev_shm(self):
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", "/dev/shm"], check=True)
+        self.addCleanup(subprocess.run, ["umount", "-l", "/dev/shm"], check=True)
+        fill("/dev/shm")
+        node = self.begin()
+        self.walk_on(500)
+        self.done("swap robot.source port_source.so", "echo robot.source.out --count 3")
+        self.walk_on(500)
+        self.finish(node)
+        os.remove("/dev/shm/filler")
+        self.assertEqual([], os.listdir("/dev/shm"))
+
+
+def without_descriptors(process):
+    """It can open none until the limit that it had is given back, which this returns."""
+    def look():
+        return {int(name) for name in os.listdir("/proc/%d/fd" % process.pid)}
+    opened = look()
+    for _ in range(50):  # what it has open for a moment only is no use to it later
+        time.sleep(0.005)
+        opened &= look()
+    first_free = next(number for number in range(len(opened) + 1) if number not in opened)
+    before = resource.prlimit(process.pid, resource.RLIMIT_NOFILE)
+    resource.prlimit(process.pid, resource.RLIMIT_NOFILE, (first_free, before[1]))
+    return before
+
+
+def processor_time(process):
+    """Of each thread, in seconds."""
+    ticks = os.sysconf("SC_CLK_TCK")
+    used = {}
+    for task in os.listdir("/proc/%d/task" % process.pid):
+        with open("/proc/%d/task/%s/stat" % (process.pid, task)) as file:
+            fields = file.read().rsplit(")", 1)[1].split()
+        used[task] = (int(fields[11]) + int(fields[12])) / ticks
+    return used
+
+
+class NoDescriptors(Exhaustion):
+    NONE_LEFT = r"Too many open files; raise its limit on open files: ulimit -n, prlimit --nofile, LimitNOFILE="
+
+    def test_a_node_that_has_none_left_goes_on_and_refuses_what_needs_one(self):
+        node = self.begin()
+        process = node.one("takt-node")
+        threads = process.threads()
+        limit = without_descriptors(process)
+        before, began = processor_time(process), time.monotonic()
+        self.done("get robot.source burst", "stop robot.source", "log --last 1")
+        self.done("set robot.source burst 2", "start robot.source", "trace robot")
+        swap = self.takt("swap", "robot.source", "port_source.so")
+        self.assertEqual(1, swap.status)
+        self.assertRegex(swap.err, self.NONE_LEFT)
+        # Long enough for all that it does now and then.
+        self.walk_on(6000)
+        spent = time.monotonic() - began
+        for task, used in processor_time(process).items():
+            self.assertLess(used - before.get(task, 0.0), 0.6 * spent, "a thread that does not rest")
+        self.assertGreaterEqual(process.threads(), threads, "a thread has ended")
+        self.assertNotIn("getifaddrs", node.err, "it is not said again and again")
+        self.done("echo robot.source.out --count 3")
+        resource.prlimit(process.pid, resource.RLIMIT_NOFILE, limit)
+        self.done("swap robot.source port_source.so", "echo robot.source.out --count 3")
+        self.finish(node)
+
+    def test_a_host_that_has_none_left_goes_on_and_refuses_what_needs_one(self):
+        node = self.begin()
+        host = node.one("takt-host")
+        limit = without_descriptors(host)
+        self.done("get robot.source burst", "set robot.source burst 2", "stop robot.source")
+        self.done("start robot.source", "echo robot.source.out --count 3")
+        swap = self.takt("swap", "robot.source", "port_source.so")
+        self.assertEqual(1, swap.status)
+        self.assertRegex(swap.err, "port_source.so: .*Too many open files")
+        self.walk_on(2000)
+        resource.prlimit(host.pid, resource.RLIMIT_NOFILE, limit)
+        self.done("swap robot.source port_source.so")
+        self.walk_on(500)
+        self.finish(node)
+
+    def test_a_node_that_has_too_few_to_begin_says_so(self):
+        for most in (4, 6, 8, 12, 24, 40):
+            with self.subTest(most):
+                def become(most=most):
+                    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+                run = self.program("takt-node", "--device", "robot", become=become).wait(30)
+                self.assertEqual(1, run.status, run.err)
+                self.assertRegex(run.err, "Too many open files|cannot open shared object file")
+
+    def test_a_node_that_has_no_memory_to_begin_says_so(self):
+        for megabytes in (40, 64):
+            with self.subTest(megabytes):
+                def become(most=megabytes << 20):
+                    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+                run = self.program("takt-node", "--device", "robot", become=become).wait(30)
+                if run.status == 127:  # it was not even begun
+                    self.assertRegex(run.err, "error while loading shared libraries")
+                else:
+                    self.assertEqual(1, run.status, run.err)
+                    self.assertRegex(run.err, "the system refuses it memory or a thread: .*; free memory, or raise the limits")
+
+    def test_a_node_that_has_none_left_for_a_deployment_refuses_it(self):
+        node = self.node("robot")
+        process = node.one("takt-node")
+        limit = without_descriptors(process)
+        refused = self.takt("deploy", "cell.xml")
+        self.assert_refused(refused, self.NONE_LEFT)
+        resource.prlimit(process.pid, resource.RLIMIT_NOFILE, limit)
+        self.deploy("cell.xml")
+        self.wait_for_states({"robot": "EXECUTING"})
+        self.walk_on(500)
+        self.finish(node)
+
+
+if __name__ == "__main__":
+    takt_system.main()
