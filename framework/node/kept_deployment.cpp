@@ -60,17 +60,17 @@ Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
                         .require_real_time = value.at("require_real_time"),
                         .boot = value.value("boot", ""),
                         .safe = value.at("safe")};
-    const auto instant = [&value](const char* name) -> std::optional<std::int64_t> {
-      const auto ns = model::whole_number(value.at(name));
-      if (!ns || *ns > std::numeric_limits<std::int64_t>::max()) return std::nullopt;
-      return static_cast<std::int64_t>(*ns);
-    };
-    const auto t0_ns = instant("t0_ns");
-    // A version before this one did not keep it.
-    const auto t0_monotonic_ns = kept.boot.empty() ? std::int64_t{0} : instant("t0_monotonic_ns");
-    if (!t0_ns || !t0_monotonic_ns) return wrong;
-    kept.t0_ns = *t0_ns;
-    kept.t0_monotonic_ns = *t0_monotonic_ns;
+    const auto t0_ns = model::whole_number(value.at("t0_ns"));
+    if (!t0_ns || *t0_ns > std::numeric_limits<std::int64_t>::max()) return wrong;
+    kept.t0_ns = static_cast<std::int64_t>(*t0_ns);
+    if (!kept.boot.empty()) {                               // a version before this one did not keep it
+      const json& monotonic = value.at("t0_monotonic_ns");  // negative: before the machine was switched on
+      const auto positive = model::whole_number(monotonic);
+      if (!monotonic.is_number_integer() ||
+          (positive && *positive > std::numeric_limits<std::int64_t>::max()))
+        return wrong;
+      kept.t0_monotonic_ns = monotonic;
+    }
     return std::optional{std::move(kept)};
   } catch (const json::exception&) {
     return wrong;
