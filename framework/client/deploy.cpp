@@ -176,7 +176,8 @@ Problems Deployment::run(std::int64_t t0_ns) {
     Question q = question(COMMAND_RUN, device);
     q.time_ns = t0_ns;
     q.data = safe_;
-    q.limit = std::max(Nanoseconds{t0_ns - wall_ns()} - options_.margin, Nanoseconds{1});
+    const Nanoseconds left = Nanoseconds{t0_ns - wall_ns()} - options_.margin;
+    q.limit = std::max(std::chrono::floor<std::chrono::milliseconds>(left), std::chrono::milliseconds{1});
     questions.push_back(std::move(q));
   }
   return ask(questions);

@@ -29,8 +29,8 @@ struct DeployOptions {
   Nanoseconds discovery = std::chrono::seconds{5};
   /// From the moment on that all are ready to T0, and how long before T0 each must have said that it will
   /// run: what is left is for taking it back everywhere when one did not.
-  Nanoseconds lead = std::chrono::milliseconds{500};
-  Nanoseconds margin = std::chrono::milliseconds{100};
+  Nanoseconds lead = std::chrono::milliseconds{1000};
+  Nanoseconds margin = std::chrono::milliseconds{200};
   bool require_real_time = false;
   /// Where only certain nodes are meant (takt run started them): the process id of each device's.
   std::map<std::string, std::int32_t> process_ids;

@@ -406,7 +406,7 @@ class Case(unittest.TestCase):
         return self.agreed(lambda: self.takt("deploy", descriptor, *options))
 
     def agreed(self, deploy):
-        """The run of a command that deploys. The devices have 0.4 s to agree on the instant: where the machine stands still for longer
+        """The run of a command that deploys. The devices have 0.8 s to agree on the instant: where the machine stands still for longer
         nothing has run, and it is given again."""
         for _ in range(3):
             run = deploy()

@@ -34,8 +34,8 @@ namespace {
 using json = nlohmann::ordered_json;
 
 /// All nodes are here: from the moment on that all are ready to the first row.
-constexpr std::chrono::milliseconds kLead{150};
-constexpr std::chrono::milliseconds kMargin{30};
+constexpr std::chrono::milliseconds kLead{500};
+constexpr std::chrono::milliseconds kMargin{50};
 
 /// One device's node, seen from here.
 struct Node {
