@@ -11,6 +11,8 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "modbus"))
+import modbus
 import takt_system
 from takt_system import wait_until
 
@@ -19,15 +21,9 @@ GOODBYE = re.compile(r"parts placed: (\d+); its timing predicts (\d+): one every
                      r"in ([\d.]+) s(?: beside ([\d.]+) s of emergency stop)?(.*)")
 
 
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
-
-
 class PickAndPlace(takt_system.Case):
     def demo(self, *arguments):
-        self.port = free_port()
+        self.port = modbus.free_port()
         with open(DEMO, encoding="utf-8") as file:
             text = file.read().replace("15020", str(self.port))
         # On a machine that holds everything up for 0.2 s now and then, the demo rightly halts and waits for a hand on its reset.
@@ -68,7 +64,7 @@ class PickAndPlace(takt_system.Case):
         wait_until(lambda: self.lamp() == 0, 5, "the lamp goes out")
         wait_until(lambda: max(map(abs, self.samples("robot.trajectory.setpoint", 1)[0]["velocity"])) == 0, 5, "the arm stands")
         held = self.samples("robot.trajectory.setpoint", 1)[0]["position"]
-        self.assertEqual(0, self.samples("line.conveyor.state", 1)[0]["speed"])
+        wait_until(lambda: self.samples("line.conveyor.state", 1)[0]["speed"] == 0, 5, "the belt stands")
         self.press("reset_button", "true")  # is for nothing while the button is down
         self.press("reset_button", "false")
         self.press("stop_button", "false")
