@@ -3,7 +3,7 @@ import glob
 import json
 import os
 import resource
-import signal
+import shutil
 import subprocess
 import sys
 import time
@@ -79,6 +79,7 @@ class FullDisk(Exhaustion):
     def tearDown(self):
         super().tearDown()
         subprocess.run(["umount", "-l", self.state], capture_output=True, check=False)
+        shutil.rmtree(self.folder, ignore_errors=True)  # which a mount in it has kept
 
     def mount(self, size, how=""):
         subprocess.run(["mount", "-t", "tmpfs", "-o", how + "size=" + size, "tmpfs", self.state], check=True)
