@@ -58,4 +58,18 @@ model::CellPorts ports_of(const model::Cell& cell, const std::vector<dds::WholeR
   return ports;
 }
 
+void SignOfLife::give(Operator& asker, const std::vector<std::string>& devices,
+                      const std::function<Question(CommandKind, const std::string& device)>& question) {
+  constexpr std::chrono::seconds kEvery{4};
+  constexpr std::chrono::milliseconds kAnswered{500};
+  if (std::chrono::steady_clock::now() - last_ < kEvery) return;
+  given();
+  std::vector<Question> questions;
+  for (const std::string& device : devices) {
+    questions.push_back(question(COMMAND_REPORT, device));
+    questions.back().limit = kAnswered;
+  }
+  static_cast<void>(asker.ask(questions));
+}
+
 }  // namespace takt::client

@@ -33,31 +33,33 @@ class Deployment {
   void tell(const std::string& text) const {
     if (options_.progress) options_.progress(text);
   }
-  Question question(CommandKind kind, const model::Device& device) const;
+  Question question(CommandKind kind, const std::string& device) const;
   // One answer of each device, and every reason why one is not a yes.
   Problems ask(const std::vector<Question>& questions, std::vector<dds::WholeReply>* replies = nullptr);
-  void keep();
 
   Operator& asker_;
   const model::Cell& cell_;
   const DeployOptions& options_;
   std::string id_;
   std::string safe_;  // the safe values of all outputs: each device knows its own components only
-  std::chrono::steady_clock::time_point kept_{};
+  SignOfLife sign_of_life_;
 };
 
-Question Deployment::question(CommandKind kind, const model::Device& device) const {
-  Question question{.kind = kind, .device = device.name, .deployment = id_};
-  const auto process = options_.process_ids.find(device.name);
+Question Deployment::question(CommandKind kind, const std::string& device) const {
+  Question question{.kind = kind, .device = device, .deployment = id_};
+  const auto process = options_.process_ids.find(device);
   if (process != options_.process_ids.end()) question.process_id = process->second;
   return question;
 }
 
 Problems Deployment::ask(const std::vector<Question>& questions, std::vector<dds::WholeReply>* replies) {
   Problems problems;
-  kept_ = std::chrono::steady_clock::now();
-  auto answers = asker_.ask(questions, [this] {
-    keep();
+  std::vector<std::string> names;
+  for (const model::Device& device : cell_.devices) names.push_back(device.name);
+  sign_of_life_.given();
+  auto answers = asker_.ask(questions, [&] {
+    sign_of_life_.give(asker_, names,
+                       [this](CommandKind kind, const std::string& name) { return question(kind, name); });
     return cancelled();
   });
   for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -69,22 +71,6 @@ Problems Deployment::ask(const std::vector<Question>& questions, std::vector<dds
   }
   if (cancelled()) return {fail("it was given up before all devices were ready")};
   return problems;
-}
-
-// A device that is ready undoes it when it hears nothing for a while, as when we have died. While others take
-// longer than that it is told that we live.
-void Deployment::keep() {
-  constexpr std::chrono::seconds kEvery{4};
-  constexpr std::chrono::milliseconds kAnswered{500};
-  const auto now = std::chrono::steady_clock::now();
-  if (now - kept_ < kEvery) return;
-  kept_ = now;
-  std::vector<Question> questions;
-  for (const model::Device& device : cell_.devices) {
-    questions.push_back(question(COMMAND_REPORT, device));
-    questions.back().limit = kAnswered;
-  }
-  static_cast<void>(asker_.ask(questions));
 }
 
 // Every device exactly once, and free.
@@ -156,7 +142,7 @@ Problems Deployment::prepare(const std::string& text) {
        (cell_.devices.size() == 1 ? " device" : " devices"));
   std::vector<Question> questions;
   for (const model::Device& device : cell_.devices) {
-    Question q = question(COMMAND_PREPARE, device);
+    Question q = question(COMMAND_PREPARE, device.name);
     q.property = options_.require_real_time ? dds::kRequireRealTime : "";
     q.value = dds::cut(cell_.file, 255);
     q.data = text;
@@ -173,7 +159,7 @@ Problems Deployment::prepare(const std::string& text) {
 Problems Deployment::run(std::int64_t t0_ns) {
   std::vector<Question> questions;
   for (const model::Device& device : cell_.devices) {
-    Question q = question(COMMAND_RUN, device);
+    Question q = question(COMMAND_RUN, device.name);
     q.time_ns = t0_ns;
     q.data = safe_;
     const Nanoseconds left = Nanoseconds{t0_ns - wall_ns()} - options_.margin;

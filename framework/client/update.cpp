@@ -54,7 +54,6 @@ class Update {
   }
   Answers ask(const std::vector<Question>& questions, bool may_be_cancelled = true);
   Problems problems_in(Answers answers, std::vector<dds::WholeReply>* replies = nullptr) const;
-  void stay_heard();
 
   Operator& asker_;
   const model::Cell& cell_;
@@ -68,28 +67,14 @@ class Update {
   std::int64_t t0_ns_ = 0;
   bool require_real_time_ = false;
   std::string safe_;
-  std::chrono::steady_clock::time_point heard_{};
+  SignOfLife sign_of_life_;
 };
 
-// A device that has changed, or is about to, goes back by itself when it hears nothing for a while.
-void Update::stay_heard() {
-  constexpr std::chrono::seconds kEvery{4};
-  constexpr std::chrono::milliseconds kAnswered{500};
-  const auto now = std::chrono::steady_clock::now();
-  if (now - heard_ < kEvery) return;
-  heard_ = now;
-  std::vector<Question> questions;
-  for (const std::string& device : devices_) {
-    questions.push_back(question(COMMAND_REPORT, device));
-    questions.back().limit = kAnswered;
-  }
-  static_cast<void>(asker_.ask(questions));
-}
-
 Update::Answers Update::ask(const std::vector<Question>& questions, bool may_be_cancelled) {
-  heard_ = std::chrono::steady_clock::now();
+  sign_of_life_.given();
   return asker_.ask(questions, [&] {
-    stay_heard();
+    sign_of_life_.give(asker_, devices_,
+                       [this](CommandKind kind, const std::string& name) { return question(kind, name); });
     return cancelled() && may_be_cancelled;
   });
 }
