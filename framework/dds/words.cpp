@@ -106,6 +106,8 @@ const char* to_text(CommandKind kind) noexcept {
   switch (kind) {
     case COMMAND_REPORT:
       return "report";
+    case COMMAND_DESCRIPTOR:
+      return "descriptor";
     case COMMAND_DESCRIBE:
       return "describe";
     case COMMAND_PREPARE:

@@ -90,6 +90,7 @@ class Agent {
 
   // Commands (agent_commands.cpp)
   void report(const Command& command);
+  void descriptor(const Command& command);
   void describe(const Command& command);
   void look_at_description();
   void described(const Result<Inspected>& result);

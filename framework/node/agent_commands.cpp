@@ -49,6 +49,8 @@ void Agent::hear(const dds::WholeCommand& command) {
   switch (head.kind()) {
     case COMMAND_REPORT:
       return report(head);
+    case COMMAND_DESCRIPTOR:
+      return descriptor(head);
     case COMMAND_DESCRIBE:
       return describe(head);
     case COMMAND_PREPARE:
@@ -141,6 +143,14 @@ json Agent::lost_devices() const {
     list.push_back({{"name", device.name}, {"modules", modules}});
   }
   return list;
+}
+
+void Agent::descriptor(const Command& command) {
+  if (!deployment_) {
+    answer(command, REPLY_REFUSED, "device " + options_.device + " has no deployment");
+    return;
+  }
+  answer(command, REPLY_OK, "", deployment_->text, {}, deployment_->file);
 }
 
 void Agent::describe(const Command& command) {

@@ -10,8 +10,8 @@ import sys
 # ---- What command_fuzz reads. Clock and names are those of tests/unit/node/fake_device.hpp.
 
 NOW = 1_700_000_005_000_000_000
-(REPORT, DESCRIBE, PREPARE, RUN, UNDEPLOY, INITIALIZE, START, STOP, RECOVER, RESET, DESTRUCT, GET, SET, TAP, LOG,
- TRACE, SWAP, UPDATE, CHANGE, KEEP, PUT_BACK) = range(21)
+(REPORT, DESCRIPTOR, DESCRIBE, PREPARE, RUN, UNDEPLOY, INITIALIZE, START, STOP, RECOVER, RESET, DESTRUCT, GET, SET, TAP,
+ LOG, TRACE, SWAP, UPDATE, CHANGE, KEEP, PUT_BACK) = range(22)
 CELL = """<cell name="cell"><device name="robot">
 <module><name>servo</name><filename>servo.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
 <period>1000000</period><priority>1</priority><property><value name="gain">1</value></property></module></device></cell>"""
@@ -93,6 +93,7 @@ COMMANDS = {
     "errors": RUNNING + command(RECOVER, module="servo") + command(RESET, module="servo") + command(DESTRUCT) +
     command(INITIALIZE) + b"o\1" + b"e" + command(REPORT) + command(UNDEPLOY),
     "describe": PREPARED + b"i" + command(DESCRIBE) + b"i" + command(DESCRIBE) + command(UNDEPLOY),
+    "descriptor": command(DESCRIPTOR) + RUNNING + command(DESCRIPTOR),
     "describing": RUNNING + command(DESCRIBE) + command(UNDEPLOY),
     "refused": PREPARED + b"f" + command(PREPARE, data=b"<cell>") + command(RUN) + command(START, deadline=1),
     "log": command(LOG, data=json.dumps({"module": "servo", "kinds": ["error", "overrun"], "after": 1, "since_ns": 5,

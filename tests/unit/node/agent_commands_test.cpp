@@ -27,6 +27,18 @@ TEST(AgentCommands, DescribesItsComponentsOnceForAllWhoAsk) {
   EXPECT_TRUE(device.work.inspections[1].describe);
 }
 
+TEST(AgentCommands, WhoLooksOnIsGivenTheDescriptorThatWasDeployed) {
+  FakeDevice device;
+  device.hear(device.command(COMMAND_DESCRIPTOR));
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "device robot has no deployment");
+  device.become_running();
+  device.hear(device.command(COMMAND_DESCRIPTOR));
+  EXPECT_EQ(device.reply().code(), REPLY_OK);
+  EXPECT_EQ(device.said.replies.back().data, FakeDevice::kCell);
+  EXPECT_EQ(device.reply().value().to_string(), "cell.xml");
+}
+
 TEST(AgentCommands, AnOrderGoesToItsModuleAndItsAnswerBack) {
   FakeDevice device;
   device.become_running();
