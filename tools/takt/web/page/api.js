@@ -1,0 +1,48 @@
+// What is asked of the gateway, and the token with which it may be told something.
+
+const kKept = "takt-token";
+
+/// What went wrong and what would help, both in words.
+export class Problem extends Error {
+  constructor(what, fix = "", status = 0) {
+    super(what);
+    this.what = what;
+    this.fix = fix;
+    this.status = status;
+  }
+
+  get text() {
+    return this.fix ? `${this.what}; ${this.fix}` : this.what;
+  }
+}
+
+/// Takes the token out of the address, so that it is neither seen nor linked nor kept in the history. It lasts as long as the tab.
+export function keepToken() {
+  const match = location.hash.match(/^#token=([^&]+)/);
+  if (!match) return;
+  sessionStorage.setItem(kKept, decodeURIComponent(match[1]));
+  history.replaceState(null, "", location.pathname + location.search);
+}
+
+export function get(path, parameters = {}) {
+  return ask(`${path}?${new URLSearchParams(parameters)}`, { method: "GET" });
+}
+
+export function post(path, body) {
+  return ask(path, { method: "POST", body: JSON.stringify(body), headers: { "Content-Type": "application/json" } });
+}
+
+async function ask(address, options) {
+  const headers = { ...options.headers };
+  const token = sessionStorage.getItem(kKept);
+  if (token) headers.Authorization = `Bearer ${token}`;
+  let response;
+  try {
+    response = await fetch(address, { ...options, headers, cache: "no-store", signal: AbortSignal.timeout(15000) });
+  } catch {
+    throw new Problem("the gateway does not answer", "see whether takt web still runs");
+  }
+  const answer = await response.json().catch(() => ({}));
+  if (!response.ok) throw new Problem(answer.what ?? `the gateway answered ${response.status}`, answer.fix, response.status);
+  return answer;
+}

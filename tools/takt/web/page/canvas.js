@@ -1,0 +1,27 @@
+// A canvas that is as sharp as the screen and as wide as its place, and is drawn again when either changes.
+
+import { element } from "./dom.js";
+
+export class Canvas {
+  /// `draw(context, width, height)`, in pixels of the page.
+  constructor(draw, attributes = {}) {
+    this.draw = draw;
+    this.element = element("canvas", attributes);
+    new ResizeObserver(() => this.redraw()).observe(this.element);
+  }
+
+  redraw() {
+    const [width, height] = [this.element.clientWidth, this.element.clientHeight];
+    if (width === 0 || height === 0) return;
+    const sharp = window.devicePixelRatio || 1;
+    const [across, down] = [Math.round(width * sharp), Math.round(height * sharp)];
+    if (this.element.width !== across || this.element.height !== down) {
+      this.element.width = across;
+      this.element.height = down;
+    }
+    const context = this.element.getContext("2d");
+    context.setTransform(sharp, 0, 0, sharp, 0, 0);
+    context.clearRect(0, 0, width, height);
+    this.draw(context, width, height);
+  }
+}

@@ -1,0 +1,87 @@
+// A device: whether it is there and well, its executors, and what all of its modules may be told together.
+
+import { element, Mark, setText } from "./dom.js";
+import { Distributions, Facts } from "./facts.js";
+import { lookOfDevice, lookOfModule } from "./looks.js";
+import { Orders } from "./orders.js";
+import { addressOf, currentRoute } from "./route.js";
+import { count, exact, number } from "./words.js";
+
+export class DeviceDetails {
+  #store;
+  #name = null;
+  #executors = new Map();
+
+  constructor(store) {
+    this.#store = store;
+    this.mark = new Mark("p");
+    this.why = element("p", { class: "why" });
+    this.facts = new Facts();
+    this.orders = new Orders(store);
+    this.executors = element("div");
+    this.modules = element("ul", { class: "plain" });
+    this.table = element("a", { text: "its table over one macro period" });
+    this.faults = element("a", { text: "its fault record" });
+    const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
+    this.element = element("div", {}, this.mark.element, this.why, this.orders.element, part("Modules", this.modules),
+      part("Executors", this.executors, element("p", {}, this.table), element("p", {}, this.faults)), part("Node", this.facts.element));
+  }
+
+  show(name) {
+    this.#name = name;
+    this.#executors.clear();
+    this.executors.replaceChildren();
+    this.orders.hold(name, null);
+    this.table.href = addressOf("table", { device: name });
+    this.faults.href = addressOf("faults", { device: name });
+    this.#showAll();
+  }
+
+  hide() {
+    this.#name = null;
+  }
+
+  update(changes) {
+    if (changes.cell || changes.whole || changes.devices.has(this.#name) || changes.modules.size > 0) this.#showAll();
+    else if (changes.measures) this.#showExecutors();
+    if (changes.rights || changes.link) this.orders.update();
+  }
+
+  #showAll() {
+    const device = this.#store.devices.get(this.#name);
+    this.mark.show(lookOfDevice(device));
+    setText(this.why, device?.text ?? "");
+    this.facts.show([
+      ["machine", device?.machine], ["real time", device ? (device.real_time ? "yes" : "no: the system refuses it") : ""],
+      ["takt-node", device ? `process ${device.process_id}` : ""],
+      ["takt-host", device?.host_process_id ? `process ${device.host_process_id}` : device ? "none" : ""],
+      ["host restarts", count(device?.host_restarts)],
+    ]);
+    this.modules.replaceChildren(...this.#store.modulesOf(this.#name).map((module) => {
+      const mark = new Mark();
+      mark.show(lookOfModule({ ...module, lost: this.#store.isLost(module) }));
+      const href = addressOf(currentRoute().view, { select: module.name });
+      return element("li", {}, element("a", { href, text: module.label }), mark.element);
+    }));
+    this.orders.update();
+    this.#showExecutors();
+  }
+
+  #showExecutors() {
+    for (const about of this.#store.cell?.devices?.find((one) => one.name === this.#name)?.executors ?? []) {
+      let shown = this.#executors.get(about.name);
+      if (!shown) {
+        shown = { facts: new Facts(), distributions: new Distributions() };
+        this.#executors.set(about.name, shown);
+        this.executors.append(element("h4", { text: about.name }), shown.distributions.element, shown.facts.element);
+      }
+      const measures = this.#store.executors.get(`${this.#name}.${about.name}`);
+      shown.distributions.show([["jitter", measures?.jitter_us]], number);
+      shown.facts.show([
+        ["period", about.basic_period_ns ? `${exact(about.basic_period_ns)}; all comes again after ${exact(about.macro_period_ns)}` : ""],
+        ["cycles", count(measures?.cycles)], ["missed", count(measures?.missed)], ["late", count(measures?.late)],
+        ["awake before a release", measures ? `${number(measures.margin_us)} us` : ""],
+      ]);
+    }
+  }
+}

@@ -1,0 +1,47 @@
+// Facts under each other, each written anew only when it changed.
+
+import { element, setText } from "./dom.js";
+
+export class Facts {
+  #values = new Map();
+
+  constructor() {
+    this.element = element("dl", { class: "facts" });
+  }
+
+  /// [what, text]; an empty text leaves the line out.
+  show(pairs) {
+    for (const [what, text] of pairs) {
+      let line = this.#values.get(what);
+      if (!line) {
+        line = { what: element("dt", { text: what }), value: element("dd") };
+        this.#values.set(what, line);
+        this.element.append(line.what, line.value);
+      }
+      line.what.hidden = line.value.hidden = text === "" || text === null || text === undefined;
+      setText(line.value, String(text ?? ""));
+    }
+  }
+}
+
+/// What was measured: a line for each, [what, {mean, p50, p99, p999, max}] in microseconds.
+export class Distributions {
+  constructor() {
+    this.body = element("tbody");
+    this.cells = new Map();
+    const heads = ["us", "mean", "p50", "p99", "p99.9", "max"].map((text) => element("th", { scope: "col", text }));
+    this.element = element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ...heads)), this.body);
+  }
+
+  show(pairs, words) {
+    for (const [what, of] of pairs) {
+      let cells = this.cells.get(what);
+      if (!cells) {
+        cells = ["mean", "p50", "p99", "p999", "max"].map((key) => ({ key, cell: element("td", { class: "number" }) }));
+        this.cells.set(what, cells);
+        this.body.append(element("tr", {}, element("th", { scope: "row", text: what }), ...cells.map(({ cell }) => cell)));
+      }
+      for (const { key, cell } of cells) setText(cell, of ? words(of[key]) : "-");
+    }
+  }
+}

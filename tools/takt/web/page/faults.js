@@ -1,0 +1,131 @@
+// The fault record as it grows, newest first.
+
+import { arrows, element, Mark, setText } from "./dom.js";
+import { lookOfSeverity } from "./looks.js";
+import { addressOf, adjust, currentRoute } from "./route.js";
+import { count, instant, several } from "./words.js";
+
+const kPage = 200;  // lines at a time
+const kSeverities = { "": "all", warning: "warnings and errors", error: "errors" };
+
+export class Faults {
+  #store;
+  #shown = kPage;
+  #paused = null;  // what was there when it was
+  #known = new Map();
+
+  constructor(store) {
+    this.#store = store;
+    const adjusted = (name, field) => () => {
+      this.#shown = kPage;
+      adjust({ [name]: field.value });
+      this.#rebuild();
+    };
+    this.severity = element("select", { "aria-label": "severity" },
+      ...Object.entries(kSeverities).map(([value, text]) => element("option", { value, text })));
+    this.device = element("select", { "aria-label": "device" });
+    this.text = element("input", { type: "search", placeholder: "text", "aria-label": "filter by text" });
+    this.severity.addEventListener("change", adjusted("severity", this.severity));
+    this.device.addEventListener("change", adjusted("device", this.device));
+    this.text.addEventListener("input", adjusted("text", this.text));
+    this.pause = element("button", { type: "button", text: "Pause", "aria-pressed": "false", on: { click: () => this.#pause() } });
+    this.count = element("span", { class: "faint", role: "status" });
+    this.problems = element("p", { class: "answer", "data-look": "poor" });
+    this.body = element("tbody");
+    this.more = element("button", { type: "button", text: "Show older ones", on: { click: () => { this.#shown += kPage; this.#rebuild(); } } });
+    const head = (text) => element("th", { scope: "col", text });
+    this.element = element("div", { class: "scrolled" },
+      element("div", { class: "tools" }, this.severity, this.device, this.text, this.pause, this.count), this.problems,
+      element("table", { class: "list faults" }, element("caption", { class: "unseen", text: "fault record, newest first" }),
+        element("thead", {}, element("tr", {}, head("time"), head("severity"), head("of"), head("what"))), this.body), this.more);
+    arrows(this.body, "tr");
+  }
+
+  show(parameters) {
+    this.severity.value = parameters.get("severity") ?? "";
+    this.#listDevices(parameters.get("device") ?? "");
+    if (this.text.value !== (parameters.get("text") ?? "")) this.text.value = parameters.get("text") ?? "";
+    this.#rebuild();
+  }
+
+  hide() {
+    if (this.#paused) this.#pause();
+  }
+
+  update(changes) {
+    if (changes.whole || changes.cell) this.#listDevices(this.device.value);
+    if (changes.faults === null || changes.faults.length > 0) this.#rebuild();
+  }
+
+  #listDevices(chosen) {
+    const names = this.#store.deviceNames;
+    if (chosen && !names.includes(chosen)) names.push(chosen);
+    const same = [...this.device.options].slice(1).map((option) => option.value).join(" ") === names.join(" ");
+    if (!same || this.device.options.length === 0) {
+      this.device.replaceChildren(element("option", { value: "", text: "all devices" }),
+        ...names.map((name) => element("option", { value: name, text: name })));
+    }
+    this.device.value = chosen;
+  }
+
+  #pause() {
+    this.#paused = this.#paused ? null : [...this.#store.faults];
+    this.pause.setAttribute("aria-pressed", String(this.#paused !== null));
+    setText(this.pause, this.#paused ? "Go on" : "Pause");
+    this.#rebuild();
+  }
+
+  #takes(event) {
+    if (this.severity.value === "error" && event.severity !== "error") return false;
+    if (this.severity.value === "warning" && event.severity === "note") return false;
+    if (this.device.value && event.device !== this.device.value) return false;
+    const words = this.text.value.toLowerCase();
+    return !words || `${event.device}.${event.module ?? ""} ${event.kind} ${event.error ?? ""} ${event.cause ?? ""}`.toLowerCase().includes(words);
+  }
+
+  #rebuild() {
+    const all = this.#paused ?? this.#store.faults;
+    const taken = all.filter((event) => this.#takes(event)).reverse();
+    const lines = new Map();
+    for (const event of taken.slice(0, this.#shown)) lines.set(event, this.#known.get(event) ?? this.#line(event));
+    this.#known = lines;
+    // New ones come at the top; what is there stays where it is, with the focus in it.
+    let next = this.body.firstChild;
+    const kept = new Set(lines.values());
+    for (const line of lines.values()) {
+      while (next && !kept.has(next)) {
+        const gone = next;
+        next = next.nextSibling;
+        gone.remove();
+      }
+      if (next === line) next = next.nextSibling;
+      else this.body.insertBefore(line, next);
+    }
+    while (next) {
+      const gone = next;
+      next = next.nextSibling;
+      gone.remove();
+    }
+    if (!this.body.querySelector('[tabindex="0"]')) this.body.firstChild?.setAttribute("tabindex", "0");
+    this.more.hidden = taken.length <= this.#shown;
+    const waiting = this.#paused ? this.#store.faults.length - this.#paused.length : 0;
+    const filtered = taken.length < all.length ? `${taken.length} of ${several(all.length, "event")}` : several(all.length, "event");
+    setText(this.count, filtered + (this.#paused ? `; paused, ${Math.max(0, waiting)} new` : ""));
+    setText(this.problems, this.#store.problems.join("; "));
+    this.problems.hidden = this.#store.problems.length === 0;
+  }
+
+  #line(event) {
+    const mark = new Mark();
+    mark.show(lookOfSeverity(event.severity));
+    const of = event.module ? `${event.device}.${event.module}` : event.device;
+    const what = event.error ? `${event.kind}: ${event.error}` : event.kind;
+    const times = event.count > 1 ? ` (${count(event.count)} times)` : "";
+    const more = [event.cycle ? `cycle ${event.cycle}` : "", event.attachment ? `see ${event.attachment}` : ""].filter(Boolean).join("; ");
+    return element("tr", { tabindex: "-1", dataset: { kind: event.kind, severity: event.severity } },
+      element("td", { class: "time", text: instant(event.time_ms) }), element("td", {}, mark.element),
+      element("td", {}, element("a", { href: addressOf(currentRoute().view, { ...Object.fromEntries(currentRoute().parameters), select: of }), text: of })),
+      element("td", { class: "what" }, element("b", { text: what + times }), event.cause ? ` ${event.cause}` : null,
+        more ? element("span", { class: "faint small", text: ` ${more}` }) : null));
+  }
+}

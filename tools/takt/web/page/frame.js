@@ -1,0 +1,147 @@
+// A window onto a drawing: fits it to the width, and is moved and zoomed by touch, wheel, keys and buttons.
+
+import { element } from "./dom.js";
+
+const kClosest = 4;      // times its own size
+const kStep = 1.25;
+const kAside = 60;       // pixels that an arrow moves
+const kClick = 5;        // a pointer that went less far has clicked
+
+export class Frame {
+  #drawing = null;
+  #width = 1;
+  #height = 1;
+  #scale = 1;
+  #x = 0;
+  #y = 0;
+  #fits = true;
+  #pointers = new Map();
+  #way = 0;
+
+  constructor() {
+    const button = (text, label, act) =>
+      element("button", { type: "button", text, "aria-label": label, title: label, on: { click: act } });
+    this.surface = element("div", {
+      class: "surface", tabindex: "0", role: "group",
+      "aria-label": "graph of the cell; arrows move it, plus and minus zoom, 0 fits it to the width",
+    });
+    this.element = element("div", { class: "frame" }, this.surface, element("div", { class: "zoom" },
+      button("+", "closer", () => this.zoom(kStep)), button("\u2212", "farther", () => this.zoom(1 / kStep)),
+      button("fit", "fit to the width", () => this.fit())));
+    this.surface.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
+    this.surface.addEventListener("keydown", (event) => this.#press(event));
+    this.surface.addEventListener("pointerdown", (event) => this.#down(event));
+    this.surface.addEventListener("pointermove", (event) => this.#move(event));
+    for (const name of ["pointerup", "pointercancel"]) this.surface.addEventListener(name, (event) => this.#up(event));
+    new ResizeObserver(() => (this.#fits ? this.fit() : this.#place())).observe(this.surface);
+  }
+
+  /// Whether the last press moved the drawing instead of clicking on it.
+  get moved() {
+    return this.#way > kClick;
+  }
+
+  hold(drawing) {
+    this.#drawing = drawing;
+    const box = (drawing.getAttribute("viewBox") ?? "0 0 100 100").split(/[ ,]+/).map(Number);
+    [this.#width, this.#height] = [box[2], box[3]];
+    drawing.removeAttribute("viewBox");
+    this.surface.replaceChildren(drawing);
+    this.fit();
+  }
+
+  fit() {
+    this.#fits = true;
+    this.#scale = Math.min((this.surface.clientWidth || 1) / this.#width, kClosest);
+    [this.#x, this.#y] = [0, 0];
+    this.#place();
+  }
+
+  /// About a point of the surface; its middle unless given.
+  zoom(factor, x = this.surface.clientWidth / 2, y = this.surface.clientHeight / 2) {
+    const least = Math.min(this.surface.clientWidth / this.#width, this.surface.clientHeight / this.#height, 1) * 0.9;
+    const scale = Math.max(least, Math.min(this.#scale * factor, kClosest));
+    const by = scale / this.#scale;
+    this.#x = x - (x - this.#x) * by;
+    this.#y = y - (y - this.#y) * by;
+    this.#scale = scale;
+    this.#fits = false;
+    this.#place();
+  }
+
+  /// Moves no farther than needed for it to be seen.
+  reveal(node) {
+    const box = node.getBoundingClientRect();
+    const here = this.surface.getBoundingClientRect();
+    const over = (low, high, from, to) => (low < from ? from - low : high > to ? to - high : 0);
+    this.#shift(over(box.left, box.right, here.left, here.right), over(box.top, Math.min(box.bottom, box.top + 120), here.top, here.bottom));
+  }
+
+  #shift(dx, dy) {
+    if (dx === 0 && dy === 0) return;
+    this.#x += dx;
+    this.#y += dy;
+    this.#fits = false;
+    this.#place();
+  }
+
+  /// Something of it is always to be seen.
+  #place() {
+    if (!this.#drawing) return;
+    const held = (at, size, of) => (size <= of ? Math.max(0, Math.min(at, of - size)) : Math.max(of - size, Math.min(at, 0)));
+    const [width, height] = [this.#width * this.#scale, this.#height * this.#scale];
+    this.#x = width <= this.surface.clientWidth ? (this.surface.clientWidth - width) / 2 : held(this.#x, width, this.surface.clientWidth);
+    this.#y = held(this.#y, height, this.surface.clientHeight);
+    this.#drawing.setAttribute("width", width);
+    this.#drawing.setAttribute("height", height);
+    this.#drawing.setAttribute("viewBox", `0 0 ${this.#width} ${this.#height}`);
+    this.#drawing.style.transform = `translate(${this.#x}px, ${this.#y}px)`;
+  }
+
+  #wheel(event) {
+    event.preventDefault();
+    const here = this.surface.getBoundingClientRect();
+    this.zoom(Math.exp(-event.deltaY / 500), event.clientX - here.left, event.clientY - here.top);
+  }
+
+  #press(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const act = {
+      "+": () => this.zoom(kStep), "=": () => this.zoom(kStep), "-": () => this.zoom(1 / kStep), 0: () => this.fit(),
+      ArrowLeft: () => this.#shift(kAside, 0), ArrowRight: () => this.#shift(-kAside, 0),
+      ArrowUp: () => this.#shift(0, kAside), ArrowDown: () => this.#shift(0, -kAside),
+    }[event.key];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  }
+
+  #down(event) {
+    if (this.#pointers.size === 0) this.#way = 0;
+    this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+  }
+
+  #move(event) {
+    const before = this.#pointers.get(event.pointerId);
+    if (!before) return;
+    const [dx, dy] = [event.clientX - before.x, event.clientY - before.y];
+    this.#way += Math.hypot(dx, dy);
+    if (this.moved && !this.surface.hasPointerCapture(event.pointerId)) this.surface.setPointerCapture(event.pointerId);
+    const others = [...this.#pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+    this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (others.length === 0) {
+      if (this.moved) this.#shift(dx, dy);
+      return;
+    }
+    const other = others[0];
+    const here = this.surface.getBoundingClientRect();
+    const far = (at) => Math.max(10, Math.hypot(at.x - other.x, at.y - other.y));
+    this.zoom(far({ x: event.clientX, y: event.clientY }) / far(before),
+      (event.clientX + other.x) / 2 - here.left, (event.clientY + other.y) / 2 - here.top);
+    this.#shift(dx / 2, dy / 2);
+  }
+
+  #up(event) {
+    this.#pointers.delete(event.pointerId);
+  }
+}

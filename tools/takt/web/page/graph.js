@@ -1,0 +1,235 @@
+// The cell as a live graph: the gateway's drawing, to which states, health and the choice of a module are added.
+
+import { drawn, element, setAttribute, setText } from "./dom.js";
+import { drawingOf } from "./drawing.js";
+import { Frame } from "./frame.js";
+import { lookOfConnection, lookOfDevice, lookOfModule } from "./looks.js";
+import { alter, currentRoute } from "./route.js";
+import { duration } from "./words.js";
+
+const kNormal = 12, kSmall = 10, kLetter = 0.62;  // sizes of the drawing's text, and a letter's width
+
+export class Graph {
+  #store;
+  #text;
+  #modules = new Map();      // by name: {group, mark}
+  #devices = new Map();
+  #connections = new Map();  // by index: {group, wire, word}
+  #frame;
+
+  constructor(store) {
+    this.#store = store;
+    this.#frame = new Frame();
+    this.nothing = element("p", { class: "nothing" });
+    this.element = element("div", { class: "graph" }, this.nothing, this.#frame.element);
+    this.#frame.element.addEventListener("click", (event) => this.#choose(event.target));
+    this.#frame.element.addEventListener("keydown", (event) => this.#press(event));
+  }
+
+  show() {
+    this.#draw();
+    this.#showAll();
+    this.#mark();
+  }
+
+  update(changes) {
+    if (changes.cell) this.#draw();
+    if (changes.cell || changes.whole || changes.link) {
+      this.#showAll();
+      this.#mark();
+      return;
+    }
+    for (const name of changes.devices) this.#showDevice(name);
+    for (const name of changes.modules) this.#showModule(name);
+    if (!changes.measures) return;
+    for (const name of this.#modules.keys()) this.#showModule(name);
+    for (const index of this.#connections.keys()) this.#showConnection(index);
+  }
+
+  focusOn(name) {
+    (this.#modules.get(name) ?? this.#devices.get(name))?.group.focus();
+  }
+
+  #draw() {
+    const text = this.#store.cell?.graph ?? null;
+    if (text === this.#text && text !== null) return;
+    this.#text = text;
+    for (const known of [this.#modules, this.#devices, this.#connections]) known.clear();
+    const drawing = text === null ? null : drawingOf(text);
+    this.nothing.hidden = drawing !== null;
+    this.#frame.element.hidden = drawing === null;
+    const waiting = this.#store.cell === null;
+    setText(this.nothing, waiting ? "Waiting for what the gateway sees." :
+      this.#store.cell.cell ? "The gateway has no drawing of this cell; its modules are in the list." :
+        "No cell is deployed: takt deploy CELL.xml deploys one, and its graph appears here.");
+    if (!drawing) return;
+    setAttribute(drawing, "class", "drawing");
+    this.#frame.hold(drawing);
+    for (const group of drawing.querySelectorAll("[data-device]")) this.#prepare(group, group.dataset.device, this.#devices, 19);
+    for (const group of drawing.querySelectorAll("[data-module]")) this.#prepare(group, group.dataset.module, this.#modules, 40);
+    for (const group of drawing.querySelectorAll("[data-connection]")) this.#prepareConnection(group);
+    const first = drawing.querySelector("[data-module], [data-device]");
+    first?.setAttribute("tabindex", "0");
+  }
+
+  /// Gives a box its place for the state: a sign, a word, and at the right what was measured.
+  #prepare(group, name, known, below) {
+    const box = group.querySelector("rect");
+    if (!box) return;
+    const [x, y, width] = ["x", "y", "width"].map((of) => Number(box.getAttribute(of)));
+    const of_module = known === this.#modules;
+    const use = drawn("use", { width: of_module ? 10 : 13, height: of_module ? 10 : 13 });
+    const word = drawn("text", { "font-size": kSmall + (of_module ? 0 : 1), class: "state-word" });
+    const measure = drawn("text", { "font-size": kSmall, class: "faint", "text-anchor": "end" });
+    const strip = drawn("rect", { x, y, width: 4, height: box.getAttribute("height"), class: "strip" });
+    const line = y + below;
+    if (of_module) {
+      place(use, x + 8, line - 9);
+      place(word, x + 22, line);
+      place(measure, x + width - 6, line);
+    } else {
+      // Beside the name if there is room, else beside what is said of the device.
+      const title = group.querySelector("text.title");
+      const room = width - 24 - (title?.textContent.length ?? 0) * (kNormal + 2) * kLetter;
+      const at = room > 100 ? line : y + 33;
+      setAttribute(word, "text-anchor", "end");
+      place(word, x + width - 12, at);
+    }
+    group.append(...(of_module ? [strip] : []), use, word, ...(of_module ? [measure] : []));
+    // What is in the box already says what it is; the title is what a pointer shows.
+    setAttribute(group, "role", "button");
+    setAttribute(group, "tabindex", "-1");
+    known.set(name, { group, use, word, measure, of_module, right: x + width - 12, at: line });
+  }
+
+  #prepareConnection(group) {
+    const wire = group.querySelector("path.wire");
+    if (!wire) return;
+    const index = group.dataset.connection;
+    // The word stands under the wire's end, outside of the box.
+    const numbers = (wire.getAttribute("d").match(/-?[\d.]+/g) ?? []).map(Number);
+    const [x, y] = numbers.slice(-2);
+    const from_right = numbers.at(-4) > x;
+    const word = drawn("text", { "font-size": kSmall, "text-anchor": from_right ? "start" : "end" });
+    place(word, from_right ? x - 4 : x + 4, y + 12);
+    group.append(word);
+    this.#connections.set(index, { group, wire, word, title: group.querySelector("title"), said: group.querySelector("title")?.textContent ?? "" });
+  }
+
+  #showAll() {
+    for (const name of this.#devices.keys()) this.#showDevice(name);
+    for (const name of this.#modules.keys()) this.#showModule(name);
+    for (const index of this.#connections.keys()) this.#showConnection(index);
+  }
+
+  #showDevice(name) {
+    const drawn = this.#devices.get(name);
+    if (!drawn) return;
+    const look = lookOfDevice(this.#store.devices.get(name));
+    this.#showLook(drawn, look);
+    place(drawn.use, drawn.right - look.word.length * (kSmall + 1) * kLetter - 18, Number(drawn.word.getAttribute("y")) - 11);
+    setAttribute(drawn.group, "aria-label", `device ${name}: ${look.word}`);
+    for (const module of this.#store.modulesOf(name)) this.#showModule(module.name);
+  }
+
+  #showModule(name) {
+    const drawn = this.#modules.get(name);
+    const module = this.#store.modules.get(name);
+    if (!drawn || !module) return;
+    const look = lookOfModule({ ...module, lost: this.#store.isLost(module) });
+    this.#showLook(drawn, look);
+    const p99 = module.measures?.jitter_us.p99;
+    const room = look.word.length < 14 && p99 !== undefined && look.key !== "lost";
+    setText(drawn.measure, room ? duration(p99) : "");
+    setAttribute(drawn.group, "aria-label", `${name}: ${look.word}`);
+  }
+
+  #showLook(drawn, look) {
+    setAttribute(drawn.group, "data-look", look.look);
+    setAttribute(drawn.group, "data-state", look.key);
+    setAttribute(drawn.use, "href", `#sign-${look.sign}`);
+    setText(drawn.word, look.word);
+  }
+
+  #showConnection(index) {
+    const drawn = this.#connections.get(index);
+    const health = this.#store.connections.get(index);
+    const look = lookOfConnection(health);
+    setAttribute(drawn.wire, "data-line", look.line);
+    setAttribute(drawn.word, "class", `${look.look}-word`);
+    setText(drawn.word, look.rank >= 2 ? look.word : "");
+    if (drawn.title) setText(drawn.title, `${drawn.said}; ${look.word}`);
+  }
+
+  #mark() {
+    const selected = currentRoute().parameters.get("select");
+    for (const known of [this.#devices, this.#modules]) {
+      for (const [name, { group }] of known) group.classList.toggle("selected", name === selected);
+    }
+    for (const [index, { group }] of this.#connections) {
+      const { from, to } = this.#store.cell?.connections?.[index] ?? {};
+      const touches = selected !== null && [from, to].some((end) => end?.startsWith(`${selected}.`));
+      group.classList.toggle("touched", touches);
+    }
+  }
+
+  #choose(target) {
+    if (this.#frame.moved) return;
+    const group = target.closest?.("[data-module], [data-device]");
+    if (group) alter({ select: group.dataset.module ?? group.dataset.device });
+    else {
+      const link = target.closest?.("[data-connection]");
+      if (link) location.hash = `#/connections?at=${link.dataset.connection}`;
+    }
+  }
+
+  /// Enter chooses the box in focus; arrows go to the nearest one in their direction.
+  #press(event) {
+    const group = event.target.closest("[data-module], [data-device]");
+    if (!group || event.shiftKey || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key === "Enter" || event.key === " ") {
+      event.preventDefault();
+      this.#choose(group);
+      return;
+    }
+    const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (!way) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const next = nearest(group, [...this.#devices.values(), ...this.#modules.values()].map((one) => one.group), way);
+    if (!next) return;
+    setAttribute(group, "tabindex", "-1");
+    setAttribute(next, "tabindex", "0");
+    next.focus({ preventScroll: true });
+    this.#frame.reveal(next);
+  }
+}
+
+function place(node, x, y) {
+  setAttribute(node, "x", Math.round(x));
+  setAttribute(node, "y", Math.round(y));
+}
+
+/// Of `groups` the one whose head lies that way and is the least way off; sideways counts threefold.
+function nearest(group, groups, [dx, dy]) {
+  const head = (of) => {
+    const box = of.querySelector("rect").getBBox();
+    return { x: box.x + box.width / 2, y: box.y };
+  };
+  const here = head(group);
+  let best = null;
+  let least = Infinity;
+  for (const other of groups) {
+    if (other === group) continue;
+    const there = head(other);
+    const along = (there.x - here.x) * dx + (there.y - here.y) * dy;
+    const aside = Math.abs((there.x - here.x) * dy) + Math.abs((there.y - here.y) * dx);
+    if (along <= 1) continue;
+    if (along + 3 * aside < least) {
+      least = along + 3 * aside;
+      best = other;
+    }
+  }
+  return best;
+}
+

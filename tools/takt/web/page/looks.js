@@ -1,0 +1,83 @@
+// How each state, severity and health is shown: a look (the colour), a sign (the shape) and a word.
+
+import { duration } from "./words.js";
+
+const kStates = {
+  EXECUTING: { look: "good", sign: "executing" },
+  START: { look: "plain", sign: "start" },
+  INITIALIZE: { look: "plain", sign: "initialize" },
+  IDLE: { look: "plain", sign: "idle" },
+  RECOVER: { look: "bad", sign: "recover" },
+  DESTRUCT: { look: "faint", sign: "destruct" },
+};
+const kLost = { look: "bad", sign: "lost" };
+
+/// `key` names it for sorting and filtering.
+export function lookOfModule(module) {
+  if (!module.state) return { key: "none", word: "not seen", look: "faint", sign: "wait" };
+  const word = module.state.state;
+  if (module.lost) return { ...kLost, key: "lost", word: `lost, was ${word}` };
+  const look = kStates[word] ?? { look: "poor", sign: "poor" };
+  const given_up = word === "DESTRUCT" && module.state.event === "give up";
+  return { ...look, key: word, word, look: given_up ? "bad" : look.look };
+}
+
+export function lookOfDevice(device) {
+  if (!device) return { key: "none", word: "not seen", look: "bad", sign: "lost" };
+  if (!device.alive) return { ...kLost, key: "lost", word: "lost" };
+  const health = String(device.health ?? "ok").toLowerCase();
+  if (health === "failed") return { key: "failed", word: `${device.state}, failed`, look: "bad", sign: "recover" };
+  if (health === "degraded") return { key: "degraded", word: `${device.state}, degraded`, look: "poor", sign: "poor" };
+  if (device.state === "running") return { key: "running", word: "running", look: "good", sign: "executing" };
+  return { key: device.state, word: device.state, look: "plain", sign: "wait" };
+}
+
+export function lookOfSeverity(severity) {
+  if (severity === "error") return { look: "bad", sign: "recover", word: "error" };
+  if (severity === "warning") return { look: "poor", sign: "poor", word: "warning" };
+  return { look: "plain", sign: "note", word: severity };
+}
+
+/// `health` as in the measures; undefined: nothing is known of it. Worst first.
+export function lookOfConnection(health) {
+  if (!health) return { key: "none", rank: 1, look: "faint", sign: "wait", word: "not known", line: "" };
+  if (!health.matched) {
+    const why = health.incompatible ? `not matched: ${health.incompatible} differs` : "not matched";
+    return { key: "broken", rank: 4, look: "bad", sign: "lost", word: why, line: "broken" };
+  }
+  if (health.stale) {
+    const word = health.safe ? "stale, safe value" : "stale";
+    return { key: "stale", rank: 3, look: "bad", sign: "recover", word, line: "bad" };
+  }
+  const poor = [];
+  if (health.age_us === null || health.age_us === undefined) poor.push("no value yet");
+  if (health.safe) poor.push("safe value");
+  for (const what of ["lost", "dropped", "late"]) if (health[what] > 0) poor.push(`${health[what]} ${what}`);
+  if (poor.length > 0) return { key: "poor", rank: 2, look: "poor", sign: "poor", word: poor.join(", "), line: "poor" };
+  return { key: "good", rank: 0, look: "good", sign: "good", word: "ok", line: "good" };
+}
+
+/// Of the gateway; `since` in milliseconds of this machine's clock.
+export function lookOfLink(link) {
+  if (link === "live") return { look: "good", sign: "good", word: "live" };
+  if (link === "quiet") return { look: "bad", sign: "lost", word: "no news, trying again" };
+  if (link === "lost") return { look: "bad", sign: "lost", word: "connection lost, trying again" };
+  return { look: "plain", sign: "wait", word: "connecting" };
+}
+
+/// The share of what it may take, or null; and the words for it.
+export function useOf(module) {
+  const run = module.measures?.run_us;
+  const allowed = module.about?.budget_ns ?? module.about?.period_ns ?? module.about?.deadline_ns;
+  if (!run) return { share: null, words: "-" };
+  if (!allowed) return { share: null, words: duration(run.p99) };
+  const what = module.about.budget_ns ? "budget" : module.about.period_ns ? "period" : "deadline";
+  return { share: run.p99 * 1000 / allowed, words: duration(run.p99), allowed, what };
+}
+
+export function linesOfAge(connection, health) {
+  if (!health || health.age_us === null || health.age_us === undefined) return { share: null, words: "-" };
+  if (!connection.deadline_ns) return { share: null, words: duration(health.age_us) };
+  return { share: health.age_us * 1000 / connection.deadline_ns, words: duration(health.age_us) };
+}
+

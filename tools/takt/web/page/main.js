@@ -1,0 +1,147 @@
+// The page of takt web: one stream of news, a store of what is known, and views of it of which one is shown.
+
+import { get, keepToken } from "./api.js";
+import { arrows, element, Mark, setAttribute, setText, sign } from "./dom.js";
+import { Details } from "./details.js";
+import { Connections } from "./connections.js";
+import { Faults } from "./faults.js";
+import { Graph } from "./graph.js";
+import { lookOfLink } from "./looks.js";
+import { Modules } from "./modules.js";
+import { Plots } from "./plots.js";
+import { addressOf, alter, currentRoute } from "./route.js";
+import { Speaker } from "./speaker.js";
+import { Store } from "./store.js";
+import { Stream } from "./stream.js";
+import { summaryOf } from "./summary.js";
+import { Table } from "./table.js";
+import { followTheme } from "./theme.js";
+import { clock } from "./words.js";
+
+const kQuiet_ms = 4000;  // measures come each second
+
+const byId = (name) => document.getElementById(name);
+const store = new Store();
+const speaker = new Speaker(byId("spoken"));
+const details = new Details(byId("details"), store);
+const views = {
+  cell: { title: "Cell", view: new Graph(store) },
+  modules: { title: "Modules", view: new Modules(store) },
+  connections: { title: "Connections", view: new Connections(store) },
+  faults: { title: "Faults", view: new Faults(store) },
+  table: { title: "Table", view: new Table(store) },
+  plots: { title: "Plots", view: new Plots(store) },
+};
+let shown = null;
+
+function showRoute() {
+  keepToken();
+  const route = currentRoute();
+  const name = views[route.view] ? route.view : "cell";
+  const { view, title } = views[name];
+  if (shown !== view) {
+    shown?.hide?.();
+    byId("view").replaceChildren(view.element);
+    shown = view;
+  }
+  const selected = route.parameters.get("select");
+  byId("main").classList.toggle("split", Boolean(selected));
+  view.show(route.parameters);
+  details.show(selected);
+  for (const tab of byId("tabs").children) {
+    const is = tab.dataset.view === name;
+    setAttribute(tab, "aria-selected", String(is));
+    setAttribute(tab, "tabindex", is ? "0" : "-1");
+  }
+  byId("view").setAttribute("aria-labelledby", `tab-${name}`);
+  document.title = `${title} - ${store.cell?.cell ?? "Takt"}`;
+}
+
+function makeTabs() {
+  for (const [name, { title }] of Object.entries(views)) {
+    byId("tabs").append(element("a", {
+      role: "tab", id: `tab-${name}`, href: addressOf(name), text: title, "aria-controls": "view", dataset: { view: name },
+    }));
+  }
+  arrows(byId("tabs"), "a", { across: true, chosen: (tab) => tab.click() });
+}
+
+const link = new Mark();
+const rights = new Mark();
+const summary = new Mark();
+byId("link").replaceChildren(link.element);
+byId("rights").replaceChildren(rights.element);
+byId("summary").replaceChildren(summary.element);
+
+function showHeader(changes) {
+  setText(byId("cell-name"), store.cell?.cell ?? "Takt");
+  summary.show(summaryOf(store));
+  if (changes.link) showLink();
+  if (changes.rights) {
+    const { command, why } = store.rights;
+    rights.show({ look: command ? "good" : "faint", sign: command ? "good" : "note", word: command ? "may command" : "read-only" });
+    setAttribute(byId("rights"), "title", why);
+  }
+}
+
+function showLink() {
+  link.show(lookOfLink(store.link));
+  const stale = store.link === "lost" || store.link === "quiet";
+  document.body.classList.toggle("stale", stale);
+  const banner = byId("stale");
+  banner.hidden = !stale;
+  if (!stale) return;
+  const what = store.link === "lost" ? "The connection to the gateway is lost" : "The gateway says nothing";
+  banner.replaceChildren(sign("lost"), `${what} since ${clock(store.linkSince)}; trying again. What is shown is from before.`);
+}
+
+async function askRights() {
+  try {
+    store.setRights(await get("/api/rights"));
+  } catch (problem) {
+    store.setRights({ command: false, why: problem.text });
+  }
+}
+
+function listen() {
+  const stream = new Stream("/api/events", {
+    cell: (news) => store.takeCell(news),
+    state: (news) => {
+      speaker.hear(news);
+      store.takeState(news);
+    },
+    measures: (news) => store.takeMeasures(news),
+    faults: (news) => store.takeFaults(news),
+  }, (now) => {
+    store.setLink(now);
+    if (now === "live") askRights();
+  });
+  setInterval(() => {
+    stream.look();
+    if (store.link === "live" && stream.silence > kQuiet_ms) store.setLink("quiet");
+    else if (store.link === "quiet" && stream.silence <= kQuiet_ms) store.setLink("live");
+  }, 500);
+}
+
+store.listen((changes) => {
+  showHeader(changes);
+  shown?.update(changes);
+  details.update(changes);
+  if (changes.cell) document.title = `${views[currentRoute().view]?.title ?? "Cell"} - ${store.cell?.cell ?? "Takt"}`;
+});
+keepToken();
+makeTabs();
+followTheme(byId("theme"), () => {
+  shown?.redraw?.();
+  details.redraw();
+});
+addEventListener("hashchange", showRoute);
+addEventListener("keydown", (event) => {
+  if (event.key !== "Escape" || event.defaultPrevented || !currentRoute().parameters.has("select")) return;
+  const back = details.name;
+  alter({ select: null });
+  shown?.focusOn?.(back);
+});
+showRoute();
+showLink();
+listen();

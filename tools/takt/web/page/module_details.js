@@ -1,0 +1,207 @@
+// A module: its state and why, what was measured, what goes in and out, and what it may be told.
+
+import { get } from "./api.js";
+import { Bar, element, Mark, setText } from "./dom.js";
+import { Distributions, Facts } from "./facts.js";
+import { lookOfConnection, lookOfModule, useOf } from "./looks.js";
+import { Orders } from "./orders.js";
+import { Properties } from "./properties.js";
+import { addressOf } from "./route.js";
+import { TimePlot } from "./time_plot.js";
+import { count, exact, instant, number } from "./words.js";
+
+const kSpan_ms = 600000;
+const kLines = ["p50", "p99"];
+
+export class ModuleDetails {
+  #store;
+  #name = null;
+  #times = [];
+  #history = { jitter: [[], []], run: [[], []] };
+  #ports = [];
+
+  constructor(store) {
+    this.#store = store;
+    this.mark = new Mark("p");
+    this.why = element("p", { class: "why" });
+    this.facts = new Facts();
+    this.use = new Bar();
+    this.counts = new Facts();
+    this.distributions = new Distributions();
+    this.orders = new Orders(store);
+    this.properties = new Properties(store);
+    this.jitter = new TimePlot({ title: "jitter", unit: "us", lines: kLines, span_ms: kSpan_ms });
+    this.run = new TimePlot({ title: "run time", unit: "us", lines: kLines, span_ms: kSpan_ms });
+    this.ports = element("ul", { class: "ports" });
+    this.steps = element("ol", { class: "steps" });
+    const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
+    this.element = element("div", { class: "module-details" }, this.mark.element, this.why, this.orders.element,
+      part("Measured", this.use.element, this.distributions.element, this.counts.element),
+      part("The last ten minutes", this.jitter.element, this.run.element),
+      part("Ports", this.ports), this.properties.element, part("States", this.steps), part("As deployed", this.facts.element));
+  }
+
+  show(name) {
+    this.#name = name;
+    [this.#times, this.#history] = [[], { jitter: [[], []], run: [[], []] }];
+    const [device] = name.split(".");
+    this.orders.hold(device, name);
+    this.properties.hold(name);
+    this.#askHistory();
+    this.#askPorts(device);
+    this.#showAll();
+  }
+
+  hide() {
+    this.#name = null;
+  }
+
+  update(changes) {
+    if (changes.cell || changes.whole || changes.modules.has(this.#name)) this.#showState();
+    if (changes.cell) this.#showAll();
+    if (changes.measures) {
+      this.#append();
+      this.#showMeasures();
+    }
+    if (changes.rights || changes.link || changes.devices.size > 0) {
+      this.orders.update();
+      this.properties.update();
+    }
+  }
+
+  redraw() {
+    this.jitter.redraw();
+    this.run.redraw();
+  }
+
+  get #module() {
+    return this.#store.modules.get(this.#name);
+  }
+
+  #showAll() {
+    const about = this.#module?.about;
+    this.facts.show([
+      ["type", about?.type], ["operation", about?.operation], ["period", about?.period_ns ? exact(about.period_ns) : ""],
+      ["deadline", about?.deadline_ns ? exact(about.deadline_ns) : ""], ["priority", about?.priority],
+      ["executor", about?.executor], ["budget", about?.budget_ns ? exact(about.budget_ns) : about ? "none" : ""],
+    ]);
+    this.#showState();
+    this.#showMeasures();
+    this.#showPorts();
+    this.properties.update();
+  }
+
+  #showState() {
+    const module = this.#module;
+    if (!module) {
+      this.mark.show({ look: "faint", sign: "wait", word: "there is no such module in the cell" });
+      setText(this.why, "");
+    } else {
+      const look = lookOfModule({ ...module, lost: this.#store.isLost(module) });
+      const since = module.state?.time_ms ? ` since ${instant(module.state.time_ms)}` : "";
+      this.mark.show({ ...look, word: look.word + since });
+      setText(this.why, reason(module.state));
+      this.#showSteps(module);
+    }
+    this.orders.update();
+  }
+
+  #showSteps(module) {
+    const lines = module.steps.slice().reverse().map((step) => {
+      const from = step.previous && step.previous !== step.state ? `${step.previous} \u2192 ` : "";
+      return element("li", {}, element("span", { class: "faint", text: instant(step.time_ms) }), ` ${from}${step.state}`,
+        reason(step) ? element("span", { class: "faint", text: ` (${reason(step)})` }) : null);
+    });
+    this.steps.replaceChildren(...lines);
+  }
+
+  #showMeasures() {
+    const module = this.#module;
+    const measures = module?.measures;
+    this.distributions.show([["jitter", measures?.jitter_us], ["run time", measures?.run_us]], number);
+    const use = module ? useOf(module) : { share: null, words: "-" };
+    const of = use.allowed ? `, p99, of its ${use.what} of ${exact(use.allowed)}` : "";
+    this.use.show(use.share, `run time ${use.words}${of}`);
+    this.counts.show(["cycles", "missed", "overruns", "over_budget", "errors", "recoveries"]
+      .map((what) => [what.replace("_", " "), count(measures?.[what])]));
+    this.#showPortHealth();
+    this.jitter.show(this.#times, this.#history.jitter, this.#store.now);
+    this.run.show(this.#times, this.#history.run, this.#store.now);
+  }
+
+  async #askHistory() {
+    const name = this.#name;
+    try {
+      const history = await get("/api/history", { module: name });
+      if (name !== this.#name) return;
+      const before = history.times_ms.findIndex((time) => time >= (this.#times[0] ?? Infinity));
+      const kept = before < 0 ? history.times_ms.length : before;
+      const joined = (old, now) => [...old.slice(0, kept), ...now];
+      this.#times = joined(history.times_ms, this.#times);
+      this.#history = {
+        jitter: kLines.map((line, i) => joined(history[`jitter_${line}_us`], this.#history.jitter[i])),
+        run: kLines.map((line, i) => joined(history[`run_${line}_us`], this.#history.run[i])),
+      };
+      this.#showMeasures();
+    } catch { /* it has none yet: what comes from now on is drawn */ }
+  }
+
+  #append() {
+    const measures = this.#module?.measures;
+    if (!measures || this.#store.time_ms <= (this.#times.at(-1) ?? 0)) return;
+    this.#times.push(this.#store.time_ms);
+    kLines.forEach((line, i) => {
+      this.#history.jitter[i].push(measures.jitter_us[line]);
+      this.#history.run[i].push(measures.run_us[line]);
+    });
+    while (this.#times[0] < this.#store.time_ms - kSpan_ms - 5000) {
+      for (const values of [this.#times, ...this.#history.jitter, ...this.#history.run]) values.shift();
+    }
+  }
+
+  async #askPorts(device) {
+    const name = this.#name;
+    this.#ports = [];
+    this.ports.replaceChildren(element("li", { class: "faint", text: "asking ..." }));
+    try {
+      const { ports } = await get("/api/ports", { device });
+      if (name !== this.#name) return;
+      this.#ports = ports.filter((port) => port.name.startsWith(`${name}.`));
+      this.#showPorts();
+    } catch (problem) {
+      if (name === this.#name) this.ports.replaceChildren(element("li", { class: "answer", "data-look": "bad", text: problem.text }));
+    }
+  }
+
+  /// Each with where it goes or comes from, and how that is.
+  #showPorts() {
+    if (this.#ports.length === 0) {
+      this.ports.replaceChildren(element("li", { class: "faint", text: "It has none." }));
+      return;
+    }
+    this.ends = [];
+    this.ports.replaceChildren(...this.#ports.map((port) => {
+      const connections = [...(this.#store.cell?.connections ?? []).entries()]
+        .filter(([, { from, to }]) => from === port.name || to === port.name);
+      const lines = connections.map(([index, connection]) => {
+        const mark = new Mark();
+        this.ends.push({ index, mark });
+        const other = connection.from === port.name ? `\u2192 ${connection.to ?? "outside"}` : `\u2190 ${connection.from ?? "outside"}`;
+        return element("div", { class: "end" }, element("a", { href: addressOf("connections", { at: index }), text: other }), mark.element);
+      });
+      return element("li", {}, element("a", { href: addressOf("plots", { port: port.name }), text: port.name.slice(this.#name.length + 1) }),
+        element("span", { class: "faint", text: ` ${port.direction === "in" ? "reads" : "writes"} ${port.type}` }),
+        ...(lines.length > 0 ? lines : [element("div", { class: "end faint", text: "not connected" })]));
+    }));
+    this.#showPortHealth();
+  }
+
+  #showPortHealth() {
+    for (const { index, mark } of this.ends ?? []) mark.show(lookOfConnection(this.#store.connections.get(String(index))));
+  }
+}
+
+function reason(state) {
+  if (!state) return "";
+  return [state.error, state.text].filter(Boolean).join(": ");
+}

@@ -1,0 +1,165 @@
+// The values of a port over the last five minutes: a plot for each field that is chosen.
+
+import { get } from "./api.js";
+import { element, setText } from "./dom.js";
+import { adjust, alter, currentRoute } from "./route.js";
+import { Stream } from "./stream.js";
+import { TimePlot } from "./time_plot.js";
+
+const kSpan_ms = 300000;
+const kFields = 4;  // at first
+
+export class Plots {
+  #store;
+  #port = null;
+  #stream = null;
+  #fields = [];
+  #times = [];
+  #values = [];
+  #plots = new Map();  // by field's name
+  #asked = false;
+  #listed = "";
+
+  constructor(store) {
+    this.#store = store;
+    this.port = element("select", { "aria-label": "port", on: { change: () => alter({ port: this.port.value, fields: null }) } });
+    this.said = element("p", { class: "faint", role: "status" });
+    this.choice = element("fieldset", { class: "fields" }, element("legend", { text: "fields" }));
+    this.list = element("div", { class: "plots" });
+    this.span = element("select", { "aria-label": "how long", on: { change: () => this.#span() } },
+      ...[["5", "5 minutes"], ["1", "1 minute"]].map(([value, text]) => element("option", { value, text })));
+    this.element = element("div", { class: "scrolled" },
+      element("div", { class: "tools" }, element("label", {}, "port ", this.port), this.span, this.said), this.choice, this.list);
+  }
+
+  show(parameters) {
+    this.#askPorts();
+    this.span.value = parameters.get("minutes") === "1" ? "1" : "5";
+    const port = parameters.get("port");
+    if (port === this.#port) {
+      this.#build();
+      return;
+    }
+    this.hide();
+    this.#port = port;
+    this.#fields = [];
+    this.#build();
+    this.#showPort();
+    if (!port) {
+      setText(this.said, "Choose a port: its values are drawn as they come.");
+      return;
+    }
+    setText(this.said, "waiting for values ...");
+    this.#stream = new Stream(`/api/samples?${new URLSearchParams({ port })}`, {
+      type: (type) => this.#takeType(type), points: (points) => this.#takePoints(points), problem: (problem) => this.#takeProblem(problem),
+    });
+    this.timer = setInterval(() => this.#draw(), 250);  // the time goes on where no values come
+  }
+
+  hide() {
+    this.#stream?.close();
+    clearInterval(this.timer);
+    this.#stream = this.#port = null;
+    [this.#times, this.#values] = [[], []];
+  }
+
+  update(changes) {
+    if (changes.cell || changes.whole) this.#askPorts();
+  }
+
+  redraw() {
+    for (const plot of this.#plots.values()) plot.redraw();
+  }
+
+  async #askPorts() {
+    const devices = this.#store.deviceNames;
+    const key = `${devices.join(" ")} ${this.#store.cell?.deployment}`;
+    if (key === this.#listed || devices.length === 0) return;
+    this.#listed = key;
+    const answers = await Promise.allSettled(devices.map((device) => get("/api/ports", { device })));
+    const groups = devices.map((device, i) => {
+      const ports = answers[i].status === "fulfilled" ? answers[i].value.ports : [];
+      return element("optgroup", { label: device }, ...ports.map(({ name, direction, type }) =>
+        element("option", { value: name, text: `${name.slice(device.length + 1)} (${direction === "in" ? "reads" : "writes"} ${type})` })));
+    });
+    if (answers.some(({ status }) => status === "rejected")) this.#listed = "";
+    this.port.replaceChildren(element("option", { value: "", text: "choose ..." }), ...groups.filter((group) => group.children.length > 0));
+    this.#showPort();
+  }
+
+  #showPort() {
+    const port = this.#port ?? "";
+    if (port && ![...this.port.options].some(({ value }) => value === port)) this.port.append(element("option", { value: port, text: port }));
+    this.port.value = port;
+  }
+
+  #takeType({ type, fields }) {
+    this.#fields = fields;
+    [this.#times, this.#values] = [[], fields.map(() => [])];
+    setText(this.said, type);
+    this.#build();
+  }
+
+  #takePoints({ whole, times_ms, values }) {
+    if (whole) [this.#times, this.#values] = [[], this.#fields.map(() => [])];
+    this.#times.push(...times_ms);
+    values.forEach((of, i) => this.#values[i]?.push(...of));
+    const old = this.#times.findIndex((time) => time >= (this.#times.at(-1) ?? 0) - kSpan_ms - 10000);
+    if (old > 500) {
+      this.#times.splice(0, old);
+      for (const of of this.#values) of.splice(0, old);
+    }
+    if (this.#asked) return;
+    this.#asked = true;
+    requestAnimationFrame(() => {
+      this.#asked = false;
+      this.#draw();
+    });
+  }
+
+  #takeProblem({ what, fix }) {
+    this.#stream?.close();
+    clearInterval(this.timer);
+    setText(this.said, fix ? `${what}; ${fix}` : what);
+  }
+
+  get #chosen() {
+    const given = currentRoute().parameters.get("fields");
+    if (given !== null) return new Set(given.split(",").filter(Boolean));
+    return new Set(this.#fields.slice(0, kFields).map(({ name }) => name));
+  }
+
+  #build() {
+    const chosen = this.#chosen;
+    const boxes = this.#fields.map(({ name }) => element("label", {}, element("input", {
+      type: "checkbox", checked: chosen.has(name), on: { change: (event) => this.#toggle(name, event.target.checked) } }), name));
+    const focused = document.activeElement?.closest?.("fieldset.fields label")?.textContent;
+    this.choice.replaceChildren(this.choice.firstChild, ...boxes);
+    if (focused) boxes.find((box) => box.textContent === focused)?.firstChild.focus();
+    this.choice.hidden = this.#fields.length < 2;
+    this.#plots = new Map(this.#fields.filter(({ name }) => chosen.has(name)).map((field) => [field.name, new TimePlot({
+      title: field.name, unit: field.unit ?? "", labels: field.labels?.length > 0 ? field.labels : null, lines: ["value"],
+      span_ms: Number(this.span.value) * 60000,
+    })]));
+    this.list.replaceChildren(...[...this.#plots.values()].map((plot) => plot.element));
+    this.#draw();
+  }
+
+  #toggle(name, on) {
+    const chosen = this.#chosen;
+    if (on) chosen.add(name);
+    else chosen.delete(name);
+    adjust({ fields: this.#fields.map((field) => field.name).filter((field) => chosen.has(field)).join(",") || "," });
+    this.#build();
+  }
+
+  #span() {
+    adjust({ minutes: this.span.value });
+    this.#build();
+  }
+
+  #draw() {
+    const end = Math.max(this.#store.now, this.#times.at(-1) ?? 0);
+    this.#fields.forEach(({ name }, i) => this.#plots.get(name)?.show(this.#times, [this.#values[i]], end));
+  }
+}

@@ -1,0 +1,33 @@
+// The last two minutes of a number, as a small line: how it goes, not how much it is.
+
+import { Canvas } from "./canvas.js";
+import { colour } from "./theme.js";
+
+export class Spark {
+  #values = [];
+
+  constructor(length) {
+    this.length = length;
+    this.canvas = new Canvas((context, width, height) => this.#draw(context, width, height),
+      { class: "spark", "aria-hidden": "true" });
+    this.element = this.canvas.element;
+  }
+
+  show(values) {
+    this.#values = values;
+    this.canvas.redraw();
+  }
+
+  #draw(context, width, height) {
+    const values = this.#values;
+    if (values.length < 2) return;
+    const top = Math.max(...values, 1e-9);
+    const step = width / (this.length - 1);
+    const from = this.length - values.length;
+    context.strokeStyle = colour("accent");
+    context.lineWidth = 1.25;
+    context.beginPath();
+    values.forEach((value, i) => context.lineTo((from + i) * step, height - 2 - (value / top) * (height - 4)));
+    context.stroke();
+  }
+}

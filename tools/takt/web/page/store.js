@@ -1,0 +1,186 @@
+// The cell as it was heard of last. Whatever comes is put here at once; who shows it is told once a frame what has changed, so
+// that a burst of a thousand changes is drawn once.
+
+const kFaults = 2000;
+const kSteps = 50;       // of a module
+const kTrend = 120;      // seconds
+
+class Changes {
+  cell = false;
+  link = false;
+  rights = false;
+  measures = false;
+  whole = false;         // the list of devices or modules is another
+  devices = new Set();
+  modules = new Set();
+  faults = [];           // that came; null: all are others
+}
+
+export class Store {
+  link = "connecting";
+  linkSince = Date.now();
+  rights = { command: false, why: "the gateway has not been asked yet" };
+  cell = null;
+  /// By name, as the gateway says them.
+  devices = new Map();
+  /// By "device.module": {name, device, label, about (of the descriptor), state, measures, steps, trend}.
+  modules = new Map();
+  executors = new Map();
+  connections = new Map();
+  /// Oldest first.
+  faults = [];
+  problems = [];
+  time_ms = 0;           // of the gateway's clock, at `seen`
+  seen = 0;
+  #listeners = [];
+  #changes = new Changes();
+  #asked = false;
+
+  listen(listener) {
+    this.#listeners.push(listener);
+  }
+
+  /// The gateway's clock; it stands while nothing is heard, so that what is old does not seem to go on.
+  get now() {
+    if (this.time_ms === 0) return Date.now();
+    return this.time_ms + (this.link === "live" ? Math.min(performance.now() - this.seen, 2000) : 0);
+  }
+
+  change(act) {
+    act(this.#changes);
+    if (this.#asked) return;
+    this.#asked = true;
+    requestAnimationFrame(() => {
+      this.#asked = false;
+      const changes = this.#changes;
+      this.#changes = new Changes();
+      for (const listener of this.#listeners) listener(changes);
+    });
+  }
+
+  setLink(link) {
+    if (this.link === link) return;
+    this.link = link;
+    this.linkSince = Date.now();
+    this.change((changes) => { changes.link = true; });
+  }
+
+  setRights(rights) {
+    this.rights = rights;
+    this.change((changes) => { changes.rights = true; });
+  }
+
+  takeCell(cell) {
+    this.cell = cell;
+    const known = this.modules;
+    this.modules = new Map();
+    for (const device of cell.devices ?? []) {
+      for (const about of device.modules ?? []) {
+        const name = `${device.name}.${about.name}`;
+        this.modules.set(name, { ...this.#module(known, name), about });
+      }
+    }
+    for (const [name, module] of known) {
+      if (!this.modules.has(name) && module.state) this.modules.set(name, { ...module, about: null });
+    }
+    this.change((changes) => { changes.cell = changes.whole = true; });
+  }
+
+  takeState(news) {
+    if (news.whole) this.#forgetStates(news);
+    for (const device of news.devices ?? []) this.#takeDevice(device);
+    for (const state of news.modules ?? []) this.#takeModule(state);
+    this.change((changes) => { changes.whole ||= news.whole === true; });
+  }
+
+  #forgetStates(news) {
+    this.devices = new Map();
+    const named = new Set((news.modules ?? []).map((module) => module.name));
+    for (const [name, module] of this.modules) {
+      if (named.has(name)) continue;
+      if (module.about) module.state = null;
+      else this.modules.delete(name);
+    }
+  }
+
+  #takeDevice(device) {
+    const before = this.devices.get(device.name);
+    if (device.gone) this.devices.delete(device.name);
+    else this.devices.set(device.name, device);
+    this.change((changes) => {
+      changes.devices.add(device.name);
+      if (device.gone || !before) changes.whole = true;
+      for (const [name, module] of this.modules) if (module.device === device.name) changes.modules.add(name);
+    });
+  }
+
+  #takeModule(state) {
+    const known = this.modules.get(state.name);
+    if (state.gone) {
+      if (known?.about) known.state = null;
+      else this.modules.delete(state.name);
+    } else {
+      const module = known ?? this.#module(this.modules, state.name);
+      if (!known) this.modules.set(state.name, module);
+      const last = module.steps.at(-1);
+      if (!last || last.sequence !== state.sequence || last.time_ms !== state.time_ms) module.steps.push(state);
+      if (module.steps.length > kSteps) module.steps.shift();
+      module.state = state;
+    }
+    this.change((changes) => {
+      changes.modules.add(state.name);
+      if (!known || state.gone) changes.whole = true;
+    });
+  }
+
+  #module(known, name) {
+    const [device, label] = name.split(".");
+    return known.get(name) ?? { name, device, label, about: null, state: null, measures: null, steps: [], trend: [] };
+  }
+
+  takeMeasures(measures) {
+    this.time_ms = measures.time_ms;
+    this.seen = performance.now();
+    for (const [name, module] of this.modules) {
+      const of = measures.modules?.[name];
+      if (!of) continue;
+      module.measures = of;
+      module.trend.push(of.jitter_us.p99);
+      if (module.trend.length > kTrend) module.trend.shift();
+    }
+    this.executors = new Map(Object.entries(measures.executors ?? {}));
+    this.connections = new Map(Object.entries(measures.connections ?? {}));
+    this.change((changes) => { changes.measures = true; });
+  }
+
+  takeFaults(news) {
+    this.problems = news.problems ?? this.problems;
+    const events = news.events ?? [];
+    if (news.whole) this.faults = [];
+    this.faults.push(...events);
+    this.faults.sort((a, b) => a.time_ms - b.time_ms);
+    if (this.faults.length > kFaults) this.faults.splice(0, this.faults.length - kFaults);
+    this.change((changes) => {
+      if (news.whole) changes.faults = null;
+      else changes.faults?.push(...events);
+    });
+  }
+
+  /// Whether its device is lost: its state is the last that was heard.
+  isLost(module) {
+    const device = this.devices.get(module.device);
+    return module.state !== null && device?.alive === false;
+  }
+
+  /// Of the descriptor first, then whoever else is there.
+  get deviceNames() {
+    const names = new Set((this.cell?.devices ?? []).map((device) => device.name));
+    for (const name of this.devices.keys()) names.add(name);
+    for (const module of this.modules.values()) names.add(module.device);
+    return [...names];
+  }
+
+  modulesOf(device) {
+    return [...this.modules.values()].filter((module) => module.device === device);
+  }
+}

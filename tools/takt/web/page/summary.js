@@ -1,0 +1,38 @@
+// The state of the whole cell in one sentence.
+
+import { lookOfDevice } from "./looks.js";
+import { listed, several } from "./words.js";
+
+/// {look, sign, word}
+export function summaryOf(store) {
+  const names = store.deviceNames;
+  if (names.length === 0) {
+    const where = store.cell ? ` on domain ${store.cell.domain}` : "";
+    return { look: "faint", sign: "wait", word: `no device is to be seen${where}` };
+  }
+  const devices = names.map((name) => ({ name, look: lookOfDevice(store.devices.get(name)), is: store.devices.get(name) }));
+  const lost = devices.filter((device) => device.look.key === "lost" || device.look.key === "none");
+  const failed = devices.filter((device) => device.look.key === "failed");
+  const modules = [...store.modules.values()].filter((module) => module.state || module.about);
+  const counted = modules.filter((module) => module.state?.state === "EXECUTING" && !store.isLost(module)).length;
+  const recover = modules.filter((module) => module.state?.state === "RECOVER" && !store.isLost(module));
+
+  const trouble = [];
+  if (lost.length > 0) trouble.push(`${listed(lost.map((device) => device.name))} lost`);
+  if (failed.length > 0) trouble.push(`${listed(failed.map((device) => device.name))} failed`);
+  if (recover.length > 0) trouble.push(`${listed(recover.map((module) => module.name))} in RECOVER`);
+  const what = doing(devices);
+  const words = modules.length > 0 ? `${counted} of ${several(modules.length, "module")} EXECUTING` : several(names.length, "device");
+  const word = [`${what}: ${words}`, ...trouble].join(", ");
+  if (trouble.length > 0) return { look: "bad", sign: lost.length > 0 ? "lost" : "recover", word };
+  if (counted < modules.length) return { look: "poor", sign: "poor", word };
+  if (what !== "running") return { look: "plain", sign: "wait", word };
+  return { look: "good", sign: "executing", word };
+}
+
+/// What those that are there do: "running", or "running and preparing".
+function doing(devices) {
+  const states = new Set(devices.filter((device) => device.is?.alive).map((device) => device.is.state));
+  if (states.size === 0) return "lost";
+  return [...states].join(" and ");
+}

@@ -1,0 +1,59 @@
+// Numbers and instants as one reads them: three digits, and the unit that keeps them short.
+
+const kMinus = "\u2212";
+
+export function number(value) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "-";
+  const size = Math.abs(value);
+  if (size === 0) return "0";
+  const digits = size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3;
+  const text = size < 0.001 || size >= 1e7 ? size.toExponential(2) : size.toFixed(digits);
+  return (value < 0 ? kMinus : "") + text;
+}
+
+export function count(value) {
+  return value === null || value === undefined ? "-" : String(value);
+}
+
+/// Of a duration in microseconds.
+export function duration(us) {
+  if (us === null || us === undefined) return "-";
+  const size = Math.abs(us);
+  if (size < 1000) return `${number(us)} us`;
+  if (size < 1e6) return `${number(us / 1000)} ms`;
+  return `${number(us / 1e6)} s`;
+}
+
+/// A time that somebody has written: 1 ms, not 1.00 ms.
+export function exact(ns) {
+  for (const [unit, of] of [["s", 1e9], ["ms", 1e6], ["us", 1e3]]) {
+    if (ns >= of) return `${Number((ns / of).toPrecision(6))} ${unit}`;
+  }
+  return `${ns} ns`;
+}
+
+export function clock(time_ms, { thousandths = false } = {}) {
+  if (!time_ms) return "-";
+  const at = new Date(time_ms);
+  const two = (n) => String(n).padStart(2, "0");
+  const text = `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
+  return thousandths ? `${text}.${String(at.getMilliseconds()).padStart(3, "0")}` : text;
+}
+
+/// The day too, where it is not today.
+export function instant(time_ms) {
+  const day = (at) => new Date(at).toDateString();
+  const text = clock(time_ms, { thousandths: true });
+  if (!time_ms || day(time_ms) === day(Date.now())) return text;
+  return `${new Date(time_ms).toISOString().slice(0, 10)} ${text}`;
+}
+
+export function several(n, what) {
+  return `${n} ${what}${n === 1 ? "" : "s"}`;
+}
+
+/// Names in a sentence; after three of them how many more there are.
+export function listed(names) {
+  if (names.length <= 3) return names.join(", ");
+  return `${names.slice(0, 2).join(", ")} and ${names.length - 2} more`;
+}
