@@ -68,6 +68,7 @@ struct Recording {
   std::int64_t taken_ns = 0;  ///< monotonic
   std::int64_t wall_ns = 0;   ///< at that instant, since 1970
   Nanoseconds last{};         ///< that is to be shown of it
+  std::int64_t t0_ns = 0;     ///< T0 of the rows, monotonic; 0: none is agreed
   std::vector<Module> modules{};
   std::vector<Executor> executors{};
   std::vector<Change> changes{};

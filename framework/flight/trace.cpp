@@ -215,6 +215,7 @@ class Writer {
               {"lasts_us", in_us(last_)},
               {"samples", r_.samples.size()},
               {"lost", lost_}};
+    if (r_.t0_ns != 0) told["t0_us"] = at(r_.t0_ns);
     if (last_ < r_.last) told["left_out_us"] = in_us(r_.last - last_);
     told["threads"] = threads_;
     return told;

@@ -173,6 +173,7 @@ flight::Recording FlightRecorder::gather(const std::string& why, Nanoseconds las
                               .taken_ns = to_ns(os::now()),
                               .wall_ns = os::wall_ns(),
                               .last = last,
+                              .t0_ns = channel_.host(0).t0_ns.load(std::memory_order_acquire),
                               .modules = options_.modules,
                               .executors = {},
                               .changes = {changes_.begin(), changes_.end()},

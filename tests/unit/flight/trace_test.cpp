@@ -94,8 +94,10 @@ TEST(Trace, HasEveryRowRunWriteAndChange) {
   made.recording.changes.push_back({10 * kMs, 1, "EXECUTING", "RECOVER", "error", "a \"quoted\"\nreason"});
   made.recording.taken_ns = 20 * kMs;
   made.recording.last = std::chrono::milliseconds{20};
+  made.recording.t0_ns = -3 * kMs;
   const json trace = json::parse(trace_json(made.recording, kPlenty));
   expect_sound(trace);
+  EXPECT_EQ(trace["otherData"]["t0_us"], -3000.0);
   EXPECT_EQ(of_category(trace, "row").size(), 11U);
   EXPECT_EQ(of_category(trace, "run").size(), 21U);
   ASSERT_EQ(of_category(trace, "write").size(), 1U);
