@@ -48,6 +48,11 @@ class Canvas {
   void open_group(std::string_view title, std::string_view classes) {
     append(R"(<g class="{}"><title>{}</title>)", classes, escaped(title));
   }
+  /// With an attribute data-NAME, by which a page that has the picture in it finds the group.
+  void open_group(std::string_view title, std::string_view classes, std::string_view name,
+                  std::string_view value) {
+    append(R"(<g class="{}" data-{}="{}"><title>{}</title>)", classes, name, escaped(value), escaped(title));
+  }
   void close_group() { append("</g>"); }
 
   [[nodiscard]] double width() const { return width_; }

@@ -130,47 +130,60 @@ Nanoseconds rounded(double us) {
 
 }  // namespace
 
-CellHealth health_of(const Cell& cell, const Json& status) {
+CellHealth health_of(const Cell& cell, const HeardCell& heard) {
   CellHealth health;
-  const std::string cells = ", " + status.at("cell").get<std::string>() + ", ";
-  if (cells.find(", " + cell.name + ", ") == std::string::npos) return health;
-  std::map<std::string, const Json*> ports;  // by "device.module.port"
-  for (const Json& device : status.at("devices")) {
-    const auto name = device.at("name").get<std::string>();
-    const bool of_cell = std::any_of(cell.devices.begin(), cell.devices.end(),
-                                     [&name](const Device& known) { return known.name == name; });
-    if (!of_cell) continue;
-    health.devices[name] = {.alive = device.at("alive").get<bool>()};
-    for (const Json& module : device.at("modules")) {
-      const std::string path = name + "." + module.at("name").get<std::string>();
-      health.modules[path] = module.at("state").get<std::string>();
-      if (!module.contains("ports")) continue;
-      for (const Json& port : module["ports"]) ports[path + "." + port.at("name").get<std::string>()] = &port;
+  for (const Device& device : cell.devices) {
+    if (const auto* known = find(heard.devices, device.name)) health.devices[device.name] = *known;
+    for (const Module& module : device.modules) {
+      const std::string name = device.name + "." + module.name;
+      if (const auto* state = find(heard.modules, name)) health.modules[name] = *state;
     }
   }
-  const auto port_of = [&ports](const model::Endpoint& end) {
-    const auto* found = find(ports, end.device + "." + end.module + "." + end.port);
-    return found == nullptr ? nullptr : *found;
-  };
   for (std::size_t i = 0; i < cell.connections.size(); ++i) {
     const Connection& connection = cell.connections[i];
     // Who reads knows more; of a topic for others there is only who writes.
-    const Json* port = port_of(connection.to.given() ? connection.to : connection.from);
+    const auto* port = find(heard.ports, to_text(connection.to.given() ? connection.to : connection.from));
     if (port == nullptr) continue;
     const auto* writer = find(health.devices, connection.from.device);
     const bool lost = writer != nullptr && !writer->alive;
-    CellHealth::Connection one{.matched = !lost && port->at("matched").get<std::uint64_t>() > 0,
-                               .lost = port->at("lost").get<std::uint64_t>(),
-                               .dropped = port->at("dropped").get<std::uint64_t>(),
-                               .late = port->at("late").get<std::uint64_t>()};
-    if (const Json& age = port->at("age_us"); !age.is_null()) one.age = rounded(age.get<double>());
+    CellHealth::Connection one{.matched = !lost && port->matched,
+                               .age = port->age,
+                               .lost = port->lost,
+                               .dropped = port->dropped,
+                               .late = port->late,
+                               .incompatible = port->incompatible};
     one.stale = connection.to.given() && connection.deadline && (!one.age || *one.age > *connection.deadline);
-    one.safe = connection.to.given() && port->value("safe", false);
-    if (const Json& policy = port->at("incompatible"); !policy.is_null())
-      one.incompatible = policy.get<std::string>();
+    one.safe = connection.to.given() && port->safe;
     health.connections[i] = std::move(one);
   }
   return health;
+}
+
+CellHealth health_of(const Cell& cell, const Json& status) {
+  const std::string cells = ", " + status.at("cell").get<std::string>() + ", ";
+  if (cells.find(", " + cell.name + ", ") == std::string::npos) return {};
+  HeardCell heard;
+  for (const Json& device : status.at("devices")) {
+    const auto name = device.at("name").get<std::string>();
+    heard.devices[name] = {.alive = device.at("alive").get<bool>()};
+    for (const Json& module : device.at("modules")) {
+      const std::string path = name + "." + module.at("name").get<std::string>();
+      heard.modules[path] = module.at("state").get<std::string>();
+      if (!module.contains("ports")) continue;
+      for (const Json& port : module["ports"]) {
+        HeardCell::Port one{.matched = port.at("matched").get<std::uint64_t>() > 0,
+                            .safe = port.value("safe", false),
+                            .lost = port.at("lost").get<std::uint64_t>(),
+                            .dropped = port.at("dropped").get<std::uint64_t>(),
+                            .late = port.at("late").get<std::uint64_t>()};
+        if (const Json& age = port.at("age_us"); !age.is_null()) one.age = rounded(age.get<double>());
+        if (const Json& policy = port.at("incompatible"); !policy.is_null())
+          one.incompatible = policy.get<std::string>();
+        heard.ports[path + "." + port.at("name").get<std::string>()] = std::move(one);
+      }
+    }
+  }
+  return health_of(cell, heard);
 }
 
 std::string health_text(const CellHealth::Connection& health) {

@@ -38,6 +38,24 @@ struct CellHealth {
   std::map<std::size_t, Connection> connections;  ///< by their index in Cell::connections
 };
 
+/// What devices say of themselves, by names: "device", "device.module", "device.module.port".
+struct HeardCell {
+  struct Port {
+    bool matched = false;
+    bool safe = false;
+    std::optional<Nanoseconds> age{};
+    std::uint64_t lost = 0;
+    std::uint64_t dropped = 0;
+    std::uint64_t late = 0;
+    std::string incompatible{};
+  };
+  std::map<std::string, CellHealth::Device> devices{};
+  std::map<std::string, std::string> modules{};
+  std::map<std::string, Port> ports{};
+};
+/// Devices that are not of this cell are left out.
+CellHealth health_of(const model::Cell& cell, const HeardCell& heard);
+
 /// Of what `takt status --json` says. Empty where no device of this cell is in it.
 CellHealth health_of(const model::Cell& cell, const nlohmann::ordered_json& status);
 

@@ -78,6 +78,9 @@ class Drawing {
   [[nodiscard]] const Connection& connection_of(const Wire& wire) const {
     return cell_.connections[wire.connection];
   }
+  /// A state or a health, which a page that has the picture in it puts others in place of.
+  [[nodiscard]] static std::string word_of(Look look) { return std::string{look.word} + " state"; }
+  [[nodiscard]] std::string title_of(const Wire& wire) const;
   /// Null where nothing is known.
   [[nodiscard]] const CellHealth::Connection* health_of(const Wire& wire) const {
     const auto found = health_.connections.find(wire.connection);
@@ -102,12 +105,15 @@ void Drawing::draw_title() {
 
 void Drawing::draw_column(const Column& column) {
   const double x = column.left + kInside;
-  canvas_.open_group(column.outside ? "programs that are not Takt's" : "device " + column.name);
+  if (column.outside)
+    canvas_.open_group("programs that are not Takt's");
+  else
+    canvas_.open_group("device " + column.name, "column", "device", column.name);
   canvas_.rectangle(column.left, column.top, column.width, column.bottom - column.top,
                     column.outside ? "panel frame outside" : "panel frame", 6);
   canvas_.text(x, column.top + 19, kLarge, "title", column.name);
   if (!column.about.empty()) canvas_.text(x, column.top + 33, kSmall, "faint", column.about);
-  if (!column.state.empty()) canvas_.text(x, column.top + 47, kSmall, column.look.word, column.state);
+  if (!column.state.empty()) canvas_.text(x, column.top + 47, kSmall, word_of(column.look), column.state);
   canvas_.close_group();
   for (const Box& box : column.boxes) draw_box(column, box);
   if (column.left_out == 0) return;
@@ -118,13 +124,23 @@ void Drawing::draw_box(const Column& column, const Box& box) {
   const double left = column.left + kInside;
   const double right = column.right() - kInside;
   const double x = left + kInside / 2;
-  canvas_.open_group(box.title);
+  if (column.outside)
+    canvas_.open_group(box.title);
+  else
+    canvas_.open_group(box.title, "box", "module", column.name + "." + box.name);
   canvas_.rectangle(left, box.top, right - left, box.height, "module", 4);
   canvas_.text(x, box.top + 15, kNormal, "title", box.name);
   canvas_.text(x, box.top + 28, kSmall, "faint", box.about);
-  if (!box.state.empty()) canvas_.text(x, box.top + 40, kSmall, box.look.word, box.state);
+  if (!box.state.empty()) canvas_.text(x, box.top + 40, kSmall, word_of(box.look), box.state);
   for (const Port& port : box.ports) draw_port(left, right, port);
   canvas_.close_group();
+}
+
+std::string Drawing::title_of(const Wire& wire) const {
+  const Connection& connection = connection_of(wire);
+  const auto* health = health_of(wire);
+  return end_text(connection.from) + " -> " + end_text(connection.to) + ": " + described(connection) +
+         (health == nullptr ? "" : "; " + health_text(*health));
 }
 
 /// Its name and a mark that points as the data goes, at the side of its wires.
@@ -152,18 +168,13 @@ void Drawing::draw_port(double left, double right, const Port& port) {
 void Drawing::draw_wire(const Wire& wire) {
   const Connection& connection = connection_of(wire);
   const CellHealth::Connection* health = health_of(wire);
-  std::string title =
-      end_text(connection.from) + " -> " + end_text(connection.to) + ": " + described(connection);
   std::string classes = connection.kind == ConnectionKind::queue ? "wire queue" : "wire";
-  if (health != nullptr) {
-    title += "; " + health_text(*health);
-    classes += " " + std::string{look_of(*health).line};
-  }
+  if (health != nullptr) classes += " " + std::string{look_of(*health).line};
   // The line ends where the head begins.
   std::vector<Point> way = wire.way;
   const Point tip = way.back();
   way.back().x += wire.to.at_right ? kArrow : -kArrow;
-  canvas_.open_group(title, "link");
+  canvas_.open_group(title_of(wire), "link", "connection", std::to_string(wire.connection));
   canvas_.path(way, "halo");
   canvas_.path(way, classes);
   canvas_.circle(way.front().x, way.front().y, 2.5, "head");
@@ -180,8 +191,11 @@ void Drawing::draw_label(const Wire& wire) {
       canvas_.text_before(column.left - 4, y, kSmall, classes, text);
     }
   };
+  canvas_.open_group(title_of(wire), "label", "connection", std::to_string(wire.connection));
   put(wire.to.y - 4, "faint", label_of(connection_of(wire)));
-  if (const auto* health = health_of(wire)) put(wire.to.y + 12, look_of(*health).word, health_text(*health));
+  if (const auto* health = health_of(wire))
+    put(wire.to.y + 12, word_of(look_of(*health)), health_text(*health));
+  canvas_.close_group();
 }
 
 /// Of what is in the picture.

@@ -267,20 +267,28 @@ TEST(GraphSvg, ShowsDevicesModulesPortsAndWhatTheyAre) {
 // A state is a word and, for a connection, a kind of line; what is coloured is one of these.
 TEST(GraphSvg, TellsHealthByWordsAndLinesAndNotByColourAlone) {
   const std::string picture = graph_svg(three(), running());
-  EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="bad-word">LOST<)"), HasSubstr(R"(class="good-word">alive<)"),
-                             HasSubstr(R"(class="poor-word">alive, belt is in RECOVER<)"),
-                             HasSubstr(R"(class="bad-word">RECOVER<)"),
-                             HasSubstr(R"(class="poor-word">EXECUTING when last heard<)")));
-  EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="good-word">ok, 1.2 ms old<)"),
-                             HasSubstr(R"(class="poor-word">ok, 3 ms old, lost 3, dropped 2<)"),
-                             HasSubstr(R"(class="bad-word">STALE, 900 ms old, late 1<)"),
-                             HasSubstr(R"(class="bad-word">NOT MATCHED<)"),
-                             HasSubstr(R"(class="bad-word">NOT MATCHED: reliability<)")));
+  EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="bad-word state">LOST<)"), HasSubstr(R"(class="good-word state">alive<)"),
+                             HasSubstr(R"(class="poor-word state">alive, belt is in RECOVER<)"),
+                             HasSubstr(R"(class="bad-word state">RECOVER<)"),
+                             HasSubstr(R"(class="poor-word state">EXECUTING when last heard<)")));
+  EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="good-word state">ok, 1.2 ms old<)"),
+                             HasSubstr(R"(class="poor-word state">ok, 3 ms old, lost 3, dropped 2<)"),
+                             HasSubstr(R"(class="bad-word state">STALE, 900 ms old, late 1<)"),
+                             HasSubstr(R"(class="bad-word state">NOT MATCHED<)"),
+                             HasSubstr(R"(class="bad-word state">NOT MATCHED: reliability<)")));
   EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="wire good")"), HasSubstr(R"(class="wire queue poor")"),
                              HasSubstr(R"(class="wire bad")"), HasSubstr(R"(class="wire queue broken")")));
   EXPECT_EQ(occurrences(picture, "stroke-dasharray"), 3U) << "other programs, stale, not matched";
   EXPECT_THAT(picture, AllOf(HasSubstr(">stale: the value"), HasSubstr(">not matched: nobody")));
   EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr(">stale: the value"))) << "a legend of what is there";
+}
+
+TEST(GraphSvg, HasAMarkAtEverythingThatAPageMayFind) {
+  const std::string picture = graph_svg(three(), {});
+  for (const char* mark : {R"(data-device="station")", R"(data-module="line.belt")", R"(data-connection="5")"})
+    EXPECT_THAT(picture, HasSubstr(mark));
+  EXPECT_EQ(occurrences(picture, "data-module="), 5U);
+  EXPECT_EQ(occurrences(picture, "data-connection="), 2 * three().connections.size()) << "its line and its words";
 }
 
 model::Cell crowd(int devices, int modules, int connections, unsigned seed) {
