@@ -20,14 +20,14 @@
 #include "client.hpp"
 #include "commands.hpp"
 #include "load.hpp"
+#include "recording/patterns.hpp"
+#include "tapped.hpp"
 #include "terminal.hpp"
 
 namespace takt::tool {
 
 namespace {
 
-constexpr auto kTapped = std::chrono::seconds{30};
-constexpr auto kAskAgain = std::chrono::seconds{10};
 constexpr auto kQuiet = std::chrono::seconds{2};
 
 struct EchoOptions {
@@ -36,10 +36,6 @@ struct EchoOptions {
   std::uint64_t count = 0;  ///< samples; 0: until Ctrl-C
   Network network;
 };
-
-std::int64_t wall_ns() {
-  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 /// What came and was not printed yet. Bounded: a terminal may be slower than a port.
 class Samples {
@@ -63,13 +59,12 @@ class Samples {
 };
 
 /// Why nothing comes, as far as it can be told from here.
-void say_quiet(const Client& client, const std::string& device, const std::string& module,
-               const std::string& port) {
+void say_quiet(const Client& client, const PortName& name, const std::string& port) {
   std::string state;
-  for (const dds::SeenDevice& seen : client.observer->devices(device)) {
+  for (const dds::SeenDevice& seen : client.observer->devices(name.device)) {
     const auto& modules = seen.deployment.modules;
-    if (const auto found = modules.find(module); found != modules.end())
-      state = fmt::format("; {}.{} is in {}{}", device, module, to_text(found->second.state()),
+    if (const auto found = modules.find(name.module); found != modules.end())
+      state = fmt::format("; {}.{} is in {}{}", name.device, name.module, to_text(found->second.state()),
                           seen.alive ? "" : ", and its device is lost");
   }
   std::fprintf(stderr, "nothing has come from %s for %lld s%s\n", port.c_str(),
@@ -81,44 +76,17 @@ int echo(const EchoOptions& options) {
     complain(problems);
     return 1;
   };
-  const std::size_t first = options.port.find('.');
-  const std::size_t second = first == std::string::npos ? first : options.port.find('.', first + 1);
-  if (second == std::string::npos || second + 1 == options.port.size())
-    return refuse({fail("'" + options.port + "' names no port", "say DEVICE.MODULE.PORT")});
   const auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return refuse(signals.problems());
   const auto client = connect(options.network);
   if (!client) return refuse(client.problems());
 
-  const std::string device = options.port.substr(0, first);
-  const std::string module = options.port.substr(first + 1, second - first - 1);
-  const auto ask = [&] {
-    return client::accepted(client->asker->ask({.kind = COMMAND_TAP,
-                                                .device = device,
-                                                .module = module,
-                                                .property = options.port.substr(second + 1),
-                                                .time_ns = wall_ns() + Nanoseconds{kTapped}.count()}));
-  };
-  const auto answer = ask();
-  if (!answer) return refuse(answer.problems());
-  const auto place = model::parse_json(answer->data);
-  if (!place.is_object()) return refuse({fail("the device's answer is of another version of Takt")});
-  if (place.contains("reply")) {
-    return refuse(
-        {fail(options.port + " is a service", "takt call " + options.port +
-                                                  " asks it; takt echo of the client's NAME/request and "
-                                                  "NAME/reply shows what is asked and answered")});
-  }
-  auto type = model::parse_type(place.value("type", ""));
-  if (!type) return refuse(type.problems());
+  const auto flow = tapped(*client->asker, options.port);
+  if (!flow) return refuse(flow.problems());
 
   Samples samples;
-  const dds::Flow flow{
-      .topic = place.value("topic", ""),
-      .type = *type,
-      .quality = {.reliable = place.value("reliable", false), .depth = 64, .deadline = {}, .lifespan = {}}};
   const auto tap = dds::Tap::create(
-      client->participant, flow,
+      client->participant, *flow,
       [&](const std::byte* bytes, std::size_t size, std::int64_t) { samples.add(bytes, size); });
   if (!tap) return refuse(tap.problems());
 
@@ -135,7 +103,7 @@ int echo(const EchoOptions& options) {
     const Instant now = os::now();
     if (now >= again) {
       again = now + kAskAgain;
-      if (const auto longer = ask(); !longer) return refuse(longer.problems());
+      if (const auto longer = tapped(*client->asker, options.port); !longer) return refuse(longer.problems());
     }
     if (const std::uint64_t seen = samples.seen(); seen != heard) {
       heard = seen;
@@ -143,7 +111,7 @@ int echo(const EchoOptions& options) {
       quiet_said = false;
     }
     if (now >= quiet_at && !quiet_said) {
-      say_quiet(*client, device, module, options.port);
+      say_quiet(*client, *parse_port(options.port), options.port);
       quiet_said = true;
     }
     const auto came = samples.take();
@@ -163,7 +131,7 @@ int echo(const EchoOptions& options) {
     }
     for (const auto& sample : came) {
       if (options.count != 0 && printed == options.count) break;
-      if (!print(model::sample_json(*type, sample.data(), sample.size()) + "\n")) return 1;
+      if (!print(model::sample_json(flow->type, sample.data(), sample.size()) + "\n")) return 1;
       ++printed;
     }
   }

@@ -107,6 +107,7 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
   add_undeploy(app, chosen);
   add_status(app, chosen);
   add_watch(app, chosen);
+  add_web(app, chosen);
   add_log(app, chosen);
   add_orders(app, chosen);
   add_swap(app, chosen);

@@ -1,0 +1,487 @@
+#include "gateway.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+#include <utility>
+
+#include <takt/core/words.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
+#include <takt/os/clock.hpp>
+
+#include "period.hpp"
+
+namespace takt::tool::web {
+
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr std::size_t kMostFaults = 500;  // that a page is told when it is opened
+constexpr milliseconds kTogether{20};     // news so close are told at once
+constexpr milliseconds kTurn{100};
+constexpr seconds kMeasures{1};
+constexpr seconds kAnswered{3};
+constexpr seconds kLong{30};  // a component may take so long to stop
+
+Problem bad(const std::string& what, const std::string& fix) { return fail(what, fix); }
+
+/// "device.module" in two.
+std::optional<std::pair<std::string, std::string>> in_two(const std::string& name) {
+  const std::size_t dot = name.find('.');
+  if (dot == std::string::npos || dot == 0 || dot + 1 == name.size() ||
+      name.find('.', dot + 1) != std::string::npos)
+    return std::nullopt;
+  return std::pair{name.substr(0, dot), name.substr(dot + 1)};
+}
+
+/// A member that is a text; empty where there is none.
+std::string text_in(const Json& json, const char* name) {
+  return json.is_object() && json.contains(name) && json[name].is_string() ? json[name].get<std::string>()
+                                                                           : "";
+}
+
+constexpr std::pair<const char*, CommandKind> kVerbs[] = {
+    {"initialize", COMMAND_INITIALIZE}, {"start", COMMAND_START}, {"stop", COMMAND_STOP},
+    {"recover", COMMAND_RECOVER},       {"reset", COMMAND_RESET}, {"destruct", COMMAND_DESTRUCT},
+};
+
+std::string state_event(bool whole, Json devices, Json modules) {
+  return event_text(
+      "state",
+      model::json_text({{"whole", whole}, {"devices", std::move(devices)}, {"modules", std::move(modules)}}));
+}
+
+Json values_of(const std::map<std::string, Json>& all) {
+  Json list = Json::array();
+  for (const auto& [name, value] : all) list.push_back(value);
+  return list;
+}
+
+}  // namespace
+
+Answer answer_of(const Json& json) { return {200, model::json_text(json)}; }
+
+Answer answer_of(int status, const Problem& problem) {
+  return {status, model::json_text({{"what", problem.what}, {"fix", problem.fix}})};
+}
+
+/// From the threads of DDS to the one that tells.
+struct Gateway::News {
+  void add(const LifecycleStatus& status) {
+    {
+      const std::lock_guard lock{mutex};
+      if (steps.size() < kMost) steps.push_back(status);
+      there = true;
+    }
+    came.notify_one();
+  }
+  void wake() {
+    {
+      const std::lock_guard lock{mutex};
+      there = true;
+    }
+    came.notify_one();
+  }
+  /// What came, after at most so long.
+  std::vector<LifecycleStatus> wait(milliseconds limit) {
+    std::unique_lock lock{mutex};
+    came.wait_for(lock, limit, [this] { return there; });
+    there = false;
+    return std::exchange(steps, {});
+  }
+
+  static constexpr std::size_t kMost = 100'000;
+  std::mutex mutex;
+  std::condition_variable came;
+  std::vector<LifecycleStatus> steps;
+  bool there = false;
+};
+
+Gateway::Gateway(std::unique_ptr<News> news) noexcept : news_(std::move(news)) {}
+
+Result<std::unique_ptr<Gateway>> Gateway::create(const Network& network) {
+  auto news = std::make_unique<News>();
+  News* const to = news.get();
+  std::unique_ptr<Gateway> gateway{new Gateway{std::move(news)}};
+  auto client = connect(network, nullptr,
+                        {.news = {.module = [to](const LifecycleStatus& status) { to->add(status); },
+                                  .device = [to](const dds::SeenDevice&) { to->wake(); }},
+                         .statistics = true});
+  if (!client) return client.problems();
+  gateway->client_ = std::move(*client);
+  auto follower = client::LogFollower::create(gateway->client_.participant);
+  if (!follower) return follower.problems();
+  gateway->follower_ = std::move(*follower);
+  gateway->watched_ = std::make_unique<WatchedPorts>(gateway->client_, gateway->streams_);
+  gateway->cell_text_ = event_text("cell", model::json_text(cell_json(nullptr, gateway->client_.domain, "")));
+  gateway->telling_ = std::thread{[self = gateway.get()] { self->tell(); }};
+  gateway->asking_ = std::thread{[self = gateway.get()] { self->ask(); }};
+  return gateway;
+}
+
+Gateway::~Gateway() {
+  ended_ = true;
+  news_->wake();
+  if (telling_.joinable()) telling_.join();
+  if (asking_.joinable()) asking_.join();
+}
+
+std::shared_ptr<const model::Cell> Gateway::cell() const {
+  const std::lock_guard lock{mutex_};
+  return cell_;
+}
+
+// Under the lock under which everything is told, so that nothing falls between the whole and what follows it.
+std::shared_ptr<Stream> Gateway::open() {
+  const std::lock_guard lock{mutex_};
+  auto stream = streams_.open();
+  if (!stream) return nullptr;
+  stream->send(event_text("stream", model::json_text({{"id", stream->id()}})));
+  stream->send(cell_text_);
+  stream->send(state_event(true, values_of(devices_), values_of(modules_)));
+  if (!measures_.empty()) stream->send(measures_);
+  Json faults = Json::array();
+  for (const Json& fault : faults_) faults.push_back(fault);
+  stream->send(event_text(
+      "faults",
+      model::json_text({{"whole", true}, {"events", std::move(faults)}, {"problems", Json::array()}})));
+  return stream;
+}
+
+// ---- What is told
+// ------------------------------------------------------------------------------------------
+
+void Gateway::tell() {
+  Instant measured{};
+  Instant told{};
+  while (!ended_) {
+    auto steps = news_->wait(kTurn);
+    if (ended_) return;
+    if (!steps.empty()) {
+      os::sleep_until(os::now() + kTogether);
+      auto more = news_->wait(milliseconds{0});
+      steps.insert(steps.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+    }
+    tell_states(std::move(steps));
+    const Instant now = os::now();
+    if (now - told >= kTurn) {
+      watched_->tell();
+      told = now;
+    }
+    if (now - measured >= kMeasures) {
+      tell_measures();
+      measured = now;
+    }
+  }
+}
+
+void Gateway::tell_states(std::vector<LifecycleStatus> steps) {
+  const std::vector<dds::SeenDevice> seen = client_.observer->devices();
+  Json devices = Json::array();
+  Json modules = Json::array();
+  const std::lock_guard lock{mutex_};
+  // Each step in its order; what then differs from the picture is as it is there.
+  for (const LifecycleStatus& step : steps) {
+    Json json = module_json(step);
+    Json& known = modules_[json["name"].get<std::string>()];
+    if (known == json) continue;
+    known = json;
+    modules.push_back(std::move(json));
+  }
+  std::set<std::string> there;
+  for (const dds::SeenDevice& device : seen) {
+    there.insert(device.name());
+    if (Json json = device_json(device); devices_[device.name()] != json) {
+      devices_[device.name()] = json;
+      devices.push_back(std::move(json));
+    }
+    for (const auto& [name, status] : device.deployment.modules) {
+      const std::string path = device.name() + "." + name;
+      there.insert(path);
+      Json& known = modules_[path];
+      if (known.is_null() || known["sequence"] < status.sequence_number()) {
+        known = module_json(status);
+        modules.push_back(known);
+      }
+    }
+  }
+  const auto forget = [&there](std::map<std::string, Json>& all, Json& list) {
+    for (auto one = all.begin(); one != all.end();) {
+      if (there.count(one->first) != 0) {
+        ++one;
+        continue;
+      }
+      list.push_back({{"name", one->first}, {"gone", true}});
+      one = all.erase(one);
+    }
+  };
+  forget(devices_, devices);
+  forget(modules_, modules);
+  if (devices.empty() && modules.empty()) return;
+  streams_.send(state_event(false, std::move(devices), std::move(modules)));
+}
+
+void Gateway::tell_measures() {
+  const std::vector<dds::SeenDevice> seen = client_.observer->devices();
+  const auto running = cell();
+  std::string text =
+      event_text("measures", model::json_text(measures_json(seen, running.get(), os::wall_ns())));
+  const std::lock_guard lock{mutex_};
+  history_.hear(seen);
+  streams_.send(text);
+  measures_ = std::move(text);
+}
+
+void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems& problems) {
+  if (faults.empty() && problems.empty()) return;
+  Json events = Json::array();
+  Json said = Json::array();
+  for (const Problem& problem : problems) said.push_back(in_words({problem}));
+  const std::lock_guard lock{mutex_};
+  for (const model::Fault& fault : faults) {
+    Json json = fault_json(fault);
+    ++counted_.faults[fault.device].at(static_cast<std::size_t>(model::severity_of(fault.kind)));
+    faults_.push_back(json);
+    if (faults_.size() > kMostFaults) faults_.pop_front();
+    events.push_back(std::move(json));
+  }
+  streams_.send(event_text(
+      "faults",
+      model::json_text({{"whole", false}, {"events", std::move(events)}, {"problems", std::move(said)}})));
+}
+
+// ---- What is asked
+// -----------------------------------------------------------------------------------------
+
+void Gateway::ask() {
+  client_.observer->settle(seconds{1});
+  const client::Log read = client::read_log(*client_.asker, {.last = kMostFaults});
+  add_faults(read.events, {});
+  {
+    const std::lock_guard lock{mutex_};
+    counted_.faults.clear();  // since the gateway began
+  }
+  follower_->go_on_after(read);
+  while (!ended_) {
+    look_for_cell();
+    follow_faults();
+    watched_->look_after();
+  }
+}
+
+void Gateway::follow_faults() {
+  Problems problems;
+  auto events = follower_->next(*client_.asker, kTurn, problems);
+  client::sort_by_time(events);
+  add_faults(events, problems);
+}
+
+// The newest deployment that somebody has who is there. Devices of two cells on one domain are all shown; the
+// picture and the tables are of one.
+void Gateway::look_for_cell() {
+  std::string deployment;
+  std::string device;
+  for (const dds::SeenDevice& seen : client_.observer->devices()) {
+    const std::string id = seen.status.deployment().to_string();
+    if (!seen.alive || id.empty()) continue;
+    if (deployment.empty() || id == deployment_) {
+      deployment = id;
+      device = seen.name();
+    }
+  }
+  {
+    const std::lock_guard lock{mutex_};
+    if (deployment == deployment_) return;
+    // A cell whose devices are all lost is shown on; one that was taken down is not.
+    const bool lost = std::any_of(devices_.begin(), devices_.end(),
+                                  [](const auto& d) { return d.second.value("alive", true) == false; });
+    if (deployment.empty() && lost) return;
+  }
+  std::shared_ptr<const model::Cell> cell;
+  if (!deployment.empty()) {
+    const auto reply = client::accepted(
+        client_.asker->ask({.kind = COMMAND_DESCRIPTOR, .device = device, .limit = kAnswered}));
+    if (!reply) return;  // asked again at the next turn
+    auto read = descriptor::parse(reply->data, reply->head.value().to_string());
+    if (read) cell = std::make_shared<const model::Cell>(std::move(*read));
+  }
+  std::string text = event_text("cell", model::json_text(cell_json(cell.get(), client_.domain, deployment)));
+  const std::lock_guard lock{mutex_};
+  deployment_ = deployment;
+  cell_ = std::move(cell);
+  cell_text_ = std::move(text);
+  streams_.send(cell_text_);
+}
+
+// ---- What a page asks
+// --------------------------------------------------------------------------------------
+
+Answer Gateway::refused(const Result<dds::WholeReply>& reply) {
+  if (!reply) return answer_of(504, reply.problems().front());
+  const Problems problems = client::problems_of(*reply);
+  Problem problem = problems.empty() ? bad("it is refused", "") : problems.front();
+  return answer_of(409, problem);
+}
+
+Answer Gateway::command(const std::string& body) {
+  const Json asked = model::parse_json(body);
+  const std::string verb = text_in(asked, "verb");
+  const std::string device = text_in(asked, "device");
+  const auto kind = std::find_if(std::begin(kVerbs), std::end(kVerbs),
+                                 [&verb](const auto& known) { return verb == known.first; });
+  if (kind == std::end(kVerbs) || device.empty()) {
+    return answer_of(400, bad("this is no command: " + in_quotes(body.substr(0, 100)),
+                              R"(say {"device": "d", "module": "m", "verb": "start"}, where verb is )"
+                              "initialize, start, stop, recover, reset or destruct"));
+  }
+  const auto reply = client_.asker->ask(
+      {.kind = kind->second, .device = device, .module = text_in(asked, "module"), .limit = kLong});
+  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
+  Json json{{"text", reply->head.text().to_string()}};
+  if (!text_in(asked, "module").empty()) json["state"] = to_text(reply->head.state());
+  return answer_of(json);
+}
+
+Answer Gateway::set_property(const std::string& body) {
+  const Json asked = model::parse_json(body);
+  const auto name = in_two(text_in(asked, "module"));
+  const std::string property = text_in(asked, "property");
+  if (!name || property.empty() || !asked.contains("value") || !asked["value"].is_string()) {
+    return answer_of(400, bad("this sets no property: " + in_quotes(body.substr(0, 100)),
+                              R"(say {"module": "d.m", "property": "p", "value": "1.5"})"));
+  }
+  const auto reply = client_.asker->ask({.kind = COMMAND_SET,
+                                         .device = name->first,
+                                         .module = name->second,
+                                         .property = property,
+                                         .value = text_in(asked, "value"),
+                                         .limit = kLong});
+  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
+  return answer_of(Json{{"value", reply->head.value().to_string()}});
+}
+
+// An answer that is no failure leaves the device's description.
+Answer Gateway::described(const std::string& device, Json& description) {
+  const auto reply = client_.asker->ask({.kind = COMMAND_DESCRIBE, .device = device, .limit = seconds{10}});
+  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
+  description = model::parse_json(reply->data);
+  if (!description.is_object() || !description.contains("modules"))
+    return answer_of(504, bad("the device's answer is of another version of Takt",
+                              "install the same version on all machines"));
+  return {};
+}
+
+Answer Gateway::ports(const std::string& device) {
+  Json description;
+  if (Answer answer = described(device, description); answer.status != 200) return answer;
+  Json ports = Json::array();
+  for (const Json& module : description["modules"]) {
+    if (!module.contains("ports") || !module["ports"].is_array()) continue;
+    for (const Json& port : module["ports"]) {
+      ports.push_back({{"name", device + "." + text_in(module, "name") + "." + text_in(port, "name")},
+                       {"direction", text_in(port, "direction")},
+                       {"type", text_in(port, "type")}});
+    }
+  }
+  return answer_of(Json{{"ports", std::move(ports)}});
+}
+
+Answer Gateway::properties(const std::string& module) {
+  const auto name = in_two(module);
+  if (!name) return answer_of(400, bad(in_quotes(module) + " names no module", "say DEVICE.MODULE"));
+  Json description;
+  if (Answer answer = described(name->first, description); answer.status != 200) return answer;
+  const Json& modules = description["modules"];
+  const auto found = std::find_if(modules.begin(), modules.end(),
+                                  [&](const Json& one) { return text_in(one, "name") == name->second; });
+  if (found == modules.end())
+    return answer_of(404, bad("there is no module " + module, "takt status names those that there are"));
+  Json properties = found->contains("properties") && (*found)["properties"].is_array()
+                        ? (*found)["properties"]
+                        : Json::array();
+  std::vector<client::Question> questions;
+  for (const Json& property : properties)
+    questions.push_back({.kind = COMMAND_GET,
+                         .device = name->first,
+                         .module = name->second,
+                         .property = text_in(property, "name"),
+                         .limit = kAnswered});
+  const auto replies = client_.asker->ask(questions);
+  for (std::size_t i = 0; i < properties.size(); ++i) {
+    const bool there = replies[i] && replies[i]->head.code() == REPLY_OK;
+    properties[i]["value"] = there ? Json(replies[i]->head.value().to_string()) : Json();
+  }
+  return answer_of(Json{{"properties", std::move(properties)}});
+}
+
+Answer Gateway::table(const std::string& device) {
+  const auto running = cell();
+  if (!running) return answer_of(409, bad("no cell runs", "takt deploy FILE"));
+  const auto found = std::find_if(running->devices.begin(), running->devices.end(),
+                                  [&device](const model::Device& d) { return d.name == device; });
+  if (found == running->devices.end())
+    return answer_of(404,
+                     bad("cell " + running->name + " has no device " + in_quotes(device), "takt status"));
+  const auto reply = client_.asker->ask({.kind = COMMAND_TRACE,
+                                         .device = device,
+                                         .value = std::to_string(trace_needed(*running, *found).count()),
+                                         .limit = seconds{10}});
+  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
+  const auto json = period_json(model::parse_json(reply->data), *running, *found);
+  if (!json) return answer_of(409, json.problems().front());
+  return answer_of(*json);
+}
+
+Answer Gateway::watch(const std::string& id, const std::string& body) {
+  const auto stream = streams_.find(id);
+  if (!stream) return answer_of(404, bad("there is no such stream of events", "open /api/events anew"));
+  const Json asked = model::parse_json(body);
+  std::vector<std::string> ports;
+  bool right = asked.is_object() && asked.contains("ports") && asked["ports"].is_array() &&
+               asked["ports"].size() <= WatchedPorts::kMost;
+  for (std::size_t i = 0; right && i < asked["ports"].size(); ++i) {
+    right = asked["ports"][i].is_string();
+    if (right) ports.push_back(asked["ports"][i].get<std::string>());
+  }
+  if (!right) {
+    return answer_of(
+        400, bad("this names no ports: " + in_quotes(body.substr(0, 100)),
+                 R"(say {"ports": ["device.module.port"]}, at most )" + std::to_string(WatchedPorts::kMost)));
+  }
+  Json problems = Json::array();
+  for (const Problem& problem : watched_->want(stream, ports))
+    problems.push_back({{"port", problem.where}, {"what", problem.what}, {"fix", problem.fix}});
+  return answer_of(Json{{"problems", std::move(problems)}});
+}
+
+Answer Gateway::history(const std::string& module) {
+  client::Series series;
+  {
+    const std::lock_guard lock{mutex_};
+    series = history_.of(module);
+  }
+  return answer_of(Json{{"times_ms", series.times_ms},
+                        {"jitter_p50_us", series.jitter_p50_us},
+                        {"jitter_p99_us", series.jitter_p99_us},
+                        {"run_p50_us", series.run_p50_us},
+                        {"run_p99_us", series.run_p99_us},
+                        {"jitter_us", series.jitter_us},
+                        {"run_us", series.run_us}});
+}
+
+std::string Gateway::metrics() {
+  const auto running = cell();
+  Counted counted;
+  {
+    const std::lock_guard lock{mutex_};
+    counted = counted_;
+  }
+  counted.viewers = streams_.count();
+  return metrics_text(client_.observer->devices(), running.get(), counted);
+}
+
+}  // namespace takt::tool::web

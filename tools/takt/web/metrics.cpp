@@ -1,0 +1,215 @@
+#include "metrics.hpp"
+
+#include <cmath>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <takt/dds/words.hpp>
+
+#include "said.hpp"
+
+namespace takt::tool::web {
+
+namespace {
+
+using Labels = std::vector<std::pair<std::string_view, std::string>>;
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '\\' || c == '"') result += '\\';
+    result += c == '\n' ? std::string{"\\n"} : std::string(1, c);
+  }
+  return result;
+}
+
+std::string number(double value) {
+  if (std::isnan(value)) return "NaN";
+  if (std::isinf(value)) return value > 0 ? "+Inf" : "-Inf";
+  return fmt::format("{}", value);
+}
+
+/// One metric with all of its samples, as the format wants them: together.
+class Metric {
+ public:
+  Metric(std::string_view name, std::string_view type, std::string_view help)
+      : name_(name), head_(fmt::format("# HELP {0} {2}\n# TYPE {0} {1}\n", name, type, help)) {}
+
+  void add(const Labels& labels, double value) { add(labels, number(value)); }
+  void add(const Labels& labels, std::uint64_t value) { add(labels, std::to_string(value)); }
+  void add(const Labels& labels, bool value) { add(labels, value ? std::string{"1"} : std::string{"0"}); }
+
+  [[nodiscard]] std::string text() const { return samples_.empty() ? "" : head_ + samples_; }
+
+ private:
+  void add(const Labels& labels, const std::string& value) {
+    samples_ += name_;
+    std::string_view before = "{";
+    for (const auto& [label, text] : labels) {
+      fmt::format_to(std::back_inserter(samples_), "{}{}=\"{}\"", before, label, escaped(text));
+      before = ",";
+    }
+    samples_ += (labels.empty() ? " " : "} ") + value + "\n";
+  }
+
+  std::string name_;
+  std::string head_;
+  std::string samples_;
+};
+
+/// The quantiles that nodes tell, and the largest, in seconds.
+void add_quantiles(Metric& quantiles, Metric& largest, const Labels& labels, const Distribution& us) {
+  const std::pair<const char*, double> all[] = {{"0.5", us.p50()}, {"0.99", us.p99()}, {"0.999", us.p999()}};
+  for (const auto& [quantile, value] : all) {
+    Labels one = labels;
+    one.emplace_back("quantile", quantile);
+    quantiles.add(one, value / 1e6);
+  }
+  largest.add(labels, us.max() / 1e6);
+}
+
+constexpr const char* kGauge = "gauge";
+constexpr const char* kCounter = "counter";
+
+std::string of_devices(const std::vector<dds::SeenDevice>& devices) {
+  Metric up{"takt_device_up", kGauge, "Whether the device's node is there; 0: it is lost."};
+  Metric state{"takt_device_state", kGauge, "1 for the state that the device is in."};
+  Metric health{"takt_device_health", kGauge, "1 for how the device's health is."};
+  Metric real_time{"takt_device_real_time", kGauge, "Whether the system lets the device run in real time."};
+  Metric restarts{"takt_device_host_restarts_total", kCounter,
+                  "Restarts of the device's real-time processes."};
+  for (const dds::SeenDevice& device : devices) {
+    const DeviceStatus& s = device.status;
+    const Labels labels{{"cell", s.cell().to_string()}, {"device", device.name()}};
+    const auto with = [&labels](std::string_view name, const char* value) {
+      Labels more = labels;
+      more.emplace_back(name, value);
+      return more;
+    };
+    up.add(labels, device.alive);
+    if (!device.alive) continue;
+    for (auto i = static_cast<int>(DEVICE_WAITING); i <= static_cast<int>(DEVICE_ENDED); ++i)
+      state.add(with("state", to_text(static_cast<DeviceState>(i))),
+                s.state() == static_cast<DeviceState>(i));
+    for (auto i = static_cast<int>(HEALTH_OK); i <= static_cast<int>(HEALTH_FAILED); ++i)
+      health.add(with("health", to_text(static_cast<DeviceHealth>(i))),
+                 s.health() == static_cast<DeviceHealth>(i));
+    real_time.add(labels, s.real_time());
+    restarts.add(labels, std::uint64_t{s.host_restarts()});
+  }
+  return up.text() + state.text() + health.text() + real_time.text() + restarts.text();
+}
+
+std::string of_modules(const std::vector<dds::SeenDevice>& devices) {
+  Metric state{"takt_module_state", kGauge, "1 for the state that the module is in."};
+  Metric cycles{"takt_module_cycles_total", kCounter, "Releases of the module."};
+  Metric missed{"takt_module_missed_total", kCounter, "Releases that were left out."};
+  Metric overruns{"takt_module_overruns_total", kCounter, "Releases that found the module still running."};
+  Metric over_budget{"takt_module_over_budget_total", kCounter, "Runs that took longer than the budget."};
+  Metric errors{"takt_module_errors_total", kCounter, "Errors of the module."};
+  Metric recoveries{"takt_module_recoveries_total", kCounter, "Recoveries of the module."};
+  Metric jitter{"takt_module_jitter_seconds", kGauge,
+                "How far from its release the module begins, by quantile."};
+  Metric jitter_max{"takt_module_jitter_max_seconds", kGauge, "The largest distance from a release."};
+  Metric run{"takt_module_run_seconds", kGauge, "How long the module runs, by quantile."};
+  Metric run_max{"takt_module_run_max_seconds", kGauge, "The longest run."};
+  for (const dds::SeenDevice& device : devices) {
+    if (!device.alive) continue;
+    const auto labels_of = [&](const std::string& module) {
+      return Labels{
+          {"cell", device.status.cell().to_string()}, {"device", device.name()}, {"module", module}};
+    };
+    for (const auto& [name, s] : device.deployment.modules) {
+      for (auto i = static_cast<int>(STATE_IDLE); i <= static_cast<int>(STATE_DESTRUCT); ++i) {
+        Labels labels = labels_of(name);
+        labels.emplace_back("state", to_text(static_cast<LifecycleState>(i)));
+        state.add(labels, s.state() == static_cast<LifecycleState>(i));
+      }
+    }
+    for (const auto& [name, m] : device.deployment.statistics) {
+      const Labels labels = labels_of(name);
+      cycles.add(labels, m.cycles());
+      missed.add(labels, m.missed());
+      overruns.add(labels, m.overruns());
+      over_budget.add(labels, m.over_budget());
+      errors.add(labels, m.errors());
+      recoveries.add(labels, m.recoveries());
+      add_quantiles(jitter, jitter_max, labels, m.jitter_us());
+      add_quantiles(run, run_max, labels, m.run_us());
+    }
+  }
+  return state.text() + cycles.text() + missed.text() + overruns.text() + over_budget.text() + errors.text() +
+         recoveries.text() + jitter.text() + jitter_max.text() + run.text() + run_max.text();
+}
+
+std::string of_executors(const std::vector<dds::SeenDevice>& devices) {
+  Metric cycles{"takt_executor_cycles_total", kCounter, "Rows that the executor walked."};
+  Metric missed{"takt_executor_missed_total", kCounter, "Rows that could not begin in their slot."};
+  Metric late{"takt_executor_late_total", kCounter, "Rows that began late."};
+  Metric margin{"takt_executor_margin_seconds", kGauge, "How long before a release the executor is awake."};
+  Metric jitter{"takt_executor_jitter_seconds", kGauge,
+                "How far from its release a row begins, by quantile."};
+  Metric jitter_max{"takt_executor_jitter_max_seconds", kGauge, "The largest distance from a release."};
+  for (const dds::SeenDevice& device : devices) {
+    if (!device.alive) continue;
+    for (const auto& [name, e] : device.deployment.executors) {
+      const Labels labels{
+          {"cell", device.status.cell().to_string()}, {"device", device.name()}, {"executor", name}};
+      cycles.add(labels, e.cycles());
+      missed.add(labels, e.missed());
+      late.add(labels, e.late());
+      margin.add(labels, e.margin_us() / 1e6);
+      add_quantiles(jitter, jitter_max, labels, e.jitter_us());
+    }
+  }
+  return cycles.text() + missed.text() + late.text() + margin.text() + jitter.text() + jitter_max.text();
+}
+
+std::string of_connections(const std::vector<dds::SeenDevice>& devices, const model::Cell& cell) {
+  Metric matched{"takt_connection_matched", kGauge, "Whether there is somebody at the other end."};
+  Metric stale{"takt_connection_stale", kGauge, "Whether the value is older than the connection's deadline."};
+  Metric safe{"takt_connection_safe", kGauge, "Whether its reader gets the safe value."};
+  Metric age{"takt_connection_age_seconds", kGauge, "How old the newest value is."};
+  Metric lost{"takt_connection_lost_total", kCounter, "Samples that were lost on the way."};
+  Metric dropped{"takt_connection_dropped_total", kCounter, "Samples that a full queue dropped."};
+  Metric late{"takt_connection_late_total", kCounter, "Times that the value became older than the deadline."};
+  for (const auto& [index, health] : health_of(cell, devices).connections) {
+    const model::Connection& connection = cell.connections[index];
+    const auto end = [](const model::Endpoint& e) { return e.given() ? to_text(e) : std::string{}; };
+    const Labels labels{{"cell", cell.name},
+                        {"from", end(connection.from)},
+                        {"to", end(connection.to)},
+                        {"topic", topic_of(cell, connection)}};
+    matched.add(labels, health.matched);
+    stale.add(labels, health.stale);
+    safe.add(labels, health.safe);
+    if (health.age) age.add(labels, std::chrono::duration<double>(*health.age).count());
+    lost.add(labels, health.lost);
+    dropped.add(labels, health.dropped);
+    late.add(labels, health.late);
+  }
+  return matched.text() + stale.text() + safe.text() + age.text() + lost.text() + dropped.text() +
+         late.text();
+}
+
+}  // namespace
+
+std::string metrics_text(const std::vector<dds::SeenDevice>& devices, const model::Cell* cell,
+                         const Counted& counted) {
+  std::string text = of_devices(devices) + of_modules(devices) + of_executors(devices);
+  if (cell != nullptr) text += of_connections(devices, *cell);
+  Metric faults{"takt_faults_total", kCounter, "Events of the fault records since the gateway began."};
+  for (const auto& [device, numbers] : counted.faults) {
+    for (std::size_t severity = 0; severity < numbers.size(); ++severity)
+      faults.add({{"device", device}, {"severity", model::to_text(static_cast<model::Severity>(severity))}},
+                 numbers[severity]);
+  }
+  Metric viewers{"takt_web_viewers", kGauge, "Pages that are open."};
+  viewers.add({}, std::uint64_t{counted.viewers});
+  return text + faults.text() + viewers.text();
+}
+
+}  // namespace takt::tool::web

@@ -1,0 +1,246 @@
+#include "server.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <functional>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include <httplib.h>
+
+#include <takt/os/environment.hpp>
+
+#include "gateway.hpp"
+
+namespace takt::tool::web {
+
+namespace {
+
+using httplib::Request;
+using httplib::Response;
+
+constexpr std::size_t kMostBody = std::size_t{64} << 10;
+constexpr std::size_t kThreads = Streams::kMost + 16;  // a stream keeps one
+constexpr std::chrono::seconds kSign{10};              // of life, on a stream that has nothing to tell
+constexpr std::chrono::seconds kWrite{10};             // longer a browser may not refuse to read
+
+struct File {
+  std::string_view path;
+  std::string_view content;
+};
+constexpr File kFiles[] = {
+#include "page.inc"
+};
+
+const char* type_of(std::string_view path) {
+  const auto ends = [path](std::string_view end) {
+    return path.size() >= end.size() && path.substr(path.size() - end.size()) == end;
+  };
+  if (ends(".html")) return "text/html; charset=utf-8";
+  if (ends(".js")) return "text/javascript; charset=utf-8";
+  if (ends(".css")) return "text/css; charset=utf-8";
+  if (ends(".svg")) return "image/svg+xml";
+  return "application/octet-stream";
+}
+
+/// Takes as long whatever is wrong with it.
+bool same(const std::string& a, const std::string& b) {
+  unsigned char differs = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)
+    differs |= static_cast<unsigned char>(a[i] ^ b[i]);
+  return differs == 0;
+}
+
+class HttpServer final : public Server {
+ public:
+  HttpServer(Gateway& gateway, std::string token)
+      : gateway_(gateway), token_(std::move(token)), machine_(os::host_name()) {
+    server_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    server_.set_payload_max_length(kMostBody);
+    server_.set_keep_alive_timeout(2);
+    server_.set_read_timeout(5);
+    server_.set_write_timeout(kWrite);
+    server_.set_tcp_nodelay(true);
+    // Not with SO_REUSEPORT, as it would be: a second one on the same port would get half of the requests.
+    server_.set_socket_options([](socket_t socket) {
+      const int yes = 1;
+      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
+    server_.set_default_headers(
+        {{"Content-Security-Policy",
+          "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
+         {"X-Content-Type-Options", "nosniff"},
+         {"Referrer-Policy", "no-referrer"},
+         {"Cache-Control", "no-store"}});
+    server_.set_pre_routing_handler([this](const Request& request, Response& response) {
+      if (is_own_name(request.get_header_value("Host"), machine_))
+        return httplib::Server::HandlerResponse::Unhandled;
+      put(response, answer_of(421, {.where = "",
+                                    .what = "this is not the name of this machine",
+                                    .fix = "open the page by its address, or as http://" + machine_}));
+      return httplib::Server::HandlerResponse::Handled;
+    });
+    server_.set_error_handler([](const Request& request, Response& response) {
+      if (!response.body.empty()) return;
+      const bool large = response.status == 413;
+      put(response, answer_of(response.status,
+                              {.where = "",
+                               .what = large ? "the request is too long" : "there is no " + request.path,
+                               .fix = large ? "64 KiB are the most" : "the page is at /"}));
+    });
+    server_.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
+      put(response, answer_of(500, {.where = "", .what = "the request could not be answered", .fix = ""}));
+    });
+    route();
+  }
+
+  ~HttpServer() override {
+    gateway_.end_streams();
+    server_.stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  Result<void> listen(const ServerOptions& options) {
+    const std::string where = options.address + ":" + std::to_string(options.port);
+    errno = 0;
+    port_ = options.port == 0                                     ? server_.bind_to_any_port(options.address)
+            : server_.bind_to_port(options.address, options.port) ? options.port
+                                                                  : -1;
+    if (port_ < 0) {
+      const int why = errno;
+      return Problem{where,
+                     std::string{"the page cannot be served there"} +
+                         (why == 0 ? "" : std::string{": "} + std::strerror(why)),
+                     why == EADDRINUSE
+                         ? "choose another --port, or 0 for one that is free"
+                         : "--listen wants an address of this machine, or 0.0.0.0 for all of them"};
+    }
+    thread_ = std::thread{[this] { server_.listen_after_bind(); }};
+    return {};
+  }
+
+  [[nodiscard]] int port() const noexcept override { return port_; }
+
+ private:
+  static void put(Response& response, const Answer& answer) {
+    response.status = answer.status;
+    response.set_content(answer.body, "application/json");
+  }
+
+  void route() {
+    for (const File& file : kFiles) {
+      const auto serve = [&file](const Request&, Response& response) {
+        response.set_content(file.content.data(), file.content.size(), type_of(file.path));
+      };
+      server_.Get("/" + std::string{file.path}, serve);
+      if (file.path == "index.html") server_.Get("/", serve);
+    }
+    server_.Get("/metrics", [this](const Request&, Response& response) {
+      response.set_content(gateway_.metrics(), "text/plain; version=0.0.4; charset=utf-8");
+    });
+    server_.Get("/api/events", [this](const Request&, Response& response) { stream(response); });
+    const auto asked = [](Answer (Gateway::*ask)(const std::string&), Gateway& gateway,
+                          const char* parameter) {
+      return [ask, &gateway, parameter](const Request& request, Response& response) {
+        put(response, (gateway.*ask)(request.get_param_value(parameter)));
+      };
+    };
+    server_.Get("/api/history", asked(&Gateway::history, gateway_, "module"));
+    server_.Get("/api/ports", asked(&Gateway::ports, gateway_, "device"));
+    server_.Get("/api/table", asked(&Gateway::table, gateway_, "device"));
+    server_.Get("/api/properties", asked(&Gateway::properties, gateway_, "module"));
+    server_.Put(R"(/api/streams/([0-9a-f]+)/ports)", [this](const Request& request, Response& response) {
+      put(response, gateway_.watch(request.matches[1], request.body));
+    });
+    server_.Get("/api/rights", [this](const Request& request, Response& response) {
+      const std::string why = refusal(request);
+      put(response, answer_of(Json{{"command", why.empty()}, {"why", why}}));
+    });
+    const auto command = [this](Answer (Gateway::*order)(const std::string&)) {
+      return [this, order](const Request& request, Response& response) {
+        if (const std::string why = refusal(request); !why.empty())
+          put(response,
+              answer_of(403, {.where = "",
+                              .what = why,
+                              .fix = "open the page with the address that takt web --commands printed"}));
+        else
+          put(response, (gateway_.*order)(request.body));
+      };
+    };
+    server_.Post("/api/command", command(&Gateway::command));
+    server_.Post("/api/property", command(&Gateway::set_property));
+  }
+
+  /// Why who asks may not command; empty: he may. By a header, which no page of somebody else can send.
+  [[nodiscard]] std::string refusal(const Request& request) const {
+    if (token_.empty()) return "this page is only to look at: takt web was started without --commands";
+    const std::string given = request.get_header_value("Authorization");
+    if (given.empty()) return "whoever commands needs the token";
+    if (!same(given, "Bearer " + token_)) return "the token is not the right one";
+    return "";
+  }
+
+  void stream(Response& response) {
+    auto stream = gateway_.open();
+    if (!stream) {
+      put(response, answer_of(503, {.where = "",
+                                    .what = "too many pages are open: " + std::to_string(Streams::kMost),
+                                    .fix = "close one"}));
+      return;
+    }
+    response.set_chunked_content_provider(
+        "text/event-stream",
+        [stream](std::size_t, httplib::DataSink& sink) {
+          const auto text = stream->next(kSign);
+          if (!text) {
+            sink.done();
+            return true;
+          }
+          const std::string& sent = text->empty() ? kNothing : *text;
+          return sink.write(sent.data(), sent.size());
+        },
+        [this, stream](bool) { gateway_.close(stream); });
+  }
+
+  static inline const std::string kNothing = ": nothing new\n\n";
+
+  Gateway& gateway_;
+  const std::string token_;
+  const std::string machine_;
+  httplib::Server server_;
+  std::thread thread_;
+  int port_ = -1;
+};
+
+bool is_address(const std::string& host) {
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') return true;
+  return !host.empty() && std::all_of(host.begin(), host.end(),
+                                      [](unsigned char c) { return std::isdigit(c) != 0 || c == '.'; });
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+}  // namespace
+
+bool is_own_name(const std::string& host, const std::string& machine) {
+  std::string name = lower(host);
+  const std::size_t colon = name.rfind(':');
+  if (colon != std::string::npos && name.find(']', colon) == std::string::npos) name.resize(colon);
+  return is_address(name) || name == "localhost" || name == lower(machine);
+}
+
+Result<std::unique_ptr<Server>> Server::create(Gateway& gateway, const ServerOptions& options) {
+  auto server = std::make_unique<HttpServer>(gateway, options.token);
+  if (const auto listens = server->listen(options); !listens) return listens.problems();
+  return std::unique_ptr<Server>{std::move(server)};
+}
+
+}  // namespace takt::tool::web

@@ -1,0 +1,190 @@
+#include "watched_ports.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <optional>
+#include <utility>
+
+#include <takt/dds/gateway.hpp>
+#include <takt/model/json.hpp>
+#include <takt/os/clock.hpp>
+
+#include "../tapped.hpp"
+#include "said.hpp"
+
+namespace takt::tool::web {
+
+struct WatchedPorts::Source {
+  explicit Source(dds::Flow of) : flow(std::move(of)), columns(flow.type) {
+    for (std::size_t i = 0; i < columns.all().size() && shown.size() < kMostFields; ++i) {
+      if (columns.all()[i].drawable) shown.push_back(i);
+    }
+  }
+
+  struct Point {
+    std::int64_t time_ns = 0;
+    std::vector<double> values;
+  };
+
+  /// On a thread of DDS.
+  void add(const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
+    const std::lock_guard lock{mutex};
+    if (!points.empty()) {
+      const Nanoseconds since{time_ns - points.back().time_ns};
+      if (since >= Nanoseconds{0} && since < kApart) return;
+    }
+    columns.values(bytes, size, values);
+    Point point{time_ns, {}};
+    point.values.reserve(shown.size());
+    for (const std::size_t i : shown)
+      point.values.push_back(values[i].number(!columns.all()[i].enumerators.empty()));
+    points.push_back(std::move(point));
+    ++added;
+    while (points.size() > kMostPoints) points.pop_front();
+  }
+
+  [[nodiscard]] Json description(const std::string& port) const {
+    Json fields = Json::array();
+    for (const std::size_t i : shown) {
+      const Column& column = columns.all()[i];
+      Json field{{"name", column.name}};
+      if (!column.enumerators.empty()) field["labels"] = column.enumerators;
+      fields.push_back(std::move(field));
+    }
+    return {{"port", port}, {"type", flow.type.name}, {"fields", std::move(fields)}};
+  }
+
+  /// What came after the first `has`; none where nothing did.
+  std::optional<Json> news(const std::string& port, std::uint64_t& has) {
+    const std::lock_guard lock{mutex};
+    const bool whole = has == 0;
+    if (has == added && !whole) return std::nullopt;
+    const auto missing = static_cast<std::size_t>(std::min<std::uint64_t>(added - has, points.size()));
+    Json times = Json::array();
+    std::vector<Json> series(shown.size(), Json::array());
+    for (std::size_t i = points.size() - missing; i < points.size(); ++i) {
+      times.push_back(static_cast<double>(points[i].time_ns) / 1e6);
+      for (std::size_t f = 0; f < shown.size(); ++f) {
+        const double value = points[i].values[f];
+        series[f].push_back(std::isfinite(value) ? Json(value) : Json());
+      }
+    }
+    if (whole && added == 0) return std::nullopt;
+    has = added;
+    return Json{
+        {"port", port}, {"whole", whole}, {"times_ms", std::move(times)}, {"values", std::move(series)}};
+  }
+
+  static constexpr std::size_t kMostPoints =
+      static_cast<std::size_t>(std::chrono::milliseconds{kKept} / kApart);
+
+  const dds::Flow flow;
+  const Columns columns;
+  std::vector<std::size_t> shown;
+  Instant asked{};
+  Instant used{};
+
+  std::mutex mutex;
+  std::deque<Point> points;
+  std::uint64_t added = 0;
+  std::vector<Value> values;
+
+  std::unique_ptr<dds::Tap> tap;  // last: nothing comes after it is gone
+};
+
+WatchedPorts::WatchedPorts(Client& client, Streams& streams) : client_(client), streams_(streams) {}
+WatchedPorts::~WatchedPorts() = default;
+
+Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::string& port) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (const auto found = sources_.find(port); found != sources_.end()) return found->second;
+  }
+  auto flow = tapped(*client_.asker, port);
+  if (!flow) return flow.problems();
+  auto made = std::make_shared<Source>(std::move(*flow));
+  if (made->shown.empty())
+    return fail(port + " has no field that is a number", "takt echo " + port + " prints its samples");
+  made->asked = made->used = os::now();
+  auto tap =
+      dds::Tap::create(client_.participant, made->flow,
+                       [source = made.get()](const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
+                         source->add(bytes, size, time_ns);
+                       });
+  if (!tap) return tap.problems();
+  made->tap = std::move(*tap);
+  const std::lock_guard lock{mutex_};
+  return sources_.try_emplace(port, std::move(made)).first->second;  // another stream may have been quicker
+}
+
+Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const std::vector<std::string>& ports) {
+  Problems problems;
+  std::map<std::string, std::uint64_t> view;
+  for (const std::string& port : ports) {
+    if (auto found = source(port); found) {
+      view[port] = 0;
+      stream->send(event_text("port", model::json_text((*found)->description(port))));
+    } else {
+      for (Problem problem : found.problems()) {
+        problem.where = port;
+        problems.push_back(std::move(problem));
+      }
+    }
+  }
+  const std::lock_guard lock{mutex_};
+  views_[stream->id()] = std::move(view);
+  return problems;
+}
+
+void WatchedPorts::tell() {
+  const std::lock_guard lock{mutex_};
+  for (auto view = views_.begin(); view != views_.end();) {
+    const auto stream = streams_.find(view->first);
+    if (!stream || stream->ended()) {
+      view = views_.erase(view);
+      continue;
+    }
+    for (auto& [port, has] : view->second) {
+      const auto source = sources_.find(port);
+      if (source == sources_.end()) continue;
+      source->second->used = os::now();
+      if (const auto news = source->second->news(port, has))
+        stream->send(event_text("points", model::json_text(*news)));
+    }
+    ++view;
+  }
+}
+
+void WatchedPorts::look_after() {
+  std::vector<std::string> again;
+  std::vector<std::shared_ptr<Source>> gone;  // ended without the lock: its thread of DDS is waited for
+  {
+    const std::lock_guard lock{mutex_};
+    const Instant now = os::now();
+    for (auto source = sources_.begin(); source != sources_.end();) {
+      if (now - source->second->used > kUnused) {
+        gone.push_back(std::move(source->second));
+        source = sources_.erase(source);
+        continue;
+      }
+      if (now - source->second->asked > kAskAgain) {
+        source->second->asked = now;
+        again.push_back(source->first);
+      }
+      ++source;
+    }
+  }
+  for (const std::string& port : again) {
+    const auto flow = tapped(*client_.asker, port);
+    if (!flow) continue;  // a device that is lost, or not yet back: the states say so
+    const std::lock_guard lock{mutex_};
+    const auto source = sources_.find(port);
+    if (source == sources_.end()) continue;
+    if (source->second->flow.topic == flow->topic && source->second->flow.type == flow->type) continue;
+    gone.push_back(std::move(source->second));  // another deployment: whoever looks on is to ask anew
+    sources_.erase(source);
+  }
+}
+
+}  // namespace takt::tool::web
