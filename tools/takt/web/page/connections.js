@@ -1,7 +1,7 @@
 // The health of every connection, worst first.
 
 import { arrows, Bar, element, Mark, setAttribute, setText } from "./dom.js";
-import { linesOfAge, lookOfConnection } from "./looks.js";
+import { ageOf, lookOfConnection } from "./looks.js";
 import { addressOf, adjust } from "./route.js";
 import { count, exact, several } from "./words.js";
 
@@ -15,7 +15,7 @@ class Row {
     const end = (name) => name === null || name === undefined ? element("span", { class: "faint", text: "outside" }) :
       element("a", { href: addressOf("plots", { port: name }), text: name });
     this.element = element("tr", { dataset: { connection: index }, tabindex: "-1" },
-      element("th", { scope: "row" }, element("div", {}, end(connection.from)), element("div", {}, "\u2192 ", end(connection.to)),
+      element("th", { scope: "row" }, element("div", { class: "ends" }, element("span", {}, end(connection.from)), element("span", {}, "\u2192 ", end(connection.to))),
         element("div", { class: "faint small", text: connection.text ?? connection.kind })),
       element("td", {}, this.mark.element), element("td", {}, this.age.element), ...this.numbers.map(({ cell }) => cell));
   }
@@ -23,7 +23,7 @@ class Row {
   show(health) {
     this.look = lookOfConnection(health);
     this.mark.show(this.look);
-    const age = linesOfAge(this.connection, health);
+    const age = ageOf(this.connection, health);
     this.age.show(age.share, this.connection.deadline_ns ? `${age.words} of ${exact(this.connection.deadline_ns)}` : age.words);
     for (const { what, cell } of this.numbers) {
       setText(cell, count(health?.[what]));
@@ -48,7 +48,7 @@ export class Connections {
     this.element = element("div", { class: "scrolled" }, element("div", { class: "tools" }, this.filter, this.shown),
       element("table", { class: "list connections" }, element("caption", { class: "unseen", text: "connections of the cell" }),
         element("thead", {}, element("tr", {}, head("from \u2192 to"), head("health"), head("age, of its deadline"), head("lost"),
-          head("drop-\u200bped"), head("late"))), this.body));
+          head("dropped"), head("late"))), this.body));
     arrows(this.body, "tr");
   }
 

@@ -30,10 +30,10 @@ export class Gantt {
     this.what = element("p", { class: "what faint", role: "status", text: "" });
     const button = (text, act) => element("button", { type: "button", text, on: { click: act } });
     this.element = element("div", { class: "gantt-view" }, element("div", { class: "tools" },
-      button("all", () => this.#show(0, this.span)), button("one row", () => this.#showRow(this.#row)),
-      button("what ran", () => this.#showBusy(this.#row)), button("\u2039 row", () => this.#showNext(-1)),
-      button("row \u203a", () => this.#showNext(1)), button("+", () => this.#zoom(0.5)), button("\u2212", () => this.#zoom(2)),
-      this.what), this.canvas.element);
+      button("all rows", () => this.#show(0, this.span)), button("one row", () => this.#showRow(this.#row)),
+      button("its runs", () => this.#showBusy(this.#row)), button("\u2039 row", () => this.#showNext(-1)),
+      button("row \u203a", () => this.#showNext(1)), button("+", () => this.#zoom(0.5)), button("\u2212", () => this.#zoom(2))),
+    this.what, this.canvas.element, this.#legend());
     this.#listen();
     [this.#from, this.#to] = [0, this.span];
     this.#say(null);
@@ -54,6 +54,15 @@ export class Gantt {
     this.lanes = [...lanes.keys()];
     this.runs = [...lanes.values()];
     for (const runs of this.runs) runs.sort((a, b) => a.begin_ns - b.begin_ns);
+  }
+
+  /// Of what is in the picture.
+  #legend() {
+    const runs = this.runs.flat();
+    const entry = (look, text, holds) => (runs.some(holds) ? element("span", {}, element("span", { class: `swatch ${look}`, "aria-hidden": "true" }), text) : null);
+    return element("p", { class: "legend faint small" }, entry("thread", "thread module", (run) => !run.program && !run.sporadic),
+      entry("sporadic", "sporadic", (run) => run.sporadic), entry("process", "program, on another processor", (run) => run.program),
+      entry("late", "began late, from when it was due", (run) => run.cause));
   }
 
   #listen() {

@@ -106,13 +106,11 @@ export class Graph {
     const wire = group.querySelector("path.wire");
     if (!wire) return;
     const index = group.dataset.connection;
-    // The word stands under the wire's end, outside of the box.
+    // The word stands beside the label of the wire's end, which is drawn above all wires.
     const numbers = (wire.getAttribute("d").match(/-?[\d.]+/g) ?? []).map(Number);
     const [x, y] = numbers.slice(-2);
-    const from_right = numbers.at(-4) > x;
-    const word = drawn("text", { "font-size": kSmall, "text-anchor": from_right ? "start" : "end" });
-    place(word, from_right ? x - 4 : x + 4, y + 12);
-    group.append(word);
+    const word = drawn("tspan", { dx: kSmall });
+    labelAt(group.ownerSVGElement, x, y)?.append(word);
     this.#connections.set(index, { group, wire, word, title: group.querySelector("title"), said: group.querySelector("title")?.textContent ?? "" });
   }
 
@@ -157,7 +155,7 @@ export class Graph {
     const look = lookOfConnection(health);
     setAttribute(drawn.wire, "data-line", look.line);
     setAttribute(drawn.word, "class", `${look.look}-word`);
-    setText(drawn.word, look.rank >= 2 ? look.word : "");
+    setText(drawn.word, look.rank >= 2 ? look.short : "");
     if (drawn.title) setText(drawn.title, `${drawn.said}; ${look.word}`);
   }
 
@@ -208,6 +206,12 @@ export class Graph {
 function place(node, x, y) {
   setAttribute(node, "x", Math.round(x));
   setAttribute(node, "y", Math.round(y));
+}
+
+/// What is written over the end of the wire that ends there.
+function labelAt(drawing, x, y) {
+  const labels = [...drawing.querySelectorAll(":scope > text.faint")];
+  return labels.find((label) => Math.abs(label.getAttribute("y") - y + 4) < 1 && Math.abs(label.getAttribute("x") - x) < 24);
 }
 
 /// Of `groups` the one whose head lies that way and is the least way off; sideways counts threefold.

@@ -43,17 +43,17 @@ export function lookOfConnection(health) {
   if (!health) return { key: "none", rank: 1, look: "faint", sign: "wait", word: "not known", line: "" };
   if (!health.matched) {
     const why = health.incompatible ? `not matched: ${health.incompatible} differs` : "not matched";
-    return { key: "broken", rank: 4, look: "bad", sign: "lost", word: why, line: "broken" };
+    return { key: "broken", rank: 4, look: "bad", sign: "lost", word: why, short: "not matched", line: "broken" };
   }
   if (health.stale) {
     const word = health.safe ? "stale, safe value" : "stale";
-    return { key: "stale", rank: 3, look: "bad", sign: "recover", word, line: "bad" };
+    return { key: "stale", rank: 3, look: "bad", sign: "recover", word, short: "stale", line: "bad" };
   }
   const poor = [];
   if (health.age_us === null || health.age_us === undefined) poor.push("no value yet");
   if (health.safe) poor.push("safe value");
   for (const what of ["lost", "dropped", "late"]) if (health[what] > 0) poor.push(`${health[what]} ${what}`);
-  if (poor.length > 0) return { key: "poor", rank: 2, look: "poor", sign: "poor", word: poor.join(", "), line: "poor" };
+  if (poor.length > 0) return { key: "poor", rank: 2, look: "poor", sign: "poor", word: poor.join(", "), short: poor[0], line: "poor" };
   return { key: "good", rank: 0, look: "good", sign: "good", word: "ok", line: "good" };
 }
 
@@ -75,7 +75,8 @@ export function useOf(module) {
   return { share: run.p99 * 1000 / allowed, words: duration(run.p99), allowed, what };
 }
 
-export function linesOfAge(connection, health) {
+/// The age of a value, of its deadline where it has one.
+export function ageOf(connection, health) {
   if (!health || health.age_us === null || health.age_us === undefined) return { share: null, words: "-" };
   if (!connection.deadline_ns) return { share: null, words: duration(health.age_us) };
   return { share: health.age_us * 1000 / connection.deadline_ns, words: duration(health.age_us) };

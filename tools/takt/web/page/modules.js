@@ -15,8 +15,8 @@ const kColumns = [
   { key: "p50", title: "jitter p50", about: "us", of: (row) => row.module.measures?.jitter_us.p50, down: true },
   { key: "p99", title: "p99", about: "us", of: (row) => row.module.measures?.jitter_us.p99, down: true },
   { key: "run", title: "run time p99", about: "of its budget, else of its period", of: (row) => useOf(row.module).share, down: true },
-  { key: "overruns", title: "over-\u200bruns", of: (row) => row.module.measures?.overruns, down: true },
-  { key: "recoveries", title: "recov-\u200beries", of: (row) => row.module.measures?.recoveries, down: true },
+  { key: "overruns", title: "over\u00adruns", of: (row) => row.module.measures?.overruns, down: true },
+  { key: "recoveries", title: "recov\u00aderies", of: (row) => row.module.measures?.recoveries, down: true },
   { key: "trend", title: "jitter, 2 min" },
 ];
 
@@ -95,7 +95,7 @@ export class Modules {
   }
 
   #head({ key, title, about }) {
-    if (key === "trend") return element("th", { scope: "col", class: "trend", text: title });
+    if (key === "trend") return element("th", { scope: "col", class: "column-trend trend", text: title });
     return element("th", { scope: "col", "aria-sort": "none", class: `column-${key}` },
       element("button", { type: "button", title: about ?? null, on: { click: () => this.#sortBy(key) } }, title));
   }

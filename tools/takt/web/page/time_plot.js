@@ -6,7 +6,7 @@ import { colour } from "./theme.js";
 import { clock, number } from "./words.js";
 
 const kDashes = [[], [6, 3], [2, 3], [9, 3, 2, 3]];
-const kLeft = 64, kBottom = 20, kTop = 8, kRight = 8;
+const kLetters = 10, kLeft = 76, kBottom = 20, kTop = 8, kRight = 8;
 const kFont = '11px ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace';
 
 export class TimePlot {
@@ -17,7 +17,7 @@ export class TimePlot {
 
   /// `lines`: their names; `labels`: of the values 0, 1, ... of an enumeration, which is drawn in steps.
   constructor({ title, unit = "", lines, span_ms, labels = null }) {
-    Object.assign(this, { title, unit, span_ms, labels, names: lines });
+    Object.assign(this, { title, unit, span_ms, labels, names: lines, short: labels && shortened(labels) });
     this.#lines = lines.map(() => []);
     this.canvas = new Canvas((context, width, height) => this.#draw(context, width, height), {
       class: "plot", role: "img", tabindex: "0", "aria-label": title,
@@ -145,7 +145,7 @@ export class TimePlot {
       context.lineTo(area.left + area.width, Math.round(y(tick)) + 0.5);
       context.stroke();
       context.fillStyle = colour("faint");
-      context.fillText(this.labels ? shortened(this.labels[tick], 9) : ticked(tick, range.step), area.left - 6, y(tick));
+      context.fillText(this.labels ? this.short[tick] : ticked(tick, range.step), area.left - 6, y(tick));
     }
   }
 
@@ -230,6 +230,10 @@ function ticked(value, step) {
   return value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))).replace("-", "\u2212");
 }
 
-function shortened(text, length) {
-  return text.length > length ? `${text.slice(0, length - 1)}\u2026` : text;
+/// As much of the labels as there is room for, without what all of them begin with: BELT_ of BELT_RUNNING.
+function shortened(labels) {
+  const first = labels[0] ?? "";
+  let common = labels.length > 1 ? first.lastIndexOf("_") + 1 : 0;
+  while (common > 0 && !labels.every((label) => label.startsWith(first.slice(0, common)))) common = first.lastIndexOf("_", common - 2) + 1;
+  return labels.map((label) => label.slice(common)).map((label) => (label.length > kLetters ? `${label.slice(0, kLetters - 1)}\u2026` : label));
 }
