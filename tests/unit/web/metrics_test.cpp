@@ -1,0 +1,82 @@
+#include "metrics.hpp"
+
+#include <gmock/gmock.h>
+
+#include "seen.hpp"
+
+namespace takt::tool::web {
+namespace {
+
+using namespace seen;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string text() {
+  const model::Cell press = cell();
+  return metrics_text(cell_that_runs(), &press, {.faults = {{"robot", {1, 0, 5}}}, .viewers = 2});
+}
+
+TEST(Metrics, TellStatesAsOneOfAllThatThereAre) {
+  EXPECT_THAT(
+      text(),
+      AllOf(
+          HasSubstr("# TYPE takt_module_state gauge\n"),
+          HasSubstr(
+              "takt_module_state{cell=\"press\",device=\"robot\",module=\"servo\",state=\"EXECUTING\"} 1\n"),
+          HasSubstr(
+              "takt_module_state{cell=\"press\",device=\"robot\",module=\"servo\",state=\"RECOVER\"} 0\n"),
+          HasSubstr(
+              "takt_module_state{cell=\"press\",device=\"robot\",module=\"slow\",state=\"RECOVER\"} 1\n")));
+}
+
+TEST(Metrics, AreInSecondsAndCountersEndInTotal) {
+  EXPECT_THAT(
+      text(),
+      AllOf(
+          HasSubstr("takt_module_jitter_seconds{cell=\"press\",device=\"robot\",module=\"servo\",quantile="
+                    "\"0.99\"} 4e-05\n"),
+          HasSubstr("takt_module_run_max_seconds{cell=\"press\",device=\"robot\",module=\"servo\"} 0.0001\n"),
+          HasSubstr("# TYPE takt_module_overruns_total counter\n"),
+          HasSubstr("takt_module_overruns_total{cell=\"press\",device=\"robot\",module=\"servo\"} 3\n"),
+          HasSubstr(
+              "takt_executor_margin_seconds{cell=\"press\",device=\"robot\",executor=\"main\"} 5e-05\n"),
+          HasSubstr("takt_device_host_restarts_total{cell=\"press\",device=\"robot\"} 2\n"),
+          HasSubstr("takt_faults_total{device=\"robot\",severity=\"error\"} 5\n"),
+          HasSubstr("takt_web_viewers 2\n")));
+}
+
+// What was heard last of a device that is lost is no measure of now.
+TEST(Metrics, OfALostDeviceTellOnlyThatItIs) {
+  EXPECT_THAT(text(), AllOf(HasSubstr("takt_device_up{cell=\"press\",device=\"line\"} 0\n"),
+                            Not(HasSubstr("module=\"vision\"")),
+                            Not(HasSubstr("takt_device_state{cell=\"press\",device=\"line\""))));
+}
+
+TEST(Metrics, TellHowEachConnectionIs) {
+  EXPECT_THAT(
+      text(),
+      AllOf(HasSubstr(
+                "takt_connection_stale{cell=\"press\",from=\"robot.servo.angle\",to=\"line.vision.angle\","
+                "topic=\"takt/press/robot/servo/angle\"} 1\n"),
+            HasSubstr(
+                "takt_connection_age_seconds{cell=\"press\",from=\"robot.servo.angle\",to=\"\",topic=\"plant/"
+                "angle\"} 0.0005\n")));
+  EXPECT_THAT(metrics_text(cell_that_runs(), nullptr, {}), Not(HasSubstr("takt_connection")));
+}
+
+TEST(Metrics, OfNothingHaveNoEmptyFamilies) {
+  EXPECT_EQ(
+      metrics_text({}, nullptr, {}),
+      "# HELP takt_web_viewers Pages that are open.\n# TYPE takt_web_viewers gauge\ntakt_web_viewers 0\n");
+}
+
+TEST(Metrics, EscapeWhatALabelMayNotHold) {
+  auto devices = cell_that_runs();
+  dds::set(devices[1].status.cell(), "a\"b\\c\nd");
+  EXPECT_THAT(metrics_text(devices, nullptr, {}),
+              HasSubstr(R"(takt_device_up{cell="a\"b\\c\nd",device="robot"} 1)"));
+}
+
+}  // namespace
+}  // namespace takt::tool::web

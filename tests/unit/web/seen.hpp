@@ -1,0 +1,104 @@
+// Devices as nodes tell of them, for tests of what is shown of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <takt/dds/picture.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/descriptor/descriptor.hpp>
+
+namespace takt::tool::web::seen {
+
+inline constexpr const char* kCell = R"(<cell name="press">
+  <device name="robot">
+    <module><name>servo</name><filename>servo.so</filename><moduletype>thread</moduletype>
+      <operationtype>periodic</operationtype><period>1000000</period><priority>1</priority>
+      <budget>200000</budget></module>
+    <module><name>slow</name><filename>slow.so</filename><moduletype>thread</moduletype>
+      <operationtype>periodic</operationtype><period>3000000</period><priority>2</priority></module>
+    <module><name>react</name><filename>react.so</filename><moduletype>thread</moduletype>
+      <operationtype>sporadic</operationtype><deadline>2000000</deadline><priority>3</priority></module>
+  </device>
+  <device name="line">
+    <module><filename>vision.exe</filename><moduletype>process</moduletype>
+      <operationtype>periodic</operationtype><period>10000000</period><priority>1</priority></module>
+  </device>
+  <connection from="robot.servo.angle" to="line.vision.angle" kind="latest" deadline="20000000"/>
+  <connection from="robot.servo.angle" topic="plant/angle"/>
+</cell>)";
+
+inline model::Cell cell() { return descriptor::parse(kCell, "press.xml").value(); }
+
+inline dds::SeenDevice device(const std::string& name, DeviceState state = DEVICE_RUNNING) {
+  dds::SeenDevice device;
+  DeviceStatus& s = device.status;
+  dds::set(s.path(), dds::path_of("press", name));
+  dds::set(s.cell(), "press");
+  dds::set(s.device(), name);
+  dds::set(s.node(), "node of " + name);
+  dds::set(s.host_name(), "pc7");
+  dds::set(s.deployment(), "d1");
+  s.state(state);
+  s.real_time(true);
+  s.host_restarts(2);
+  return device;
+}
+
+inline LifecycleStatus status(const std::string& device, const std::string& name, LifecycleState state,
+                              std::uint64_t sequence = 1) {
+  LifecycleStatus s;
+  dds::set(s.path(), dds::path_of("press", device, name));
+  dds::set(s.cell(), "press");
+  dds::set(s.device(), device);
+  dds::set(s.name(), name);
+  s.state(state);
+  s.sequence_number(sequence);
+  return s;
+}
+
+inline ModuleStatistics statistics(const std::string& name, std::uint64_t cycles) {
+  ModuleStatistics s;
+  dds::set(s.name(), name);
+  s.cycles(cycles);
+  s.overruns(3);
+  Distribution d;
+  d.mean(-1.5);
+  d.p50(2);
+  d.p99(40);
+  d.p999(60.5);
+  d.max(100);
+  s.jitter_us(d);
+  s.run_us(d);
+  return s;
+}
+
+inline PortStatus port(bool matched, std::int64_t age_ns) {
+  PortStatus s;
+  s.matched(matched ? 1 : 0);
+  s.connections(1);
+  s.age_ns(age_ns);
+  s.lost(4);
+  return s;
+}
+
+/// A robot that runs with all of its measures, and a line that is lost.
+inline std::vector<dds::SeenDevice> cell_that_runs() {
+  dds::SeenDevice robot = device("robot");
+  robot.deployment.modules["servo"] = status("robot", "servo", STATE_EXECUTING, 3);
+  robot.deployment.modules["slow"] = status("robot", "slow", STATE_RECOVER, 5);
+  robot.deployment.statistics["servo"] = statistics("servo", 1000);
+  ExecutorStatistics main;
+  main.cycles(900);
+  main.missed(1);
+  main.margin_us(50);
+  robot.deployment.executors["main"] = main;
+  robot.deployment.ports["servo.angle"] = port(true, 500'000);
+  dds::SeenDevice line = device("line");
+  line.alive = false;
+  line.deployment.modules["vision"] = status("line", "vision", STATE_EXECUTING, 3);
+  line.deployment.ports["vision.angle"] = port(true, 30'000'000);
+  return {line, robot};
+}
+
+}  // namespace takt::tool::web::seen
