@@ -29,7 +29,15 @@ export function get(path, parameters = {}) {
 }
 
 export function post(path, body) {
-  return ask(path, { method: "POST", body: JSON.stringify(body), headers: { "Content-Type": "application/json" } });
+  return send("POST", path, body);
+}
+
+export function put(path, body) {
+  return send("PUT", path, body);
+}
+
+function send(method, path, body) {
+  return ask(path, { method, body: JSON.stringify(body), headers: { "Content-Type": "application/json" } });
 }
 
 async function ask(address, options) {

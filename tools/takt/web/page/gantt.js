@@ -6,6 +6,7 @@ import { element, setText } from "./dom.js";
 import { colour } from "./theme.js";
 import { number } from "./words.js";
 
+const kRows = 200;
 const kLane = 20, kHead = 22, kLeast = 2;
 const kLetter = 6.7;
 const kFont = '11px ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace';
@@ -19,7 +20,8 @@ export class Gantt {
 
   constructor(executor, programs, order) {
     this.executor = executor;
-    this.span = Math.max(executor.rows.length, 1) * executor.basic_period_ns;
+    this.count = Math.min(Math.round(executor.macro_period_ns / executor.basic_period_ns), kRows);
+    this.span = this.count * executor.basic_period_ns;
     this.#lay(programs, order);
     this.left = Math.min(Math.max(...this.lanes.map((name) => name.length), 4) * kLetter + 14, 180);
     this.canvas = new Canvas((context, width, height) => this.#draw(context, width, height), {
@@ -106,7 +108,7 @@ export class Gantt {
     const at = this.#time(event.offsetX);
     const near = kLeast * 2 * (this.#to - this.#from) / Math.max(1, this.canvas.element.clientWidth - this.left);
     const run = this.runs[lane]?.find((one) => at >= one.begin_ns - near && at <= one.end_ns + near);
-    this.#row = Math.max(0, Math.min(Math.floor(at / this.executor.basic_period_ns), this.executor.rows.length - 1));
+    this.#row = Math.max(0, Math.min(Math.floor(at / this.executor.basic_period_ns), this.count - 1));
     this.#say(run ?? null, this.lanes[lane]);
     this.redraw();
   }
@@ -139,7 +141,7 @@ export class Gantt {
   }
 
   #showRow(index) {
-    this.#row = Math.max(0, Math.min(index, this.executor.rows.length - 1));
+    this.#row = Math.max(0, Math.min(index, this.count - 1));
     this.#show(this.#row * this.executor.basic_period_ns, (this.#row + 1) * this.executor.basic_period_ns);
   }
 
@@ -150,8 +152,8 @@ export class Gantt {
 
   /// From when the row was due to when its last run ended, which may be a small part of the row.
   #showBusy(index) {
-    this.#row = Math.max(0, Math.min(index, this.executor.rows.length - 1));
-    const row = this.executor.rows[this.#row];
+    this.#row = Math.max(0, Math.min(index, this.count - 1));
+    const row = this.executor.rows.find((one) => one.row === this.#row);  // none: it was missed
     if (!row || row.runs.length === 0) {
       this.#showRow(this.#row);
       return;

@@ -7,14 +7,14 @@ import { lookOfConnection, lookOfDevice, lookOfModule } from "./looks.js";
 import { alter, currentRoute } from "./route.js";
 import { duration } from "./words.js";
 
-const kNormal = 12, kSmall = 10, kLetter = 0.62;  // sizes of the drawing's text, and a letter's width
+const kSmall = 10;  // the size of the drawing's small text
 
 export class Graph {
   #store;
   #text;
   #modules = new Map();      // by name: {group, mark}
   #devices = new Map();
-  #connections = new Map();  // by index: {group, wire, word}
+  #connections = new Map();  // by index: {group, wire, word, titles}
   #frame;
 
   constructor(store) {
@@ -60,58 +60,45 @@ export class Graph {
     this.#frame.element.hidden = drawing === null;
     const waiting = this.#store.cell === null;
     setText(this.nothing, waiting ? "Waiting for what the gateway sees." :
-      this.#store.cell.cell ? "The gateway has no drawing of this cell; its modules are in the list." :
+      this.#store.modules.size > 0 ? "What these modules are connected to has not been told yet; they are in the list of modules." :
         "No cell is deployed: takt deploy CELL.xml deploys one, and its graph appears here.");
     if (!drawing) return;
     setAttribute(drawing, "class", "drawing");
     this.#frame.hold(drawing);
-    for (const group of drawing.querySelectorAll("[data-device]")) this.#prepare(group, group.dataset.device, this.#devices, 19);
-    for (const group of drawing.querySelectorAll("[data-module]")) this.#prepare(group, group.dataset.module, this.#modules, 40);
-    for (const group of drawing.querySelectorAll("[data-connection]")) this.#prepareConnection(group);
+    for (const group of drawing.querySelectorAll("[data-device]")) this.#prepare(group, group.dataset.device, this.#devices);
+    for (const group of drawing.querySelectorAll("[data-module]")) this.#prepare(group, group.dataset.module, this.#modules);
+    for (const group of drawing.querySelectorAll(".link[data-connection]")) this.#prepareConnection(group);
     const first = drawing.querySelector("[data-module], [data-device]");
     first?.setAttribute("tabindex", "0");
   }
 
-  /// Gives a box its place for the state: a sign, a word, and at the right what was measured.
-  #prepare(group, name, known, below) {
+  /// What the drawing says of the state makes room for what the page says: a sign, a word, and at the right what was measured.
+  #prepare(group, name, known) {
     const box = group.querySelector("rect");
-    if (!box) return;
-    const [x, y, width] = ["x", "y", "width"].map((of) => Number(box.getAttribute(of)));
-    const of_module = known === this.#modules;
-    const use = drawn("use", { width: of_module ? 10 : 13, height: of_module ? 10 : 13 });
-    const word = drawn("text", { "font-size": kSmall + (of_module ? 0 : 1), class: "state-word" });
-    const measure = drawn("text", { "font-size": kSmall, class: "faint", "text-anchor": "end" });
-    const strip = drawn("rect", { x, y, width: 4, height: box.getAttribute("height"), class: "strip" });
-    const line = y + below;
-    if (of_module) {
-      place(use, x + 8, line - 9);
-      place(word, x + 22, line);
-      place(measure, x + width - 6, line);
-    } else {
-      // Beside the name if there is room, else beside what is said of the device.
-      const title = group.querySelector("text.title");
-      const room = width - 24 - (title?.textContent.length ?? 0) * (kNormal + 2) * kLetter;
-      const at = room > 100 ? line : y + 33;
-      setAttribute(word, "text-anchor", "end");
-      place(word, x + width - 12, at);
-    }
-    group.append(...(of_module ? [strip] : []), use, word, ...(of_module ? [measure] : []));
-    // What is in the box already says what it is; the title is what a pointer shows.
+    const told = group.querySelector("text.state");
+    if (!box || !told) return;
+    const [x, y, width, height] = ["x", "y", "width", "height"].map((of) => Number(box.getAttribute(of)));
+    const [left, line] = ["x", "y"].map((of) => Number(told.getAttribute(of)));
+    told.remove();
+    const use = drawn("use", { width: kSmall, height: kSmall, x: left + 2, y: line - kSmall + 1 });
+    const word = drawn("text", { "font-size": kSmall, class: "state-word", x: left + kSmall + 6, y: line });
+    const measure = drawn("text", { "font-size": kSmall, class: "faint", "text-anchor": "end", x: x + width - 6, y: line });
+    const strip = drawn("rect", { x, y, width: 4, height, class: "strip" });
+    group.append(...(known === this.#modules ? [strip] : []), use, word, measure);
     setAttribute(group, "role", "button");
     setAttribute(group, "tabindex", "-1");
-    known.set(name, { group, use, word, measure, of_module, right: x + width - 12, at: line });
+    known.set(name, { group, use, word, measure });
   }
 
   #prepareConnection(group) {
     const wire = group.querySelector("path.wire");
     if (!wire) return;
     const index = group.dataset.connection;
-    // The word stands beside the label of the wire's end, which is drawn above all wires.
-    const numbers = (wire.getAttribute("d").match(/-?[\d.]+/g) ?? []).map(Number);
-    const [x, y] = numbers.slice(-2);
-    const word = drawn("tspan", { dx: kSmall });
-    labelAt(group.ownerSVGElement, x, y)?.append(word);
-    this.#connections.set(index, { group, wire, word, title: group.querySelector("title"), said: group.querySelector("title")?.textContent ?? "" });
+    wire.classList.remove("good", "poor", "bad", "broken");
+    const word = group.ownerSVGElement.querySelector(`.label[data-connection="${CSS.escape(index)}"] .state`);
+    if (word) word.textContent = "";
+    const titles = group.ownerSVGElement.querySelectorAll(`[data-connection="${CSS.escape(index)}"] > title`);
+    this.#connections.set(index, { group, wire, word, titles });
   }
 
   #showAll() {
@@ -125,7 +112,6 @@ export class Graph {
     if (!drawn) return;
     const look = lookOfDevice(this.#store.devices.get(name));
     this.#showLook(drawn, look);
-    place(drawn.use, drawn.right - look.word.length * (kSmall + 1) * kLetter - 18, Number(drawn.word.getAttribute("y")) - 11);
     setAttribute(drawn.group, "aria-label", `device ${name}: ${look.word}`);
     for (const module of this.#store.modulesOf(name)) this.#showModule(module.name);
   }
@@ -154,9 +140,12 @@ export class Graph {
     const health = this.#store.connections.get(index);
     const look = lookOfConnection(health);
     setAttribute(drawn.wire, "data-line", look.line);
-    setAttribute(drawn.word, "class", `${look.look}-word`);
-    setText(drawn.word, look.rank >= 2 ? look.short : "");
-    if (drawn.title) setText(drawn.title, `${drawn.said}; ${look.word}`);
+    if (drawn.word) {
+      setAttribute(drawn.word, "class", `state ${look.look}-word`);
+      setText(drawn.word, look.rank >= 2 ? look.short : "");
+    }
+    const { from, to, text } = this.#store.cell?.connections?.[index] ?? {};
+    for (const title of drawn.titles) setText(title, `${from ?? "outside"} \u2192 ${to ?? "outside"}: ${text}; ${look.word}`);
   }
 
   #mark() {
@@ -201,17 +190,6 @@ export class Graph {
     next.focus({ preventScroll: true });
     this.#frame.reveal(next);
   }
-}
-
-function place(node, x, y) {
-  setAttribute(node, "x", Math.round(x));
-  setAttribute(node, "y", Math.round(y));
-}
-
-/// What is written over the end of the wire that ends there.
-function labelAt(drawing, x, y) {
-  const labels = [...drawing.querySelectorAll(":scope > text.faint")];
-  return labels.find((label) => Math.abs(label.getAttribute("y") - y + 4) < 1 && Math.abs(label.getAttribute("x") - x) < 24);
 }
 
 /// Of `groups` the one whose head lies that way and is the least way off; sideways counts threefold.

@@ -105,6 +105,9 @@ async function askRights() {
 
 function listen() {
   const stream = new Stream("/api/events", {
+    stream: ({ id }) => { store.stream = id; },
+    port: (type) => views.plots.view.takePort(type),
+    points: (points) => views.plots.view.takePoints(points),
     cell: (news) => store.takeCell(news),
     state: (news) => {
       speaker.hear(news);

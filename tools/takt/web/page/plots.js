@@ -1,9 +1,8 @@
 // The values of a port over the last five minutes: a plot for each field that is chosen.
 
-import { get } from "./api.js";
+import { get, put } from "./api.js";
 import { element, setText } from "./dom.js";
 import { adjust, alter, currentRoute } from "./route.js";
-import { Stream } from "./stream.js";
 import { TimePlot } from "./time_plot.js";
 
 const kSpan_ms = 300000;
@@ -12,7 +11,7 @@ const kFields = 4;  // at first
 export class Plots {
   #store;
   #port = null;
-  #stream = null;
+  #told = Promise.resolve();
   #fields = [];
   #times = [];
   #values = [];
@@ -50,21 +49,29 @@ export class Plots {
       return;
     }
     setText(this.said, "waiting for values ...");
-    this.#stream = new Stream(`/api/samples?${new URLSearchParams({ port })}`, {
-      type: (type) => this.#takeType(type), points: (points) => this.#takePoints(points), problem: (problem) => this.#takeProblem(problem),
-    });
+    this.#ask();
     this.timer = setInterval(() => this.#draw(), 250);  // the time goes on where no values come
   }
 
   hide() {
-    this.#stream?.close();
     clearInterval(this.timer);
-    this.#stream = this.#port = null;
+    if (this.#port) this.#tell([]);
+    this.#port = null;
     [this.#times, this.#values] = [[], []];
   }
 
   update(changes) {
     if (changes.cell || changes.whole) this.#askPorts();
+    if (changes.cell && this.#port) this.#ask();  // the gateway has forgotten what it was asked before
+  }
+
+  /// What comes of the port, of the stream's events.
+  takePort(type) {
+    if (type.port === this.#port) this.#takeType(type);
+  }
+
+  takePoints(points) {
+    if (points.port === this.#port) this.#takePoints(points);
   }
 
   redraw() {
@@ -117,10 +124,26 @@ export class Plots {
     });
   }
 
-  #takeProblem({ what, fix }) {
-    this.#stream?.close();
-    clearInterval(this.timer);
-    setText(this.said, fix ? `${what}; ${fix}` : what);
+  async #ask() {
+    const port = this.#port;
+    const problem = await this.#tell([port]);
+    if (problem && port === this.#port) setText(this.said, problem);
+  }
+
+  /// Of which ports the gateway is to tell the values. What is wrong with that, or null. One after the other, for the last to hold.
+  #tell(ports) {
+    this.#told = this.#told.then(() => this.#put(ports));
+    return this.#told;
+  }
+
+  async #put(ports) {
+    if (!this.#store.stream) return null;
+    try {
+      const { problems } = await put(`/api/streams/${this.#store.stream}/ports`, { ports });
+      return problems?.length > 0 ? [problems[0].what, problems[0].fix].filter(Boolean).join("; ") : null;
+    } catch (problem) {
+      return problem.text ?? problem.message;
+    }
   }
 
   get #chosen() {

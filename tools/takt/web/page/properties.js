@@ -16,7 +16,7 @@ class Property {
     this.element = element("form", { class: "property", dataset: { property: property.name }, on: { submit: (event) => this.#submit(event) } },
       element("span", { class: "name", text: property.name }), this.field,
       element("span", { class: "faint unit", text: property.unit ?? "" }), this.set,
-      element("p", { class: "faint small about", text: [range(property), property.text].filter(Boolean).join("; ") }), this.answer);
+      element("p", { class: "faint small about", text: [property.range ?? range(property), property.text].filter(Boolean).join("; ") }), this.answer);
   }
 
   #field() {

@@ -19,6 +19,7 @@ class Changes {
 export class Store {
   link = "connecting";
   linkSince = Date.now();
+  stream = null;         // by which the gateway knows this page
   rights = { command: false, why: "the gateway has not been asked yet" };
   cell = null;
   /// By name, as the gateway says them.

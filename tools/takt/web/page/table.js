@@ -76,7 +76,7 @@ export class Table {
     const executors = table.executors ?? [];
     this.#gantts = [];
     const parts = executors.map((executor, i) => {
-      const programs = (table.processes ?? []).filter(({ module }) => {
+      const programs = (table.programs ?? []).filter(({ module }) => {
         const of = about.get(module)?.executor;
         return of === executor.name || (i === 0 && !executors.some(({ name }) => name === of));
       });
@@ -89,13 +89,19 @@ export class Table {
   #executor(executor, programs, about) {
     const spec = this.#store.cell?.devices?.find(({ name }) => name === this.#device)?.executors?.find(({ name }) => name === executor.name);
     const rows = spec?.rows ?? [];
+    if (executor.rows.length === 0) {
+      const why = executor.text ?? "Nothing of it ran in the last macro period.";
+      return element("section", { class: "executor" }, element("h3", { text: `executor ${executor.name}` }),
+        element("p", { class: "faint", text: why }), planned(rows, executor));
+    }
     const gantt = new Gantt(executor, programs, orderOf(rows, spec, executor));
     this.#gantts.push(gantt);
     const all = executor.macro_period_ns / executor.basic_period_ns;
+    const missed = Math.min(all, kRows) - executor.rows.length;
     const left_out = all > kRows ? `; the first ${kRows} are shown` : "";
     return element("section", { class: "executor" }, element("h3", { text: `executor ${executor.name}` }),
       element("p", { class: "faint", text: `${several(all, "row")} of ${exact(executor.basic_period_ns)}, a macro period of ` +
-        `${exact(executor.macro_period_ns)}${left_out}; begun at ${clock(executor.begin_ms, { thousandths: true })}` }),
+        `${exact(executor.macro_period_ns)}${left_out}${missed > 0 ? `; ${several(missed, "row")} missed` : ""}; begun at ${clock(executor.begin_ms, { thousandths: true })}` }),
       gantt.element, lateness(executor, programs), used(executor, programs, about), planned(rows, executor));
   }
 }
@@ -137,7 +143,7 @@ function used(executor, programs, about) {
   };
   for (const row of executor.rows) for (const run of row.runs) add(run, false);
   for (const run of programs) add(run, true);
-  const span = executor.rows.length * executor.basic_period_ns || executor.macro_period_ns;
+  const span = Math.min(executor.macro_period_ns, kRows * executor.basic_period_ns);
   const lines = [...sums].sort(([, a], [, b]) => b.all_ns - a.all_ns);
   const busy = lines.filter(([, sum]) => !sum.program).reduce((all, [, sum]) => all + sum.all_ns, 0);
   const head = (text) => element("th", { scope: "col", text });

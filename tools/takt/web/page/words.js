@@ -5,7 +5,7 @@ const kMinus = "\u2212";
 export function number(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "-";
   const size = Math.abs(value);
-  if (size === 0) return "0";
+  if (Number.isInteger(value) && size < 1e9) return (value < 0 ? kMinus : "") + size;
   const digits = size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3;
   const text = size < 0.001 || size >= 1e7 ? size.toExponential(2) : size.toFixed(digits);
   return (value < 0 ? kMinus : "") + text;
