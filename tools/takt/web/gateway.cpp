@@ -380,8 +380,9 @@ Answer Gateway::ports(const std::string& device) {
   if (Answer answer = described(device, description); answer.status != 200) return answer;
   Json ports = Json::array();
   for (const Json& module : description["modules"]) {
-    if (!module.contains("ports") || !module["ports"].is_array()) continue;
-    for (const Json& port : module["ports"]) {
+    const auto known = module.find("ports");  // as model::ports_json() writes them; null: not known
+    if (known == module.end() || !known->is_object() || !known->contains("ports")) continue;
+    for (const Json& port : (*known)["ports"]) {
       ports.push_back({{"name", device + "." + text_in(module, "name") + "." + text_in(port, "name")},
                        {"direction", text_in(port, "direction")},
                        {"type", text_in(port, "type")}});
