@@ -140,7 +140,7 @@ followTheme(byId("theme"), () => {
 });
 addEventListener("hashchange", showRoute);
 addEventListener("keydown", (event) => {
-  if (event.key !== "Escape" || event.defaultPrevented || !currentRoute().parameters.has("select")) return;
+  if (event.key !== "Escape" || event.target.closest("dialog") || !currentRoute().parameters.has("select")) return;
   const back = details.name;
   alter({ select: null });
   shown?.focusOn?.(back);
