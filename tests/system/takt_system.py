@@ -419,7 +419,10 @@ class Case(unittest.TestCase):
     def wait_for_states(self, wanted, limit=15.0):
         """Until takt status says so: {"device": "EXECUTING"} or {"device": {"module": "START"}}. Returns it, by device."""
         def holds():
-            status = {d["name"]: d for d in self.status_of()["devices"]}
+            run = self.takt("status", "--json")
+            if run.status != 0:  # nobody was found in time: the machine stands still
+                return None
+            status = {d["name"]: d for d in run.report["devices"]}
             for device, states in wanted.items():
                 found = {m["name"]: m["state"] for m in status.get(device, {"modules": []})["modules"]}
                 if isinstance(states, str):

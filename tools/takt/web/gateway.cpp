@@ -66,7 +66,8 @@ Json values_of(const std::map<std::string, Json>& all) {
 Answer answer_of(const Json& json) { return {200, model::json_text(json)}; }
 
 Answer answer_of(int status, const Problem& problem) {
-  return {status, model::json_text({{"what", problem.what}, {"fix", problem.fix}})};
+  const std::string where = problem.where.empty() ? "" : problem.where + ": ";
+  return {status, model::json_text({{"what", where + problem.what}, {"fix", problem.fix}})};
 }
 
 /// From the threads of DDS to the one that tells.

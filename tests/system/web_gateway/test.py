@@ -1,0 +1,393 @@
+import http.client
+import json
+import os
+import re
+import signal
+import socket
+import sys
+import threading
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+
+from prometheus_client.parser import text_string_to_metric_families
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import wait_until
+
+
+class Events:
+    """A stream of events, put together as a page does."""
+
+    def __init__(self, address):
+        self.response = urllib.request.urlopen(address + "api/events", timeout=30)
+        self.all = []  # (name, data, when)
+        self.ended = False
+        self.modules = {}
+        self.devices = {}
+        self.steps = []
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        name = None
+        try:
+            for line in self.response:
+                line = line.decode().rstrip("\n")
+                if line.startswith("event: "):
+                    name = line[7:]
+                elif line.startswith("data: "):
+                    self._take(name, json.loads(line[6:]))
+        except (OSError, ValueError, AttributeError, http.client.HTTPException):
+            pass
+        self.ended = True
+
+    def _take(self, name, data):
+        self.all.append((name, data, time.monotonic()))
+        if name != "state":
+            return
+        if data["whole"]:
+            self.modules, self.devices = {}, {}
+        for known, news in ((self.modules, data["modules"]), (self.devices, data["devices"])):
+            for one in news:
+                if one.get("gone"):
+                    known.pop(one["name"], None)
+                else:
+                    known[one["name"]] = one
+        self.steps += [(m["name"], m["state"], m["sequence"]) for m in data["modules"] if not m.get("gone")]
+
+    def of(self, name):
+        return [data for n, data, _ in list(self.all) if n == name]
+
+    def states(self):
+        return {name: m["state"] for name, m in dict(self.modules).items()}
+
+    def wait(self, condition, limit=15.0, what="an event"):
+        return wait_until(lambda: condition(self), limit, what)
+
+    def close(self):
+        self.response.close()
+
+
+class Gateway(takt_system.Case):
+    def web(self, *arguments):
+        run = self.start("web", "--port", "0", *arguments)
+        run.wait_for_out(r"^domain \d+ is to be seen at http://\S+/$")
+        self.address = re.search(r"http://\S+/", run.out).group()
+        token = re.search(r"#token=([0-9a-f]+)$", run.out, re.M)
+        self.token = token.group(1) if token else None
+        return run
+
+    def ask(self, path, body=None, method=None, token=None, headers=()):
+        """The status of an answer, and what it says."""
+        request = urllib.request.Request(self.address + path, method=method,
+                                         data=None if body is None else body if isinstance(body, bytes) else json.dumps(body).encode())
+        if token:
+            request.add_header("Authorization", "Bearer " + token)
+        for name, value in headers:
+            request.add_header(name, value)
+        try:
+            with urllib.request.urlopen(request, timeout=30) as response:
+                return response.status, json.loads(response.read())
+        except urllib.error.HTTPError as error:
+            return error.code, json.loads(error.read())
+
+    def events(self):
+        events = Events(self.address)
+        self.addCleanup(events.close)
+        return events
+
+    def cell(self, *web):
+        self.running = self.nodes("left", "right")
+        self.deploy("cell.xml")
+        self.wait_for_states({"left": "EXECUTING", "right": "EXECUTING"})
+        return self.web(*web)
+
+    def finish(self, run):
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait(10).status, run.err)
+        self.assertEqual("", run.err)
+        self.takt("undeploy", "seen")
+        self.end(self.running)
+
+    def test_tells_what_dds_says_and_follows_it(self):
+        run = self.web()
+        events = self.events()
+        events.wait(lambda e: e.of("cell"))
+        self.assertIsNone(events.of("cell")[0]["cell"])
+        self.running = self.nodes("left", "right")
+        events.wait(lambda e: {d["state"] for d in e.devices.values()} == {"waiting"} and len(e.devices) == 2)
+        self.deploy("cell.xml")
+        names = {"left.source", "left.fails", "right.sink", "right.live"}
+        events.wait(lambda e: e.states() == {name: "EXECUTING" for name in names})
+        for name in names:  # each step, none left out
+            self.assertEqual([(s, n) for m, s, n in events.steps if m == name][-3:],
+                             [("INITIALIZE", 1), ("START", 2), ("EXECUTING", 3)], name)
+        cell = events.wait(lambda e: e.of("cell")[-1] if e.of("cell")[-1]["cell"] == "seen" else None)
+        self.assertEqual([["source", "fails"], ["source"], ["source"], ["source"], ["source"]],
+                         cell["devices"][0]["executors"][0]["rows"])
+        self.assertIn('data-module="right.sink"', cell["graph"])
+        events.wait(lambda e: e.of("measures") and e.of("measures")[-1]["modules"].get("left.source", {}).get("cycles", 0) > 500)
+        events.wait(lambda e: e.of("measures")[-1]["connections"].get("0", {}).get("matched"))
+
+        # An order of somebody else, a fault, a crash of a host, a device that is lost: all are told, and quickly.
+        began = time.monotonic()
+        self.done("stop right.live")
+        events.wait(lambda e: e.states()["right.live"] == "START")
+        print("a stop was told after at most %.0f ms, with the command" % ((time.monotonic() - began) * 1e3))
+        self.done("set left.fails after 1")
+        events.wait(lambda e: e.states()["left.fails"] == "RECOVER")
+        self.assertIn("as it was asked to", events.modules["left.fails"]["text"])
+        events.wait(lambda e: any(f["kind"] == "error" and f["module"] == "fails" for f in self.faults(e)))
+        self.running["left"].one("takt-host").kill()
+        events.wait(lambda e: any(f["kind"] == "host-restart" for f in self.faults(e)))
+        events.wait(lambda e: e.devices["left"]["host_restarts"] == 1)
+        self.running["right"].signal(signal.SIGKILL)
+        events.wait(lambda e: not e.devices["right"]["alive"])
+        self.assertEqual("EXECUTING", events.states()["right.sink"], "the last that was heard")
+        # Who comes now is told the same.
+        other = self.events()
+        other.wait(lambda e: e.of("faults"))
+        self.assertEqual(events.devices["right"], other.devices["right"])
+        self.assertEqual(events.states(), other.states())
+        self.assertEqual("seen", other.of("cell")[0]["cell"])
+        self.running["right"].wait(10)
+        self.running["right"] = self.node("right", "--resume")
+        events.wait(lambda e: e.devices["right"]["alive"] and e.states().get("right.sink") == "EXECUTING")
+        self.takt("undeploy", "seen")
+        events.wait(lambda e: not e.modules and e.of("cell")[-1]["cell"] is None)
+        self.finish(run)
+        events.wait(lambda e: e.ended, what="the end of the stream")
+
+    def faults(self, events):
+        return [f for data in events.of("faults") for f in data["events"]]
+
+    def test_commands_need_the_token(self):
+        run = self.cell()
+        self.assertIsNone(self.token)
+        stop = {"device": "right", "module": "live", "verb": "stop"}
+        for token in (None, "guess"):
+            status, said = self.ask("api/command", stop, token=token)
+            self.assertEqual(403, status)
+            self.assertRegex(said["what"], "without --commands")
+        self.assertEqual((200, {"command": False}), (lambda s, j: (s, {"command": j["command"]}))(*self.ask("api/rights")))
+        run.signal(signal.SIGTERM)
+        self.assertEqual(0, run.wait(10).status)
+        run = self.web("--commands")
+        for token in (None, "guess", self.token[:-1], self.token + "0"):
+            self.assertEqual(403, self.ask("api/command", stop, token=token)[0], token)
+            self.assertEqual(403, self.ask("api/property", {"module": "right.live", "property": "step", "value": "7"}, token=token)[0])
+        self.assertEqual("EXECUTING", self.states_of("right")["live"])
+        self.assertTrue(self.ask("api/rights", token=self.token)[1]["command"])
+        self.assertEqual((200, "START"), (lambda s, j: (s, j["state"]))(*self.ask("api/command", stop, token=self.token)))
+        self.assertEqual("START", self.states_of("right")["live"])
+        # The node's refusal, with its reason.
+        status, said = self.ask("api/command", stop, token=self.token)
+        self.assertEqual(409, status)
+        self.assertRegex(said["what"], "stop is refused in state START")
+        status, said = self.ask("api/command", {"device": "nobody", "verb": "stop"}, token=self.token)
+        self.assertEqual(504, status)
+        self.assertIn("nobody", said["what"])
+        self.assertEqual(200, self.ask("api/command", {"device": "right", "module": "live", "verb": "start"}, token=self.token)[0])
+        self.wait_for_states({"right": "EXECUTING"})
+
+        properties = {p["name"]: p for p in self.ask("api/properties?module=right.live")[1]["properties"]}
+        self.assertEqual(("1", "mm", 1, 1000), tuple(properties["step"][k] for k in ("value", "unit", "min", "max")))
+        self.assertEqual((200, {"value": "7"}), self.ask("api/property", {"module": "right.live", "property": "step", "value": "7"}, token=self.token))
+        self.assertEqual(["7"], self.done("get right.live step"))
+        status, said = self.ask("api/property", {"module": "right.live", "property": "step", "value": "0"}, token=self.token)
+        self.assertEqual(409, status)
+        self.assertRegex(said["what"], "1 to 1000|at least 1|less than")
+        self.finish(run)
+
+    def test_tells_values_of_ports_tables_and_history(self):
+        run = self.cell()
+        events = self.events()
+        stream = events.wait(lambda e: e.of("stream"))[0]["id"]
+        path = "api/streams/%s/ports" % stream
+        self.assertEqual((200, {"problems": []}), self.ask(path, {"ports": ["left.source.out"]}, "PUT"))
+        about = events.wait(lambda e: e.of("port"))[0]
+        self.assertEqual("samples::Count", about["type"])
+        names = [f["name"] for f in about["fields"]]
+        self.assertEqual(["number", "same[0]"], names[:2])
+
+        def numbers():
+            return [n for p in events.of("points") for n in p["values"][0]]
+        events.wait(lambda e: len(numbers()) > 60)
+        self.assertEqual(sorted(numbers()), numbers())
+        times = [t for p in events.of("points") for t in p["times_ms"]]
+        apart = [b - a for a, b in zip(times, times[1:])]
+        self.assertGreaterEqual(min(apart), 19.9, "at most 50 a second")
+        self.assertEqual([True] + [False] * (len(events.of("points")) - 1), [p["whole"] for p in events.of("points")])
+        same = [v for p in events.of("points") for v in p["values"][1]]
+        self.assertEqual(numbers()[:len(same)], same[:len(numbers())], "all fields of one sample")
+        # Who comes later gets what was before.
+        other = self.events()
+        later = other.wait(lambda e: e.of("stream"))[0]["id"]
+        self.ask("api/streams/%s/ports" % later, {"ports": ["left.source.out"]}, "PUT")
+        first = other.wait(lambda e: e.of("points"))[0]
+        self.assertTrue(first["whole"])
+        self.assertGreaterEqual(len(first["times_ms"]), 60)
+        # Nothing more of what is not wanted any more; mistakes are told, of each port.
+        status, said = self.ask(path, {"ports": ["left.source.ouy", "left.nobody.out", "x"]}, "PUT")
+        self.assertEqual(200, status)
+        self.assertEqual(["left.source.ouy", "left.nobody.out", "x"], [p["port"] for p in said["problems"]])
+        self.assertRegex(said["problems"][0]["what"], "no port")
+        for wrong in ({}, [], 5, {"ports": [5]}, {"ports": ["a.b.c"] * 9}, b"nonsense"):
+            self.assertEqual(400, self.ask(path, wrong, "PUT")[0], wrong)
+        self.assertEqual(404, self.ask("api/streams/0123/ports", {"ports": []}, "PUT")[0])
+
+        ports = {p["name"]: p for p in self.ask("api/ports?device=left")[1]["ports"]}
+        self.assertEqual({"name": "left.source.out", "direction": "out", "type": "samples::Count"}, ports["left.source.out"])
+
+        def table():
+            executors = self.ask("api/table?device=left")[1].get("executors", [])
+            return executors if executors and len(executors[0]["rows"]) == 5 else None
+        main, = wait_until(table, 15, "a macro period without a missed row")
+        self.assertEqual((2000000, 10000000), (main["basic_period_ns"], main["macro_period_ns"]))
+        self.assertEqual([0, 1, 2, 3, 4], [row["row"] for row in main["rows"]])
+        self.assertEqual(["source", "fails"], [r["module"] for r in main["rows"][0]["runs"]])
+        for row in main["rows"]:
+            self.assertEqual(row["row"] * 2000000, row["due_ns"])
+            self.assertLessEqual(row["due_ns"], row["begin_ns"])
+            for run_of in row["runs"]:
+                self.assertLessEqual(row["begin_ns"], run_of["begin_ns"])
+                self.assertLessEqual(run_of["begin_ns"], run_of["end_ns"])
+                self.assertLessEqual(run_of["end_ns"], row["end_ns"])
+        history = wait_until(lambda: (lambda h: h if len(h["times_ms"]) >= 3 else None)(
+            self.ask("api/history?module=left.source")[1]), 15, "three seconds of history")
+        self.assertEqual({len(history["times_ms"])}, {len(values) for values in history.values()})
+        self.assertEqual([], self.ask("api/history?module=left.nobody")[1]["times_ms"])
+        self.finish(run)
+
+    def test_prometheus_reads_its_metrics(self):
+        run = self.cell()
+        self.done("stop right.live")
+
+        def families():
+            with urllib.request.urlopen(self.address + "metrics", timeout=30) as response:
+                self.assertEqual("text/plain; version=0.0.4; charset=utf-8", response.headers["Content-Type"])
+                return {f.name: f for f in text_string_to_metric_families(response.read().decode())}
+        found = wait_until(lambda: (lambda f: f if "takt_module_cycles" in f and "takt_connection_matched" in f else None)(families()), 15, "measures")
+
+        def value(family, **labels):
+            values = [s.value for s in found[family].samples if labels.items() <= s.labels.items()]
+            self.assertEqual(1, len(values), (family, labels))
+            return values[0]
+        self.assertEqual(1, value("takt_device_up", device="left"))
+        self.assertEqual(1, value("takt_module_state", module="live", state="START"))
+        self.assertEqual(0, value("takt_module_state", module="live", state="EXECUTING"))
+        self.assertGreater(value("takt_module_cycles", module="source"), 100)
+        self.assertLess(value("takt_module_jitter_seconds", module="source", quantile="0.5"), 1)
+        self.assertEqual(1, value("takt_connection_matched", **{"from": "left.source.out", "to": "right.sink.in"}))
+        for name, family in found.items():
+            self.assertRegex(name, "^takt_[a-z_]+$")
+            self.assertIn(family.type, ("gauge", "counter"))
+            self.assertTrue(family.documentation.endswith("."), name)
+            seen = [tuple(sorted(s.labels.items())) for s in family.samples]
+            self.assertEqual(len(seen), len(set(seen)), "%s has a sample twice" % name)
+            if family.type == "counter":
+                self.assertTrue(all(s.name.endswith("_total") for s in family.samples), name)
+        # Counters do not go back.
+        later = families()
+        for name, family in found.items():
+            if family.type != "counter":
+                continue
+            now = {tuple(sorted(s.labels.items())): s.value for s in later[name].samples}
+            for sample in family.samples:
+                self.assertGreaterEqual(now[tuple(sorted(sample.labels.items()))], sample.value, name)
+        self.finish(run)
+
+    def test_what_is_no_request_disturbs_nobody(self):
+        run = self.cell("--commands")
+        events = self.events()
+        events.wait(lambda e: len(e.modules) == 4 and e.of("cell")[-1]["cell"] == "seen")
+        where = urllib.parse.urlparse(self.address)
+
+        def raw(data, whole=False):
+            with socket.create_connection((where.hostname, where.port), timeout=30) as s:
+                s.sendall(data)
+                if not whole:
+                    s.shutdown(socket.SHUT_WR)
+                answer = b""
+                while True:
+                    try:
+                        part = s.recv(65536)
+                    except ConnectionError:
+                        return answer
+                    if not part:
+                        return answer
+                    answer += part
+        for junk in (b"", b"\r\n\r\n", b"\0" * 5000, b"GET / HTTP/9.9\r\n\r\n", b"POST /api/command HTTP/1.1\r\nContent-Length: 99999999999999\r\n\r\n",
+                     b"GET /" + b"a" * 100000 + b" HTTP/1.1\r\n\r\n", b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 20000 + b"\r\n"):
+            self.assertNotIn(b" 200 ", raw(junk).split(b"\r\n")[0], junk[:40])
+        # Another name leads here: not to be read.
+        for host in ("evil.example", "127.0.0.1.evil.example", ""):
+            self.assertIn(b" 421 ", raw(b"GET /api/events HTTP/1.1\r\nHost: %s\r\nConnection: close\r\n\r\n" % host.encode(), whole=True).split(b"\r\n")[0])
+        status, said = self.ask("api/command", b"x" * 70000, token=self.token)
+        self.assertEqual((413, "64 KiB are the most"), (status, said["fix"]))
+        for body in (b"", b"{", b"[]", b'{"verb": 5}', b'{"device": "left", "verb": "explode"}', b'{"device": ["left"], "verb": "stop"}'):
+            status, said = self.ask("api/command", body, token=self.token)
+            self.assertEqual(400, status, body)
+            self.assertTrue(said["what"] and said["fix"])
+        for body in (b"{}", b'{"module": "live", "property": "step", "value": "1"}', b'{"module": "right.live", "property": "step", "value": 1}'):
+            self.assertEqual(400, self.ask("api/property", body, token=self.token)[0], body)
+        for path, status in (("api/nothing", 404), ("../etc/passwd", 404), ("api/table?device=nobody", 404), ("api/properties?module=live", 400),
+                             ("api/properties?module=right.nobody", 404), ("api/ports?device=", 504), ("api/table", 404)):
+            self.assertEqual(status, self.ask(path)[0], path)
+        with urllib.request.urlopen(self.address, timeout=30) as page:
+            self.assertIn("default-src 'self'", page.headers["Content-Security-Policy"])
+            self.assertIn(b"<title>", page.read())
+        # Streams have an end of their number, and those that are there go on.
+        more = []
+        for _ in range(63):
+            more.append(Events(self.address))
+        with self.assertRaises(urllib.error.HTTPError) as full:
+            Events(self.address)
+        self.assertEqual(503, full.exception.code)
+        full.exception.close()
+        self.assertEqual(200, self.ask("api/rights")[0], "who only asks is answered")
+        for one in more:
+            one.close()
+        self.done("stop right.live")
+        events.wait(lambda e: e.states()["right.live"] == "START")
+        wait_until(lambda: self.opens(), 30, "room for another page")
+        self.assertEqual({"EXECUTING"}, set(self.states_of("left").values()))
+        self.finish(run)
+
+    def opens(self):
+        try:
+            Events(self.address).close()
+            return True
+        except urllib.error.HTTPError as error:
+            error.close()
+            return False
+
+    def test_what_it_cannot_do_is_said(self):
+        taken = socket.socket()
+        self.addCleanup(taken.close)
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        secret = self.write("token", "0123456789abcdef\n")
+        os.chmod(secret, 0o644)
+        short = self.write("short", "abc\n")
+        os.chmod(short, 0o600)
+        self.refused({
+            "web --port %d" % taken.getsockname()[1]: r"error: 127\.0\.0\.1:\d+: the page cannot be served there.*choose another --port|127\.0\.0\.1:\d+: error: the page cannot be served there.*choose another --port",
+            "web --listen 192.0.2.1 --port 0": "the page cannot be served there.*an address of this machine",
+            "web --token-file %s" % secret: "others may read it.*chmod 600",
+            "web --token-file %s" % short: "is no token.*at least 16",
+            "web --token-file nowhere": "there is no such file",
+        })
+        os.chmod(secret, 0o600)
+        run = self.web("--token-file", secret)
+        self.assertNotIn("0123456789abcdef", run.out + run.err)
+        self.assertTrue(self.ask("api/rights", token="0123456789abcdef")[1]["command"])
+        self.assertFalse(self.ask("api/rights", token="0123456789abcdee")[1]["command"])
+        run.signal(signal.SIGTERM)
+        self.assertEqual(0, run.wait(10).status)
+
+
+if __name__ == "__main__":
+    takt_system.main()
