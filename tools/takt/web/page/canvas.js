@@ -3,15 +3,22 @@
 import { element } from "./dom.js";
 
 export class Canvas {
+  // As the observer says: to ask the element would lay out the page each time.
+  #width = 0;
+  #height = 0;
+
   /// `draw(context, width, height)`, in pixels of the page.
   constructor(draw, attributes = {}) {
     this.draw = draw;
     this.element = element("canvas", attributes);
-    new ResizeObserver(() => this.redraw()).observe(this.element);
+    new ResizeObserver(([{ contentRect }]) => {
+      [this.#width, this.#height] = [contentRect.width, contentRect.height];
+      this.redraw();
+    }).observe(this.element);
   }
 
   redraw() {
-    const [width, height] = [this.element.clientWidth, this.element.clientHeight];
+    const [width, height] = [this.#width, this.#height];
     if (width === 0 || height === 0) return;
     const sharp = window.devicePixelRatio || 1;
     const [across, down] = [Math.round(width * sharp), Math.round(height * sharp)];

@@ -116,7 +116,8 @@ export class Modules {
     for (const name of changes.devices) this.#showGroup(name);
     for (const name of changes.modules) this.#rows.get(name)?.showState(this.#store);
     if (changes.measures) for (const row of this.#rows.values()) row.showMeasures();
-    if (changes.modules.size > 0 || (changes.measures && this.sort)) this.#arrange();
+    const sorts = this.sort !== "" && this.sort !== "name";
+    if ((changes.modules.size > 0 && (sorts || this.#filters())) || (changes.measures && sorts)) this.#arrange();
   }
 
   redraw() {

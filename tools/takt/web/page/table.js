@@ -90,7 +90,7 @@ export class Table {
     const spec = this.#store.cell?.devices?.find(({ name }) => name === this.#device)?.executors?.find(({ name }) => name === executor.name);
     const rows = spec?.rows ?? [];
     if (executor.rows.length === 0) {
-      const why = executor.text ?? "Nothing of it ran in the last macro period.";
+      const why = executor.text ?? "Every row of the last macro period was missed. Look again for another.";
       return element("section", { class: "executor" }, element("h3", { text: `executor ${executor.name}` }),
         element("p", { class: "faint", text: why }), planned(rows, executor));
     }
