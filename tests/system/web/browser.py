@@ -1,0 +1,141 @@
+"""A person who looks at a page: opens it, reads what is shown, clicks, presses keys. In Chromium without a screen, whose files all
+lie in a folder of the test."""
+
+import os
+
+from selenium import webdriver
+from selenium.common.exceptions import WebDriverException
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+
+from takt_system import wait_until
+
+OPTIONS = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+           "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--disable-breakpad",
+           "--force-device-scale-factor=1")
+
+# What differs from what a page would keep: how each row's state changed, and when.
+WATCH_STATES = """
+window.seen = {};
+const note = (row) => (window.seen[row.dataset.module] ??= []).push([row.dataset.state, Date.now()]);
+document.querySelectorAll("tr[data-module]").forEach(note);
+new MutationObserver((changes) => changes.forEach(({target}) => { if (target.dataset.module) note(target); }))
+  .observe(document.querySelector("#view"), {subtree: true, attributes: true, attributeFilter: ["data-state"]});
+"""
+
+
+class Browser:
+    def __init__(self, folder, width=1440, height=900):
+        options = Options()
+        options.binary_location = "/usr/bin/chromium"
+        for option in OPTIONS + ("--user-data-dir=" + os.path.join(folder, "browser"), "--window-size=%d,%d" % (width, height)):
+            options.add_argument(option)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        environment = dict(os.environ, TMPDIR=folder, HOME=folder)
+        self.driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver", env=environment))
+        self.size(width, height)
+        self.complaints = []
+
+    def close(self):
+        self.driver.quit()
+
+    def size(self, width, height):
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+
+    def prefer(self, theme):
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": theme}]})
+
+    def open(self, address):
+        self.driver.get(address)
+
+    def go(self, route):
+        """Another view of the page that is open, as a link in it would."""
+        self.script("location.hash = arguments[0]", route)
+
+    def script(self, text, *arguments):
+        return self.driver.execute_script(text, *arguments)
+
+    def wait_script(self, text, *arguments):
+        """Of a script that is done later and says so by done(...)."""
+        self.driver.set_script_timeout(120)
+        return self.driver.execute_async_script("const done = arguments[arguments.length - 1];\n" + text, *arguments)
+
+    def texts(self, selector):
+        """Of all that is shown and that `selector` finds."""
+        return self.script("return [...document.querySelectorAll(arguments[0])].filter((one) => one.checkVisibility())"
+                           ".map((one) => one.textContent)", selector)
+
+    def text(self, selector):
+        found = self.texts(selector)
+        return found[0] if found else None
+
+    def wait_for(self, selector, pattern, limit=40.0):
+        """The first text that `selector` finds and that matches."""
+        import re
+        expression = re.compile(pattern)
+        try:
+            return wait_until(lambda: next((text for text in self.texts(selector) if expression.search(text)), None), limit,
+                              "%r in %s" % (pattern, selector))
+        except AssertionError as error:
+            raise AssertionError("%s; there is %r" % (error, self.texts(selector))) from None
+
+    def attribute(self, selector, name):
+        return self.script("return document.querySelector(arguments[0])?.getAttribute(arguments[1]) ?? null", selector, name)
+
+    def wait_for_attribute(self, selector, name, value, limit=40.0):
+        try:
+            wait_until(lambda: self.attribute(selector, name) == value, limit, "%s=%r of %s" % (name, value, selector))
+        except AssertionError as error:
+            raise AssertionError("%s; it is %r" % (error, self.attribute(selector, name))) from None
+
+    def click(self, selector):
+        """Where a finger would: what lies over it gets the click."""
+        self.driver.find_element("css selector", selector).click()
+
+    def write(self, selector, text):
+        field = self.driver.find_element("css selector", selector)
+        field.clear()
+        field.send_keys(text)
+
+    def press(self, *keys):
+        ActionChains(self.driver).send_keys(*keys).perform()
+
+    def focused(self):
+        """What has the focus, in words: of a link or button its text, else its label."""
+        return self.script("const one = document.activeElement;"
+                           "return one.getAttribute('aria-label') || one.labels?.[0]?.textContent || one.textContent.slice(0, 80)")
+
+    def press_until(self, key, holds, most=60):
+        """Presses the key until what has the focus is it. Fails where the focus is not to be seen on the way."""
+        for _ in range(most):
+            self.press(key)
+            if self.script("const one = getComputedStyle(document.activeElement);"
+                           "return document.activeElement !== document.body && !document.activeElement.closest('.drawing')"
+                           " && (one.outlineStyle === 'none' || parseFloat(one.outlineWidth) < 2)"):
+                raise AssertionError("the focus on %r is not to be seen" % self.focused())
+            if holds(self.focused()):
+                return
+        raise AssertionError("%d times %r did not lead to it; the focus is on %r" % (most, key, self.focused()))
+
+    def states(self):
+        """Of the modules in the list: {"device.module": "EXECUTING"}."""
+        return self.script("return Object.fromEntries([...document.querySelectorAll('tr[data-module]')].map((row) =>"
+                           "[row.dataset.module, row.querySelector('.mark .word').textContent]))")
+
+    def watch_states(self):
+        self.script(WATCH_STATES)
+
+    def seen(self, module=None):
+        """What came after watch_states(): the states of a module, each with the browser's clock in ms; or of all."""
+        seen = self.script("return window.seen")
+        return seen if module is None else [state for state, _ in seen[module]]
+
+    def errors(self, apart=()):
+        """What the console says that is wrong since the last time, save what contains one of `apart`."""
+        try:
+            lines = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+        except WebDriverException as error:
+            return [str(error)]
+        return [line for line in lines if not any(one in line for one in apart)]

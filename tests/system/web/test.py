@@ -1,0 +1,398 @@
+import json
+import os
+import re
+import signal
+import sys
+import time
+import urllib.error
+import urllib.request
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import takt_system
+from takt_system import wait_until
+
+from selenium.webdriver.common.keys import Keys
+
+from browser import Browser
+
+TOKEN = "a-token-that-only-this-test-knows"
+LONG = 60  # seconds; two processors are shared with a browser
+MODULES = ("robot.source", "robot.tuned", "robot.program", "line.sink", "line.fails")
+VIEWS = ("cell", "modules", "connections", "faults", "table", "plots")
+
+
+class Web(takt_system.Case):
+    def serve(self, *arguments, port=0):
+        """takt web with a token of its own; self.address is where it is."""
+        token = os.path.join(self.folder, "token")
+        if not os.path.exists(token):
+            self.write("token", TOKEN + "\n")
+            os.chmod(token, 0o600)
+        web = self.start("web", "--port", str(port), "--token-file", token, *arguments)
+        web.wait_for_out(r"http://", LONG)
+        self.address = re.search(r"http://\S+", web.out)[0]
+        return web
+
+    def look(self, route="", **options):
+        self.page = Browser(self.folder, **options)
+        self.addCleanup(self.page.close)
+        self.page.open(self.address + route)
+        return self.page
+
+    def cell(self, descriptor="cell.xml", devices=("robot", "line")):
+        self.running = self.nodes(*devices)
+        self.deploy(descriptor)
+
+    def finish(self, web, apart=()):
+        self.assertEqual([], self.page.errors(apart))
+        self.done("undeploy cell")
+        self.end(self.running)
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait(20).status, web.err)
+
+    def on_dds(self):
+        return {"%s.%s" % (device["name"], module["name"]): module["state"]
+                for device in self.status_of()["devices"] for module in device["modules"]}
+
+    def wait_until_as_on_dds(self):
+        """Until every module is shown in the state that takt status says."""
+        for _ in range(20):
+            told = self.on_dds()
+            try:
+                wait_until(lambda: self.page.states() == told, 3)
+                return told
+            except AssertionError:
+                pass  # it changed meanwhile
+        self.assertEqual(told, self.page.states())
+
+    def select(self, module):
+        self.page.go("#/modules?select=" + module)
+        self.page.wait_for("#details h2", "^%s$" % re.escape(module))
+
+    def order(self, verb):
+        button = "#details [data-verb=%s]" % verb
+        wait_until(lambda: self.page.script("return document.querySelector(arguments[0])?.disabled", button) is False, LONG,
+                   "the button %s" % verb)
+        self.page.click(button)
+
+    def test_what_is_shown_is_what_is_on_dds(self):
+        web = self.serve()
+        page = self.look("#/modules")
+        page.wait_for("#summary", "no device is to be seen")
+        self.cell()
+        page.wait_for("#link", "^live$")
+        page.wait_for_attribute("tr[data-module='line.fails']", "data-state", "RECOVER", LONG)
+        told = self.wait_until_as_on_dds()
+        self.assertEqual(set(MODULES), set(told))
+        page.wait_for("#summary", r"^running: 4 of 5 modules EXECUTING, line.fails in RECOVER$")
+
+        # The graph says the same, in words and not by colour alone.
+        page.go("#/cell")
+        for module, state in told.items():
+            page.wait_for("[data-module='%s'] .state-word" % module, "^%s$" % state)
+        self.assertEqual("bad", page.attribute("[data-module='line.fails']", "data-look"))
+        self.assertEqual("good", page.attribute("[data-module='robot.tuned']", "data-look"))
+        page.wait_for_attribute("path.wire", "data-line", "good", LONG)
+
+        # A program that is killed turns to RECOVER and comes back; so do the modules of a host, by way of IDLE.
+        page.go("#/modules")
+        page.wait_for("tr[data-module='robot.program'] .word", "EXECUTING")
+        page.watch_states()
+        self.running["robot"].one("grid.exe").kill()
+        wait_until(lambda: "RECOVER" in page.seen("robot.program"), LONG, "RECOVER of the program")
+        page.wait_for_attribute("tr[data-module='robot.program']", "data-state", "EXECUTING", LONG)
+        self.running["robot"].one("takt-host").kill()
+        for module in ("robot.source", "robot.tuned"):
+            wait_until(lambda: page.script("return window.seen[arguments[0]].some(([state]) => state === 'IDLE' || state === 'DESTRUCT')",
+                                           module), LONG, module + " to be gone")
+            page.wait_for_attribute("tr[data-module='%s']" % module, "data-state", "EXECUTING", LONG)
+        self.wait_until_as_on_dds()
+        page.go("#/modules?select=robot.tuned")
+        page.wait_for(".steps li", "EXECUTING \u2192 DESTRUCT.*its host ended")
+        page.go("#/faults")
+        page.wait_for("tr[data-kind=host-restart]", "robot", LONG)
+
+        # A node that is killed: its device is lost, its modules with it, and so is what came from them.
+        self.running["robot"].signal(signal.SIGKILL)
+        self.running["robot"].wait(10)
+        page.wait_for("#summary", "robot lost", LONG)
+        page.go("#/modules")
+        page.wait_for_attribute("tr[data-device=robot]", "data-state", "lost", LONG)
+        page.wait_for("tr[data-module='robot.tuned'] .word", "^lost, was EXECUTING$")
+        page.go("#/cell")
+        page.wait_for_attribute("[data-device=robot]", "data-state", "lost", LONG)
+        page.wait_for_attribute("path.wire", "data-line", "broken", LONG)
+        page.go("#/connections")
+        page.wait_for("tr[data-connection] .word", "not matched", LONG)
+        self.running["robot"] = self.node("robot", "--resume")
+        page.go("#/modules")
+        page.wait_for_attribute("tr[data-module='robot.tuned']", "data-state", "EXECUTING", LONG)
+        self.wait_until_as_on_dds()
+        self.finish(web)
+
+    def test_who_has_the_token_commands(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#token=" + TOKEN)
+        page.wait_for("#rights", "may command", LONG)
+        self.assertNotIn(TOKEN, page.script("return location.href"))
+        self.select("robot.tuned")
+        page.wait_for("#details .mark .word", "^EXECUTING", LONG)
+        self.order("stop")
+        page.wait_for("#details .orders .answer", "stop done", LONG)
+        page.wait_for("#details .mark .word", "^START", LONG)
+        self.wait_for_states({"robot": {"tuned": "START"}})
+        self.order("start")
+        self.wait_for_states({"robot": {"tuned": "EXECUTING"}})
+        page.wait_for("#details .mark .word", "^EXECUTING", LONG)
+
+        # What ends it asks first, and no is no.
+        self.order("destruct")
+        page.wait_for("dialog h3", r"Destruct robot\.tuned\?")
+        page.press(Keys.ESCAPE)
+        wait_until(lambda: page.text("dialog h3") is None, LONG, "the question to be gone")
+        self.assertEqual("EXECUTING", self.on_dds()["robot.tuned"])
+        self.order("destruct")
+        page.click("dialog button.danger")
+        for state, verb in (("DESTRUCT", "reset"), ("IDLE", "initialize"), ("INITIALIZE", None)):
+            page.wait_for("#details .mark .word", "^%s" % state, LONG)
+            self.wait_for_states({"robot": {"tuned": state}})
+            if verb:
+                self.order(verb)
+        self.select("line.fails")
+        page.wait_for("#details .mark .word", "^RECOVER", LONG)
+        page.wait_for("#details .why", "^failure: ")
+        page.go("#/modules")
+        page.watch_states()
+        self.select("line.fails")
+        self.order("recover")
+        wait_until(lambda: "EXECUTING" in page.seen("line.fails"), LONG, "line.fails to go on")
+
+        # A property, within its range and out of it.
+        self.select("robot.tuned")
+        gain = "[data-property=gain]"
+        page.wait_for(gain + " .about", "0 to 100", LONG)
+        page.write(gain + " input", "2.5")
+        page.click(gain + " button")
+        page.wait_for(gain + " .answer", "is now 2.5", LONG)
+        self.assertEqual(["2.5"], self.done("get robot.tuned gain"))
+        page.write(gain + " input", "1000")
+        page.click(gain + " button")
+        page.wait_for_attribute(gain + " .answer", "data-look", "bad", LONG)
+        self.assertEqual(["2.5"], self.done("get robot.tuned gain"))
+        # Whatever somebody writes is text.
+        label = "[data-property=label]"
+        page.write(label + " input", "<img src=x onerror=document.title='x'>")
+        page.click(label + " button")
+        page.wait_for(label + " .answer", "is now <img", LONG)
+        self.assertEqual(0, page.script("return document.querySelectorAll('img').length"))
+        self.finish(web, apart=("409",))
+
+    def test_without_the_token_it_is_to_look_at(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/modules?select=robot.tuned")
+        page.wait_for("#rights", "read-only", LONG)
+        page.wait_for("#details .mark .word", "^EXECUTING", LONG)
+        page.wait_for("#orders-why", "^Read-only: .*token", LONG)
+        page.wait_for("[data-property=gain] .name", "gain", LONG)
+        self.assertTrue(page.script("return [...document.querySelectorAll('.orders button, .property input, .property button')]"
+                                    ".every((one) => one.disabled)"))
+        # Nor by going around the page.
+        order = json.dumps({"device": "robot", "module": "tuned", "verb": "stop"})
+        self.assertEqual(403, page.wait_script("fetch('/api/command', {method: 'POST', body: arguments[0]}).then((a) => done(a.status))",
+                                               order))
+        for token in (None, "wrong"):
+            request = urllib.request.Request(self.address + "api/command", order.encode(),
+                                             {"Authorization": "Bearer " + token} if token else {})
+            with self.assertRaises(urllib.error.HTTPError) as refused:
+                urllib.request.urlopen(request, timeout=20)
+            self.assertEqual(403, refused.exception.code)
+            refused.exception.close()
+        self.assertEqual("EXECUTING", self.on_dds()["robot.tuned"])
+        self.finish(web, apart=("403",))
+
+    def test_the_keyboard_reaches_all_and_does_it(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#token=" + TOKEN)
+        page.wait_for("[data-module='robot.tuned'] .state-word", "EXECUTING", LONG)
+        page.press_until(Keys.TAB, lambda focused: focused == "Cell")
+        for view in VIEWS[1:]:
+            page.press(Keys.ARROW_RIGHT)
+            wait_until(lambda: page.script("return location.hash").startswith("#/" + view), LONG, view)
+        page.press(Keys.HOME)
+        # The graph: into it, from box to box, and a box is chosen.
+        page.press_until(Keys.TAB, lambda focused: focused.startswith("graph of the cell"))
+        page.press_until(Keys.TAB, lambda focused: focused.startswith(("device ", "robot.", "line.")))
+        reached = set()
+        for key in [Keys.ARROW_DOWN] * 5 + [Keys.ARROW_RIGHT] + [Keys.ARROW_UP] * 5 + [Keys.ARROW_LEFT] + [Keys.ARROW_DOWN] * 5:
+            reached.add(page.focused().split(":")[0])
+            page.press(key)
+        self.assertLessEqual({"robot.tuned", "line.fails"}, reached)
+        page.press(Keys.ENTER)
+        page.wait_for("#details h2", r"\w")
+        page.press(Keys.ESCAPE)
+        wait_until(lambda: page.text("#details h2") is None, LONG, "the details to be closed")
+        # The list: a module is chosen and stopped.
+        page.press_until(Keys.TAB, lambda focused: focused == "Cell")
+        page.press(Keys.ARROW_RIGHT)
+        page.wait_for("tr[data-module='robot.tuned'] .word", "EXECUTING", LONG)
+        page.press_until(Keys.TAB, lambda focused: focused == "robot")
+        page.press_until(Keys.ARROW_DOWN, lambda focused: focused == "tuned")
+        page.press(Keys.ENTER)
+        page.wait_for("#details h2", r"^robot\.tuned$")
+        page.press_until(Keys.TAB, lambda focused: focused == "Stop")
+        page.press(Keys.ENTER)
+        self.wait_for_states({"robot": {"tuned": "START"}}, LONG)
+        page.wait_for("#details .mark .word", "^START", LONG)
+        # Whoever listens is told.
+        page.wait_for("#spoken", r"robot\.tuned START", LONG)
+        page.press(Keys.ESCAPE)
+        wait_until(lambda: page.focused() == "tuned", LONG, "the focus to be where it was")
+        self.finish(web)
+
+    def test_a_gateway_that_is_gone_is_told_and_comes_back(self):
+        web = self.serve()
+        port = int(re.search(r":(\d+)/", self.address)[1])
+        self.cell()
+        page = self.look("#token=" + TOKEN)
+        self.select("robot.tuned")
+        page.wait_for("#details .mark .word", "^EXECUTING", LONG)
+        web.signal(signal.SIGKILL)
+        web.wait(10)
+        page.wait_for("#link", "connection lost, trying again", LONG)
+        page.wait_for("#stale", "What is shown is from before", LONG)
+        page.wait_for("#orders-why", "connection to the gateway is lost", LONG)
+        self.assertTrue(page.script("return [...document.querySelectorAll('.orders button')].every((one) => one.disabled)"))
+        self.assertNotEqual("none", page.script("return getComputedStyle(document.querySelector('#main')).filter"))
+        self.done("stop robot.tuned")
+        web = self.serve(port=port)
+        page.wait_for("#link", "^live$", LONG)
+        page.wait_for("#details .mark .word", "^START", LONG)
+        wait_until(lambda: page.text("#stale") is None, LONG, "the warning to be gone")
+        page.go("#/modules")
+        self.wait_until_as_on_dds()
+        self.select("robot.tuned")
+        self.order("start")
+        self.wait_for_states({"robot": {"tuned": "EXECUTING"}}, LONG)
+        self.finish(web, apart=("ERR_CONNECTION_REFUSED", "ERR_INCOMPLETE_CHUNKED", "ERR_EMPTY", "ERR_CONNECTION_RESET"))
+
+    def test_values_of_ports_and_the_table_are_drawn(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#/plots?port=robot.source.out")
+        number = page.wait_for(".time-plot b", r"^\d+$", LONG)
+        wait_until(lambda: page.text(".time-plot b") != number, LONG, "another value")
+        self.assertGreater(page.script("""
+            const canvas = document.querySelector("canvas.plot");
+            const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+            return pixels.filter((value, i) => i % 4 === 3 && value > 0).length"""), 100)
+        page.go("#/table?device=robot")
+        page.wait_for(".executor summary", "Where the time went", LONG)
+        wait_until(lambda: {"source", "tuned", "program (program)"} <= set(page.texts(".executor details tbody th")), LONG, "all modules")
+        page.go("#/modules?select=robot.source")
+        page.wait_for(".ports li", "line.sink.in.*ok", LONG)
+        page.wait_for("#details .bar .words", r"us, p99, of its budget of 5 ms", LONG)
+        self.finish(web)
+
+    def test_a_hundred_modules_are_all_shown_as_they_change(self):
+        modules = "".join("<module><name>m%d</name><filename>cpp_properties.so</filename><moduletype>thread</moduletype>"
+                          "<operationtype>periodic</operationtype><period>10000000</period><priority>%d</priority></module>\n" % (i, i)
+                          for i in range(100))
+        file = self.write("cell.xml", '<cell name="cell"><device name="robot">\n%s</device></cell>\n' % modules)
+        web = self.serve()
+        self.cell(file, ("robot",))
+        page = self.look("#/modules")
+        wait_until(lambda: list(page.states().values()) == ["EXECUTING"] * 100, LONG, "a hundred modules EXECUTING")
+        page.watch_states()
+        page.script("""window.frames_ms = []; let last = performance.now();
+            const frame = (now) => { window.frames_ms.push(now - last); last = now; requestAnimationFrame(frame); };
+            requestAnimationFrame(frame);""")
+        told = []
+        for verb, state in (("stop", "START"), ("start", "EXECUTING")) * 3:
+            self.done("%s robot" % verb)
+            wait_until(lambda: set(page.states().values()) == {state}, LONG, "all of them %s" % state)
+            told.append(state)
+        for module, seen in page.seen().items():
+            seen = [state for state, _ in seen if state != "lost"]  # for a moment, where the machine stands still
+            self.assertEqual(["EXECUTING"] + told, [state for i, state in enumerate(seen) if i == 0 or seen[i - 1] != state], module)
+        frames = sorted(page.script("return window.frames_ms"))
+        print("frames with a hundred modules: %d, ms: p50 %.1f, p99 %.1f, longest %.1f"
+              % (len(frames), frames[len(frames) // 2], frames[len(frames) * 99 // 100], frames[-1]))
+        page.go("#/cell")
+        page.wait_for("[data-module='robot.m0'] .state-word", "EXECUTING", LONG)
+        self.finish(web)
+
+    def test_it_fits_screens_and_fingers_and_is_legible(self):
+        web = self.serve()
+        self.cell()
+        page = self.look("#token=" + TOKEN)
+        page.wait_for("#summary", "in RECOVER", LONG)
+        for width, height in ((768, 1024), (1024, 768), (1440, 900)):
+            page.size(width, height)
+            for view in VIEWS + ("modules?select=robot.tuned", "cell?select=robot"):
+                page.go("#/" + view)
+                time.sleep(0.3)  # what is asked of the gateway may make it wider
+                with self.subTest(width=width, view=view):
+                    self.assertLessEqual(page.script("return Math.max(document.documentElement.scrollWidth, ...[...document.querySelectorAll("
+                                                     "'.scrolled, #details')].map((one) => one.scrollWidth - one.clientWidth + innerWidth))"),
+                                         width)
+                    self.assertEqual([], page.script("""
+                        return [...document.querySelectorAll("button, select, input:not([type=checkbox]), [role=tab]")]
+                          .filter((one) => one.checkVisibility() && one.getBoundingClientRect().height < 39.5)
+                          .map((one) => `${one.textContent}: ${one.getBoundingClientRect().height}`)"""))
+        for theme in ("light", "dark"):
+            page.prefer(theme)
+            page.wait_for_attribute("html", "data-theme", theme)
+            for view in VIEWS + ("modules?select=line.fails",):
+                page.go("#/" + view)
+                time.sleep(0.3)
+                with self.subTest(theme=theme, view=view):
+                    self.assertEqual([], page.script(CONTRAST))
+        self.finish(web)
+
+    def test_nothing_but_a_drawing_comes_out_of_a_drawing(self):
+        web = self.serve()
+        page = self.look()
+        found = page.wait_script("""
+            import("/drawing.js").then(({drawingOf}) => {
+              const evil = `<svg xmlns="http://www.w3.org/2000/svg" onload="document.title='x'"><style>a{}</style>
+                <script>document.title = "x"</script><foreignObject><img xmlns="http://www.w3.org/1999/xhtml" src="x"/></foreignObject>
+                <a href="javascript:0"><text>link</text></a><use href="//elsewhere"/><image href="//elsewhere"/>
+                <g data-module="a.b" onclick="0" style="x"><title>t</title><rect x="1" fill="url(//elsewhere)"/></g></svg>`;
+              const drawing = drawingOf(evil);
+              document.body.append(drawing);
+              done([drawing.outerHTML, drawingOf("no picture"), document.title]);
+            }).catch((error) => done(String(error)));""")
+        self.assertEqual('<svg><g data-module="a.b"><title>t</title><rect x="1"></rect></g></svg>', re.sub(r">\s+<", "><", found[0]))
+        self.assertIsNone(found[1])
+        self.assertNotEqual("x", found[2])
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait(20).status, web.err)
+
+
+# Texts whose contrast with what is behind them is less than WCAG's level AA asks for; what cannot be used is left out, as there.
+CONTRAST = """
+const parts = (text) => text.match(/[\\d.]+/g).map(Number);
+const light = ([r, g, b]) => [r, g, b].map((c) => c / 255).map((c) => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+  .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+const behind = (one) => {
+  for (; one; one = one.parentElement) {
+    const colour = parts(getComputedStyle(one).backgroundColor);
+    if (colour.length === 3 || colour[3] > 0) return colour;
+  }
+  return [255, 255, 255];
+};
+return [...document.querySelectorAll("body *")]
+  .filter((one) => one.checkVisibility() && !one.closest("svg, :disabled, .unseen, select")
+    && [...one.childNodes].some((child) => child.nodeType === 3 && child.data.trim()))
+  .map((one) => {
+    const [a, b] = [light(parts(getComputedStyle(one).color)), light(behind(one))];
+    return [(Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05), one];
+  }).filter(([ratio]) => ratio < 4.5).map(([ratio, one]) => `${ratio.toFixed(2)}: ${one.textContent.slice(0, 40)}`);
+"""
+
+
+if __name__ == "__main__":
+    takt_system.main()
