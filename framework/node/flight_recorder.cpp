@@ -207,7 +207,9 @@ void FlightRecorder::write_fault() {
 
 // As urgent as the rest of the node, with which it shares locks and a heap: were it in the background, a busy
 // machine would leave it for seconds with a lock that the node's thread waits for.
-// What a thread is at is read before its ring: what ends in between is in both, and counts as ended.
+// What a thread is at is read before its ring: what ends in between is in both, and counts as ended. The
+// instant of the trace is before both: to copy seconds of entries takes a while on a busy machine, and what was
+// asked for is not to end where nothing was copied any more.
 void FlightRecorder::work() {
   std::unique_lock lock{mutex_};
   while (true) {
@@ -217,6 +219,8 @@ void FlightRecorder::work() {
     jobs_.pop_front();
     lock.unlock();
     flight::Recording& recording = job.recording;
+    recording.taken_ns = to_ns(os::now());
+    recording.wall_ns = os::wall_ns();
     for (std::size_t e = 0; e < recording.executors.size(); ++e) {
       const channel::ExecutorBlock& block = channel_.executor(e);
       for (std::size_t t = 0; t < 2; ++t) {
@@ -232,8 +236,6 @@ void FlightRecorder::work() {
         thread.copy = record_.copy(2 * e + t);
       }
     }
-    recording.taken_ns = to_ns(os::now());
-    recording.wall_ns = os::wall_ns();
     std::string text = flight::trace_json(recording, job.most);
     if (!job.done) write_file(text, recording.wall_ns);
     lock.lock();

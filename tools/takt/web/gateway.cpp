@@ -308,7 +308,10 @@ void Gateway::look_for_cell() {
         client_.asker->ask({.kind = COMMAND_DESCRIPTOR, .device = device, .limit = kAnswered}));
     if (!reply) return;  // asked again at the next turn
     auto read = descriptor::parse(reply->data, reply->head.value().to_string());
-    if (read) cell = std::make_shared<const model::Cell>(std::move(*read));
+    if (read) {
+      read->domain = client_.domain;  // nodes may be told another than the descriptor says
+      cell = std::make_shared<const model::Cell>(std::move(*read));
+    }
   }
   std::string text = event_text("cell", model::json_text(cell_json(cell.get(), client_.domain, deployment)));
   const std::lock_guard lock{mutex_};
