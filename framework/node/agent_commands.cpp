@@ -361,7 +361,11 @@ void Agent::order(const Command& command, Verb verb) {
     const auto module = module_of(command);
     if (!module) return;
     deployment_->supervised->order(*module, verb, [this, command](const Outcome& outcome) {
-      answer(command, outcome.code, outcome.text, {}, outcome.state);
+      const Problem why{"module " + options_.device + "." + command.module_name().to_string(), outcome.text,
+                        ""};
+      const bool failed = outcome.code == REPLY_FAILED;
+      answer(command, outcome.code, outcome.text, failed ? model::json_text(problems_json({why})) : "",
+             outcome.state);
     });
     return;
   }

@@ -101,7 +101,8 @@ class Supervisor final : public Supervised {
   void begin_rows();
   void host_ended(Hosted& host, const os::ProcessEnd& end);
   void crashed(Member& member, const std::string& text, ErrorType type, std::optional<Instant> since,
-               const std::string& calls, const std::string& core);
+               const std::string& callers, const std::string& core);
+  void end_orders_of(const Hosted& host, const Member* culprit, const std::string& why);
   void restart_host(Hosted& host);
   void give_up_host(Hosted& host, const std::string& text);
   void watch_host(Hosted& host, Instant now);
@@ -129,6 +130,8 @@ class Supervisor final : public Supervised {
   void begin_order(Member& member);
   void order_step(Member& member, Instant now);
   void end_order(Member& member, ReplyCode code, const std::string& text = {});
+  /// Where a module in RECOVER goes by itself; empty in any other state.
+  static std::string what_follows(const Member& member);
 
   // Swaps (supervisor_swap.cpp)
   void end_swap(Member& member, ReplyCode code, const std::string& text);
@@ -158,8 +161,12 @@ class Supervisor final : public Supervised {
   void watch_counts();
   void watch_ports(Instant now);
   void watch_port(Member& member, const model::Port& port, Instant now) const;
-  /// ": in F at file.cpp:1 in module.so, called by ...", as the dead host's last words tell; or empty.
-  std::string calls_of_crash(const channel::Crash& crash, const Member& culprit);
+  /// As the dead host's last words tell; both empty where it had none.
+  struct CrashCalls {
+    std::string place;    ///< ", in F at file.cpp:1 in module.so"
+    std::string callers;  ///< ", called by ...": for the fault record only
+  };
+  CrashCalls calls_of_crash(const channel::Crash& crash, const Member& culprit);
 
   // The flight record (supervisor_flight.cpp)
   Result<void> start_record();

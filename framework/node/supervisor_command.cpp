@@ -88,6 +88,13 @@ void Supervisor::end_order(Member& member, ReplyCode code, const std::string& te
   order.done({.code = code, .state = member.state(), .text = text});
 }
 
+// What was ordered stays wanted: an error on the way there is mended as any other.
+std::string Supervisor::what_follows(const Member& member) {
+  if (member.state() != State::recover) return {};
+  return std::string{"; its recovery goes on, to "} +
+         lifecycle::to_text(member.wanted() ? State::executing : State::start);
+}
+
 // The state is as the table wants it and no hook is being called.
 void Supervisor::begin_order(Member& member) {
   Order& order = *member.order;
@@ -170,7 +177,7 @@ void Supervisor::order_step(Member& member, Instant now) {
   const auto failed = [&] {
     end_order(member, REPLY_FAILED,
               "it went to " + std::string{lifecycle::to_text(state)} +
-                  (member.why.empty() ? "" : ": " + member.why));
+                  (member.why.empty() ? "" : ": " + member.why) + what_follows(member));
   };
   switch (order.verb) {
     case Verb::initialize:

@@ -107,7 +107,7 @@ void Supervisor::watch_port(Member& member, const model::Port& port, Instant now
   }
 }
 
-std::string Supervisor::calls_of_crash(const channel::Crash& crash, const Member& culprit) {
+Supervisor::CrashCalls Supervisor::calls_of_crash(const channel::Crash& crash, const Member& culprit) {
   constexpr std::size_t kShown = 5;
   const std::uint32_t depth = std::min<std::uint32_t>(crash.depth.load(std::memory_order_acquire),
                                                       channel::Crash::kFrames);  // SYNC: crash frame
@@ -125,7 +125,9 @@ std::string Supervisor::calls_of_crash(const channel::Crash& crash, const Member
     calls.push_back(symbols_->name(object, frame.address));
   }
   const std::string text = called_by(calls, kShown);
-  return text.empty() ? "" : ", " + text;
+  if (text.empty()) return {};
+  const std::size_t end = std::min(text.find(", called by "), text.size());
+  return {.place = ", " + text.substr(0, end), .callers = text.substr(end)};
 }
 
 }  // namespace takt::node

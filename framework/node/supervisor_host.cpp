@@ -193,8 +193,7 @@ void Supervisor::watch_host(Hosted& host, Instant now) {
     for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
       const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1);
       if (busy == nullptr || since(*activity) < stuck_after(busy->model)) continue;
-      host.hung = {
-          .module = busy->index, .doing = activity->doing.load(), .limit = stuck_after(busy->model)};
+      host.hung = {.module = busy->index, .doing = activity->doing.load(), .limit = stuck_after(busy->model)};
       host.link.kill();
       return;
     }
@@ -236,9 +235,6 @@ void clear_after(channel::ExecutorBlock& executor) {
 void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
   nobody_answers(host, host.name() + " of device " + device().name + " has ended");
   ring(~0U);  // for what it wrote last, if it could not ring for that any more
-  for (const std::uint32_t index : host.share.modules) {
-    if (members_[index]->order) end_order(*members_[index], REPLY_FAILED, "the host ended");
-  }
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
   std::string text = host.name() + " " + end.text();
   Member* culprit = nullptr;
@@ -255,17 +251,24 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
   const Doing doing = host.hung ? host.hung->doing : crash.doing.load();
   const bool swapped = culprit != nullptr && by_swap(*culprit, doing);
   if (swapped) {
-    text += " of its new instance" + (host.hung ? "" : calls_of_crash(crash, *culprit));
+    const CrashCalls calls = host.hung ? CrashCalls{} : calls_of_crash(crash, *culprit);
+    text += " of its new instance" + calls.place + calls.callers;
     end_swap(*culprit, REPLY_FAILED, "the one before it is loaded again: " + text);
     culprit = nullptr;
   }
-  log(culprit == nullptr ? text : "module " + culprit->model.name + ": " + text);
+  const bool crashed_itself = culprit != nullptr && type == ErrorType::crash;
+  const CrashCalls calls = crashed_itself ? calls_of_crash(crash, *culprit) : CrashCalls{};
+  text += calls.place;
+  const std::string told = culprit == nullptr ? text : "module " + culprit->model.name + ": " + text;
+  log(told);
   const auto since = host.hung ? std::optional{os::now() - host.hung->limit} : std::nullopt;
   host.hung.reset();
 
-  const std::string calls =
-      culprit == nullptr || type == ErrorType::hang ? "" : calls_of_crash(crash, *culprit);
-
+  // It crashed in the first row that named it, which nobody has seen yet.
+  if (culprit != nullptr && (doing == Doing::run || doing == Doing::condition) &&
+      culprit->state() == State::start && culprit->in_tables()) {
+    apply(*culprit, Event::run);
+  }
   if (culprit == nullptr) flight_->fault(text);
   clear_after(host.block);
   for (const std::size_t e : host.share.executors) {
@@ -277,7 +280,7 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
     member.block.background.end();
     member.block.service.end();
     member.block.on_trial.store(0);
-    end_swap(member, REPLY_FAILED, "the host ended");
+    end_swap(member, REPLY_FAILED, told + "; the instance before it is loaded again");
     take_from_tables(member);
     if (&member != culprit) member.pending.reset();  // nobody will answer
   }
@@ -285,7 +288,7 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
   if (culprit != nullptr) {
     ++culprit->errors;
     const os::CoreDump core = end.signalled ? os::find_core_dump(host.link.pid(), end.code) : os::CoreDump{};
-    crashed(*culprit, text, type, since, calls, core.file);
+    crashed(*culprit, text, type, since, calls.callers, core.file);
   } else if (phase_ == Phase::preparing) {
     fail_device({"device " + device().name, text, "see what it printed"});
   }
@@ -299,10 +302,28 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
     const Instant now = os::now();
     std::erase_if(host.restarts, [now](Instant then) { return now - then > kRestartWindow; });
     host.restarts.push_back(now);
-    if (host.restarts.size() > kHostRestarts) return give_up_host(host, text);
+    if (host.restarts.size() > kHostRestarts) {
+      give_up_host(host, text);
+      return end_orders_of(host, culprit, told);
+    }
   }
   note(model::FaultKind::host_restart, text);
   restart_host(host);
+  end_orders_of(host, culprit, told);
+}
+
+// Nobody answers any more for what the host was asked to do. What its culprit was ordered ends as any order
+// does that meets an error.
+void Supervisor::end_orders_of(const Hosted& host, const Member* culprit, const std::string& why) {
+  for (const std::uint32_t index : host.share.modules) {
+    Member& member = *members_[index];
+    if (!member.order || &member == culprit) continue;
+    const bool loaded = member.state() != State::destruct && member.state() != State::recover;
+    const std::string follows =
+        loaded ? std::string{"it is loaded again and goes to "} + lifecycle::to_text(member.up_to)
+               : std::string{"it is in "} + lifecycle::to_text(member.state()) + what_follows(member);
+    end_order(member, REPLY_FAILED, why + "; " + follows);
+  }
 }
 
 void Supervisor::restart_host(Hosted& host) {
@@ -323,14 +344,14 @@ void Supervisor::restart_host(Hosted& host) {
 // A module whose crash ended its host. Where it stops neighbours that did nothing wrong, it is not tried
 // again.
 void Supervisor::crashed(Member& member, const std::string& text, ErrorType type,
-                         std::optional<Instant> since, const std::string& calls, const std::string& core) {
+                         std::optional<Instant> since, const std::string& callers, const std::string& core) {
   member.pending.reset();
   const bool starting = phase_ == Phase::preparing || phase_ == Phase::ready;
   if (!host_of(member).share.is_own() || starting || phase_ == Phase::stopping)
-    return lose(member, text, type, calls, core);
+    return lose(member, text, type, callers, core);
   const bool recovering = member.state() == State::recover;
-  if (!recovering && !member.machine.accepts(Event::error)) return lose(member, text, type, calls, core);
-  note(member, model::FaultKind::error, text + calls, type, core);
+  if (!recovering && !member.machine.accepts(Event::error)) return lose(member, text, type, callers, core);
+  note(member, model::FaultKind::error, text + callers, type, core);
   member.reload = true;
   if (recovering) return not_recovered(member, text);
   member.why = std::string{takt::to_text(type)} + ": " + text;

@@ -72,7 +72,7 @@ class Containment(takt_system.Case):
         self.assertEqual(STARTED + ["RECOVER", "EXECUTING"] * 2 + ["RECOVER", "DESTRUCT"], run.states("culprit"))
         for step in run.steps("culprit"):
             if step.target == "RECOVER":
-                self.assertRegex(step.text, r"^crash: %s was killed by SIGSEGV .* in run\(\)$" % HOST)
+                self.assertRegex(step.text, r"^crash: %s was killed by SIGSEGV .* in run\(\), in .* in segv\.so$" % HOST)
         self.assertEqual(3, modules["culprit"]["errors"])
         self.assertIn(modules["culprit"]["cycles"], range(72, 76), "25 runs of each instance, the last of them never ended")
         self.assertRegex(run.err, r"module d\.culprit: error: was given up: .*SIGSEGV")

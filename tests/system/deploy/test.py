@@ -192,7 +192,7 @@ class Deploy(takt_system.Case):
         recovered = modules[:3]
         self.assertEqual(["robot.%s: EXECUTING" % module for module in recovered],
                          self.done(*("recover robot.%s" % module for module in recovered)))
-        self.refused({"recover robot.never": r"^device robot: error: it could not recover: recover\(\) failed: threw: recover\(\) threw"})
+        self.refused({"recover robot.never": r"^module robot\.never: error: it could not recover: recover\(\) failed: threw: recover\(\) threw"})
         # They fail again, as they do.
         for module in recovered:
             wait_until(lambda: len(node.steps(module)) == 6, 10, "%s to fail again" % module)

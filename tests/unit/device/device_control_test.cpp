@@ -12,6 +12,7 @@ namespace {
 using nlohmann::json;
 using std::chrono::milliseconds;
 using testing::HasSubstr;
+using testing::MatchesRegex;
 
 class DeviceProperties : public RealDevice {
  protected:
@@ -130,6 +131,66 @@ TEST_F(DeviceProperties, OfAHostThatEndsAreAnsweredForAndStayWhenItIsStartedAgai
   EXPECT_EQ(get(0, "step").code, REPLY_REFUSED) << "it is loaded afresh";
   ASSERT_TRUE(step_until([&] { return module_of("live")["state"] == "EXECUTING"; }));
   EXPECT_EQ(get(0, "step").value, "6");
+  take_down();
+}
+
+class DeviceOrders : public RealDevice {
+ protected:
+  /// Crashes in its first run, in a host of its own.
+  static std::string crashes() {
+    return R"(<executor name="own" host="own"/>)" +
+           module("culprit", "segv.so", kEvery, R"(<value name="after">1</value>)",
+                  R"(<executor>own</executor><recovery attempts="1" backoff="10000000"/>)");
+  }
+  Outcome order(Verb verb) {
+    std::optional<Outcome> told;
+    device->order(0, verb, [&told](const Outcome& outcome) { told = outcome; });
+    EXPECT_TRUE(step_until([&] { return told.has_value(); }));
+    return told.value_or(Outcome{.code = REPLY_LATE, .text = {}});
+  }
+  bool comes_to(const std::string& name, const std::string& state) {
+    return step_until([&] { return module_of(name)["state"] == state; });
+  }
+  std::string story() const {
+    std::string words;
+    for (const Step& step : steps) words += std::string{lifecycle::to_text(step.transition.to)} + " ";
+    return words;
+  }
+};
+
+TEST_F(DeviceOrders, AStartThatCrashesAsItBeginsIsToldAndItsRecoveryGoesOnToWhereItWasToGo) {
+  bring_up(crashes());
+  ASSERT_TRUE(comes_to("culprit", "DESTRUCT"));
+  EXPECT_EQ(order(Verb::reset).code, REPLY_OK);
+  EXPECT_EQ(order(Verb::initialize).code, REPLY_OK);
+  steps.clear();
+  const Outcome start = order(Verb::start);
+  EXPECT_EQ(start.code, REPLY_FAILED);
+  EXPECT_EQ(start.state, lifecycle::State::recover);
+  EXPECT_THAT(start.text, MatchesRegex("it went to RECOVER: crash: the host of executor own was killed by "
+                                       "SIGSEGV \\(Segmentation fault\\) in run\\(\\), in .* in segv.so; "
+                                       "its recovery goes on, to EXECUTING"));
+  ASSERT_TRUE(comes_to("culprit", "DESTRUCT"));
+  EXPECT_EQ(story(), "START EXECUTING RECOVER EXECUTING RECOVER DESTRUCT ");
+}
+
+TEST_F(DeviceOrders, OneWhoseHostEndsMeanwhileIsToldWhyAndWhereItsModuleGoes) {
+  bring_up(module("live", "live.so", kEvery, file("live")));
+  ASSERT_TRUE(comes_to("live", "EXECUTING"));
+  for (const Verb verb : {Verb::stop, Verb::destruct, Verb::reset}) ASSERT_EQ(order(verb).code, REPLY_OK);
+  const int host = module_of("live")["pid"];
+  ASSERT_EQ(::kill(host, SIGSTOP), 0);
+  std::optional<Outcome> told;
+  device->order(0, Verb::initialize, [&told](const Outcome& outcome) { told = outcome; });
+  run_for(milliseconds{20});
+  EXPECT_FALSE(told);
+  ASSERT_EQ(::kill(host, SIGKILL), 0);
+  ASSERT_TRUE(step_until([&] { return told.has_value(); }));
+  EXPECT_EQ(told->code, REPLY_FAILED);
+  EXPECT_EQ(told->text, "the host was killed by SIGKILL (Killed); it is loaded again and goes to INITIALIZE");
+  ASSERT_TRUE(comes_to("live", "INITIALIZE"));
+  run_for(milliseconds{50});
+  EXPECT_EQ(module_of("live")["state"], "INITIALIZE");
   take_down();
 }
 

@@ -54,6 +54,20 @@ TEST(AgentCommands, AnOrderGoesToItsModuleAndItsAnswerBack) {
   EXPECT_EQ(device.reply().module_name(), "arm");
 }
 
+TEST(AgentCommands, AnOrderThatFailsNamesItsModule) {
+  FakeDevice device;
+  device.become_running();
+  dds::WholeCommand start = device.command(COMMAND_START);
+  start.head.module_name("arm");
+  device.hear(start);
+  ASSERT_EQ(device.work.done.size(), 1U);
+  device.work.done[0](
+      {.code = REPLY_FAILED, .state = lifecycle::State::recover, .text = "it went to RECOVER"});
+  EXPECT_EQ(device.reply().code(), REPLY_FAILED);
+  EXPECT_EQ(device.data()[0]["where"], "module robot.arm");
+  EXPECT_EQ(device.data()[0]["what"], "it went to RECOVER");
+}
+
 TEST(AgentCommands, AModuleThatIsNotThereIsNamedWithWhatIs) {
   FakeDevice device;
   device.become_running();
