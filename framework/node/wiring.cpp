@@ -273,6 +273,9 @@ Result<Wiring> Wiring::create(WiringPlan plan) {
     link.give_safe(planned.safe);
     wiring.wires_.push_back({std::move(planned), std::move(*memory), link});
   }
+  for (const PlannedFlow& flow : wiring.flows_) {
+    for (const std::size_t wire : flow.links) wiring.wires_[wire].connected = flow.connected;
+  }
   return wiring;
 }
 
@@ -307,20 +310,21 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
     const LinkEnd& end = output ? wire.plan.from : wire.plan.to;
     if (end.module != module || end.port != port.name) continue;
     const bool enabled = wire.link.block().enabled.load(relaxed) != 0;
+    const bool reaches = enabled && wire.connected;
     const bool goes_on = !(output ? wire.plan.to : wire.plan.from).module;
     if (const auto flow = goes_on ? on_dds(i) : std::nullopt) {
-      health.matched += enabled && flow->matched > 0 ? 1 : 0;
+      health.matched += reaches && flow->matched > 0 ? 1 : 0;
       health.lost += flow->lost + flow->failures;
       health.refused += flow->refused;
       if (health.incompatible.empty()) health.incompatible = flow->incompatible;
     } else {
-      health.matched += enabled && !goes_on ? 1 : 0;
+      health.matched += reaches && !goes_on ? 1 : 0;
     }
     const channel::LinkBlock& block = wire.link.block();
     const std::uint64_t written = block.written.load(relaxed);
     // An output writes each sample to all that are enabled.
     health.samples = output ? std::max(health.samples, written) : health.samples + block.taken.load(relaxed);
-    health.connections += enabled ? 1 : 0;
+    health.connections += wire.connected ? 1 : 0;
     health.dropped += block.is_queue != 0 ? block.overwritten.load(relaxed) : 0;
     health.refused += output ? block.unfit.load(relaxed) : block.refused.load(relaxed);
     health.late += block.late.load(relaxed);

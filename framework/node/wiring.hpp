@@ -76,7 +76,7 @@ std::string port_topic(const std::string& cell, const model::Endpoint& port);
 
 /// What an operator wants to know of a port.
 struct PortHealth {
-  std::uint32_t connections = 0;  ///< that are enabled
+  std::uint32_t connections = 0;  ///< of the descriptor; who listens or asks in is none
   std::uint32_t matched = 0;      ///< of these, with somebody at the other end
   std::uint64_t samples = 0;      ///< written, or taken
   std::uint64_t lost = 0;         ///< on the way between devices
@@ -96,7 +96,8 @@ class Wiring {
     PlannedLink plan;
     os::SharedMemory memory;
     channel::Link link;
-    bool late = false;  ///< as its supervisor found it last
+    bool late = false;      ///< as its supervisor found it last
+    bool connected = true;  ///< by the descriptor
   };
 
   static Result<Wiring> create(WiringPlan plan);

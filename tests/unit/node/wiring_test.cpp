@@ -193,6 +193,42 @@ TEST_F(WiringPlanned, ATopicOfItsOwnHasAFlowOfItsOwn) {
   EXPECT_EQ(flow(plan, "rt/in").domain, 5);
 }
 
+TEST_F(WiringPlanned, WhoLooksOnIsNoConnectionOfAPort) {
+  connect(end("here", "a", "out"), end("here", "b", "in"));
+  auto& other = connect(end("here", "c", "out"), {});
+  other.topic = "rt/out";
+  auto wiring = Wiring::create(plan());
+  ASSERT_TRUE(wiring.ok());
+  const auto health_of = [&](std::uint32_t module, std::uint32_t readers) {
+    return wiring->health(module, (*ports[module])[2], 0, [&](std::size_t) {
+      dds::FlowHealth flow;
+      flow.matched = readers;
+      return std::optional{flow};
+    });
+  };
+  for (const Wiring::Wire& wire : wiring->wires()) wire.link.block().enabled.store(1);  // all are looked at
+  for (const std::uint32_t readers : {0U, 1U}) {
+    EXPECT_EQ(health_of(0, readers).connections, 1U);
+    EXPECT_EQ(health_of(0, readers).matched, 1U);
+    EXPECT_EQ(health_of(1, readers).connections, 0U) << "nobody is connected";
+    EXPECT_EQ(health_of(1, readers).matched, 0U);
+    EXPECT_EQ(health_of(2, readers).connections, 1U) << "to a topic of its own";
+    EXPECT_EQ(health_of(2, readers).matched, readers);
+  }
+}
+
+TEST_F(WiringPlanned, ARequestThatNobodyWouldAnswerIsAConnectionWithNobodyAtItsOtherEnd) {
+  auto wiring = [&] {
+    connect(end("here", "a", "out"), end("there", "x", "in")).carries = model::Carries::requests;
+    return Wiring::create(plan());
+  }();
+  ASSERT_TRUE(wiring.ok());
+  const PortHealth health =
+      wiring->health(0, (*ports[0])[2], 0, [](std::size_t) { return std::optional{dds::FlowHealth{}}; });
+  EXPECT_EQ(health.connections, 1U);
+  EXPECT_EQ(health.matched, 0U);
+}
+
 TEST_F(WiringPlanned, AWriterThatIsAheadHasRoomForThat) {
   model::Device& here = cell.devices[0];
   here.executors[0].timing = model::Timing::let;
