@@ -271,7 +271,7 @@ void Agent::change(const dds::WholeCommand& command) {
   u.after->safe = command.data;
   u.asker = command.head;
   u.stage = Update::Stage::changing;
-  for (const std::string& line : model::in_words(u.difference)) log("is updated: " + line);
+  for (const std::string& line : model::in_words(u.difference)) log("is being updated: " + line);
   switch (change) {
     case Change::none:
       return changed();
@@ -303,6 +303,7 @@ void Agent::undo(const Problems& problems) {
   u.stage = Update::Stage::undoing;
   u.reasons = problems;
   if (nothing || u.difference.change == Change::none) return undone();
+  log("is put back to what it was: " + in_words(u.reasons));
   if (u.difference.change == Change::in_place) return undo_last();
   if (!u.is_after) return bring_back();
   if (!deployment_->over) return deployment_->supervised->stop();
@@ -384,8 +385,10 @@ void Agent::keep(const Command& command) {
   }
   std::string all;
   for (const std::string& line : model::in_words(u->difference)) all += ": " + line;
-  if (!all.empty())
+  if (!all.empty()) {
+    log("is updated");
     note({.kind = model::FaultKind::command, .cause = "update to " + after.file + " was carried out" + all});
+  }
   answer(command, REPLY_OK, "");
 }
 

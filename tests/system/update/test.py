@@ -161,6 +161,16 @@ class Update(takt_system.Case):
         self.assertRegex(run.err, r"module robot\.ticks: error: file: ticks\.so -> ticks_fails\.so: the one before it was put back "
                                   r"in cycle \d+: failure: the third is not for me")
         self.assertIn("cell cell is not updated; what had been changed was put back", run.err)
+        # Each says what it does as it does it, and why it goes back before it does.
+        for node, change in (("robot", "robot.ticks: label: given -> other; file: "), ("line", "line is brought up anew: ")):
+            nodes[node].wait_for_line("is not updated: ")
+            said = nodes[node].err
+            told = [said.find(text) for text in ("is being updated: " + change, "is put back to what it was: ", "is not updated: ")]
+            self.assertNotIn(-1, told, said)
+            self.assertEqual(sorted(told), told, said)
+            self.assertNotIn(": is updated", said)
+        said = nodes["line"].err
+        self.assertLess(said.index("is put back to what it was: "), said.rindex("-> DESTRUCT"))
         self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         self.assertEqual(robot, nodes["robot"].one("takt-host").pid)
         self.assertEqual(["given"], self.done("get robot.ticks label"), "it was set before the file was to be swapped")
