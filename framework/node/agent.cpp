@@ -82,8 +82,10 @@ void Agent::watch_names() {
             " on " + other.status.host_name().to_string();
   }
   if (clash == clash_) return;
-  log(clash.empty() ? "the other node of this name is gone"
-                    : clash + "; end one of them, or give it another name");
+  log(clash.empty()
+          ? "the other node of this name is gone"
+          : clash +
+                "; end one of them, or give it another name: while there are two, neither is deployed to");
   clash_ = clash;
 }
 

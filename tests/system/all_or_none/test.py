@@ -194,7 +194,7 @@ class AllOrNone(takt_system.Case):
     def test_two_nodes_of_one_name(self):
         self.begin()
         second = self.program("takt-node", "--device", "line", "--state-dir", os.path.join(self.folder, "second"))
-        clash = r"another node of the name line is on domain %d: process %%d on \S+; end one of them" % self.domain
+        clash = r"another node of the name line is on domain %d: process %%d on \S+; end one of them, or give it another name: while there are two, neither is deployed to" % self.domain
         self.running["line"].wait_for_line(clash % second.pid)
         second.wait_for_line(clash % self.running["line"].pid)
         # Who asks has found both, or the one that it has found says that there is another.
