@@ -70,7 +70,14 @@ Result<std::string> find_component(const std::string& filename, const std::strin
       const fs::path found = fs::absolute(path, error);
       if (auto checked = check_writers(found); !checked) return checked.problems();
       if (requirement()) {
-        if (auto checked = requirement()(found.string()); !checked) return checked.problems();
+        if (auto checked = requirement()(found.string()); !checked) {
+          Problems problems = checked.problems();
+          for (Problem& problem : problems) {  // who tells it says where the file is named
+            if (!problem.where.empty()) problem.what = problem.where + ": " + problem.what;
+            problem.where.clear();
+          }
+          return problems;
+        }
       }
       return found.string();
     }

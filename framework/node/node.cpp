@@ -28,6 +28,7 @@
 #include <takt/os/signals.hpp>
 #include <takt/os/trial.hpp>
 #include <takt/security/identity.hpp>
+#include <takt/security/signature.hpp>
 
 namespace takt::node {
 
@@ -175,6 +176,8 @@ int run_node(const NodeOptions& options) {
   const std::string granted = identity + "/" + security::kComponents;
   if (signed_by.empty() && !identity.empty() && os::rights_of(granted)) signed_by = granted;
   if (!signed_by.empty()) {
+    if (auto usable = security::check_signer(signed_by, os::wall_ns() / 1'000'000'000); !usable)
+      return refuse(usable.problems());
     os::set_environment("TAKT_SIGNED_BY", signed_by);
     if (!options.quiet)
       log(options.device, "", "components are used only if they are signed, as " + signed_by + " says");

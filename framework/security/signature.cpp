@@ -28,6 +28,17 @@ Result<std::string> read(const std::string& path, std::size_t most, const char* 
 
 std::string signature_of(const std::string& file) { return file + ".sig"; }
 
+Result<Certificate> signer(const std::string& file, std::int64_t now) {
+  constexpr const char* kName =
+      "name the certificate that takt sign prints: DIR/authority/components.cert.pem";
+  const auto pem = read(file, kMostPem, kName);
+  if (!pem) return pem.problems();
+  Certificate certificate = certificate_from(*pem);
+  if (certificate == nullptr) return Problem{file, "it is no certificate", kName};
+  if (valid_until(*certificate) <= now) return Problem{file, "it has expired", "sign components anew"};
+  return certificate;
+}
+
 }  // namespace
 
 Result<void> sign_file(const std::string& file, const std::string& pem) {
@@ -46,14 +57,16 @@ Result<void> sign_file(const std::string& file, const std::string& pem) {
   return os::replace_file(signature_of(file), signature, os::Readers::everybody);
 }
 
+Result<void> check_signer(const std::string& certificate, std::int64_t now) {
+  const auto read = signer(certificate, now);
+  if (!read) return read.problems();
+  return {};
+}
+
 Result<void> check_signature(const std::string& file, const std::string& certificate_file, std::int64_t now) {
   constexpr const char* kSign = "takt sign makes one";
-  const auto pem = read(certificate_file, kMostPem, "name the certificate of whoever signs components");
-  if (!pem) return pem.problems();
-  const Certificate certificate = certificate_from(*pem);
-  if (certificate == nullptr) return Problem{certificate_file, "it is no certificate", ""};
-  if (valid_until(*certificate) <= now)
-    return Problem{certificate_file, "it has expired", "sign components anew"};
+  const auto certificate = signer(certificate_file, now);
+  if (!certificate) return certificate.problems();
   const auto content = read(file, kMostSigned, "name a file");
   if (!content) return content.problems();
   auto signature = os::read_file(signature_of(file), kMostPem);
@@ -61,7 +74,7 @@ Result<void> check_signature(const std::string& file, const std::string& certifi
   if (!*signature) return Problem{file, "it is not signed, and only signed components are used here", kSign};
   const Digest digest{EVP_MD_CTX_new()};
   TAKT_CHECK(EVP_DigestVerifyInit(digest.get(), nullptr, EVP_sha256(), nullptr,
-                                  X509_get0_pubkey(certificate.get())) == 1);
+                                  X509_get0_pubkey(certificate->get())) == 1);
   const bool good = EVP_DigestVerify(digest.get(), bytes(**signature), (*signature)->size(), bytes(*content),
                                      content->size()) == 1;
   ERR_clear_error();

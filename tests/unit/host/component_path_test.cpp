@@ -47,6 +47,10 @@ TEST_F(ComponentPath, WhatEverybodyMayWriteIsRefusedWithTheCure) {
 TEST_F(ComponentPath, MoreMayBeRequired) {
   require_of_components([](const std::string& path) -> Result<void> { return fail("no " + path); });
   EXPECT_THAT(wrong(), HasSubstr("no " + file_));
+  require_of_components([](const std::string&) -> Result<void> {
+    return Problem{"signer.pem", "there is no such file", ""};
+  });
+  EXPECT_THAT(wrong(), HasSubstr("signer.pem: there is no such file"));
   require_of_components([](const std::string&) { return Result<void>{}; });
   EXPECT_EQ(wrong(), "");
 }

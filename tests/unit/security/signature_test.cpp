@@ -60,6 +60,18 @@ TEST_F(Signature, ByAnotherAuthorityIsNone) {
   EXPECT_THAT(wrong(), HasSubstr("or not by " + certificate_));
 }
 
+TEST_F(Signature, IsCheckedWithACertificateAndNothingElse) {
+  const auto wrong_signer = [](const std::string& file, std::int64_t now = kNow) {
+    const auto checked = check_signer(file, now);
+    return checked ? "" : to_text(checked.problems());
+  };
+  EXPECT_EQ(wrong_signer(certificate_), "");
+  EXPECT_THAT(wrong_signer(certificate_ + ".no"),
+              HasSubstr(".no: error: there is no such file; name the certi"));
+  EXPECT_THAT(wrong_signer(file_), HasSubstr(file_ + ": error: it is no certificate"));
+  EXPECT_THAT(wrong_signer(certificate_, kNow + 11 * kYear), HasSubstr("it has expired"));
+}
+
 TEST_F(Signature, ThatIsMissingIsSaidWithTheCure) {
   fs::remove(file_ + ".sig");
   EXPECT_THAT(wrong(), HasSubstr("it is not signed, and only signed components are used here; takt sign"));
