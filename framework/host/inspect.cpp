@@ -355,10 +355,11 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
           programs[{*path, arguments_of(module)}].push_back({d, m});
         }
       } else if (!os::is_shared_object(*path)) {
-        add_at(cell, module,
-               {fail(*path + " is no shared object (.so) of this machine",
-                     "build it with takt_add_component, or say <moduletype>process</moduletype>")},
-               problems);
+        add_at(
+            cell, module,
+            {fail(*path + " is no shared object (.so) of this machine",
+                  "name one that takt_add_component made; a program is of <moduletype>process</moduletype>")},
+            problems);
       } else {
         thread_modules[*path].push_back({d, m});
       }

@@ -311,12 +311,22 @@ void Agent::swap(const Command& command) {
     return;
   }
   const std::string name = command.module_name().to_string();
+  const std::string file = command.value().to_string();
+  if (const std::size_t slash = file.rfind('/'); slash != std::string::npos && !options_.lent) {
+    const std::string target = options_.device + "." + name;
+    complain(command, REPLY_REFUSED,
+             {{"file " + file,
+               "it has a path, and device " + options_.device +
+                   " looks for it by its name alone, on its component path",
+               "copy it there, and takt swap " + target + " " + file.substr(slash + 1)}});
+    return;
+  }
   auto looking = workshop_.inspect({.text = d.text,
                                     .file = d.file,
                                     .device = options_.device,
                                     .as_written = options_.lent,
                                     .only = name,
-                                    .swapped = {{name, command.value().to_string()}}});
+                                    .swapped = {{name, file}}});
   if (!looking) {
     answer(command, REPLY_FAILED, in_words(looking.problems()));
     return;
@@ -333,8 +343,11 @@ void Agent::look_at_swap() {
   d.looking.reset();
   const auto module = module_of(*d.swap);
   if (!*result) {
-    answer(*std::exchange(d.swap, std::nullopt), REPLY_REFUSED, in_words(result->problems()),
-           model::json_text(problems_json(result->problems())));
+    const Command command = *std::exchange(d.swap, std::nullopt);
+    Problems problems = result->problems();
+    // Whoever ordered it named a file; the line of the descriptor where the module is says nothing of it.
+    for (Problem& problem : problems) problem.where = "file " + command.value().to_string();
+    complain(command, REPLY_REFUSED, problems);
     return;
   }
   const std::string path = (*result)->paths.at(0);

@@ -137,8 +137,8 @@ class Swap(takt_system.Case):
         shutil.copy(os.path.join(COMPONENTS, "ticks.so"), everybody)
         os.chmod(everybody, 0o666)
         for commands in (
-                {"swap d.ticks nothing.so": r"there is no file nothing\.so .*looked in",
-                 "swap d.ticks not_a_library.so": r"not_a_library\.so is no shared object",
+                {"swap d.ticks nothing.so": r"^file nothing\.so: error: .*there is no file nothing\.so .*looked in",
+                 "swap d.ticks not_a_library.so": r"^file not_a_library\.so: error: .*not_a_library\.so is no shared object",
                  "swap d.ticks everybody.so": r"everybody may write to .*; chmod o-w"},
                 {"swap d.ticks ticks_other.so":
                  r"it has not the ports and properties of the module that runs: port 'more' is new, "
@@ -176,11 +176,14 @@ class Swap(takt_system.Case):
         self.deploy(cell)
         self.wait_for_states({"d": "EXECUTING"})
         self.refused({"swap d.ticks ticks_fails.so": r"it is not signed, and only signed components are used here"})
-        self.refused({"swap d.ticks ticks_hangs.so": r"there is no file ticks_hangs\.so on this device's component path"})
-        # Of a name with folders, which are the asker's, the last part counts.
-        self.assertIn(folder + "/ticks_more.so", self.swap("somewhere/else/ticks_more.so"))
+        self.refused({"swap d.ticks ticks_hangs.so": r"^file ticks_hangs\.so: error: .*there is no file ticks_hangs\.so on this device's component path"})
+        # A path is the asker's, and another file may lie there.
+        for path in ("somewhere/else/ticks_more.so", "./ticks_more.so", os.path.join(folder, "ticks_more.so")):
+            self.refused({"swap d.ticks " + path: r"^file %s: error: it has a path, and device d looks for it by its name alone, on its "
+                          r"component path; copy it there, and takt swap d\.ticks ticks_more\.so$" % re.escape(path)})
+        self.assertIn(folder + "/ticks_more.so", self.swap("ticks_more.so"))
         log = self.done("log --device d --kind command,refused-command --json")[0]
-        self.assertIn("swap to somewhere/else/ticks_more.so was carried out", log)
+        self.assertIn("swap to ticks_more.so was carried out", log)
         self.assertIn("swap to ticks_fails.so: ", log)
         self.assert_versions([1, 2], node)
         os.kill(node.pid, signal.SIGKILL)

@@ -149,14 +149,38 @@ dds::WholeCommand swap_of(FakeDevice& device, const char* module, const char* fi
   return swap;
 }
 
+TEST(AgentCommands, AFileWithAPathIsNotTakenForOneOfItsName) {
+  FakeDevice device;
+  device.become_running();
+  for (const char* file : {"new/arm2.so", "./arm2.so", "/nowhere/arm2.so"}) {
+    device.hear(swap_of(device, "arm", file));
+    EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+    EXPECT_THAT(device.text(),
+                HasSubstr("file " + std::string{file} + ": it has a path, and device robot looks"));
+    EXPECT_THAT(device.text(), HasSubstr("copy it there, and takt swap robot.arm arm2.so"));
+  }
+  EXPECT_EQ(device.work.inspections.size(), 1U) << "that of the deployment";
+}
+
+TEST(AgentCommands, WhatIsWrongWithAFileIsToldOfTheFile) {
+  FakeDevice device;
+  device.become_running();
+  device.work.inspected.reset();
+  device.hear(swap_of(device, "arm", "arm2.so"));
+  device.work.inspected = Problem{"cell.xml:8", "module arm: it has no property 'slope'", ""};
+  device.agent.step();
+  EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
+  EXPECT_EQ(device.text(), "file arm2.so: module arm: it has no property 'slope'");
+}
+
 TEST(AgentCommands, AFileIsLookedAtBeforeItIsSwappedInAndDescribedAfterwards) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
-  device.hear(swap_of(device, "arm", "new/arm2.so"));
+  device.hear(swap_of(device, "arm", "arm2.so"));
   ASSERT_EQ(device.work.inspections.size(), 2U);
   EXPECT_EQ(device.work.inspections[1].only, "arm");
-  EXPECT_EQ(device.work.inspections[1].swapped.at("arm"), "new/arm2.so");
+  EXPECT_EQ(device.work.inspections[1].swapped.at("arm"), "arm2.so");
   EXPECT_TRUE(device.work.swaps.empty());
 
   device.hear(swap_of(device, "servo", "servo.so"));
@@ -170,7 +194,7 @@ TEST(AgentCommands, AFileIsLookedAtBeforeItIsSwappedInAndDescribedAfterwards) {
   device.work.done.back()({.code = REPLY_OK, .state = lifecycle::State::executing, .text = "from row 5 on"});
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.reply().value().to_string(), "/components/arm2.so");
-  EXPECT_EQ(device.said.faults.back().cause().to_string(), "swap to new/arm2.so was carried out");
+  EXPECT_EQ(device.said.faults.back().cause().to_string(), "swap to arm2.so was carried out");
 
   device.hear(device.command(COMMAND_DESCRIBE));
   EXPECT_EQ(device.work.inspections.back().swapped.at("arm"), "/components/arm2.so");
@@ -193,7 +217,7 @@ TEST(AgentCommands, ASwapThatCannotBeIsRefusedWithTheReason) {
   device.work.may_swap = {};
   device.work.inspected = Result<Inspected>{fail("there is no file arm3.so", "build it")};
   device.hear(swap_of(device, "arm", "arm3.so"));
-  EXPECT_EQ(device.text(), "there is no file arm3.so; build it");
+  EXPECT_EQ(device.text(), "file arm3.so: there is no file arm3.so; build it");
   EXPECT_EQ(device.said.faults.back().kind(), FAULT_REFUSED_COMMAND);
 
   device.work.inspected.reset();
