@@ -66,6 +66,15 @@ std::vector<std::string_view> fault_words() {
   return words;
 }
 
+namespace {
+/// Not cut short, as a suggestion is.
+std::string all_words() {
+  std::string list;
+  for (const std::string_view word : fault_words()) list += (list.empty() ? "" : ", ") + std::string{word};
+  return list;
+}
+}  // namespace
+
 std::optional<FaultKind> fault_kind(std::string_view word) noexcept {
   const auto found =
       std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.word == word; });
@@ -204,7 +213,9 @@ Result<std::vector<FaultKind>> kinds_from(std::string_view list) {
     const std::string_view word = list.substr(0, list.find(','));
     const auto kind = fault_kind(word);
     if (!kind) {
-      return fail("there are no events of kind " + in_quotes(word), suggestion(word, fault_words()));
+      return fail("there are no events of kind " + in_quotes(word), nearest(word, fault_words()).empty()
+                                                                        ? "it can be " + all_words()
+                                                                        : suggestion(word, fault_words()));
     }
     kinds.push_back(*kind);
     if (word.size() == list.size()) return kinds;

@@ -139,6 +139,20 @@ int log(const LogOptions& options) {
   return 0;
 }
 
+// The kinds, in lines that fit a terminal.
+std::string footer() {
+  constexpr std::size_t kWidth = 100;
+  std::string text = "Kinds:";
+  std::size_t column = text.size();
+  for (const std::string_view word : model::fault_words()) {
+    const bool breaks = column + word.size() + 2 > kWidth;
+    text += (breaks ? "\n" : " ") + std::string{word} + ",";
+    column = (breaks ? 0 : column + 1) + word.size() + 1;
+  }
+  text.back() = '.';
+  return text;
+}
+
 }  // namespace
 
 void add_log(CLI::App& app, Chosen& chosen) {
@@ -172,6 +186,7 @@ void add_log(CLI::App& app, Chosen& chosen) {
       ->type_name("FILE")
       ->excludes(follow);
   add_network_options(*command, options->network);
+  command->footer(footer());
   command->callback([options, &chosen] { chosen = [options] { return log(*options); }; });
 }
 

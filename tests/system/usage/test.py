@@ -26,6 +26,16 @@ class Usage(takt_system.Case):
         self.assertEqual((1, ""), (run.status, run.out))
         self.assertIn("'line.belt.speed' names no module; say DEVICE.MODULE, and the property after a blank", run.err)
 
+    def test_every_kind_of_event_is_named(self):
+        kinds = self.takt("log", "--help").out.split("Kinds:")[1].rstrip(".\n").replace(",", " ").split()
+        self.assertLess(20, len(kinds))
+        run = self.takt("log", "--kind", "nosuchkind")
+        self.assertEqual((2, ""), (run.status, run.out))
+        for kind in kinds:
+            self.assertRegex(run.err, r"[ ,]%s\b" % kind)
+        self.assertNotIn("more", run.err)
+        self.refused({"log --file /nowhere --kind " + ",".join(kinds): "there is no such file"})
+
     def test_help_and_version_are_no_errors(self):
         for arguments in (["--help"], ["run", "--help"], ["--version"]):
             run = self.takt(*arguments)
