@@ -129,9 +129,11 @@ Problems Deployment::find() {
     } else if (found[0].status.cell() != std::string{dds::kNoCell}) {
       const std::string cell = found[0].status.cell().to_string();
       const bool over = found[0].status.state() == DEVICE_ENDED;
+      std::string fix = "undeploy it first: takt undeploy " + cell;
+      if (!over && cell == cell_.name) fix += "; or change it while it runs: takt deploy --update";
       problems.push_back(
           {where, over ? "it still holds cell " + cell + ", which has ended" : "it already runs cell " + cell,
-           "undeploy it first: takt undeploy " + cell});
+           fix});
     }
   }
   return problems;
@@ -226,7 +228,11 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
       const json data = model::parse_json(answer->data);
       if (data.is_object()) {
         one.report = data.value("report", json{});
-        one.failures = data.value("failures", std::vector<std::string>{});
+        for (const std::string& failure : data.value("failures", std::vector<std::string>{})) {
+          // A module that failed in the same way twice is told of once.
+          if (std::find(one.failures.begin(), one.failures.end(), failure) == one.failures.end())
+            one.failures.push_back(failure);
+        }
       }
     } else {
       one.problems = of_device(one.device, answer.problems());

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -63,6 +64,7 @@ class Update {
   std::vector<std::string> devices_;        // that the cell has now, and that it is to have
   std::vector<std::string> words_;          // what differs
   std::vector<std::string> changing_;       // devices on which something does
+  std::set<std::string> refusing_;          // that did not begin with it
   std::vector<std::string> not_as_before_;  // where putting it back failed
   std::int64_t t0_ns_ = 0;
   bool require_real_time_ = false;
@@ -130,7 +132,11 @@ Problems Update::compare(const std::string& text) {
     questions.back().data = text;
   }
   std::vector<dds::WholeReply> replies;
-  Problems problems = problems_in(ask(questions), &replies);
+  Answers answers = ask(questions);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (answers[i] && answers[i]->head.code() == REPLY_REFUSED) refusing_.insert(devices_[i]);
+  }
+  Problems problems = problems_in(std::move(answers), &replies);
   if (cancelled()) return {fail("it was given up")};
   if (!problems.empty()) return problems;
   for (std::size_t i = 0; i < replies.size(); ++i) {
@@ -177,6 +183,7 @@ Updated Update::put_back(Problems problems) {
   const std::string name = "cell " + cell_.name + " is not updated; ";
   std::vector<Question> questions;
   for (const std::string& device : devices_) {
+    if (refusing_.contains(device)) continue;
     // One that is not there has kept what it had, and is not waited for.
     const auto seen = asker_.observer().devices(device);
     if (std::any_of(seen.begin(), seen.end(), [](const dds::SeenDevice& s) { return s.alive; }))

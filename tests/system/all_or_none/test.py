@@ -215,7 +215,8 @@ class AllOrNone(takt_system.Case):
         before = self.wait_for_states({"robot": "EXECUTING", "line": "EXECUTING"})
         hosts = {device: node.one("takt-host").pid for device, node in self.running.items()}
         other, again, undeploy = self.at_once("deploy " + self.cell("other"), "deploy cell.xml", "undeploy other")
-        self.assert_refused_everywhere(again, "cell", "error: it already runs cell cell")
+        self.assert_refused_everywhere(again, "cell", "error: it already runs cell cell; undeploy it first: takt undeploy cell; or change it while "
+                                                      "it runs: takt deploy --update")
         self.assertEqual(1, undeploy.status)
         self.assertIn("error: no device on domain %d runs a cell other; there is cell" % self.domain, undeploy.err)
         self.assert_refused_everywhere(other, "other", *[r"(?m)^device %s: error: it already runs cell cell; undeploy it first: takt "
