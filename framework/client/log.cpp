@@ -12,7 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/core/words.hpp>
+#include <takt/client/reports.hpp>
 #include <takt/dds/fault.hpp>
 #include <takt/dds/topics.hpp>
 #include <takt/model/json.hpp>
@@ -29,6 +29,13 @@ Question question_of(const std::string& device, const model::FaultFilter& filter
 
 Problem unreadable(const std::string& device) {
   return {"device " + device, "its log cannot be read", "is it of the same version?"};
+}
+
+// Each once: two nodes of one name are said by whatever they are asked.
+void add_new(Problems& problems, const Problems& more) {
+  for (const Problem& problem : more) {
+    if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
+  }
 }
 
 // What one node answered; the devices that it misses go to `missed`.
@@ -75,22 +82,24 @@ void sort_by_time(std::vector<model::Fault>& events) {
 }
 
 Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limit) {
-  const Observer& observer = asker.observer();
   std::set<std::string> names;
   std::set<std::string> missed;
+  std::set<std::string> not_found;
+  Log log;
   if (!filter.device.empty()) {
     names.insert(filter.device);
   } else {
-    observer.settle(limit);
-    for (const dds::SeenDevice& seen : observer.devices()) (seen.alive ? names : missed).insert(seen.name());
-  }
-  Log log;
-  if (names.empty()) {
-    const std::string domain = std::to_string(asker.domain());
-    log.problems.push_back(
-        fail("no device is on domain " + domain, "start one: takt-node --device NAME --domain " + domain +
-                                                     "; of a node that is gone, read its file with --file"));
-    return log;
+    const auto reports = all_reports(asker, limit);
+    if (!reports) {
+      log.problems = reports.problems();
+      log.problems[0].fix += "; of a node that is gone, read its file with --file";
+      return log;
+    }
+    log.problems = reports->problems;
+    for (const dds::SeenDevice& seen : asker.observer().devices())
+      (seen.alive ? names : missed).insert(seen.name());
+    for (const auto& [name, modules] : reports->lost) missed.insert(name);
+    not_found = reports->missing();
   }
   std::vector<Question> questions;
   for (const std::string& name : names) questions.push_back(question_of(name, filter));
@@ -100,12 +109,19 @@ Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limi
     if (answer)
       hear(log, questions[i].device, *answer, filter.device.empty() ? &missed : nullptr);
     else
-      log.problems.insert(log.problems.end(), answer.problems().begin(), answer.problems().end());
+      add_new(log.problems, answer.problems());
   }
   for (const std::string& name : missed) {
     if (names.contains(name)) continue;
     log.problems.push_back({"device " + name, "it is lost: what it recorded is on its machine alone",
                             "start its node again, or read its file there with takt log --file"});
+  }
+  for (const std::string& name : not_found) {
+    if (names.contains(name) || missed.contains(name)) continue;
+    log.problems.push_back(
+        {"device " + name,
+         "others of its cell name it, and it was not found from here within " + takt::to_text(limit),
+         "ask again, or read its file on its machine with takt log --file"});
   }
   sort_by_time(log.events);
   if (filter.last && log.events.size() > *filter.last)

@@ -29,9 +29,9 @@ struct Log {
   Problems problems;                 ///< those that did not, and why
 };
 
-/// Asks the filter's device, or all that are there: those that the others miss are among the problems. Nodes
-/// are looked for no longer than `limit`.
-Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limit = std::chrono::seconds{1});
+/// Asks the filter's device, or all that are there: those that the others miss, or name and that are not
+/// found from here, are among the problems. They are looked for as all_reports() does.
+Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limit = std::chrono::seconds{3});
 
 /// Events by their time; of one device in the order of their numbers.
 void sort_by_time(std::vector<model::Fault>& events);

@@ -3,6 +3,7 @@ import os
 import re
 import resource
 import signal
+import subprocess
 import sys
 import time
 
@@ -82,6 +83,18 @@ class Log(takt_system.Case):
         overruns = self.of(events, "overrun", "slow")
         self.assertGreater(sum(e["count"] for e in overruns), 0)
         self.assertLessEqual(len(overruns), seconds + 2, "at most one a second, and one at the end")
+        self.end(nodes)
+
+    def test_what_failed_twice_in_the_same_way_is_told_once_at_the_end(self):
+        nodes = self.crashed()
+        begun = len(nodes["robot"].raw)
+        for order in ("reset", "initialize", "start"):
+            self.done(order + " robot.culprit")
+        nodes["robot"].wait_for_line("robot.culprit: RECOVER -> DESTRUCT", after=begun)
+        self.wait_for_states({"robot": {"grid": "EXECUTING", "culprit": "DESTRUCT"}})
+        run = self.takt("undeploy", "shop")
+        self.assertEqual(0, run.status, run.err)
+        self.assertEqual(1, run.err.count("it had failed: module robot.culprit"), run.err)
         self.end(nodes)
 
     def test_the_counts_are_those_of_the_report(self):
@@ -235,6 +248,24 @@ class Log(takt_system.Case):
 
 class Cable(networks.NetworkCase):
     MACHINES = DEVICES
+
+    def test_a_device_that_others_know_and_that_is_not_found_from_here_is_named(self):
+        nodes = self.nodes(*DEVICES)
+        self.deploy("cable.xml")
+        for machine, other in (("operator", "line"), ("line", "operator")):
+            subprocess.run(self.net.on(machine) + ["ip", "route", "add", "blackhole", self.net.address(other)], check=True)
+        begun = time.monotonic()
+        run = self.takt("log", "--json")
+        self.assertEqual({"robot"}, {json.loads(line)["device"] for line in run.out.splitlines()})
+        self.assertEqual(1, run.status)
+        self.assertRegex(run.err, "^device line: error: others of its cell name it, and it was not found from here within 3 s; ask again")
+        self.assertGreater(time.monotonic() - begun, 3, "it was waited for")
+        for machine, other in (("operator", "line"), ("line", "operator")):
+            subprocess.run(self.net.on(machine) + ["ip", "route", "del", "blackhole", self.net.address(other)], check=True)
+        run = self.takt("log", "--json")
+        self.assertEqual((0, ""), (run.status, run.err))
+        self.assertEqual(set(DEVICES), {json.loads(line)["device"] for line in run.out.splitlines()})
+        self.end(nodes)
 
     def test_a_cable_that_is_pulled_is_seen_from_both_ends(self):
         nodes = self.nodes(*DEVICES)
