@@ -146,6 +146,10 @@ Result<security::Identity> identity_for(const ParticipantOptions& options) {
   if (!identity) return identity;
   const std::vector<int>& domains = identity->domains;
   if (std::find(domains.begin(), domains.end(), options.domain) != domains.end()) return identity;
+  if (domains.empty()) {
+    return Problem{options.security, "this identity may write and read nothing in its cell",
+                   "a program has the topics of connections that have one end"};
+  }
   std::string known;
   for (const int domain : domains) known += (known.empty() ? "" : ", ") + std::to_string(domain);
   return Problem{

@@ -147,6 +147,13 @@ Result<Authority> Authority::open(const std::string& folder) {
   inside->folder = folder;
   std::error_code error;
   if (!fs::is_directory(inside->folder / kFolder, error)) {
+    if (fs::exists(inside->folder / kCertificate, error)) {
+      const fs::path home =
+          fs::absolute(inside->folder, error).lexically_normal().parent_path().parent_path();
+      return Problem{folder, "this is the identity of one participant, and no authority",
+                     fs::is_directory(home / kFolder, error) ? "its authority is in " + home.string()
+                                                             : "name the folder that takt secure init made"};
+    }
     return Problem{folder, "there is no authority in this folder", "takt secure init CELL.xml " + folder};
   }
   Problems problems;

@@ -4,7 +4,9 @@
 #include <filesystem>
 
 #include <takt/core/words.hpp>
+#include <takt/os/clock.hpp>
 #include <takt/os/files.hpp>
+#include <takt/security/choice.hpp>
 #include <takt/security/pki.hpp>
 
 namespace takt::security {
@@ -122,13 +124,26 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
 }
 
 std::string folder_of(const std::string& folder, Role role, const std::string& name) {
+  if (name.empty()) return first_of(folder, role, os::wall_ns() / 1'000'000'000).folder;
   std::error_code error;
   const fs::path all = fs::path{folder} / folder_name(role);
-  if (!fs::is_directory(all, error)) return folder;
-  if (!name.empty()) return (all / name).string();
+  return fs::is_directory(all, error) ? (all / name).string() : folder;
+}
+
+Chosen first_of(const std::string& folder, Role role, std::int64_t now) {
+  std::error_code error;
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator{all, error}) names.push_back(entry.path().string());
-  return names.empty() ? folder : *std::min_element(names.begin(), names.end());
+  for (const auto& entry : fs::directory_iterator{fs::path{folder} / folder_name(role), error})
+    names.push_back(entry.path().string());
+  std::sort(names.begin(), names.end());
+  Chosen chosen;
+  for (const std::string& name : names) {
+    const auto identity = read_identity(name, now);
+    if (identity) return {name, std::move(chosen.passed_over)};
+    chosen.passed_over.insert(chosen.passed_over.end(), identity.problems().begin(),
+                              identity.problems().end());
+  }
+  return {names.empty() ? folder : names[0]};
 }
 
 std::string expiry_warning(std::int64_t until, std::int64_t now) {

@@ -41,7 +41,7 @@ struct Identity {
 Result<Identity> read_identity(const std::string& folder, std::int64_t now);
 
 /// The folder of this device, operator or other below one that `takt secure init` made; else `folder` itself.
-/// Without a name: of the first of its role, by name.
+/// Without a name: as first_of() has it at present.
 std::string folder_of(const std::string& folder, Role role, const std::string& name = {});
 
 /// "it expires in 12 days"; empty while there is time.

@@ -17,6 +17,7 @@
 
 #include "client.hpp"
 #include "commands.hpp"
+#include "identity.hpp"
 #include "load.hpp"
 #include "ranges.hpp"
 #include "terminal.hpp"
@@ -137,6 +138,7 @@ int call(const CallOptions& options) {
   };
   auto client = connect(options.network);
   if (!client) return refuse(client.problems());
+  if (const auto may = may_write(*client->participant, "call"); !may) return refuse(may.problems());
   const auto place = find(*client, options);
   if (!place) return refuse(place.problems());
   std::random_device random;

@@ -1,17 +1,19 @@
 #include "client.hpp"
 
+#include "identity.hpp"
+
 namespace takt::tool {
 
 Result<Client> connect(const Network& network, const model::Cell* cell, client::Observer::Options options) {
   const auto domain = domain_of(network, cell);
   if (!domain) return domain.problems();
-  const std::string security = security_of(network);
-  auto participant = dds::Participant::create(
-      {.name = "takt",
-       .domain = *domain,
-       .discovery = discovery_of(network, cell),
-       .interfaces = interfaces(),
-       .security = security.empty() ? "" : security::folder_of(security, security::Role::operator_)});
+  const auto security = identity_of(network);
+  if (!security) return security.problems();
+  auto participant = dds::Participant::create({.name = "takt",
+                                               .domain = *domain,
+                                               .discovery = discovery_of(network, cell),
+                                               .interfaces = interfaces(),
+                                               .security = *security});
   if (!participant) return participant.problems();
   auto observer = client::Observer::create(*participant, std::move(options));
   if (!observer) return observer.problems();

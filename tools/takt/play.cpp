@@ -17,6 +17,7 @@
 
 #include "client.hpp"
 #include "commands.hpp"
+#include "identity.hpp"
 #include "load.hpp"
 #include "page.hpp"
 #include "ranges.hpp"
@@ -286,6 +287,7 @@ int play(const PlayOptions& options) {
   if (!signals) return refuse(signals.problems());
   const auto client = connect(options.network);
   if (!client) return refuse(client.problems());
+  if (const auto may = may_write(*client->participant, "play"); !may) return refuse(may.problems());
   if (const auto free = nobody_else_writes(*client, *recording, *topics); !free)
     return refuse(free.problems());
 

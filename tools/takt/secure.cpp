@@ -146,6 +146,11 @@ int add(const SecureOptions& options) {
   const auto role = std::find_if(security::kRoles.begin(), security::kRoles.end(),
                                  [&](Role each) { return to_text(each) == options.role; });
   const Subject subject{authority->cell(), *role, options.name};
+  if (security::access_of(plan->cell, plan->domain, subject).empty()) {
+    return refuse({fail("cell " + authority->cell() +
+                            " has no topics for a program: each of its connections " + "has two ends",
+                        "leave out from or to of a connection, and takt secure update")});
+  }
   if (auto issued = authority->issue(subject, *plan, options.days, now_s()); !issued)
     return refuse(issued.problems());
   return show(options.folder);
@@ -169,6 +174,17 @@ int update(const SecureOptions& options) {
   if (auto admitted = admit_devices(*authority, *plan, options.days); !admitted)
     return refuse(admitted.problems());
   if (auto written = authority->document(*plan, now_s()); !written) return refuse(written.problems());
+  for (const security::Member& member : authority->members(now_s())) {
+    const auto& devices = plan->cell.devices;
+    const bool in_cell = std::any_of(devices.begin(), devices.end(), [&](const model::Device& device) {
+      return device.name == member.subject.name;
+    });
+    if (member.subject.role != Role::device || member.revoked || in_cell) continue;
+    std::fprintf(
+        stderr,
+        "device %s is not in the cell any more, and its identity is valid; takt secure revoke %s %s\n",
+        member.subject.name.c_str(), options.folder.c_str(), member.subject.name.c_str());
+  }
   return show(options.folder);
 }
 

@@ -1,6 +1,7 @@
 """A cell with DDS Security on machines of its own, and strangers beside it."""
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -156,6 +157,12 @@ class Security(takt_system.Case):
         self.assertEqual(1, stop.status)
         self.assertIn("observer eve at 10.77.0.3 may look and not stop", stop.err)
         nodes["robot"].wait_for_line("refused: observer eve at 10.77.0.3 asked to stop, which only an operator may")
+        update = self.as_one("observers/eve", "deploy", "--update", "cell.xml")
+        self.assertEqual(1, update.status)
+        self.assertEqual(len(DEVICES), update.err.count("observer eve at 10.77.0.3 may look and not"), update.err)
+        call = self.as_one("observers/eve", "call", "robot.plainly_visible.none")
+        self.assertEqual(1, call.status)
+        self.assertRegex(call.err, "observers/eve: error: observer eve may look and not call; name the folder of an operator")
         undeploy = self.as_one("observers/eve", "undeploy", "guarded")
         self.assertEqual(1, undeploy.status, undeploy.err)
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
@@ -267,7 +274,31 @@ class Security(takt_system.Case):
         self.assertEqual(1, run.status)
         nodes["robot"].wait_for_line("refused: operator anna at 10.77.0.4: its identity was revoked")
         self.assertEqual(0, self.as_one("operators/bert", "status").status)
+        # Of the whole folder the first whose identity is good.
+        whole = self.as_one(".", "status")
+        self.assertEqual(0, whole.status, whole.err)
+        self.assertRegex(whole.err, "anna/identity.cert.pem: error: it was revoked(?s:.*)so it is operator bert who asks")
         self.end(nodes)
+
+    def test_who_is_no_operator_is_told_so(self):
+        run = self.as_one("devices/line", "stop", "robot.plainly_visible")
+        self.assertEqual(1, run.status)
+        self.assertRegex(run.err, r"^\S+keys/devices/line: error: this is the identity of device line, not of an operator or observer; name the "
+                                  r"folder of one, as DIR/operators/NAME$")
+        self.refused({"secure add keys program mes": "cell guarded has no topics for a program: each of its connections has two ends; leave out",
+                      "sign cell.xml --key keys/operators/anna": "keys/operators/anna: error: this is the identity of one participant, and no "
+                      "authority; its authority is in .*keys$"})
+        self.assertFalse(os.path.exists(os.path.join(self.keys, "programs")))
+
+    def test_a_device_that_has_left_the_cell_is_named(self):
+        with open(self.beside("cell.xml")) as file:
+            text = file.read()
+        self.assertNotIn("any more", self.secure("update", "keys", self.beside("cell.xml")).err)
+        less = self.write("less.xml", re.sub(r'(?s)<device name="line">.*</device>|<connection.*?/>', "", text))
+        update = self.secure("update", "keys", less)
+        self.assertIn("device line is not in the cell any more, and its identity is valid; takt secure revoke keys line", update.err)
+        self.secure("revoke", "keys", "line")
+        self.assertEqual("", self.secure("update", "keys", less).err)
 
     def test_files_that_are_not_in_order_are_named(self):
         folder = os.path.join(self.keys, "devices", "robot")
@@ -382,6 +413,14 @@ class Components(takt_system.Case):
         run = self.takt("run", self.cell, "--for", "1", "--security", "keys", environment=self.environment)
         self.assertEqual(1, run.status)
         self.assertIn("it is not signed", run.err)
+
+    def test_a_certificate_that_is_none_is_named(self):
+        other = self.write("other.pem", "nothing")
+        for file, what in (("nosuch.pem", "there is no such file"), (other, "it is no certificate")):
+            self.assertIn("module mine: %s: %s; name the certificate that takt sign prints" % (file, what), self.try_it(TAKT_SIGNED_BY=file)[1])
+            node = self.program("takt-node", "--device", "d", "--signed-by", file).wait(20)
+            self.assertEqual(1, node.status, node.err)
+            self.assertIn("%s: error: %s; name the certificate that takt sign prints" % (file, what), node.err)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@
 
 #include <takt/os/environment.hpp>
 #include <takt/os/files.hpp>
+#include <takt/security/choice.hpp>
 
 namespace {
 
@@ -192,8 +193,30 @@ TEST_F(AuthorityTest, KeepsTheDescriptor) {
 
 TEST_F(AuthorityTest, FindsTheFolderOfOneBelowItsOwn) {
   EXPECT_EQ(folder_of(home(), Role::device, "robot"), of_robot());
-  EXPECT_EQ(folder_of(home(), Role::operator_), of_anna());
+  EXPECT_EQ(first_of(home(), Role::operator_, kNow).folder, of_anna());
   EXPECT_EQ(folder_of(of_robot(), Role::device, "robot"), of_robot());
+  EXPECT_EQ(first_of(of_anna(), Role::operator_, kNow).folder, of_anna());
+}
+
+TEST_F(AuthorityTest, PassesOverAnOperatorWhoWasRevokedAndSaysSo) {
+  const Subject bert{"belt", Role::operator_, "bert"};
+  ASSERT_TRUE(authority_->issue(bert, plan_, 100, kNow).ok());
+  EXPECT_THAT(first_of(home(), Role::operator_, kNow).passed_over, SizeIs(0));
+  ASSERT_TRUE(authority_->revoke(anna_, kNow).ok());
+  const Chosen chosen = first_of(home(), Role::operator_, kNow);
+  EXPECT_EQ(chosen.folder, home() + "/operators/bert");
+  EXPECT_THAT(to_text(chosen.passed_over), HasSubstr("anna/identity.cert.pem: error: it was revoked"));
+  ASSERT_TRUE(authority_->revoke(bert, kNow).ok());
+  EXPECT_EQ(first_of(home(), Role::operator_, kNow).folder, of_anna()) << "none is in order";
+}
+
+TEST_F(AuthorityTest, TheFolderOfAnIdentityIsNoAuthority) {
+  const auto wrong = Authority::open(of_anna());
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_THAT(to_text(wrong.problems()),
+              HasSubstr("this is the identity of one participant, and no authority; "
+                        "its authority is in " +
+                        home()));
 }
 
 TEST(Expiry, IsWarnedOfInItsLastThirtyDays) {
