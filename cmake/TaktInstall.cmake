@@ -91,10 +91,16 @@ foreach(header IN LISTS headers)
 endforeach()
 install(FILES idl/basic.idl idl/line.idl idl/motion.idl idl/takt.idl DESTINATION ${share}/idl COMPONENT dev)
 
-configure_package_config_file(cmake/takt-config.cmake.in ${CMAKE_BINARY_DIR}/takt-config.cmake INSTALL_DESTINATION ${package}
+# Not at the top of the build tree, where find_package() looks once its bin is in PATH: there it finds why not, and looks on.
+configure_package_config_file(cmake/takt-config.cmake.in ${CMAKE_BINARY_DIR}/package/takt-config.cmake INSTALL_DESTINATION ${package}
   PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_DATADIR)
-write_basic_package_version_file(${CMAKE_BINARY_DIR}/takt-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_BINARY_DIR}/takt-config.cmake ${CMAKE_BINARY_DIR}/takt-config-version.cmake cmake/TaktComponents.cmake
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/takt-config-version.cmake COMPATIBILITY SameMinorVersion)
+file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/takt-config.cmake CONTENT "# Not installed.\n")
+file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/takt-config-version.cmake @ONLY CONTENT [[
+set(PACKAGE_VERSION "none: this is a build tree; install it, as docs/install.md says: cmake --install @CMAKE_BINARY_DIR@ --prefix FOLDER, and name FOLDER in CMAKE_PREFIX_PATH")
+set(PACKAGE_VERSION_UNSUITABLE TRUE)
+]])
+install(FILES ${CMAKE_BINARY_DIR}/package/takt-config.cmake ${CMAKE_BINARY_DIR}/package/takt-config-version.cmake cmake/TaktComponents.cmake
               cmake/TaktIdl.cmake cmake/TaktWire.cmake DESTINATION ${package} COMPONENT dev)
 install(PROGRAMS cmake/takt_idl.py DESTINATION ${package} COMPONENT dev)
 install(DIRECTORY cmake/idl DESTINATION ${package} COMPONENT dev FILES_MATCHING PATTERN *.py)

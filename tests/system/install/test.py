@@ -80,6 +80,17 @@ class Installed(takt_system.Case):
         self.assertEqual(0, run.returncode, run.stdout + run.stderr)
         return run
 
+    def test_a_build_tree_is_no_package(self):
+        """That its programs are in PATH makes find_package() look there."""
+        project = os.path.join(self.folder, "project")
+        os.mkdir(project)
+        with open(os.path.join(project, "CMakeLists.txt"), "w") as file:
+            file.write("cmake_minimum_required(VERSION 3.25)\nproject(x LANGUAGES NONE)\nfind_package(takt REQUIRED)\n")
+        configured = subprocess.run(["cmake", "-S", project, "-B", os.path.join(self.folder, "out")], capture_output=True, text=True,
+                                    env=dict(os.environ, PATH=takt_system.BIN + ":" + os.environ["PATH"]))
+        self.assertNotEqual(0, configured.returncode)
+        self.assertIn("this is a build tree; install it, as docs/install.md says: cmake --install " + BUILD, configured.stderr)
+
     def test_runs_without_the_trees(self):
         run = self.installed("run", os.path.join(INSTALLED, CELL), "--for", "2", "--json", "--quiet")
         self.assert_ran(run, ["trajectory", "servo", "arm", "conveyor", "counter", "panel"])
