@@ -19,8 +19,10 @@ Result<std::string> identity_of(const Network& network) {
   if (!identity) return identity.problems();
   const security::Subject& subject = identity->subject;
   if (!chosen.passed_over.empty()) {
-    std::fprintf(stderr, "%s\nso it is operator %s who asks\n", to_text(chosen.passed_over).c_str(),
-                 subject.name.c_str());
+    // Not how to mend it: who was revoked is to stay so.
+    for (const Problem& problem : chosen.passed_over)
+      std::fprintf(stderr, "%s: %s\n", problem.where.c_str(), problem.what.c_str());
+    std::fprintf(stderr, "so it is operator %s who asks\n", subject.name.c_str());
   }
   if (subject.role == Role::operator_ || subject.role == Role::observer) return chosen.folder;
   return Problem{chosen.folder,
