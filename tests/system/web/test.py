@@ -94,7 +94,7 @@ class Web(takt_system.Case):
         self.assertEqual("good", page.attribute("[data-module='robot.tuned']", "data-look"))
         page.wait_for_attribute("path.wire", "data-line", "good", LONG)
 
-        # A program that is killed turns to RECOVER and comes back; so do the modules of a host, by way of IDLE.
+        # A program that is killed turns to RECOVER and comes back; the modules of a host do so in a moment, which the details keep.
         page.go("#/modules")
         page.wait_for("tr[data-module='robot.program'] .word", "EXECUTING")
         page.watch_states()
@@ -102,13 +102,10 @@ class Web(takt_system.Case):
         wait_until(lambda: "RECOVER" in page.seen("robot.program"), LONG, "RECOVER of the program")
         page.wait_for_attribute("tr[data-module='robot.program']", "data-state", "EXECUTING", LONG)
         self.running["robot"].one("takt-host").kill()
-        for module in ("robot.source", "robot.tuned"):
-            wait_until(lambda: page.script("return window.seen[arguments[0]].some(([state]) => state === 'IDLE' || state === 'DESTRUCT')",
-                                           module), LONG, module + " to be gone")
-            page.wait_for_attribute("tr[data-module='%s']" % module, "data-state", "EXECUTING", LONG)
-        self.wait_until_as_on_dds()
         page.go("#/modules?select=robot.tuned")
-        page.wait_for(".steps li", "EXECUTING \u2192 DESTRUCT.*its host ended")
+        page.wait_for(".steps li", "EXECUTING \u2192 DESTRUCT.*its host ended", LONG)
+        page.wait_for("#details .mark .word", "^EXECUTING", LONG)
+        self.wait_until_as_on_dds()
         page.go("#/faults")
         page.wait_for("tr[data-kind=host-restart]", "robot", LONG)
 
@@ -282,12 +279,17 @@ class Web(takt_system.Case):
         web = self.serve()
         self.cell()
         page = self.look("#/plots?port=robot.source.out")
-        number = page.wait_for(".time-plot b", r"^\d+$", LONG)
-        wait_until(lambda: page.text(".time-plot b") != number, LONG, "another value")
+        number = int(page.wait_for(".time-plot b", r"^\d+$", LONG))
+        wait_until(lambda: int(page.text(".time-plot b")) > number + 300, LONG, "values of the next three seconds")
         self.assertGreater(page.script("""
             const canvas = document.querySelector("canvas.plot");
+            const wanted = getComputedStyle(document.documentElement).getPropertyValue("--accent").match(/[0-9a-f]{2}/g);
             const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
-            return pixels.filter((value, i) => i % 4 === 3 && value > 0).length"""), 100)
+            let found = 0;
+            for (let i = 0; i < pixels.length; i += 4) {
+              if (pixels[i + 3] > 100 && wanted.every((of, j) => Math.abs(pixels[i + j] - parseInt(of, 16)) < 40)) ++found;
+            }
+            return found"""), 20)
         page.go("#/table?device=robot")
         page.wait_for(".executor summary", "Where the time went", LONG)
         wait_until(lambda: {"source", "tuned", "program (program)"} <= set(page.texts(".executor details tbody th")), LONG, "all modules")
@@ -308,13 +310,27 @@ class Web(takt_system.Case):
         page.watch_states()
         page.script("""window.frames_ms = []; let last = performance.now();
             const frame = (now) => { window.frames_ms.push(now - last); last = now; requestAnimationFrame(frame); };
-            requestAnimationFrame(frame);""")
+            requestAnimationFrame(frame);
+            window.told = {};  // when each step was taken, by the clock of the node, which is the browser's here
+            new EventSource("/api/events").addEventListener("state", (event) => JSON.parse(event.data).modules
+              .forEach((module) => (window.told[module.name] ??= []).push([module.state, module.time_ms])));""")
+        wait_until(lambda: len(page.script("return window.told")) == 100, LONG, "the other stream")
         told = []
         for verb, state in (("stop", "START"), ("start", "EXECUTING")) * 3:
             self.done("%s robot" % verb)
             wait_until(lambda: set(page.states().values()) == {state}, LONG, "all of them %s" % state)
             told.append(state)
-        for module, seen in page.seen().items():
+        seen_at, told_at = page.seen(), page.script("return window.told")
+        ages = []
+        for module, shown in seen_at.items():
+            steps = [step for step in told_at[module][1:] if step[0] in ("START", "EXECUTING")]
+            if [state for state, _ in steps] == [state for state, _ in shown[1:]]:
+                ages += [at - step_at for (_, at), (_, step_at) in zip(shown[1:], steps)]
+        ages.sort()
+        if ages:
+            print("from a step until it is shown: %d steps, ms: p50 %.0f, p99 %.0f, longest %.0f"
+                  % (len(ages), ages[len(ages) // 2], ages[len(ages) * 99 // 100], ages[-1]))
+        for module, seen in seen_at.items():
             seen = [state for state, _ in seen if state != "lost"]  # for a moment, where the machine stands still
             self.assertEqual(["EXECUTING"] + told, [state for i, state in enumerate(seen) if i == 0 or seen[i - 1] != state], module)
         frames = sorted(page.script("return window.frames_ms"))
