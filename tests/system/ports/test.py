@@ -6,6 +6,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
+from takt_system import wait_until
 
 
 class Ports(takt_system.Case):
@@ -45,6 +46,24 @@ class Ports(takt_system.Case):
         self.assertLess(seen["gaps"], 20)
         self.assertGreater(seen["last"], 250)
         self.assertEqual((0, 0), (self.seen("objects")["gaps"], self.seen("objects")["wrong"]))
+
+    def test_who_looks_on_is_no_connection_and_his_leaving_no_fault(self):
+        run = self.start("run", "cell.xml", "--json")
+        run.wait_for_state("relay", "EXECUTING")
+        output = lambda: next(p for m in self.status_of("d")["modules"] if m["name"] == "source" for p in m["ports"] if p["name"] == "out")
+        before = output()["connections"]
+        self.assertGreater(before, 0)
+        echo = self.start("echo", "d.source.out")
+        echo.wait_for_out("number")
+        wait_until(lambda: output()["samples"] > 1000, 10, "some looks of the node at the port")
+        self.assertEqual((before, before), (output()["connections"], output()["matched"]))
+        echo.signal(signal.SIGINT)
+        echo.wait(10)
+        time.sleep(1)  # as long as it might take to be noticed
+        self.assertEqual(([""], before), (self.done("log --kind connection-lost --json"), output()["matched"]))
+        run.signal(signal.SIGINT)
+        run.wait(20)
+        self.assertEqual(0, run.status, run.err)
 
     def test_properties_say_which_ports_a_program_has(self):
         run = self.takt("run", "named.xml", "--for", "3", "--json")
