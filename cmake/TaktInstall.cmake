@@ -53,7 +53,7 @@ install(TARGETS takt-host takt_check RUNTIME DESTINATION ${private} COMPONENT ru
 install(TARGETS ${modules} RUNTIME DESTINATION ${private}/components COMPONENT runtime
         LIBRARY DESTINATION ${private}/components COMPONENT runtime)
 install(TARGETS takt_component takt_process LIBRARY COMPONENT runtime NAMELINK_COMPONENT dev)
-install(FILES config/takt.xsd DESTINATION ${share} COMPONENT runtime)
+install(FILES config/takt.xsd config/grafana-takt.json DESTINATION ${share} COMPONENT runtime)
 install(DIRECTORY deploy DESTINATION ${share} COMPONENT runtime)
 
 install(DIRECTORY ${TAKT_PAGES}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime)

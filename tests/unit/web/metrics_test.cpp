@@ -1,5 +1,9 @@
 #include "metrics.hpp"
 
+#include <fstream>
+#include <iterator>
+#include <regex>
+
 #include <gmock/gmock.h>
 
 #include "seen.hpp"
@@ -69,6 +73,17 @@ TEST(Metrics, OfNothingHaveNoEmptyFamilies) {
   EXPECT_EQ(
       metrics_text({}, nullptr, {}),
       "# HELP takt_web_viewers Pages that are open.\n# TYPE takt_web_viewers gauge\ntakt_web_viewers 0\n");
+}
+
+TEST(Metrics, AreThoseThatTheDashboardAsksFor) {
+  std::ifstream file{std::string{TAKT_SOURCE_DIR} + "/config/grafana-takt.json"};
+  const std::string dashboard{std::istreambuf_iterator<char>{file}, {}};
+  const std::regex name{"takt_[a-z_]+"};
+  std::size_t found = 0;
+  for (std::sregex_iterator at{dashboard.begin(), dashboard.end(), name}; at != std::sregex_iterator{};
+       ++at, ++found)
+    EXPECT_THAT(text(), HasSubstr("# TYPE " + at->str() + " "));
+  EXPECT_GT(found, 10U);
 }
 
 TEST(Metrics, EscapeWhatALabelMayNotHold) {

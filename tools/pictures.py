@@ -1,0 +1,105 @@
+"""What tools/pictures runs once everything is built."""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+here = os.path.dirname(os.path.abspath(__file__))
+root = os.path.dirname(here)
+sys.path += [os.path.join(root, "tests", "system"), os.path.join(root, "tests", "system", "web")]
+from browser import Browser  # noqa: E402
+import takt_system  # noqa: E402
+
+BIN = os.path.join(root, "build", "release", "bin")
+OUT = os.path.join(root, "docs", "pictures")
+TERMINAL = (100, 34)  # columns, rows
+domain = takt_system.free_domain()
+environment = dict(os.environ, TAKT_DOMAIN=str(domain), TAKT_INTERFACE="127.0.0.1", PATH=BIN + ":" + os.environ["PATH"],
+                   TAKT_COMPONENT_PATH=os.path.join(root, "build", "release", "components"), LC_ALL="C.UTF-8")
+
+
+def out(name):
+    return os.path.join(OUT, name)
+
+
+def takt(*arguments):
+    done = subprocess.run(["takt", *arguments], env=environment, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit("takt %s: %s" % (" ".join(arguments), done.stderr))
+    return done.stdout
+
+
+def page(folder, address):
+    """The page in both themes and as on a tablet."""
+    browser = Browser(folder, 1440, 900)
+    try:
+        browser.open(address)
+        for name, route, theme, width, height in (
+                ("page.png", "#/cell", "light", 1440, 900), ("page-modules.png", "#/modules", "dark", 1440, 900),
+                ("page-table.png", "#/table", "light", 1440, 900), ("page-tablet.png", "#/faults", "dark", 768, 1024)):
+            browser.size(width, height)
+            browser.prefer(theme)
+            browser.go(route)
+            time.sleep(4)  # a picture of what has settled
+            browser.driver.save_screenshot(out(name))
+    finally:
+        browser.close()
+
+
+def terminal(folder):
+    """takt watch as a terminal shows it."""
+    tmux = ["tmux", "-S", os.path.join(folder, "tmux"), "-f", "/dev/null"]
+    subprocess.run(tmux + ["new-session", "-d", "-x", str(TERMINAL[0]), "-y", str(TERMINAL[1]), "takt watch"], env=environment, check=True)
+    try:
+        time.sleep(8)
+        shown = subprocess.run(tmux + ["capture-pane", "-e", "-p"], env=environment, check=True, capture_output=True).stdout
+    finally:
+        subprocess.run(tmux + ["kill-server"], env=environment, check=False)
+    html = subprocess.run(["aha", "--black", "--title", "takt watch"], input=shown, check=True, capture_output=True).stdout.decode()
+    html = html.replace("<pre>", '<pre style="font: 14px/1.2 \'DejaVu Sans Mono\', monospace; margin: 12px; display: inline-block">')
+    path = os.path.join(folder, "watch.html")
+    with open(path, "w") as file:
+        file.write(html)
+    browser = Browser(os.path.join(folder, "terminal"), 900, 640)
+    try:
+        browser.open("file://" + path)
+        size = browser.script("const r = document.querySelector('pre').getBoundingClientRect(); return [r.right + 12, r.bottom + 12];")
+        browser.size(round(size[0]), round(size[1]))
+        browser.driver.save_screenshot(out("watch.png"))
+    finally:
+        browser.close()
+
+
+def reports(folder):
+    recording = os.path.join(folder, "belt.db")
+    takt("record", "line.conveyor.state", "robot.arm.measured", "--out", recording, "--for", "12")
+    takt("plot", recording, "line.conveyor.state", "--svg", out("plot.svg"))
+
+
+def main():
+    os.makedirs(OUT, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        os.mkdir(os.path.join(folder, "terminal"))
+        processes = [subprocess.Popen(["takt", "run", os.path.join(root, "deploy", "palletizing.xml")], env=environment,
+                                      stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder)]
+        try:
+            time.sleep(5)
+            web = subprocess.Popen(["takt", "web", "--port", "0", "--commands"], env=environment, stdout=subprocess.PIPE, text=True)
+            processes.insert(0, web)
+            address = re.search(r"http://\S+/", web.stdout.readline()).group()
+            token = re.search(r"#token=\S+", web.stdout.readline()).group()
+            reports(folder)
+            time.sleep(30)
+            page(folder, address + token)
+            terminal(folder)
+        finally:
+            for process in processes:
+                process.terminate()
+                process.wait()
+    for name in sorted(os.listdir(OUT)):
+        print(os.path.relpath(out(name), root), os.path.getsize(out(name)), "bytes")
+
+
+main()
