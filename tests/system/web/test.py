@@ -108,6 +108,9 @@ class Web(takt_system.Case):
         self.wait_until_as_on_dds()
         page.go("#/faults")
         page.wait_for("tr[data-kind=host-restart]", "robot", LONG)
+        before = len(page.texts("tr[data-kind]"))
+        self.running["robot"].one("grid.exe").kill()
+        wait_until(lambda: len(page.texts("tr[data-kind]")) > before, LONG, "the record to grow while one looks at it")
 
         # A node that is killed: its device is lost, its modules with it, and so is what came from them.
         self.running["robot"].signal(signal.SIGKILL)
@@ -118,6 +121,8 @@ class Web(takt_system.Case):
         page.wait_for("tr[data-module='robot.tuned'] .word", "^lost, was EXECUTING$")
         page.go("#/cell")
         page.wait_for_attribute("[data-device=robot]", "data-state", "lost", LONG)
+        page.wait_for("[data-device=robot] .state-word", "^lost$", LONG)
+        page.wait_for("[data-module='robot.tuned'] .state-word", "^lost, was EXECUTING$", LONG)
         page.wait_for_attribute("path.wire", "data-line", "broken", LONG)
         page.go("#/connections")
         page.wait_for("tr[data-connection] .word", "not matched", LONG)
