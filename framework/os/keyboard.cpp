@@ -6,9 +6,31 @@
 #include <unistd.h>
 
 #include <array>
-#include <utility>
+#include <chrono>
+
+#include <takt/os/clock.hpp>
 
 namespace takt::os {
+
+namespace {
+
+/// What a terminal sends for one key comes within this time, over a slow line too.
+constexpr std::chrono::milliseconds kTogether{60};
+
+struct Sequence {
+  char letter;
+  const char* number;
+  int key;
+};
+constexpr std::array kSequences{
+    Sequence{'A', "", Keyboard::kUp},      Sequence{'B', "", Keyboard::kDown},
+    Sequence{'H', "", Keyboard::kHome},    Sequence{'F', "", Keyboard::kEnd},
+    Sequence{'~', "1", Keyboard::kHome},   Sequence{'~', "4", Keyboard::kEnd},
+    Sequence{'~', "7", Keyboard::kHome},   Sequence{'~', "8", Keyboard::kEnd},
+    Sequence{'~', "5", Keyboard::kPageUp}, Sequence{'~', "6", Keyboard::kPageDown},
+};
+
+}  // namespace
 
 struct Keyboard::Before {
   termios settings{};
@@ -20,7 +42,8 @@ Keyboard::Keyboard() : before_(std::make_unique<Before>()), fd_(fcntl(STDIN_FILE
   if (!before_->known) return;
   termios raw = before_->settings;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  raw.c_cc[VMIN] = 0;  // read() does not wait
+  raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // or it would be left in a shell with a screen of its own
+  raw.c_cc[VMIN] = 0;                 // read() does not wait
   raw.c_cc[VTIME] = 0;
   tcsetattr(STDIN_FILENO, TCSANOW, &raw);
 }
@@ -31,25 +54,51 @@ Keyboard::~Keyboard() {
 
 bool Keyboard::is_terminal() { return isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1; }
 
-std::optional<char> Keyboard::next() {
+std::optional<int> Keyboard::next() {
   std::array<char, 64> bytes{};
-  if (const ssize_t n = ::read(fd_.get(), bytes.data(), bytes.size()); n > 0)
+  if (const ssize_t n = ::read(fd_.get(), bytes.data(), bytes.size()); n > 0) {
     typed_.append(bytes.data(), static_cast<std::size_t>(n));
-  if (typed_.empty()) return std::nullopt;
-  for (const auto& [sequence, key] : {std::pair{"\033[A", kUp}, std::pair{"\033[B", kDown}}) {
-    if (typed_.rfind(sequence, 0) != 0) continue;
-    typed_.erase(0, 3);
-    return key;
+    typed_at_ = now();
   }
-  const char key = typed_.front();
-  typed_.erase(0, 1);
-  return key;
+  return take_key(typed_, now() - typed_at_ >= kTogether);
+}
+
+std::optional<int> take_key(std::string& typed, bool whole) {
+  constexpr char kEscapeByte = '\033';
+  while (!typed.empty()) {
+    const auto taken = [&typed](std::size_t bytes, int key) {
+      typed.erase(0, bytes);
+      return key;
+    };
+    if (typed[0] == '\b' || typed[0] == '\x7f') return taken(1, Keyboard::kBackspace);
+    if (typed[0] != kEscapeByte) return taken(1, static_cast<unsigned char>(typed[0]));
+    // ESC [ parameters letter, or ESC O letter; what is not that is an escape and a key.
+    const bool sequence = typed.size() > 1 && (typed[1] == '[' || typed[1] == 'O');
+    const std::size_t last = sequence ? typed.find_first_not_of("0123456789;", 2) : std::string::npos;
+    if (last == std::string::npos) {
+      if (!whole && (typed.size() == 1 || sequence)) return std::nullopt;
+      return taken(1, Keyboard::kEscape);
+    }
+    const std::string parameters = typed.substr(2, last - 2);
+    const char name = typed[last];
+    typed.erase(0, last + 1);
+    for (const auto& [letter, number, key] : kSequences) {
+      if (name == letter && (letter != '~' || parameters == number)) return key;
+    }
+  }
+  return std::nullopt;
 }
 
 Keyboard::Size Keyboard::size() const {
   winsize size{};
   if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0) return {};
   return {size.ws_col, size.ws_row};
+}
+
+std::size_t error_columns() {
+  if (isatty(STDERR_FILENO) != 1) return 0;
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
 }  // namespace takt::os

@@ -11,6 +11,8 @@ import threading
 from takt_system import wait_until
 
 UP, DOWN = "\x1b[A", "\x1b[B"
+ENTER, ESCAPE = "\r", "\x1b"
+_MODES = {"?25": "cursor", "?1049": "alternate", "?7": "wrap"}
 _CONTROL = re.compile(r"\x1b\[([?\d;]*)([A-Za-z])")
 
 
@@ -22,6 +24,7 @@ class Terminal:
         self.settings = termios.tcgetattr(self.slave)
         self.alternate = False  # the screen of its own
         self.cursor = True
+        self.wrap = True  # what is right of the last column goes to the next line
         self.strange = []  # what no terminal needs to understand, and places beside the screen
         self.seen = 0  # characters that were drawn
         self._lock = threading.Lock()
@@ -46,7 +49,7 @@ class Terminal:
 
     def restored(self):
         """As it was found."""
-        return not self.alternate and self.cursor and termios.tcgetattr(self.slave) == self.settings
+        return not self.alternate and self.cursor and self.wrap and termios.tcgetattr(self.slave) == self.settings
 
     def close(self):
         """Hangs up on whoever is still there."""
@@ -114,14 +117,22 @@ class Terminal:
         return ""
 
     def _control(self, numbers, name):
-        if name == "H" and numbers == "":
-            self._row = self._column = 0
+        if name == "H":
+            row, column = (int(n) - 1 for n in (numbers or "1;1").split(";"))
+            self._row, self._column = row, column
+            if row >= self.rows or column >= self.columns:
+                self.strange.append("row %d, column %d of %d by %d" % (row, column, self.rows, self.columns))
+                self._row = self.rows - 1
+        elif name == "J" and numbers == "":
+            if (self._row, self._column) != (0, 0):
+                self.strange.append("a part of the screen cleared")
+            self._cells = [[" "] * self.columns for _ in range(self.rows)]
         elif name == "K" and numbers in ("", "0", "2"):
             if self._row < self.rows:
                 begin = 0 if numbers == "2" else min(self._column, self.columns - 1)
                 self._cells[self._row][begin:] = [" "] * (self.columns - begin)
-        elif name in "hl" and numbers in ("?25", "?1049"):
-            setattr(self, "cursor" if numbers == "?25" else "alternate", name == "h")
+        elif name in "hl" and numbers in _MODES:
+            setattr(self, _MODES[numbers], name == "h")
         elif name != "m":
             self.strange.append("CSI %s %s" % (numbers, name))
 

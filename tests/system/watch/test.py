@@ -6,14 +6,16 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 from takt_system import wait_until
-from terminal import DOWN, Terminal, UP
+from terminal import DOWN, ENTER, ESCAPE, Terminal, UP
+from tmux import Tmux
 
 
 class Watch(takt_system.Case):
     def open(self, *arguments, rows=24, columns=100, **options):
         terminal = Terminal(rows, columns)
         self.addCleanup(terminal.close)
-        run = self.start("watch", *arguments, terminal=terminal.slave, become=terminal.become, **options)
+        run = self.start("watch", *arguments, terminal=terminal.slave, become=terminal.become,
+                         environment={"LC_ALL": "C", "NO_COLOR": ""}, **options)
         return terminal, run
 
     def cell(self):
@@ -53,25 +55,29 @@ class Watch(takt_system.Case):
         self.assertFalse(terminal.cursor)
         self.running = self.nodes("robot", "line")
         for device in self.running:
-            terminal.wait_for(r"^[> ] %s +waiting$" % device)
+            terminal.wait_for(r"^[> ] %s +o waiting$" % device)
         self.deploy("cell.xml")
-        for device in self.running:
-            terminal.wait_for(r"^[> ] %s +running\b" % device)
-        for module in ("grid", "program"):
-            terminal.wait_for(r"^ +%s +EXECUTING +\d+ +\d+\.\d\d +\d+\.\d\d +\d+ +0$" % module)
-        terminal.wait_for(r"^ +fails +RECOVER .*failure: run\(\)")
+        terminal.wait_for(r"^[> ] robot +\* running$")
+        terminal.wait_for(r"^[> ] line +! running +module fails is in RECOVER")
+        number = r"\d+(\.\d+)?"
+        # p50, p99, the last minute with something in it, budget, overruns, errors, cycles
+        terminal.wait_for(r"^ +grid +\* EXECUTING +%s +%s +[_.,\-=+*# ]*[_.,\-=+*#] +\d+ %% +\d+ +0 +\d+$" % (number, number))
+        terminal.wait_for(r"^ +program +\* EXECUTING +%s +%s +[_.,\-=+*# ]+ - +\d+ +0 +\d+$" % (number, number))
+        terminal.wait_for(r"^ +fails +! RECOVER .*failure: run\(\)")
+        terminal.wait_for(r"^takt watch  cell  domain %d  2 devices  4 modules  1 RECOVER +\d\d:\d\d:\d\d$" % self.domain)
         # What happened last, and what the keys are.
         terminal.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} line\.fails: EXECUTING -> RECOVER")
-        terminal.wait_for(r"^arrows choose .*q quit")
+        terminal.wait_for(r"^Enter details .*q quit")
         self.running["robot"].signal(signal.SIGKILL)
-        terminal.wait_for(r"^[> ] robot +LOST")
-        terminal.wait_for(r"^ +grid +LOST")
+        terminal.wait_for(r"^[> ] robot +X LOST")
+        terminal.wait_for(r"^ +grid +X LOST")
+        terminal.wait_for(r"  2 devices, 1 LOST  4 modules  2 LOST")
         self.running["robot"].wait(10)
         self.running["robot"] = self.node("robot", "--resume")
-        terminal.wait_for(r"^ +grid +EXECUTING")
+        terminal.wait_for(r"^ +grid +\* EXECUTING")
         self.done("undeploy cell")
         for device in self.running:
-            terminal.wait_for(r"^[> ] %s +waiting$" % device)
+            terminal.wait_for(r"^[> ] %s +o waiting$" % device)
         self.end(self.running)
         terminal.wait_for("no device is to be seen on this domain")
         self.leave(terminal, run, lambda: terminal.press("q"))
@@ -79,18 +85,18 @@ class Watch(takt_system.Case):
     def test_keys_tell_the_module_that_is_chosen(self):
         self.cell()
         terminal, run = self.open()
-        terminal.wait_for(r"^ +fails +RECOVER")
-        terminal.wait_for(r"^ +grid +EXECUTING")
+        terminal.wait_for(r"^ +fails +! RECOVER")
+        terminal.wait_for(r"^ +grid +\* EXECUTING")
         for module in ("grid", "program"):
             self.choose(terminal, module)
             terminal.press("t")
             terminal.wait_for(r"^robot\.%s: START$" % module)
-            terminal.wait_for(r"^> +%s +START\b" % module)
+            terminal.wait_for(r"^> +%s +o START\b" % module)
             terminal.press("t")
             terminal.wait_for(r"stop is refused in state START; it is allowed in EXECUTING")
             terminal.press("s")
             terminal.wait_for(r"^robot\.%s: EXECUTING$" % module)
-            terminal.wait_for(r"^> +%s +EXECUTING\b" % module)
+            terminal.wait_for(r"^> +%s +\* EXECUTING\b" % module)
         begun = len(self.running["line"].raw)
         self.choose(terminal, "fails")
         terminal.press("r")
@@ -100,12 +106,12 @@ class Watch(takt_system.Case):
         self.choose(terminal, "robot")
         terminal.press("t")
         for module in ("grid", "program"):
-            terminal.wait_for(r"^ +%s +START\b" % module)
+            terminal.wait_for(r"^ +%s +o START\b" % module)
         terminal.press("s")
         for module in ("grid", "program"):
-            terminal.wait_for(r"^ +%s +EXECUTING\b" % module)
+            terminal.wait_for(r"^ +%s +\* EXECUTING\b" % module)
         # At the ends the mark stays, and a key that means nothing does nothing.
-        terminal.press(UP * 20 + "zZ7\t\r")
+        terminal.press(UP * 20 + "zZ7\t\x1b[15~")
         terminal.wait_for(r"^> line\b")
         terminal.press(DOWN * 20)
         terminal.wait_for(r"^> +program\b")
@@ -124,15 +130,78 @@ class Watch(takt_system.Case):
         terminal, run = self.open(rows=24, columns=100)
         line = terminal.wait_for(r"^  \d\d:\d\d:\d\d\.\d{3} line\.fails: \S+ -> RECOVER")
         terminal.resize(24, len(line) - 5)
-        terminal.wait_for("^%s$" % re.escape(line[:-5].rstrip()))
-        for rows, columns in ((1, 1), (5, 40), (2, 500), (24, 100)):
+        terminal.wait_for("^%s~$" % re.escape(line[:-6].rstrip()))
+        for rows, columns in ((1, 1), (6, 40), (2, 500), (24, 100)):
             seen = terminal.seen
             terminal.resize(rows, columns)
             wait_until(lambda: terminal.seen > seen, 5, "a screen of the new size")
-            if rows >= 5:
+            if rows >= 6:
                 terminal.wait_for("^> line")
-        terminal.wait_for(r"^arrows choose .*q quit")
+        terminal.wait_for(r"^Enter details .*q quit")
         del terminal.strange[:]  # what was drawn for a larger one just before
+        self.leave(terminal, run, lambda: terminal.press("q"))
+        self.finish()
+
+    def test_one_module_or_device(self):
+        self.cell()
+        terminal, run = self.open(rows=40)
+        terminal.wait_for(r"^ +grid +\* EXECUTING")
+        self.choose(terminal, "grid")
+        terminal.press(ENTER)
+        terminal.wait_for(r"^robot\.grid$")
+        # The descriptor that runs says how it is meant to be.
+        terminal.wait_for(r"^  runs +thread, periodic, every 1 ms$")
+        terminal.wait_for(r"^  executor +main, priority 1$")
+        terminal.wait_for(r"^  budget +500 us$")
+        terminal.wait_for(r"^  cycles +\d{2,} +missed \d+ +overruns \d+ +over budget \d+$")
+        terminal.wait_for(r"^  errors +0 +recoveries 0$")
+        terminal.wait_for(r"^  jitter +p50 \S+ +p99 \S+ +p99.9 \S+ +max \S+ us$")
+        terminal.wait_for(r"^  last minute .* \S+ us$")
+        terminal.wait_for(r"^  run time +p50 +\S+ us [#.]+ +\d+ %")
+        terminal.wait_for(r"^  transitions +\d\d:\d\d:\d\d\.\d{3} START -> EXECUTING +run$")
+        self.done("stop robot.grid")
+        terminal.wait_for(r"^  state +o START$")
+        terminal.wait_for(r"^  transitions +\d\d:\d\d:\d\d\.\d{3} EXECUTING -> START +stop$")
+        terminal.press("s")
+        terminal.wait_for(r"^  state +\* EXECUTING$")
+        terminal.press("n")
+        terminal.wait_for(r"^robot\.program$")
+        terminal.wait_for(r"no budget is given")
+        terminal.press(ESCAPE)
+        terminal.wait_for(r"^> +program")
+        self.choose(terminal, "robot")
+        terminal.press(ENTER)
+        terminal.wait_for(r"^  health +ok$")
+        terminal.wait_for(r"^  node +process %d$" % self.running["robot"].pid)
+        terminal.wait_for(r"^  main +\d+ +\d+ +\d+ +\S+ +\S+ +\S+ +\S+$")
+        terminal.press(ESCAPE + "c")
+        terminal.wait_for("nothing is connected")
+        terminal.press(ESCAPE + "?")
+        terminal.wait_for("destruct, once y has confirmed it")
+        self.leave(terminal, run, lambda: terminal.press("q"))
+        self.finish()
+
+    def test_an_order_that_takes_long_does_not_hold_up_the_screen(self):
+        self.cell()
+        terminal, run = self.open()
+        terminal.wait_for(r"^ +stubborn +\* EXECUTING")
+        self.choose(terminal, "stubborn")
+        terminal.press("D")
+        terminal.wait_for(r"^destruct line\.stubborn\? y does it")
+        terminal.press("n")
+        terminal.wait_for(r"^no destruct of line\.stubborn")
+        terminal.press("Dy")
+        terminal.wait_for(r"destruct of line\.stubborn, [1-9] s \.\.\.$")
+        # It is not answered yet, and keys do what they do.
+        for _ in range(3):
+            terminal.press(UP)
+            terminal.wait_for(r"^> +fails")
+            terminal.press(DOWN)
+            terminal.wait_for(r"^> +stubborn")
+        terminal.wait_for(r"destruct of line\.stubborn, \d+ s \.\.\.$")
+        terminal.press(ENTER)
+        terminal.wait_for(r"^line\.stubborn$")
+        # Nor does it keep anybody from leaving.
         self.leave(terminal, run, lambda: terminal.press("q"))
         self.finish()
 
@@ -165,6 +234,96 @@ class Watch(takt_system.Case):
         self.finish()
         run.signal(signal.SIGINT)
         self.assertEqual(0, run.wait(10).status)
+
+
+class InTmux(takt_system.Case):
+    def open(self, columns=80, rows=24):
+        program = os.path.join(takt_system.BIN, "takt")
+        tmux = Tmux(self.folder, ["sh", "-c", "%s watch; echo left with $?; sleep 1000" % program], columns, rows,
+                    {"TAKT_DOMAIN": str(self.domain)})
+        self.addCleanup(tmux.close)
+        return tmux
+
+    def test_at_80_by_24(self):
+        running = self.nodes("robot", "line")
+        self.deploy("cell.xml")
+        tmux = self.open()
+        tmux.wait_for("^  ▲device, module +state +p50 us +p99 us last minute +budget +over +err$")
+        tmux.wait_for("^    grid +● EXECUTING .* [▁▂▃▄▅▆▇█]+ ")
+        tmux.wait_for("^    fails +▲ RECOVER +failure: run")
+        self.assertEqual(24, len(tmux.lines))
+        self.assertLessEqual(max(len(line) for line in tmux.lines), 80)
+        self.assertIn("1", tmux.show("alternate_on"))
+        coloured = tmux.coloured
+        self.assertRegex(coloured, "\x1b\\[32m● EXECUTING")
+        self.assertRegex(coloured, "\x1b\\[31m▲ RECOVER")
+        # Sorted by state, the worst first, then the other way round; by the numbers of a column.
+        tmux.press(">")
+        tmux.wait_for("module +▲state")
+        self.assertRegex(tmux.lines[2], r"line\.fails +▲ RECOVER")
+        tmux.press("v")
+        tmux.wait_for("module +▼state")
+        self.assertRegex(tmux.lines[5], r"line\.fails +▲ RECOVER")
+        # Found by what is typed.
+        tmux.press("<", "/")
+        tmux.type("grix")
+        tmux.wait_for("^/grix_$")
+        tmux.wait_for("nothing is as the filter says")
+        tmux.press("BSpace")
+        tmux.type("d")
+        tmux.wait_for("^. +grid +● EXECUTING")
+        tmux.gone("^[> ] +(program|fails) ")
+        tmux.press("Enter", "Down")
+        tmux.wait_for("^>   grid")
+        tmux.press("Enter")
+        tmux.wait_for(r"^  run time +p50 +\S+ us [█▏▎▍▌▋▊▉·]+ +\d+ %")
+        tmux.press("t")
+        tmux.wait_for("^  state +○ START$")
+        tmux.press("s")
+        tmux.wait_for("^  state +● EXECUTING$")
+        tmux.press("Escape")
+        tmux.wait_for("^>   grid")
+        tmux.press("Escape")
+        tmux.wait_for("^    program")
+        # Any other size, while it runs.
+        for columns, rows in ((40, 10), (200, 60), (20, 5), (80, 24)):
+            tmux.resize(columns, rows)
+            wait_until(lambda: len(tmux.lines) == rows and tmux.lines[-1].startswith("Enter details"[:columns - 1]), 5,
+                       "the keys at the bottom of %d by %d" % (columns, rows))
+            self.assertLessEqual(max(len(line) for line in tmux.lines), columns)
+        tmux.press("q")
+        tmux.wait_for("^left with 0$")
+        self.assertEqual("0", tmux.show("alternate_on"))
+        self.assertEqual("1", tmux.show("cursor_flag"))
+        self.assertEqual("1", tmux.show("wrap_flag"))
+        self.done("undeploy cell")
+        self.end(running)
+
+    def test_a_hundred_modules(self):
+        descriptor = self.write("many.xml", "<cell name='many'><device name='robot'>%s</device></cell>" % "".join(
+            "<module><name>m%03d</name><filename>fine.so</filename><moduletype>thread</moduletype>"
+            "<operationtype>periodic</operationtype><period>10000000</period><priority>1</priority></module>" % i
+            for i in range(100)))
+        running = self.nodes("robot")
+        self.deploy(descriptor)
+        tmux = self.open()
+        tmux.wait_for("100 modules  all EXECUTING")
+        tmux.wait_for("^    m000 +● EXECUTING +[0-9]")
+        tmux.press("End")
+        tmux.wait_for("^>   m099 +● EXECUTING")
+        tmux.press("Home", *["Down"] * 50)
+        tmux.wait_for("^>   m049 +● EXECUTING")
+        tmux.press("t")
+        tmux.wait_for("^>   m049 +○ START")
+        tmux.wait_for("100 modules  1 START")
+        tmux.press("/")
+        tmux.type("robot.m02")
+        tmux.wait_for("^ +m020")
+        self.assertEqual(10, sum("EXECUTING" in line and "->" not in line and "modules" not in line for line in tmux.lines))
+        tmux.press("Escape", "q")
+        tmux.wait_for("^left with 0$")
+        self.done("undeploy many")
+        self.end(running)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,62 @@
+"""A program in a real terminal multiplexer: what it makes of a screen, and of keys as it passes them on."""
+import os
+import re
+import shlex
+import subprocess
+
+from takt_system import wait_until
+
+
+class Tmux:
+    """A server of its own, whose socket lies in `folder`."""
+
+    def __init__(self, folder, arguments, columns=80, rows=24, environment=None):
+        self._socket = os.path.join(folder, "tmux")
+        settings = os.path.join(folder, "tmux.conf")
+        with open(settings, "w", encoding="utf-8") as file:
+            file.write("set -g status off\nset -g default-shell /bin/sh\n")
+        # A screen of UTF-8 whatever the locale of whoever runs the test.
+        self._environment = dict(os.environ, LC_ALL="C.UTF-8", **(environment or {}))
+        self._do("-f", settings, "new-session", "-d", "-x", str(columns), "-y", str(rows), "-c", folder,
+                 shlex.join(arguments))
+
+    def _do(self, *arguments):
+        return subprocess.run(["tmux", "-u", "-S", self._socket, *arguments], env=self._environment, check=True,
+                              capture_output=True, text=True, timeout=10).stdout
+
+    def close(self):
+        subprocess.run(["tmux", "-S", self._socket, "kill-server"], check=False, capture_output=True, timeout=10)
+
+    def press(self, *keys):
+        """By tmux's names: "Enter", "Escape", "Up", "PPage", "a"."""
+        self._do("send-keys", *keys)
+
+    def type(self, text):
+        self._do("send-keys", "-l", text)
+
+    def resize(self, columns, rows):
+        self._do("resize-window", "-x", str(columns), "-y", str(rows))
+
+    @property
+    def lines(self):
+        return self._do("capture-pane", "-p").split("\n")[:-1]
+
+    @property
+    def coloured(self):
+        return self._do("capture-pane", "-p", "-e")
+
+    def show(self, of):
+        return self._do("display-message", "-p", "#{%s}" % of).strip()
+
+    def wait_for(self, pattern, limit=15.0):
+        """The first line on which it is found."""
+        expression = re.compile(pattern)
+        try:
+            return wait_until(lambda: next((line for line in self.lines if expression.search(line)), None), limit,
+                              "%r on the screen" % pattern)
+        except AssertionError as error:
+            raise AssertionError("%s; it shows:\n%s" % (error, "\n".join(self.lines))) from None
+
+    def gone(self, pattern, limit=15.0):
+        expression = re.compile(pattern)
+        wait_until(lambda: not any(expression.search(line) for line in self.lines), limit, "%r off the screen" % pattern)

@@ -1,0 +1,166 @@
+#include <watch/list.hpp>
+
+#include <gmock/gmock.h>
+
+#include <watch/sparkline.hpp>
+
+#include "watch_cells.hpp"
+
+namespace takt::tool::watch {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+std::vector<std::string> targets(const Seen& seen, const View& view) {
+  std::vector<std::string> all;
+  for (const Row& row : rows_of(seen, view)) all.push_back(row.target());
+  return all;
+}
+
+Seen three() {
+  Seen seen = cell(3);
+  seen.devices[1].modules[0].measured->errors = 2;
+  seen.devices[1].modules[1].measured->errors = 5;
+  seen.devices.push_back(device("idle"));
+  return seen;
+}
+
+TEST(WatchList, HasEachDeviceWithItsModulesBelow) {
+  EXPECT_THAT(targets(three(), {}),
+              ElementsAre("idle", "line", "line.belt", "robot", "robot.m0", "robot.m1", "robot.m2"));
+  EXPECT_THAT(targets(three(), {.reversed = true}),
+              ElementsAre("robot", "robot.m2", "robot.m1", "robot.m0", "line", "line.belt", "idle"));
+}
+
+TEST(WatchList, SortsTheLargestFirst) {
+  EXPECT_THAT(targets(three(), {.column = Column::errors}),
+              ElementsAre("robot.m1", "robot.m0", "line.belt", "robot.m2", "idle"));
+  EXPECT_THAT(targets(three(), {.column = Column::errors, .reversed = true}),
+              ElementsAre("idle", "line.belt", "robot.m2", "robot.m0", "robot.m1"));
+}
+
+TEST(WatchList, SortsTheWorstStateFirst) {
+  Seen seen = three();
+  seen.devices[1].modules[2].state = "DESTRUCT";
+  EXPECT_THAT(targets(seen, {.column = Column::state}),
+              ElementsAre("line.belt", "robot.m2", "robot.m0", "robot.m1", "idle"));
+  seen.devices[1].alive = false;
+  EXPECT_THAT(targets(seen, {.column = Column::state}),
+              ElementsAre("robot.m0", "robot.m1", "robot.m2", "line.belt", "idle"));
+}
+
+TEST(WatchList, EachColumnIsSortedByWhatItShows) {
+  Seen seen = cell(2);
+  seen.devices.erase(seen.devices.begin());
+  Module& less = seen.devices[0].modules[0];
+  Module& more = seen.devices[0].modules[1];
+  for (Module* each : {&less, &more})
+    each->planned = Planned{.words = "", .budget = std::chrono::microseconds{100}};
+  more.measured = Measured{.cycles = 2000,
+                           .missed = 1,
+                           .overruns = 1,
+                           .errors = 1,
+                           .jitter_us = {.p50 = 9, .p99 = 99},
+                           .run_us = {.p99 = 80}};
+  for (const Column column : {Column::p50, Column::p99, Column::budget, Column::overruns, Column::errors,
+                              Column::cycles, Column::missed})
+    EXPECT_THAT(targets(seen, {.column = column}), ElementsAre("robot.m1", "robot.m0"))
+        << static_cast<int>(column);
+}
+
+TEST(WatchList, FindsWordsInNameStateAndReason) {
+  EXPECT_THAT(targets(three(), {.filter = "ROBOT m1"}), ElementsAre("robot", "robot.m1"));
+  EXPECT_THAT(targets(three(), {.filter = "recover"}), ElementsAre("line", "line.belt"));
+  EXPECT_THAT(targets(three(), {.filter = "jams"}), ElementsAre("line", "line.belt"));
+  EXPECT_THAT(targets(three(), {.filter = "waiting"}), ElementsAre("idle"));
+  EXPECT_THAT(targets(three(), {.filter = "line"}), ElementsAre("line", "line.belt"));
+  EXPECT_THAT(targets(three(), {.column = Column::p99, .filter = "m2"}), ElementsAre("robot.m2"));
+  EXPECT_THAT(targets(three(), {.filter = "m1 m2"}), ElementsAre());
+}
+
+TEST(WatchList, AtEightyColumnsThereIsWhatMatters) {
+  const std::string heading = list_heading({}, 80, {}).shown(80, {});
+  for (const char* column :
+       {"^device, module", "state", "p50 us", "p99 us", "last minute", "budget", "over", "err"})
+    EXPECT_THAT(heading, HasSubstr(column));
+  EXPECT_THAT(heading, Not(HasSubstr("cycles")));
+  EXPECT_THAT(list_heading({}, 200, {}).shown(200, {}), HasSubstr("missed"));
+  EXPECT_THAT(list_heading({.column = Column::p99}, 80, {}).shown(80, {}), HasSubstr("vp99 us"));
+  EXPECT_THAT(list_heading({.column = Column::p99, .reversed = true}, 80, {}).shown(80, {}),
+              HasSubstr("^p99 us"));
+}
+
+TEST(WatchList, TheReasonTakesThePlaceOfTheNumbersWhereThereIsNoRoomForBoth) {
+  const Seen seen = cell(1);
+  const Row belt = rows_of(seen, {})[1];
+  const std::string narrow = list_line(belt, false, 80, {}).shown(80, {});
+  EXPECT_THAT(narrow, HasSubstr("! RECOVER    failure: it jams"));
+  EXPECT_THAT(narrow, Not(HasSubstr("20.2")));
+  const std::string wide = list_line(belt, true, 180, {}).shown(180, {});
+  EXPECT_THAT(wide, HasSubstr("20.2"));
+  EXPECT_THAT(wide, HasSubstr("failure: it jams"));
+  EXPECT_THAT(wide, testing::StartsWith(">   belt"));
+}
+
+TEST(WatchList, TheShareOfTheBudgetIsThatOfTheLongRuns) {
+  Seen seen = cell(1);
+  Module& m0 = seen.devices[1].modules[0];
+  const auto line = [&] {
+    return list_line(rows_of(seen, {})[3], false, 80, {.colour = true}).shown(80, {.colour = true});
+  };
+  EXPECT_THAT(line(), Not(HasSubstr("%")));
+  m0.planned = Planned{.words = "", .budget = std::chrono::microseconds{200}};
+  EXPECT_THAT(line(), HasSubstr(" 25 %"));
+  m0.planned->budget = std::chrono::microseconds{40};
+  EXPECT_THAT(line(), HasSubstr("\033[31m125 %"));
+  m0.measured.reset();
+  EXPECT_THAT(line(), Not(HasSubstr("%")));
+}
+
+TEST(WatchSparkline, HasAStepForEachThreefold) {
+  const std::vector<double> values{0, 0.9, 1, 3, 10, 30, 100, 300, 1000, 1e9};
+  EXPECT_EQ(sparkline(values, 10, {.unicode = true}), "▁▁▂▃▄▅▆▇██");
+  EXPECT_EQ(sparkline(values, 10, {}), "__.,-=+*##");
+}
+
+TEST(WatchSparkline, ShowsTheNewestAndLeavesGaps) {
+  const double none = std::nan("");
+  EXPECT_EQ(sparkline({1000, 0, none, 1}, 3, {}), "_ .");
+  EXPECT_EQ(sparkline({1}, 3, {}), "  .");
+  EXPECT_EQ(sparkline({}, 2, {}), "  ");
+  EXPECT_EQ(sparkline({1}, 0, {}), "");
+}
+
+TEST(WatchChart, ReachesFromZeroToTheLargest) {
+  const double none = std::nan("");
+  EXPECT_THAT(chart({0, 8, none, 16}, 4, 2, {.unicode = true}), ElementsAre("   █", "▁█ █"));
+  EXPECT_THAT(chart({none}, 1, 1, {.unicode = true}), ElementsAre(" "));
+  EXPECT_THAT(chart({0}, 1, 1, {.unicode = true}), ElementsAre("▁"));
+}
+
+TEST(WatchBar, IsFullAtTheWholeAndAbove) {
+  EXPECT_EQ(bar(0, 4, {}), "....");
+  EXPECT_EQ(bar(0.5, 4, {}), "##..");
+  EXPECT_EQ(bar(1, 4, {}), "####");
+  EXPECT_EQ(bar(7, 4, {}), "####");
+  EXPECT_EQ(bar(0.375, 2, {.unicode = true}), "▊·");
+}
+
+TEST(WatchState, ConnectionsSayWhatIsWrong) {
+  const auto of = [](const CellHealth::Connection& health) {
+    return state_of(Connection{.from = "", .to = "", .kind = "", .health = health}, {});
+  };
+  EXPECT_EQ(of({.age = std::chrono::milliseconds{2}}).text, "* ok, 2 ms old");
+  EXPECT_EQ(of({.age = std::chrono::milliseconds{2}}).ink, Ink::good);
+  EXPECT_EQ(of({.age = std::chrono::milliseconds{2}, .lost = 3}).ink, Ink::warning);
+  EXPECT_EQ(of({.matched = false}).text, "X NOT MATCHED");
+  EXPECT_EQ(of({.stale = true}).text, "! STALE");
+  EXPECT_EQ(of({.safe = true}).text, "! SAFE VALUE");
+  EXPECT_EQ(of({}).text, "o no value yet");
+  EXPECT_EQ(of({.incompatible = "reliability"}).ink, Ink::bad);
+}
+
+}  // namespace
+}  // namespace takt::tool::watch

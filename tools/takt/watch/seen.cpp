@@ -1,0 +1,32 @@
+#include "seen.hpp"
+
+#include <algorithm>
+
+namespace takt::tool::watch {
+
+namespace {
+
+template <class T>
+const T* named(const std::vector<T>& all, const std::string& name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const T& one) { return one.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::optional<double> Module::share(double run_us) const {
+  if (!measured || measured->cycles == 0 || !planned || !planned->budget) return std::nullopt;
+  return run_us * 1e3 / static_cast<double>(planned->budget->count());
+}
+
+const Device* Seen::device(const std::string& target) const {
+  return named(devices, target.substr(0, target.find('.')));
+}
+
+const Module* Seen::module(const std::string& target) const {
+  const std::size_t dot = target.find('.');
+  const Device* const on = device(target);
+  return on == nullptr || dot == std::string::npos ? nullptr : named(on->modules, target.substr(dot + 1));
+}
+
+}  // namespace takt::tool::watch

@@ -1,0 +1,118 @@
+// What the screen of `takt watch` shows, as plain data: what was heard of a domain, and what the descriptor
+// that runs says of it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <takt/core/time.hpp>
+
+#include "graph_report.hpp"
+
+namespace takt::tool::watch {
+
+struct Quantiles {
+  double mean = 0;
+  double p50 = 0;
+  double p99 = 0;
+  double p999 = 0;
+  double max = 0;
+};
+
+struct Measured {
+  std::uint64_t cycles = 0;
+  std::uint64_t missed = 0;
+  std::uint64_t overruns = 0;
+  std::uint64_t over_budget = 0;
+  std::uint64_t errors = 0;
+  std::uint64_t recoveries = 0;
+  Quantiles jitter_us{};
+  Quantiles run_us{};
+};
+
+/// What the descriptor says of a module.
+struct Planned {
+  std::string words;  ///< "thread, periodic, every 1 ms"
+  std::string executor{};
+  int priority = 0;
+  std::optional<Nanoseconds> period{};
+  std::optional<Nanoseconds> budget{};
+};
+
+struct Port {
+  std::string name;
+  bool output = false;
+  std::string type{};
+  bool connected = false;
+  std::uint64_t samples = 0;
+  CellHealth::Connection health{};
+};
+
+struct Transition {
+  std::int64_t time_ns = 0;
+  std::string text;  ///< "EXECUTING -> RECOVER (why)"
+};
+
+struct Module {
+  std::string name;
+  std::string state;   ///< "EXECUTING"
+  std::string text{};  ///< why it is in that state; may be empty
+  std::optional<Measured> measured{};
+  std::optional<Planned> planned{};
+  std::vector<double> minute_us{};  ///< jitter, a value a second, the newest last; NaN: it did not run
+  std::vector<Port> ports{};
+  std::vector<Transition> transitions{};  ///< the oldest first
+
+  /// How much of its budget a run of this length is; none: it has no budget, or was not measured.
+  [[nodiscard]] std::optional<double> share(double run_us) const;
+};
+
+struct Executor {
+  std::string name;
+  std::uint64_t cycles = 0;
+  std::uint64_t missed = 0;
+  std::uint64_t late = 0;
+  double margin_us = 0;
+  Quantiles jitter_us{};
+};
+
+struct Device {
+  std::string name;
+  std::string cell;    ///< empty: it has no deployment
+  std::string state;   ///< "running"
+  std::string health;  ///< "ok"
+  std::string text{};  ///< why it is not
+  bool alive = true;   ///< false: its node is lost, and the rest is what was heard last
+  bool real_time = true;
+  std::string machine{};
+  std::int32_t process_id = 0;
+  std::int32_t host_process_id = 0;
+  std::uint32_t host_restarts = 0;
+  std::vector<Executor> executors{};
+  std::vector<Module> modules{};
+};
+
+struct Connection {
+  std::string from;
+  std::string to;
+  std::string kind;
+  std::optional<CellHealth::Connection> health{};  ///< none: nothing was heard of it
+};
+
+struct Seen {
+  int domain = 0;
+  std::string clock{};  ///< "12:34:56"
+  std::vector<Device> devices{};
+  std::vector<Connection> connections{};
+  bool connections_known = false;     ///< false: no node has said yet what is connected
+  std::vector<std::string> events{};  ///< what happened last, the oldest first
+  std::vector<std::string> orders{};  ///< those that are not answered yet: "stop of robot.servo, 3 s"
+
+  /// "DEVICE" or "DEVICE.MODULE"; null where there is none any more.
+  [[nodiscard]] const Device* device(const std::string& target) const;
+  [[nodiscard]] const Module* module(const std::string& target) const;
+};
+
+}  // namespace takt::tool::watch

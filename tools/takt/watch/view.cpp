@@ -1,0 +1,212 @@
+#include "view.hpp"
+
+#include <algorithm>
+
+#include <takt/os/keyboard.hpp>
+
+namespace takt::tool::watch {
+
+namespace {
+
+using Keyboard = os::Keyboard;
+
+constexpr std::size_t kLongestFilter = 60;
+
+std::optional<Verb> verb_of(int key) {
+  switch (key) {
+    case 'i':
+      return Verb::initialize;
+    case 's':
+      return Verb::start;
+    case 't':
+      return Verb::stop;
+    case 'r':
+      return Verb::recover;
+    case 'x':
+      return Verb::reset;
+    case 'D':
+      return Verb::destruct;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// How far a key moves, where there are `room` lines on the screen.
+std::optional<std::ptrdiff_t> steps_of(int key, std::size_t room) {
+  const auto page = static_cast<std::ptrdiff_t>(std::max<std::size_t>(room, 2) - 1);
+  constexpr std::ptrdiff_t kAll = 1'000'000'000;
+  switch (key) {
+    case Keyboard::kUp:
+    case 'k':
+      return -1;
+    case Keyboard::kDown:
+    case 'j':
+      return 1;
+    case Keyboard::kPageUp:
+      return -page;
+    case Keyboard::kPageDown:
+    case ' ':
+      return page;
+    case Keyboard::kHome:
+    case 'g':
+      return -kAll;
+    case Keyboard::kEnd:
+    case 'G':
+      return kAll;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::size_t moved(std::size_t at, std::ptrdiff_t steps, std::size_t last) {
+  const auto to = static_cast<std::ptrdiff_t>(at) + steps;
+  return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(to, 0, static_cast<std::ptrdiff_t>(last)));
+}
+
+void choose(View& view, std::ptrdiff_t steps, const Shown& shown) {
+  if (shown.targets.empty()) return;
+  view.chosen_at = moved(view.chosen_at, steps, shown.targets.size() - 1);
+  view.chosen = shown.targets[view.chosen_at];
+}
+
+// A character of the filter may have several bytes, which come one by one.
+void type(View& view, int key) {
+  if (key == Keyboard::kEscape) view.filter.clear();
+  if (key == Keyboard::kEscape || key == '\r' || key == '\n') {
+    view.typing = false;
+  } else if (key == Keyboard::kBackspace) {
+    while (!view.filter.empty() && (static_cast<unsigned char>(view.filter.back()) & 0xc0U) == 0x80U)
+      view.filter.pop_back();
+    if (!view.filter.empty()) view.filter.pop_back();
+  } else if (key >= ' ' && key < 256 && view.filter.size() < kLongestFilter) {
+    view.filter += static_cast<char>(key);
+  }
+}
+
+void sort_by_neighbour(View& view, int key) {
+  const auto at = static_cast<std::size_t>(view.column);
+  view.column = static_cast<Column>((at + (key == '>' ? 1 : kColumns - 1)) % kColumns);
+  view.reversed = false;
+}
+
+void look_at(View& view, Place place) {
+  view.place = place;
+  view.scroll = 0;
+}
+
+void leave(View& view) {
+  if (view.place != Place::list)
+    look_at(view, Place::list);
+  else
+    view.filter.clear();
+}
+
+// The list or what is longer than the screen moves.
+void move(View& view, std::ptrdiff_t steps, const Shown& shown) {
+  if (view.place == Place::list)
+    choose(view, steps, shown);
+  else
+    view.scroll = moved(view.scroll, steps, shown.length - std::min(shown.room, shown.length));
+}
+
+}  // namespace
+
+const char* to_text(Verb verb) {
+  switch (verb) {
+    case Verb::initialize:
+      return "initialize";
+    case Verb::start:
+      return "start";
+    case Verb::stop:
+      return "stop";
+    case Verb::recover:
+      return "recover";
+    case Verb::reset:
+      return "reset";
+    case Verb::destruct:
+      return "destruct";
+  }
+  return "?";
+}
+
+void settle(View& view, const Shown& shown) {
+  const std::size_t rows = shown.targets.size();
+  const auto found = std::find(shown.targets.begin(), shown.targets.end(), view.chosen);
+  if (found != shown.targets.end()) {
+    view.chosen_at = static_cast<std::size_t>(found - shown.targets.begin());
+  } else if (view.place == Place::list) {  // who looks at its details goes on doing so
+    view.chosen_at = rows == 0 ? 0 : std::min(view.chosen_at, rows - 1);
+    view.chosen = rows == 0 ? "" : shown.targets[view.chosen_at];
+  }
+  const std::size_t room = std::max<std::size_t>(shown.room, 1);
+  view.first = std::min(view.first, rows - std::min(room, rows));
+  if (view.chosen_at < view.first) view.first = view.chosen_at;
+  if (view.chosen_at >= view.first + room) view.first = view.chosen_at - room + 1;
+  if (view.place != Place::list)
+    view.scroll = std::min(view.scroll, shown.length - std::min(room, shown.length));
+}
+
+Done press(View& view, int key, const Shown& shown) {
+  if (view.typing) {
+    type(view, key);
+    return {};
+  }
+  view.message.clear();
+  if (view.asked) {  // any other key means no
+    const Order order = *view.asked;
+    view.asked.reset();
+    if (key == 'y' || key == 'Y') return {.order = order};
+    view.message = std::string{"no "} + to_text(order.verb) + " of " + order.target;
+    return {};
+  }
+  if (const auto steps = steps_of(key, shown.room)) {
+    move(view, *steps, shown);
+    return {};
+  }
+  const bool modules = view.place == Place::list || view.place == Place::details;
+  if (const auto verb = verb_of(key); verb && modules && !view.chosen.empty()) {
+    if (*verb != Verb::destruct) return {.order = Order{*verb, view.chosen}};
+    view.asked = Order{*verb, view.chosen};
+    return {};
+  }
+  switch (key) {
+    case 'q':
+      return {.quit = true};
+    case '\r':
+    case '\n':
+      if (view.place == Place::list && !view.chosen.empty()) look_at(view, Place::details);
+      break;
+    case Keyboard::kEscape:
+    case Keyboard::kBackspace:
+      leave(view);
+      break;
+    case '?':
+    case 'h':
+      look_at(view, view.place == Place::help ? Place::list : Place::help);
+      break;
+    case 'c':
+      look_at(view, view.place == Place::connections ? Place::list : Place::connections);
+      break;
+    case 'n':
+    case 'p':
+      if (view.place != Place::details) break;
+      choose(view, key == 'n' ? 1 : -1, shown);
+      view.scroll = 0;
+      break;
+    case '/':
+      view.typing = view.place == Place::list || view.place == Place::connections;
+      break;
+    case '<':
+    case '>':
+      if (view.place == Place::list) sort_by_neighbour(view, key);
+      break;
+    case 'v':
+      if (view.place == Place::list) view.reversed = !view.reversed;
+      break;
+    default:
+      break;
+  }
+  return {};
+}
+
+}  // namespace takt::tool::watch
