@@ -81,6 +81,12 @@ Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::Dev
     if (fault.at < options.length)
       kernel.at(kT0 + fault.at, [&devices, fault] { devices[fault.device]->inject(fault); });
   }
+  constexpr std::int64_t kTold = 500;  // times
+  for (std::int64_t i = 1; options.progress && i < kTold; ++i) {
+    const Nanoseconds passed = options.length / kTold * i;
+    kernel.run_until(kT0 + passed);
+    options.progress(passed);
+  }
   kernel.run_until(kT0 + options.length);
 
   for (auto& device : devices) device->stop();

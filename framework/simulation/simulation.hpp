@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct Options {
   model::Profile profile{};                      ///< how long modules run; of others by their budgets
   int cpus = 0;                  ///< of each device, for executors that name none; 0: each has its own
   Listener* listener = nullptr;  ///< hears everything that happens; null: nobody
+  /// Told a few hundred times how much of `length` has passed; none: nobody is.
+  std::function<void(Nanoseconds)> progress{};
 };
 
 /// T0 of every simulated cell.

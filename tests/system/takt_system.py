@@ -141,7 +141,8 @@ def wait_until(condition, limit=10.0, what="the condition"):
 class Run:
     """One run of a program. Reads both outputs as they come."""
 
-    def __init__(self, arguments, folder, environment=None, before=(), become=None, terminal=None):
+    def __init__(self, arguments, folder, environment=None, before=(), become=None, terminal=None,
+                 error=subprocess.PIPE):
         self.mark = uuid.uuid4().hex
         self.began = time.monotonic()
         self._seen = set()  # memories
@@ -150,7 +151,7 @@ class Run:
         everything.setdefault("NO_COLOR", "1")
         self._process = subprocess.Popen(list(before) + list(arguments), cwd=folder, env=everything,
                                          stdin=subprocess.DEVNULL if terminal is None else terminal,
-                                         stdout=subprocess.PIPE if terminal is None else terminal, stderr=subprocess.PIPE,
+                                         stdout=subprocess.PIPE if terminal is None else terminal, stderr=error,
                                          start_new_session=True, preexec_fn=become)
         self.pid = self._process.pid
         self.raw = []  # lines of standard error
@@ -166,6 +167,8 @@ class Run:
             self.out_lines.append((time.monotonic(), line.decode(errors="replace")))
 
     def _read_err(self):
+        if self._process.stderr is None:
+            return
         for line in self._process.stderr:
             self.raw.append(line.decode(errors="replace").rstrip("\n"))
 
@@ -235,7 +238,8 @@ class Run:
             reader.join(limit)  # counted from now: the last lines of one that ran for long are read, too
         if self._process.stdout is not None:
             self._process.stdout.close()
-        self._process.stderr.close()
+        if self._process.stderr is not None:
+            self._process.stderr.close()
         return self
 
     def kill_all(self):

@@ -20,9 +20,11 @@
 #include "client.hpp"
 #include "commands.hpp"
 #include "load.hpp"
+#include "progress.hpp"
 #include "proof.hpp"
 #include "ranges.hpp"
 #include "run_report.hpp"
+#include "screen_style.hpp"
 #include "terminal.hpp"
 
 namespace takt::tool {
@@ -97,8 +99,22 @@ int show(const SimulateOptions& options, const model::Cell& cell,
     simulated.listener = trace.get();
   }
   const Instant begun = os::now();
+  Progress progress;
+  if (progress.is_seen()) {
+    simulated.progress = [&](Nanoseconds passed) {
+      if (!progress.is_due()) return;
+      const double seconds = std::chrono::duration<double>(passed).count();
+      const double length = std::chrono::duration<double>(simulated.length).count();
+      const double took = std::chrono::duration<double>(os::now() - begun).count();
+      progress.show(share_text(
+          seconds / length,
+          fmt::format("{:.1f} of {:g} s simulated, {:.0f} times as fast", seconds, length, seconds / took),
+          {.unicode = is_utf8()}));
+    };
+  }
   const auto course = simulation::simulate(cell, plans, ports, simulated);
   const std::chrono::duration<double> took = os::now() - begun;
+  progress.clear();
   if (!course) {
     complain(course.problems());
     return 1;
