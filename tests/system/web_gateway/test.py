@@ -255,6 +255,14 @@ class Gateway(takt_system.Case):
                 self.assertLessEqual(row["begin_ns"], run_of["begin_ns"])
                 self.assertLessEqual(run_of["begin_ns"], run_of["end_ns"])
                 self.assertLessEqual(run_of["end_ns"], row["end_ns"])
+        def recent(of):
+            seen = [m["modules"].get("left.source", {}) for m in of.of("measures")]
+            return [m["recent_us"]["jitter"] for m in seen if "recent_us" in m] or [None]
+        events.wait(lambda e: recent(e)[-1] is not None and recent(e)[-1] >= 0)
+        late = self.events()
+        trend = late.wait(lambda e: e.of("trends"))[0]["jitter_us"]["left.source"]
+        self.assertGreater(len(trend), 1)
+        self.assertLessEqual(set(trend) - {None}, set(recent(events) + recent(late)), "the same, of the seconds before")
         history = wait_until(lambda: (lambda h: h if len(h["times_ms"]) >= 3 else None)(
             self.ask("api/history?module=left.source")[1]), 15, "three seconds of history")
         self.assertEqual({len(history["times_ms"])}, {len(values) for values in history.values()})

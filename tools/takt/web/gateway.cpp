@@ -21,6 +21,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr std::size_t kMostFaults = 500;  // that a page is told when it is opened
+constexpr std::size_t kTrend = 120;       // seconds of jitter that a page is told when it is opened
 constexpr milliseconds kTogether{20};     // news so close are told at once
 constexpr milliseconds kTurn{100};
 constexpr seconds kMeasures{1};
@@ -145,6 +146,9 @@ std::shared_ptr<Stream> Gateway::open() {
   stream->send(cell_text_);
   stream->send(state_event(true, values_of(devices_), values_of(modules_)));
   if (!measures_.empty()) stream->send(measures_);
+  Json trends = Json::object();
+  for (const auto& [name, module] : modules_) trends[name] = history_.of(name, kTrend).jitter_us;
+  stream->send(event_text("trends", model::json_text({{"jitter_us", std::move(trends)}})));
   Json faults = Json::array();
   for (const Json& fault : faults_) faults.push_back(fault);
   stream->send(event_text(
@@ -229,10 +233,15 @@ void Gateway::tell_states(std::vector<LifecycleStatus> steps) {
 void Gateway::tell_measures() {
   const std::vector<dds::SeenDevice> seen = client_.observer->devices();
   const auto running = cell();
-  std::string text =
-      event_text("measures", model::json_text(measures_json(seen, running.get(), os::wall_ns())));
+  Json measures = measures_json(seen, running.get(), os::wall_ns());
   const std::lock_guard lock{mutex_};
   history_.hear(seen);
+  for (auto& [name, module] : measures["modules"].items()) {
+    const client::Series last = history_.of(name, 1);
+    if (last.times_ms.empty()) continue;
+    module["recent_us"] = {{"jitter", last.jitter_us.back()}, {"run", last.run_us.back()}};
+  }
+  std::string text = event_text("measures", model::json_text(measures));
   streams_.send(text);
   measures_ = std::move(text);
 }

@@ -114,6 +114,7 @@ function listen() {
       store.takeState(news);
     },
     measures: (news) => store.takeMeasures(news),
+    trends: (news) => store.takeTrends(news),
     faults: (news) => store.takeFaults(news),
   }, (now) => {
     store.setLink(now);

@@ -224,7 +224,8 @@ export class Modules {
     group = { mark, about };
     group.link = element("a", { class: "name", text: device, href: addressOf("modules", { select: device }) });
     group.element = element("tr", { class: "group", dataset: { device } },
-      element("th", { colspan: kColumns.length - 1, scope: "rowgroup" }, group.link, mark.element, about));
+      element("th", { colspan: kColumns.length - 1, scope: "rowgroup" }, group.link, mark.element, about),
+      element("td", { class: "trend" }));  // hidden with the column where there is no room for it
     this.#groups.set(device, group);
     return group;
   }

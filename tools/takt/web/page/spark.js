@@ -21,13 +21,18 @@ export class Spark {
   #draw(context, width, height) {
     const values = this.#values;
     if (values.length < 2) return;
-    const top = Math.max(...values, 1e-9);
+    const top = Math.max(...values, 1e-9);  // what is not known counts as nothing
     const step = width / (this.length - 1);
     const from = this.length - values.length;
     context.strokeStyle = colour("accent");
     context.lineWidth = 1.25;
     context.beginPath();
-    values.forEach((value, i) => context.lineTo((from + i) * step, height - 2 - (value / top) * (height - 4)));
+    let drawn = false;
+    values.forEach((value, i) => {
+      const [x, y] = [(from + i) * step, height - 2 - (value / top) * (height - 4)];
+      if (value !== null && drawn) context.lineTo(x, y); else if (value !== null) context.moveTo(x, y);
+      drawn = value !== null;
+    });
     context.stroke();
   }
 }

@@ -146,11 +146,16 @@ export class Store {
       const of = measures.modules?.[name];
       if (!of) continue;
       module.measures = of;
-      module.trend.push(of.jitter_us.p99);
+      module.trend.push(of.recent_us?.jitter ?? null);
       if (module.trend.length > kTrend) module.trend.shift();
     }
     this.executors = new Map(Object.entries(measures.executors ?? {}));
     this.connections = new Map(Object.entries(measures.connections ?? {}));
+    this.change((changes) => { changes.measures = true; });
+  }
+
+  takeTrends(trends) {
+    for (const [name, module] of this.modules) module.trend = (trends.jitter_us?.[name] ?? module.trend).slice(-kTrend);
     this.change((changes) => { changes.measures = true; });
   }
 
