@@ -31,12 +31,4 @@ void Progress::clear() {
   std::fflush(stderr);
 }
 
-void Progress::keep(const std::string& text) {
-  if (!seen_) return;
-  const std::string before = shown_;
-  clear();
-  std::fprintf(stderr, "%s\n", text.c_str());
-  if (!before.empty()) show(before);
-}
-
 }  // namespace takt::tool
