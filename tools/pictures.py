@@ -32,13 +32,13 @@ def takt(*arguments):
 
 
 def page(folder, address):
-    """The page in both themes and as on a tablet."""
+    """The page in both themes."""
     browser = Browser(folder, 1440, 900)
     try:
         browser.open(address)
         for name, route, theme, width, height in (
                 ("page.png", "#/cell", "light", 1440, 900), ("page-modules.png", "#/modules", "dark", 1440, 900),
-                ("page-table.png", "#/table", "light", 1440, 900), ("page-tablet.png", "#/faults", "dark", 768, 1024)):
+                ("page-table.png", "#/table?device=line", "light", 1440, 900)):
             browser.size(width, height)
             browser.prefer(theme)
             browser.go(route)
@@ -48,28 +48,34 @@ def page(folder, address):
         browser.close()
 
 
-def terminal(folder):
+class Terminal:
     """takt watch as a terminal shows it."""
-    tmux = ["tmux", "-S", os.path.join(folder, "tmux"), "-f", "/dev/null"]
-    subprocess.run(tmux + ["new-session", "-d", "-x", str(TERMINAL[0]), "-y", str(TERMINAL[1]), "takt watch"], env=environment, check=True)
-    try:
-        time.sleep(8)
-        shown = subprocess.run(tmux + ["capture-pane", "-e", "-p"], env=environment, check=True, capture_output=True).stdout
-    finally:
-        subprocess.run(tmux + ["kill-server"], env=environment, check=False)
-    html = subprocess.run(["aha", "--black", "--title", "takt watch"], input=shown, check=True, capture_output=True).stdout.decode()
-    html = html.replace("<pre>", '<pre style="font: 14px/1.2 \'DejaVu Sans Mono\', monospace; margin: 12px; display: inline-block">')
-    path = os.path.join(folder, "watch.html")
-    with open(path, "w") as file:
-        file.write(html)
-    browser = Browser(os.path.join(folder, "terminal"), 900, 640)
-    try:
-        browser.open("file://" + path)
-        size = browser.script("const r = document.querySelector('pre').getBoundingClientRect(); return [r.right + 12, r.bottom + 12];")
-        browser.size(round(size[0]), round(size[1]))
-        browser.driver.save_screenshot(out("watch.png"))
-    finally:
-        browser.close()
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.tmux = ["tmux", "-S", os.path.join(folder, "tmux"), "-f", "/dev/null"]
+        subprocess.run(self.tmux + ["new-session", "-d", "-x", str(TERMINAL[0]), "-y", str(TERMINAL[1]), "takt watch"],
+                       env=environment, check=True)
+
+    def picture(self):
+        shown = subprocess.run(self.tmux + ["capture-pane", "-e", "-p"], env=environment, check=True, capture_output=True).stdout
+        html = subprocess.run(["aha", "--black", "--title", "takt watch"], input=shown, check=True, capture_output=True).stdout.decode()
+        html = html.replace("<body style=\"", "<body style=\"overflow: hidden; margin: 0; ")
+        html = html.replace("<pre>", "<pre style=\"font: 14px/1.2 'DejaVu Sans Mono', monospace; margin: 12px; display: inline-block\">")
+        path = os.path.join(self.folder, "watch.html")
+        with open(path, "w") as file:
+            file.write(html)
+        browser = Browser(self.folder, 1200, 900)
+        try:
+            browser.open("file://" + path)
+            right, bottom = browser.script("const r = document.querySelector('pre').getBoundingClientRect(); return [r.right, r.bottom];")
+            browser.size(round(right) + 12, round(bottom) + 12)
+            browser.driver.save_screenshot(out("watch.png"))
+        finally:
+            browser.close()
+
+    def close(self):
+        subprocess.run(self.tmux + ["kill-server"], env=environment, check=False)
 
 
 def reports(folder):
@@ -90,10 +96,14 @@ def main():
             processes.insert(0, web)
             address = re.search(r"http://\S+/", web.stdout.readline()).group()
             token = re.search(r"#token=\S+", web.stdout.readline()).group()
-            reports(folder)
-            time.sleep(30)
-            page(folder, address + token)
-            terminal(folder)
+            terminal = Terminal(os.path.join(folder, "terminal"))
+            try:
+                reports(folder)
+                time.sleep(40)
+                page(folder, address + token)
+                terminal.picture()
+            finally:
+                terminal.close()
         finally:
             for process in processes:
                 process.terminate()
