@@ -11,7 +11,6 @@
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 
-#include "period.hpp"
 
 namespace takt::tool::web {
 
@@ -26,29 +25,6 @@ constexpr milliseconds kTogether{20};     // news so close are told at once
 constexpr milliseconds kTurn{100};
 constexpr seconds kMeasures{1};
 constexpr seconds kAnswered{3};
-constexpr seconds kLong{30};  // a component may take so long to stop
-
-Problem bad(const std::string& what, const std::string& fix) { return fail(what, fix); }
-
-/// "device.module" in two.
-std::optional<std::pair<std::string, std::string>> in_two(const std::string& name) {
-  const std::size_t dot = name.find('.');
-  if (dot == std::string::npos || dot == 0 || dot + 1 == name.size() ||
-      name.find('.', dot + 1) != std::string::npos)
-    return std::nullopt;
-  return std::pair{name.substr(0, dot), name.substr(dot + 1)};
-}
-
-/// A member that is a text; empty where there is none.
-std::string text_in(const Json& json, const char* name) {
-  return json.is_object() && json.contains(name) && json[name].is_string() ? json[name].get<std::string>()
-                                                                           : "";
-}
-
-constexpr std::pair<const char*, CommandKind> kVerbs[] = {
-    {"initialize", COMMAND_INITIALIZE}, {"start", COMMAND_START}, {"stop", COMMAND_STOP},
-    {"recover", COMMAND_RECOVER},       {"reset", COMMAND_RESET}, {"destruct", COMMAND_DESTRUCT},
-};
 
 std::string state_event(bool whole, Json devices, Json modules) {
   return event_text(
@@ -63,13 +39,6 @@ Json values_of(const std::map<std::string, Json>& all) {
 }
 
 }  // namespace
-
-Answer answer_of(const Json& json) { return {200, model::json_text(json)}; }
-
-Answer answer_of(int status, const Problem& problem) {
-  const std::string where = problem.where.empty() ? "" : problem.where + ": ";
-  return {status, model::json_text({{"what", where + problem.what}, {"fix", problem.fix}})};
-}
 
 /// From the threads of DDS to the one that tells.
 struct Gateway::News {
@@ -118,6 +87,7 @@ Result<std::unique_ptr<Gateway>> Gateway::create(const Network& network) {
   auto follower = client::LogFollower::create(gateway->client_.participant);
   if (!follower) return follower.problems();
   gateway->follower_ = std::move(*follower);
+  gateway->questions_ = std::make_unique<Questions>(*gateway->client_.asker);
   gateway->watched_ = std::make_unique<WatchedPorts>(gateway->client_, gateway->streams_);
   gateway->cell_text_ = event_text("cell", model::json_text(cell_json(nullptr, gateway->client_.domain, "")));
   gateway->telling_ = std::thread{[self = gateway.get()] { self->tell(); }};
@@ -331,128 +301,11 @@ void Gateway::look_for_cell() {
 }
 
 // ---- What a page asks
-// --------------------------------------------------------------------------------------
-
-Answer Gateway::refused(const Result<dds::WholeReply>& reply) {
-  if (!reply) return answer_of(504, reply.problems().front());
-  const Problems problems = client::problems_of(*reply);
-  Problem problem = problems.empty() ? bad("it is refused", "") : problems.front();
-  return answer_of(409, problem);
-}
-
-Answer Gateway::command(const std::string& body) {
-  const Json asked = model::parse_json(body);
-  const std::string verb = text_in(asked, "verb");
-  const std::string device = text_in(asked, "device");
-  const auto kind = std::find_if(std::begin(kVerbs), std::end(kVerbs),
-                                 [&verb](const auto& known) { return verb == known.first; });
-  if (kind == std::end(kVerbs) || device.empty()) {
-    return answer_of(400, bad("this is no command: " + in_quotes(body.substr(0, 100)),
-                              R"(say {"device": "d", "module": "m", "verb": "start"}, where verb is )"
-                              "initialize, start, stop, recover, reset or destruct"));
-  }
-  const auto reply = client_.asker->ask(
-      {.kind = kind->second, .device = device, .module = text_in(asked, "module"), .limit = kLong});
-  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
-  Json json{{"text", reply->head.text().to_string()}};
-  if (!text_in(asked, "module").empty()) json["state"] = to_text(reply->head.state());
-  return answer_of(json);
-}
-
-Answer Gateway::set_property(const std::string& body) {
-  const Json asked = model::parse_json(body);
-  const auto name = in_two(text_in(asked, "module"));
-  const std::string property = text_in(asked, "property");
-  if (!name || property.empty() || !asked.contains("value") || !asked["value"].is_string()) {
-    return answer_of(400, bad("this sets no property: " + in_quotes(body.substr(0, 100)),
-                              R"(say {"module": "d.m", "property": "p", "value": "1.5"})"));
-  }
-  const auto reply = client_.asker->ask({.kind = COMMAND_SET,
-                                         .device = name->first,
-                                         .module = name->second,
-                                         .property = property,
-                                         .value = text_in(asked, "value"),
-                                         .limit = kLong});
-  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
-  return answer_of(Json{{"value", reply->head.value().to_string()}});
-}
-
-// An answer that is no failure leaves the device's description.
-Answer Gateway::described(const std::string& device, Json& description) {
-  const auto reply = client_.asker->ask({.kind = COMMAND_DESCRIBE, .device = device, .limit = seconds{10}});
-  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
-  description = model::parse_json(reply->data);
-  if (!description.is_object() || !description.contains("modules"))
-    return answer_of(504, bad("the device's answer is of another version of Takt",
-                              "install the same version on all machines"));
-  return {};
-}
-
-Answer Gateway::ports(const std::string& device) {
-  Json description;
-  if (Answer answer = described(device, description); answer.status != 200) return answer;
-  Json ports = Json::array();
-  for (const Json& module : description["modules"]) {
-    const auto known = module.find("ports");  // as model::ports_json() writes them; null: not known
-    if (known == module.end() || !known->is_object() || !known->contains("ports")) continue;
-    for (const Json& port : (*known)["ports"]) {
-      ports.push_back({{"name", device + "." + text_in(module, "name") + "." + text_in(port, "name")},
-                       {"direction", text_in(port, "direction")},
-                       {"type", text_in(port, "type")}});
-    }
-  }
-  return answer_of(Json{{"ports", std::move(ports)}});
-}
-
-Answer Gateway::properties(const std::string& module) {
-  const auto name = in_two(module);
-  if (!name) return answer_of(400, bad(in_quotes(module) + " names no module", "say DEVICE.MODULE"));
-  Json description;
-  if (Answer answer = described(name->first, description); answer.status != 200) return answer;
-  const Json& modules = description["modules"];
-  const auto found = std::find_if(modules.begin(), modules.end(),
-                                  [&](const Json& one) { return text_in(one, "name") == name->second; });
-  if (found == modules.end())
-    return answer_of(404, bad("there is no module " + module, "takt status names those that there are"));
-  Json properties = found->contains("properties") && (*found)["properties"].is_array()
-                        ? (*found)["properties"]
-                        : Json::array();
-  std::vector<client::Question> questions;
-  for (const Json& property : properties)
-    questions.push_back({.kind = COMMAND_GET,
-                         .device = name->first,
-                         .module = name->second,
-                         .property = text_in(property, "name"),
-                         .limit = kAnswered});
-  const auto replies = client_.asker->ask(questions);
-  for (std::size_t i = 0; i < properties.size(); ++i) {
-    const bool there = replies[i] && replies[i]->head.code() == REPLY_OK;
-    properties[i]["value"] = there ? Json(replies[i]->head.value().to_string()) : Json();
-  }
-  return answer_of(Json{{"properties", std::move(properties)}});
-}
-
-Answer Gateway::table(const std::string& device) {
-  const auto running = cell();
-  if (!running) return answer_of(409, bad("no cell runs", "takt deploy FILE"));
-  const auto found = std::find_if(running->devices.begin(), running->devices.end(),
-                                  [&device](const model::Device& d) { return d.name == device; });
-  if (found == running->devices.end())
-    return answer_of(404,
-                     bad("cell " + running->name + " has no device " + in_quotes(device), "takt status"));
-  const auto reply = client_.asker->ask({.kind = COMMAND_TRACE,
-                                         .device = device,
-                                         .value = std::to_string(trace_needed(*running, *found).count()),
-                                         .limit = seconds{10}});
-  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
-  const auto json = period_json(model::parse_json(reply->data), *running, *found);
-  if (!json) return answer_of(409, json.problems().front());
-  return answer_of(*json);
-}
+// -----------------------------------------------------------------------------------------
 
 Answer Gateway::watch(const std::string& id, const std::string& body) {
   const auto stream = streams_.find(id);
-  if (!stream) return answer_of(404, bad("there is no such stream of events", "open /api/events anew"));
+  if (!stream) return answer_of(404, fail("there is no such stream of events", "open /api/events anew"));
   const Json asked = model::parse_json(body);
   std::vector<std::string> ports;
   bool right = asked.is_object() && asked.contains("ports") && asked["ports"].is_array() &&
@@ -462,9 +315,9 @@ Answer Gateway::watch(const std::string& id, const std::string& body) {
     if (right) ports.push_back(asked["ports"][i].get<std::string>());
   }
   if (!right) {
-    return answer_of(
-        400, bad("this names no ports: " + in_quotes(body.substr(0, 100)),
-                 R"(say {"ports": ["device.module.port"]}, at most )" + std::to_string(WatchedPorts::kMost)));
+    return answer_of(400, fail("this names no ports: " + in_quotes(body.substr(0, 100)),
+                               R"(say {"ports": ["device.module.port"]}, at most )" +
+                                   std::to_string(WatchedPorts::kMost)));
   }
   Json problems = Json::array();
   for (const Problem& problem : watched_->want(stream, ports))

@@ -21,19 +21,12 @@
 
 #include "../client.hpp"
 #include "metrics.hpp"
+#include "questions.hpp"
 #include "said.hpp"
 #include "stream.hpp"
 #include "watched_ports.hpp"
 
 namespace takt::tool::web {
-
-/// An answer: a status of HTTP, and JSON.
-struct Answer {
-  int status = 200;
-  std::string body;
-};
-Answer answer_of(const Json& json);
-Answer answer_of(int status, const Problem& problem);
 
 /// Any thread.
 class Gateway {
@@ -47,12 +40,8 @@ class Gateway {
   /// Ends every stream, and opens no other.
   void end_streams() { streams_.end(); }
 
-  /// These ask a device and wait for it, at most a few seconds.
-  Answer command(const std::string& body);
-  Answer set_property(const std::string& body);
-  Answer properties(const std::string& module);
-  Answer ports(const std::string& device);
-  Answer table(const std::string& device);
+  Questions& questions() noexcept { return *questions_; }
+  Answer table(const std::string& device) { return questions_->table(device, cell()); }
   Answer watch(const std::string& stream, const std::string& body);
 
   Answer history(const std::string& module);
@@ -70,13 +59,12 @@ class Gateway {
   void look_for_cell();
   void follow_faults();
   void add_faults(const std::vector<model::Fault>& faults, const Problems& problems);
-  Answer described(const std::string& device, Json& description);
-  Answer refused(const Result<dds::WholeReply>& reply);
   [[nodiscard]] std::shared_ptr<const model::Cell> cell() const;
 
   std::unique_ptr<News> news_;  // before the client, whose threads give it
   Client client_;
   Streams streams_;
+  std::unique_ptr<Questions> questions_;
   std::unique_ptr<WatchedPorts> watched_;
   std::unique_ptr<client::LogFollower> follower_;
 

@@ -143,16 +143,12 @@ class HttpServer final : public Server {
       response.set_content(gateway_.metrics(), "text/plain; version=0.0.4; charset=utf-8");
     });
     server_.Get("/api/events", [this](const Request&, Response& response) { stream(response); });
-    const auto asked = [](Answer (Gateway::*ask)(const std::string&), Gateway& gateway,
-                          const char* parameter) {
-      return [ask, &gateway, parameter](const Request& request, Response& response) {
-        put(response, (gateway.*ask)(request.get_param_value(parameter)));
-      };
-    };
-    server_.Get("/api/history", asked(&Gateway::history, gateway_, "module"));
-    server_.Get("/api/ports", asked(&Gateway::ports, gateway_, "device"));
-    server_.Get("/api/table", asked(&Gateway::table, gateway_, "device"));
-    server_.Get("/api/properties", asked(&Gateway::properties, gateway_, "module"));
+    Questions& questions = gateway_.questions();
+    ask("/api/history", "module", [this](const std::string& module) { return gateway_.history(module); });
+    ask("/api/table", "device", [this](const std::string& device) { return gateway_.table(device); });
+    ask("/api/ports", "device", [&questions](const std::string& device) { return questions.ports(device); });
+    ask("/api/properties", "module",
+        [&questions](const std::string& module) { return questions.properties(module); });
     server_.Put(R"(/api/streams/([0-9a-f]+)/ports)", [this](const Request& request, Response& response) {
       put(response, gateway_.watch(request.matches[1], request.body));
     });
@@ -160,19 +156,26 @@ class HttpServer final : public Server {
       const std::string why = refusal(request);
       put(response, answer_of(Json{{"command", why.empty()}, {"why", why}}));
     });
-    const auto command = [this](Answer (Gateway::*order)(const std::string&)) {
-      return [this, order](const Request& request, Response& response) {
-        if (const std::string why = refusal(request); !why.empty())
-          put(response,
-              answer_of(403, {.where = "",
-                              .what = why,
-                              .fix = "open the page with the address that takt web --commands printed"}));
-        else
-          put(response, (gateway_.*order)(request.body));
-      };
-    };
-    server_.Post("/api/command", command(&Gateway::command));
-    server_.Post("/api/property", command(&Gateway::set_property));
+    order("/api/command", [&questions](const std::string& body) { return questions.command(body); });
+    order("/api/property", [&questions](const std::string& body) { return questions.set_property(body); });
+  }
+
+  using Answers = std::function<Answer(const std::string&)>;
+  void ask(const char* path, const char* parameter, Answers answers) {
+    server_.Get(path, [answers = std::move(answers), parameter](const Request& request, Response& response) {
+      put(response, answers(request.get_param_value(parameter)));
+    });
+  }
+  /// For who has the token.
+  void order(const char* path, Answers answers) {
+    server_.Post(path, [this, answers = std::move(answers)](const Request& request, Response& response) {
+      const std::string why = refusal(request);
+      put(response, why.empty() ? answers(request.body)
+                                : answer_of(403, {.where = "",
+                                                  .what = why,
+                                                  .fix = "open the page with the address that takt web "
+                                                         "--commands printed"}));
+    });
   }
 
   /// Why who asks may not command; empty: he may. By a header, which no page of somebody else can send.
