@@ -140,9 +140,9 @@ std::vector<dds::SeenDevice> Observer::devices(const std::string& name) const {
 bool Observer::wait(const std::function<bool(const std::vector<dds::SeenDevice>&)>& condition,
                     Nanoseconds limit) const {
   const auto end = Clock::now() + limit;
-  std::unique_lock lock{mutex_};
-  while (!condition(picture_.devices())) {
+  while (!condition(devices())) {
     if (Clock::now() >= end) return false;
+    std::unique_lock lock{mutex_};
     changed_.wait_for(lock, milliseconds{20});
   }
   return true;

@@ -41,7 +41,7 @@ class Observer {
   [[nodiscard]] std::vector<dds::SeenDevice> devices(const std::string& name) const;
 
   /// Waits until `condition` holds of the devices, at most `limit`. Looks whenever something changed, and
-  /// every few milliseconds.
+  /// every few milliseconds. The condition may ask the observer.
   bool wait(const std::function<bool(const std::vector<dds::SeenDevice>&)>& condition,
             Nanoseconds limit) const;
   /// Waits until whoever is there should have been found: no node came for a while, or none at all for

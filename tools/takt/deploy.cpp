@@ -8,6 +8,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/signals.hpp>
 
+#include "bring_up.hpp"
 #include "client.hpp"
 #include "commands.hpp"
 #include "load.hpp"
@@ -60,11 +61,17 @@ int deploy(const DeployOptions& options) {
     return told_to_end;
   };
   if (options.update) return update(*client->asker, *loaded, cancelled);
+  BringUpProgress course{*client, loaded->cell};
   const auto deployed = client::deploy(*client->asker, loaded->cell, loaded->text,
                                        {.require_real_time = options.require_real_time,
                                         .process_ids = {},
-                                        .progress = say,
-                                        .cancelled = cancelled});
+                                        .progress = [&](const std::string& text) { course.say(text); },
+                                        .cancelled =
+                                            [&] {
+                                              course.look();
+                                              return cancelled();
+                                            }});
+  course.end(deployed.ok());
   if (!deployed) {
     complain(deployed.problems());
     std::fprintf(stderr, "cell %s was not deployed; nothing was changed\n", loaded->cell.name.c_str());

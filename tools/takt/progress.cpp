@@ -31,4 +31,12 @@ void Progress::clear() {
   std::fflush(stderr);
 }
 
+void Progress::keep(const std::string& text) {
+  if (!seen_) return;
+  const std::string before = shown_;
+  clear();
+  std::fprintf(stderr, "%s\n", text.c_str());
+  if (!before.empty()) show(before);
+}
+
 }  // namespace takt::tool

@@ -14,8 +14,8 @@ namespace takt::tool {
 inline constexpr std::chrono::seconds kTapped{30};
 inline constexpr std::chrono::seconds kAskAgain{10};
 
-/// Asks the device of "device.module.port" to publish it. Fails where there is no such port, and where it is a
-/// service: that has a request and a reply, each a port of its client.
+/// Asks the device of "device.module.port" to publish it. Fails where there is no such port, and where it is
+/// a service: that has a request and a reply, each a port of its client.
 Result<dds::Flow> tapped(client::Operator& asker, const std::string& port);
 
 }  // namespace takt::tool

@@ -5,6 +5,9 @@
 namespace takt::tool {
 namespace {
 
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
 
 TEST(ShareText, IsABarAndANumber) {
   EXPECT_EQ(share_text(0, "none", {}), "[....................]   0 %  none");
@@ -12,6 +15,31 @@ TEST(ShareText, IsABarAndANumber) {
   EXPECT_EQ(share_text(1, "all", {}), "[####################] 100 %  all");
   EXPECT_EQ(share_text(7, "more", {}), "[####################] 100 %  more");
   EXPECT_EQ(share_text(-1, "less", {}), "[....................]   0 %  less");
+}
+
+TEST(BringUp, TellsEachModuleAndDeviceOnce) {
+  BringUp bring_up{2};
+  std::vector<BroughtUp> devices{{.device = "robot", .state = "waiting", .modules = {}}};
+  EXPECT_THAT(bring_up.news(devices), IsEmpty());
+  devices[0] = {.device = "robot", .state = "preparing", .modules = {{"arm", "IDLE"}, {"servo", "START"}}};
+  EXPECT_THAT(bring_up.news(devices), UnorderedElementsAre("robot: preparing", "robot.servo: START"));
+  EXPECT_THAT(bring_up.news(devices), IsEmpty());
+  devices[0].modules["arm"] = "RECOVER";
+  EXPECT_THAT(bring_up.news(devices), ElementsAre("robot.arm: RECOVER"));
+  devices[0] = {
+      .device = "robot", .state = "running", .modules = {{"arm", "EXECUTING"}, {"servo", "EXECUTING"}}};
+  EXPECT_THAT(bring_up.news(devices),
+              UnorderedElementsAre("robot: running", "robot.arm: EXECUTING", "robot.servo: EXECUTING"));
+}
+
+TEST(BringUp, SaysHowManyAreReadyAndWhatIsWaitedFor) {
+  const BringUp bring_up{3};
+  EXPECT_EQ(bring_up.text({}, {}), "[....................]   0 %  0 of 3 modules ready");
+  EXPECT_EQ(
+      bring_up.text(
+          {{.device = "robot", .state = "preparing", .modules = {{"arm", "START"}, {"servo", "IDLE"}}}}, {}),
+      "[######..............]  33 %  1 of 3 modules ready, robot.servo is in IDLE");
+  EXPECT_EQ(BringUp{0}.text({}, {}), "[####################] 100 %  0 of 0 modules ready");
 }
 
 }  // namespace
