@@ -23,6 +23,7 @@ struct TraceOptions {
   std::string target;
   double seconds = 5;
   std::string output;
+  std::string svg;
   bool json = false;
   Network network;
 };
@@ -57,11 +58,18 @@ int trace(const TraceOptions& options) {
     if (const auto written = os::replace_file(options.output, *text); !written)
       return refuse(written.problems());
   }
-  const auto summary = summary_of(model::parse_json(*text));
-  if (!summary) {
-    Problems problems = summary.problems();
+  const auto of_target = [&](Problems problems) {
     for (Problem& problem : problems) problem.where = options.target;
     return refuse(problems);
+  };
+  const nlohmann::ordered_json trace = model::parse_json(*text);
+  const auto summary = summary_of(trace);
+  if (!summary) return of_target(summary.problems());
+  if (!options.svg.empty()) {
+    const auto picture = trace_svg(trace);
+    if (!picture) return of_target(picture.problems());
+    if (const auto written = os::replace_file(options.svg, *picture); !written)
+      return refuse(written.problems());
   }
   return print(options.json ? model::json_text(trace_json_report(*summary)) + "\n"
                             : trace_report(*summary, terminal_style()))
@@ -81,6 +89,8 @@ void add_trace(CLI::App& app, Chosen& chosen) {
       ->check(CLI::Range(0.001, 3600.0));
   command->add_option("-o,--output", options->output, "write the trace to this file, for ui.perfetto.dev too")
       ->type_name("FILE");
+  command->add_option("--svg", options->svg, "draw what ran when into this file; best of --last 0.1 or less")
+      ->type_name("OUT");
   command->add_flag("--json", options->json, "print the summary as one JSON object");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return trace(*options); }; });

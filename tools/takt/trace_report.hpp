@@ -52,4 +52,10 @@ Result<TraceSummary> summary_of(const nlohmann::ordered_json& trace);
 std::string trace_report(const TraceSummary& summary, const Style& style);
 nlohmann::ordered_json trace_json_report(const TraceSummary& summary);
 
+/// What ran when, as a picture: a lane for the rows of each executor, for each module and each program, and a
+/// mark where something began late, with the reason. Of more than kTraceBars bars the newest are drawn, and
+/// it says so. Fails as summary_of().
+Result<std::string> trace_svg(const nlohmann::ordered_json& trace);
+inline constexpr std::size_t kTraceBars = 4000;
+
 }  // namespace takt::tool

@@ -1,11 +1,18 @@
 #include "trace_report.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <regex>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include "pictures.hpp"
 
 namespace takt::tool {
 namespace {
@@ -142,6 +149,75 @@ TEST(TraceReport, ADamagedTraceIsRefused) {
     damaged["traceEvents"] = events;
     static_cast<void>(summary_of(damaged));
   }
+}
+
+json of_thread(int thread, const char* category, const std::string& name, double at_us, double took_us) {
+  return {{"ph", "X"}, {"tid", thread}, {"ts", at_us}, {"dur", took_us}, {"cat", category}, {"name", name}};
+}
+
+/// Where the bars of a class begin, and how wide they are.
+std::vector<std::pair<double, double>> bars(const std::string& picture, const std::string& look) {
+  std::vector<std::pair<double, double>> found;
+  const std::regex bar{R"re(<rect x="([0-9.]+)" y="[0-9.]+" width="([0-9.]+)"[^>]* class=")re" + look + "\""};
+  for (std::sregex_iterator at{picture.begin(), picture.end(), bar}; at != std::sregex_iterator{}; ++at)
+    found.emplace_back(std::stod((*at)[1]), std::stod((*at)[2]));
+  return found;
+}
+
+TEST(TraceSvg, HasALaneForEachThatRan) {
+  json whole = trace();
+  whole["otherData"]["lasts_us"] = 9000.0;
+  whole["traceEvents"].push_back(of_thread(10, "run", "m0", 4500, 900));
+  whole["traceEvents"].push_back(of_thread(100'000, "body", "vision", 3000, 4500));
+  const auto picture = trace_svg(whole);
+  ASSERT_TRUE(picture);
+  pictures::expect_readable(*picture);
+  for (const char* word :
+       {">executor plc<", ">rows<", ">m0<", ">m1<", ">programs<", ">vision<", ">time in ms<"})
+    EXPECT_THAT(*picture, testing::HasSubstr(word));
+  EXPECT_THAT(*picture, testing::Not(testing::HasSubstr(">-0<")));
+  const auto program = bars(*picture, "process");
+  ASSERT_EQ(program.size(), 1U);
+  EXPECT_NEAR(program[0].second, 450, 1) << "half of 9 ms";
+  const auto threads = bars(*picture, "thread");
+  ASSERT_EQ(threads.size(), 2U);
+  EXPECT_NEAR(threads[1].first - program[0].first, 150, 1) << "1.5 ms later";
+  EXPECT_NEAR(threads[1].second, 90, 1);
+}
+
+TEST(TraceSvg, MarksWhatBeganLateAndSaysWhy) {
+  const auto picture = trace_svg(trace());
+  ASSERT_TRUE(picture);
+  EXPECT_THAT(*picture,
+              testing::HasSubstr("<title>rows: 640 us late: m0 ran 1.54 ms in the row before</title>"));
+  EXPECT_THAT(*picture, testing::HasSubstr("began late: 2 starts"));
+  EXPECT_THAT(*picture, testing::HasSubstr("plc.m1, 40 us late: wake-up; woken late"));
+  json quiet = trace();
+  for (json& event : quiet["traceEvents"]) {
+    if (!event.contains("args")) continue;
+    for (const char* member : {"begins_late_us", "cause", "why", "due_us"}) event["args"].erase(member);
+  }
+  const auto none = trace_svg(quiet);
+  ASSERT_TRUE(none);
+  EXPECT_THAT(*none, testing::HasSubstr("Nothing began late."));
+}
+
+TEST(TraceSvg, OfAVeryLongTraceShowsTheNewest) {
+  json whole = trace();
+  for (std::size_t i = 0; i < kTraceBars; ++i)
+    whole["traceEvents"].push_back(of_thread(10, "run", "m2", 4e6 + static_cast<double>(i) * 200, 50));
+  const auto picture = trace_svg(whole);
+  ASSERT_TRUE(picture);
+  EXPECT_THAT(*picture, testing::HasSubstr("1 s, the last of 5 s"));
+  EXPECT_EQ(bars(*picture, "thread").size(), kTraceBars);
+  EXPECT_TRUE(bars(*picture, "row").empty()) << "they were before";
+}
+
+TEST(TraceSvg, OfWhatIsNoTraceIsRefused) {
+  for (json none : {json{}, json::array(), json{{"otherData", 5}}}) EXPECT_FALSE(trace_svg(none));
+  json damaged = trace();
+  damaged["traceEvents"][1].erase("dur");
+  EXPECT_FALSE(trace_svg(damaged));
 }
 
 }  // namespace
