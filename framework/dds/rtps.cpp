@@ -342,7 +342,8 @@ std::size_t readable_rtps(std::span<const std::uint8_t> message) noexcept {
     if (size == 0 && kind != 0x01 && kind != 0x09) size = left.size();
     if (size > left.size() || !is_submessage(kind, flags, {left.first(size), (flags & kLittle) != 0}))
       return 0;
-    left = left.subspan(size);
+    // Fast DDS goes on at the next multiple of four, wherever the submessage says that it ends.
+    left = left.subspan(std::min((size + 3) & ~std::size_t{3}, left.size()));
     if (kind == kStatistics) return left.empty() ? begin : 0;
   }
   return message.size();

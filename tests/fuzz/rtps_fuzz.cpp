@@ -14,6 +14,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   constexpr std::size_t kHeader = 20;
   TAKT_CHECK(size >= readable && readable >= kHeader);
   TAKT_CHECK(takt::dds::readable_rtps({data, readable}) == readable);
+  // Where Fast DDS looks for its statistics, from one multiple of four to the next, there are none.
+  for (std::size_t at = kHeader; at + 4 <= readable;) {
+    TAKT_CHECK(data[at] != 0x80);
+    const bool little = (data[at + 1] & 1) != 0;
+    const std::size_t length = little ? data[at + 2] | data[at + 3] << 8 : data[at + 2] << 8 | data[at + 3];
+    if (length == 0 && data[at] != 0x01 && data[at] != 0x09) break;
+    at += 4 + ((length + 3) & ~std::size_t{3});
+  }
   std::vector<std::uint8_t> longer{data, data + size};
   // An INFO_DST in front of the others.
   longer.insert(longer.begin() + kHeader, {0x0e, 1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});

@@ -119,6 +119,21 @@ TEST(Rtps, StatisticsAtTheEndAreNotRead) {
   EXPECT_EQ(readable_rtps(both), 0U) << "Fast DDS breaks off where something is behind them";
 }
 
+// Where a length is no multiple of four, what lies behind it is another submessage for who goes on exactly
+// there.
+TEST(Rtps, IsReadWhereFastDdsReads) {
+  Bytes both = message(0x81, 0, Body{}.zeros(5));
+  // From here on one of a vendor of 128 bytes; a byte later, statistics that are not at the end.
+  for (const int byte : {0x81, 0, 0, 0x80, 0, 0, 44}) both.push_back(static_cast<std::uint8_t>(byte));
+  both.resize(both.size() + 125);
+  EXPECT_EQ(readable_rtps(both), 0U);
+  Bytes padded = message(0x81, 0, Body{}.zeros(5));
+  padded.resize(padded.size() + 3);
+  const Bytes next = message(0x0e, 0, Body{}.zeros(12));
+  padded.insert(padded.end(), next.begin() + 20, next.end());
+  EXPECT_TRUE(is_rtps(padded));
+}
+
 TEST(Rtps, OneWithoutALengthIsWhatIsLeft) {
   Bytes open = message(0x07, 0, Body{}.zeros(8).number(1).number(1).u32(1));
   open[22] = 0;
