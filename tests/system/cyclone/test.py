@@ -20,7 +20,7 @@ KEPT = 32  # samples by either side: what is on its way when one of them stands 
 # Cyclone takes the first interface that is up and can multicast; nothing of this test leaves the machine.
 LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
 <AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
-REPORT, STOP = 0, 7  # of takt::CommandKind
+REPORT, STOP = 0, 8  # of takt::CommandKind
 
 # port.idl as data
 SAMPLE = {"name": "test::Sample", "fields": [

@@ -12,7 +12,7 @@ from takt_system import Run, wait_until
 CYCLONE = os.environ["TAKT_CYCLONE_PEER"]
 LOOPBACK = """<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces>
 <AllowMulticast>spdp</AllowMulticast></General></Domain></CycloneDDS>"""
-STOP, START = 7, 6  # takt::CommandKind
+STOP, START = 8, 7  # takt::CommandKind
 STARTED, EXECUTING = 2, 3  # takt::LifecycleState
 
 

@@ -215,7 +215,7 @@ class Security(takt_system.Case):
         self.assertEqual("no answer", plain.line())
         line.wait_for_line("refused: participant 'peer' at 10.77.0.4 has no identity of this cell")
         if CYCLONE:
-            cyclone = subprocess.run(self.net.on("stranger") + [CYCLONE, "0", "command", "line", "quiet_sink", "7"],
+            cyclone = subprocess.run(self.net.on("stranger") + [CYCLONE, "0", "command", "line", "quiet_sink", "8"],
                                      capture_output=True, timeout=60,
                                      env=dict(os.environ, CYCLONEDDS_URI="<CycloneDDS><Domain id='any'><General>"
                                               "<AllowMulticast>true</AllowMulticast></General></Domain></CycloneDDS>"))
