@@ -155,8 +155,9 @@ class Gateway(takt_system.Case):
         self.running["right"].wait(10)
         self.running["right"] = self.node("right", "--resume")
         events.wait(lambda e: e.devices["right"]["alive"] and e.states().get("right.sink") == "EXECUTING")
-        self.takt("undeploy", "seen")
-        events.wait(lambda e: not e.modules and e.of("cell")[-1]["cell"] is None)
+        self.wait_for_states({"right": {"sink": "EXECUTING"}})
+        self.done("undeploy seen")
+        events.wait(lambda e: not e.modules and e.of("cell")[-1]["cell"] is None, 40)
         self.finish(run)
         events.wait(lambda e: e.ended, what="the end of the stream")
 
