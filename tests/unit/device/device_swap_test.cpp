@@ -75,7 +75,12 @@ TEST_F(DeviceSwap, AModuleInCGetsVariablesOfItsOwn) {
   const int before = module_of("counter")["cycles"];
   const Outcome outcome = swap(1, "counter.so");
   ASSERT_EQ(outcome.code, REPLY_OK) << outcome.text;
-  EXPECT_GE(seen("count"), before) << "the one that has left has ended in order";
+  // It writes the file as it ends, after the other has begun.
+  const auto has_written = [&] {
+    const json count = seen("count");
+    return count.is_number() && count >= before;
+  };
+  EXPECT_TRUE(step_until(has_written)) << "the one that has left has ended in order";
   wait_for_cycles("counter", before + 20);
   take_down();
   EXPECT_LT(seen("count"), module_of("counter")["cycles"]) << "it saves nothing, so it begins anew";
