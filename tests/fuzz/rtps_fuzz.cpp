@@ -18,7 +18,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (std::size_t at = kHeader; at + 4 <= readable;) {
     TAKT_CHECK(data[at] != 0x80);
     const bool little = (data[at + 1] & 1) != 0;
-    const std::size_t length = little ? data[at + 2] | data[at + 3] << 8 : data[at + 2] << 8 | data[at + 3];
+    const std::size_t first = data[at + 2];
+    const std::size_t second = data[at + 3];
+    const std::size_t length = little ? first | second << 8U : first << 8U | second;
     if (length == 0 && data[at] != 0x01 && data[at] != 0x09) break;
     at += 4 + ((length + 3) & ~std::size_t{3});
   }
