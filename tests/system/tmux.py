@@ -2,9 +2,10 @@
 import os
 import re
 import shlex
+import signal
 import subprocess
 
-from takt_system import wait_until
+from takt_system import Process, wait_until
 
 
 class Tmux:
@@ -19,13 +20,19 @@ class Tmux:
         self._environment = dict(os.environ, LC_ALL="C.UTF-8", **(environment or {}))
         self._do("-f", settings, "new-session", "-d", "-x", str(columns), "-y", str(rows), "-c", folder,
                  shlex.join(arguments))
+        self._server = int(self.show("pid"))
 
     def _do(self, *arguments):
         return subprocess.run(["tmux", "-u", "-S", self._socket, *arguments], env=self._environment, check=True,
                               capture_output=True, text=True, timeout=10).stdout
 
     def close(self):
-        subprocess.run(["tmux", "-S", self._socket, "kill-server"], check=False, capture_output=True, timeout=10)
+        """By its process: the folder, and the socket in it, may be gone by now."""
+        try:
+            os.kill(self._server, signal.SIGTERM)
+        except ProcessLookupError:
+            return
+        wait_until(lambda: not Process(self._server, "tmux", []).alive, 10, "tmux to end")
 
     def press(self, *keys):
         """By tmux's names: "Enter", "Escape", "Up", "PPage", "a"."""
