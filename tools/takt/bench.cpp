@@ -19,7 +19,9 @@
 #include "bench/table1_report.hpp"
 #include "commands.hpp"
 #include "load.hpp"
+#include "progress.hpp"
 #include "ranges.hpp"
+#include "screen_style.hpp"
 #include "terminal.hpp"
 
 namespace takt::tool {
@@ -32,6 +34,16 @@ struct BenchOptions {
   bool json = false;
   std::string html;
 };
+
+// How far it is.
+bench::Settings told_to(Progress& progress, bench::Settings settings) {
+  if (progress.is_seen()) {
+    settings.progress = [&progress](double share, const std::string& what) {
+      progress.show(share_text(share, what, {.unicode = is_utf8()}));
+    };
+  }
+  return settings;
+}
 
 // What is not in memory when it is first needed would be taken for a late wake-up.
 Problems lock_memory() {
@@ -50,9 +62,13 @@ int table1(const BenchOptions& options) {
     }
   }
   const auto say = [&options](const std::string& text) { return options.json || print(text); };
-  const auto result = bench::run_table1(options.settings, [&](const bench::Table1Result& so_far) {
-    say(so_far.cases.empty() ? bench::table1_head(so_far) : bench::table1_rows(so_far.cases.back(), so_far));
-  });
+  Progress progress;
+  const auto result =
+      bench::run_table1(told_to(progress, options.settings), [&](const bench::Table1Result& so_far) {
+        progress.clear();
+        say(so_far.cases.empty() ? bench::table1_head(so_far)
+                                 : bench::table1_rows(so_far.cases.back(), so_far));
+      });
   if (!result) {
     complain(result.problems());
     return 1;
@@ -86,7 +102,9 @@ int measure(const char* name, Benchmark benchmark, const BenchOptions& options) 
     report.load = bench::Load::words();
   }
   const Nanoseconds stolen = os::stolen_time();
-  auto sections = benchmark(options.settings, report.refused);
+  Progress progress;
+  auto sections = benchmark(told_to(progress, options.settings), report.refused);
+  progress.clear();
   if (!sections) {
     complain(sections.problems());
     return 1;

@@ -1,5 +1,6 @@
 #include "bring_up.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include <takt/dds/words.hpp>
@@ -16,6 +17,23 @@ std::size_t modules_of(const model::Cell& cell) {
   return modules;
 }
 
+constexpr Nanoseconds kLate = std::chrono::seconds{2};
+
+/// Whether each module of the cell was heard to be ready, or what comes after that.
+bool are_ready(const std::vector<dds::SeenDevice>& seen, const model::Cell& cell) {
+  const auto is_ready = [&seen](const model::Device& device, const model::Module& module) {
+    return std::any_of(seen.begin(), seen.end(), [&](const dds::SeenDevice& one) {
+      const auto status = one.deployment.modules.find(module.name);
+      return one.name() == device.name && one.alive && status != one.deployment.modules.end() &&
+             status->second.state() != STATE_IDLE && status->second.state() != STATE_INITIALIZE;
+    });
+  };
+  return std::all_of(cell.devices.begin(), cell.devices.end(), [&](const model::Device& device) {
+    return std::all_of(device.modules.begin(), device.modules.end(),
+                       [&](const model::Module& module) { return is_ready(device, module); });
+  });
+}
+
 }  // namespace
 
 BringUpProgress::BringUpProgress(const Client& client, const model::Cell& cell)
@@ -27,7 +45,11 @@ void BringUpProgress::say(const std::string& text) {
 }
 
 void BringUpProgress::end(bool went_well) {
-  if (progress_.is_seen() && went_well) show();
+  if (progress_.is_seen() && went_well) {
+    // They answered that they are ready. What they say of their modules is another topic, and may come later.
+    client_.observer->wait([this](const auto& devices) { return are_ready(devices, cell_); }, kLate);
+    show();
+  }
   progress_.clear();
 }
 

@@ -20,9 +20,11 @@
 #include "identity.hpp"
 #include "load.hpp"
 #include "page.hpp"
+#include "progress.hpp"
 #include "ranges.hpp"
 #include "recording/amounts.hpp"
 #include "recording/reader.hpp"
+#include "screen_style.hpp"
 #include "terminal.hpp"
 
 namespace takt::tool {
@@ -196,8 +198,7 @@ class Player {
       if (!wait_until(begin + round, last - first)) break;
     }
     os::sleep_until(os::now() + kDelivered);
-    if (line_) std::printf("\r\x1b[K");
-    std::fflush(stdout);
+    progress_.clear();
     return {};
   }
   [[nodiscard]] const Played& played() const { return played_; }
@@ -214,7 +215,7 @@ class Player {
         looked_ = now;
         if (signals_.next()) ended_ = true;
         if (ended_) return false;
-        progress(now, at_ns);
+        progress(at_ns);
       }
       if (due <= now) return true;
       if (due <= now + kLook) {
@@ -224,14 +225,12 @@ class Player {
       os::wait_readable({&signals_.fd()}, static_cast<int>(milliseconds{kLook / milliseconds{1}}.count()));
     }
   }
-  void progress(Instant now, std::int64_t at_ns) {
-    if (!terminal_ || now < told_ + seconds{1}) return;
-    told_ = now;
-    std::printf("\r\x1b[K%s", fmt::format("{:.1f} of {:.1f} s, {} samples", static_cast<double>(at_ns) / 1e9,
-                                          length_, played_.samples)
-                                  .c_str());
-    std::fflush(stdout);
-    line_ = true;
+  void progress(std::int64_t at_ns) {
+    if (!progress_.is_due()) return;
+    const double at = static_cast<double>(at_ns) / 1e9;
+    progress_.show(share_text(length_ > 0 ? at / length_ : 1,
+                              fmt::format("{:.1f} of {:.1f} s, {} samples", at, length_, played_.samples),
+                              {.unicode = is_utf8()}));
   }
 
   Recording& recording_;
@@ -239,14 +238,12 @@ class Player {
   const Selection selection_;
   const os::SignalQueue& signals_;
   std::map<std::int64_t, std::shared_ptr<dds::Feed>> feeds_;
-  const bool terminal_ = os::output_is_terminal();
+  Progress progress_;
   Played played_;
   double length_ = 0;
   Instant begun_{};
   Instant looked_{};
-  Instant told_{};
   bool ended_ = false;
-  bool line_ = false;
 };
 
 /// What nobody reads yet is played all the same: somebody may come.

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "progress.hpp"
 #include "ranges.hpp"
 #include "recording/recorder.hpp"
 
@@ -48,6 +49,13 @@ void add_record(CLI::App& app, Chosen& chosen) {
       if (for_seconds) record_options.seconds = options->seconds;
       record_options.recording.max_bytes = static_cast<std::uint64_t>(options->megabytes * 1e6);
       record_options.recording.flush = Nanoseconds{static_cast<std::int64_t>(options->flush * 1e9)};
+      Progress progress;
+      if (progress.is_seen()) {
+        record_options.progress = [&progress](const std::string& text) {
+          if (text.empty()) return progress.clear();
+          progress.show(text);
+        };
+      }
       return record(record_options);
     };
   });

@@ -5,7 +5,9 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <optional>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <takt/client/deploy.hpp>
@@ -19,11 +21,14 @@
 #include <takt/os/real_time.hpp>
 #include <takt/os/signals.hpp>
 
+#include "bring_up.hpp"
 #include "client.hpp"
 #include "commands.hpp"
 #include "load.hpp"
 #include "profile_report.hpp"
+#include "progress.hpp"
 #include "run_report.hpp"
+#include "screen_style.hpp"
 #include "terminal.hpp"
 #include "violations_report.hpp"
 
@@ -160,20 +165,25 @@ void Run::watch() {
 
 Result<void> Run::deploy(const Client& client) {
   std::vector<client::Undeployed> undone;
+  // Else the nodes say on the same terminal what they do.
+  std::optional<BringUpProgress> course;
+  if (options_.quiet) course.emplace(client, loaded_.cell);
   client::DeployOptions deploy{.lead = kLead,
                                .margin = kMargin,
                                .require_real_time = options_.require_real_time,
                                .process_ids = process_ids(),
                                .progress = {},
                                .cancelled =
-                                   [this] {
+                                   [this, &course] {
                                      watch();
+                                     if (course) course->look();
                                      return asked_to_end_ ||
                                             std::any_of(nodes_.begin(), nodes_.end(),
                                                         [](const auto& n) { return n->ended; });
                                    },
                                .undone = &undone};
   const auto deployed = client::deploy(*client.asker, loaded_.cell, loaded_.text, deploy);
+  if (course) course->end(deployed.ok());
   for (const client::Undeployed& one : undone) note(one);
   if (!deployed) {
     watch();
@@ -210,7 +220,15 @@ client::Devices Run::still_running() const {
 }
 
 void Run::serve(const Client& client) {
+  Progress progress;
   while (!asked_to_end_ && !(end_at_ && os::now() >= *end_at_)) {
+    if (options_.quiet && end_at_ && progress.is_due()) {
+      const double left = std::chrono::duration<double>(*end_at_ - os::now()).count();
+      const double passed = std::max(0.0, *options_.seconds - left);
+      progress.show(share_text(passed / *options_.seconds,
+                               fmt::format("{:.0f} of {} s", passed, *options_.seconds),
+                               {.unicode = is_utf8()}));
+    }
     std::int64_t limit = 20;
     if (end_at_)
       limit = std::clamp<std::int64_t>((*end_at_ - os::now()) / std::chrono::milliseconds{1}, 0, limit);

@@ -1,17 +1,19 @@
 import os
 import re
+import signal
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import takt_system
 from terminal import Terminal
 
-BAR = r"^\[[#.]{20}\] +\d+ %  "
+FILLED = r"^\[[#.]{20}\] +"
+BAR = FILLED + r"\d+ %  "
 
 
 class Progress(takt_system.Case):
     def in_terminal(self, *arguments):
-        terminal = Terminal(50, 300)
+        terminal = Terminal(100, 300)
         self.addCleanup(terminal.close)
         return terminal, self.start(*arguments, terminal=terminal.slave, become=terminal.become, error=terminal.slave,
                                     environment={"LC_ALL": "C"})
@@ -20,7 +22,7 @@ class Progress(takt_system.Case):
         """In order, and nothing but what stays is left of it."""
         self.assertEqual(0, run.wait(120).status)
         terminal.wait_for(last)
-        self.assertNotRegex(terminal.text, "s simulated")
+        self.assertNotRegex(terminal.text, BAR[1:])
         self.assertEqual([], terminal.strange)
 
     def test_of_a_simulation(self):
@@ -38,6 +40,43 @@ class Progress(takt_system.Case):
             self.assertTrue(any(re.fullmatch(line, shown) for shown in terminal.lines), (line, terminal.lines))
         self.done("undeploy cell")
         self.end(nodes)
+
+    def test_of_a_run(self):
+        terminal, run = self.in_terminal("run", "cell.xml", "--quiet", "--for", "3")
+        terminal.wait_for(BAR + "[123] of 3 s$", 30)
+        self.ends(terminal, run, "^  other +DESTRUCT ")
+        for line in (r"robot\.grid: (START|EXECUTING)", r"line\.other: (START|EXECUTING)"):
+            self.assertTrue(any(re.fullmatch(line, shown) for shown in terminal.lines), (line, terminal.lines))
+
+    def test_of_a_run_whose_modules_say_themselves_what_they_do(self):
+        terminal, run = self.in_terminal("run", "cell.xml", "--for", "2")
+        terminal.wait_for("grid: START -> EXECUTING", 30)
+        self.ends(terminal, run, "^  other +DESTRUCT ")
+        self.assertNotRegex(terminal.text, r"robot\.grid: (START|EXECUTING)$")
+
+    def test_of_a_benchmark(self):
+        terminal, run = self.in_terminal("bench", "wake", "--period", "1000", "--for", "2.5")
+        for share in (5, 55, 95):  # of twenty measurements
+            terminal.wait_for(FILLED + "%d %%  wake-up by [a-z ]+ at 1 ms$" % share, 30)
+        self.ends(terminal, run, "^  spin ")
+        terminal, run = self.in_terminal("bench", "table1", "--for", "0.2")
+        terminal.wait_for(BAR + "case 3 of 10: (Takt|the bare loop)", 60)
+        terminal.wait_for("^ 1 .*")  # above it is what was measured
+        terminal.wait_for(BAR + "case 7 of 10: (Takt|the bare loop)", 60)
+        self.ends(terminal, run, "^ *10 ")
+
+    def test_of_a_recording_and_its_playing(self):
+        source = self.start("run", "source.xml")
+        source.wait_for_state("source", "EXECUTING")
+        terminal, run = self.in_terminal("record", "d.source.*", "--out", "a.takt", "--for", "4")
+        terminal.wait_for(r"^[23] s, 1 ports, \d+ samples, \d+/s, \S+ \S+, 0 lost$", 30)
+        self.ends(terminal, run, r"^takt record: \d+ samples of ")
+        self.assertNotRegex(terminal.text, r"\d s, \d ports")
+        source.signal(signal.SIGINT)
+        source.wait(20)
+        terminal, run = self.in_terminal("play", "a.takt")
+        terminal.wait_for(BAR + r"[12]\.\d of [34]\.\d s, \d+ samples$", 30)
+        self.ends(terminal, run, r"^takt play: \d+ samples of ")
 
     def test_is_not_there_without_a_terminal(self):
         run = self.takt("simulate", "cell.xml", "--for", "2000", limit=120)

@@ -161,14 +161,18 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
                                      settings.cell.devices, 2 * settings.cell.pairs, to_text(period)),
                 .columns = {"s"}};
   Nodes nodes{settings.cell, domain, *folder, *patience};
+  Course course{settings, 5};
+  course.next("nodes are started");
   const Instant begin = os::now();
   if (auto started = nodes.start(); !started) return started.problems();
   if (auto all = nodes.wait_for_all(); !all) return all.problems();
   times.rows.push_back({"nodes started and seen", {seconds(os::now() - begin)}});
+  course.next("takt deploy");
   const auto deployed = nodes.tell({"deploy", *file});
   if (!deployed) return deployed.problems();
   times.rows.push_back({"takt deploy", {seconds(*deployed)}});
 
+  course.next("the cell runs");
   for (const Instant end = os::now() + length; os::now() < end && !patience->ended();)
     os::wait_readable({&patience->fd()},
                       static_cast<int>(std::max<std::int64_t>(1, (end - os::now()) / 1ms)));
@@ -191,6 +195,7 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   }
   std::uint64_t memory = 0;
   for (const int pid : processes) memory += os::memory_of(pid);
+  course.next("takt undeploy");
   const auto undeployed = nodes.tell({"undeploy", "bench"});
   if (!undeployed) return undeployed.problems();
   times.rows.push_back({"takt undeploy", {seconds(*undeployed)}});
@@ -205,6 +210,7 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
       ages.insert(ages.end(), some.begin(), some.end());
     }
   }
+  course.next("DDS alone");
   const auto bare = run_bare_dds({.domain = domain, .period = period, .length = length});
   if (!bare) return bare.problems();
   Section way{.title = "a sample of 64 bytes, reliable, over the loopback interface",

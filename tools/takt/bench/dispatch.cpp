@@ -117,12 +117,13 @@ class Table {
 
 // ---- One row after the other, without a pause
 
-Result<Section> row_after_row(const Place& place, Nanoseconds length, Problems& refused) {
+Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
   Section section{.title = "a row of thread modules, one row after the other: ns",
                   .columns = {"row", "bare calls", "a module", "beyond it"}};
   for (const std::size_t n : {10U, 100U, 1000U}) {
     double row = 0;
     double calls = 0;
+    course.next(fmt::format("a row of {} modules", n));
     const auto loop = run_at(place, [&] {
       Table table{n};
       executor::Executor& executor = table.executor();
@@ -143,6 +144,7 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Problems& 
   }
   double released = 0;
   double clock = 0;
+  course.next("a row of process modules");
   const auto loop = run_at(place, [&] {
     constexpr std::size_t kPrograms = 100;
     Table table{kPrograms, model::ModuleType::process};
@@ -168,7 +170,7 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Problems& 
 }
 
 /// What it costs to record each run: rows with a record and without in turn.
-Result<Section> recorded(const Place& place, Nanoseconds length, Problems& refused) {
+Result<Section> recorded(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
   Section section{.title = "the flight record, always on: ns",
                   .columns = {"a module, not recorded", "recorded", "a run's entry", "a bare entry"}};
   constexpr std::uint64_t kEntries = 1U << 18;  // 4 MiB: as of a device with ten modules at 1 ms
@@ -176,6 +178,7 @@ Result<Section> recorded(const Place& place, Nanoseconds length, Problems& refus
   if (!memory) return memory.problems();
   for (const std::size_t n : {10U, 100U, 1000U}) {
     std::vector<double> times;
+    course.next(fmt::format("the flight record of {} modules", n));
     const auto loop = run_at(place, [&] {
       channel::FlightWriter writer = memory->writer(0);
       channel::FlightWriter bare = memory->writer(1);
@@ -281,13 +284,14 @@ Row row_of(const std::string& name, const Seen& seen, Nanoseconds length) {
            jitter.p99 / 1e3, jitter.max / 1e3, static_cast<double>(seen.loop.missed)}};
 }
 
-Result<Section> a_thousand(const Place& place, Nanoseconds length, Problems& refused) {
+Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
   Seen table;
   Seen bare;
   Seen threads;
   Table modules{kMany};
   for (int turn = 0; turn < kTurns; ++turn) {
     for (Seen* seen : {&table, &bare}) {
+      course.next(fmt::format("{} modules: {}", kMany, seen == &table ? "one table" : "bare calls"));
       seen->taken.reserve(seen->taken.size() + static_cast<std::size_t>(length / kPeriod));
       const auto loop = run_at(place, [&] {
         const Grid grid = Grid::from_now(kPeriod, length / kTurns);
@@ -297,6 +301,7 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Problems& ref
       if (!loop) return loop.problems();
       seen->loop.add(*loop);
     }
+    course.next(fmt::format("{} modules: a thread for each", kMany));
     const auto all = a_thread_for_each(place, length / kTurns);
     if (!all) return all.problems();
     threads.loop.add(*all);
@@ -331,11 +336,12 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Problems& ref
 Result<std::vector<Section>> dispatch(const Settings& settings, Problems& refused) {
   const Place place{.cpu = cpu_of(settings)};
   const Nanoseconds length = settings.length(kSeconds);
-  auto rows = row_after_row(place, length / 3, refused);
+  Course course{settings, 4 + 3 + 3 * kTurns};
+  auto rows = row_after_row(place, length / 3, course, refused);
   if (!rows) return rows.problems();
-  auto record = recorded(place, length / 3, refused);
+  auto record = recorded(place, length / 3, course, refused);
   if (!record) return record.problems();
-  auto thousand = a_thousand(place, length, refused);
+  auto thousand = a_thousand(place, length, course, refused);
   if (!thousand) return thousand.problems();
   return std::vector<Section>{std::move(*rows), std::move(*record), std::move(*thousand)};
 }

@@ -90,6 +90,7 @@ class Copy {
 Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) {
   Section section{.title = "a sample of 64 bytes from port to port, one thread: ns",
                   .columns = {"ns", "of memcpy"}};
+  Course{settings, 1}.next("all ways by turns");
   const auto loop = run_at({.cpu = cpu_of(settings)}, [&] {
     Copy copy;
     Pair latest{true, 1};

@@ -72,12 +72,15 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
   one.exe = 1;
   one.measured = model::ModuleType::process;
 
-  std::vector<Seen> seen(3);
+  const std::vector<std::string> names{"process module", "futex", "signal"};
+  std::vector<Seen> seen(names.size());
   const auto add = [&seen](std::size_t way, const Seen& more) {
     seen[way].jitter.insert(seen[way].jitter.end(), more.jitter.begin(), more.jitter.end());
     seen[way].missed += more.missed;
   };
+  Course course{settings, kTurns * static_cast<int>(names.size())};
   for (int turn = 0; turn < kTurns; ++turn) {
+    course.next(names[0]);
     const auto measured = run_measured(one,
                                        {.period = period,
                                         .cpu = place.cpu,
@@ -91,9 +94,11 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
       add_once(refused, {fail("the node's threads are not real-time", "run as root")});
     for (const WakeBy by : {WakeBy::futex, WakeBy::signal}) {
       if (patience->ended()) return asked_to_end();
+      const std::size_t way = by == WakeBy::futex ? 1 : 2;
+      course.next(names[way]);
       const auto woken = wake_a_peer(by, place, other_cpu, period, length, refused);
       if (!woken) return woken.problems();
-      add(by == WakeBy::futex ? 1 : 2, *woken);
+      add(way, *woken);
     }
   }
   Section section{
@@ -102,7 +107,6 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
       .columns = time_columns()};
   section.columns.emplace_back("cycles");
   section.columns.emplace_back("missed");
-  const std::vector<std::string> names{"process module", "futex", "signal"};
   std::vector<double> medians;
   for (std::size_t way = 0; way < seen.size(); ++way) {
     const Distribution d = distribution_of(seen[way].jitter);

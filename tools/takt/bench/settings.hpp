@@ -1,7 +1,9 @@
 // What every benchmark is asked for.
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <string>
 
 #include <takt/core/time.hpp>
 
@@ -21,11 +23,32 @@ struct Settings {
   bool load = false;                  ///< stress-ng runs beside it
   std::optional<Nanoseconds> period;  ///< none: the benchmark's own
   CellSettings cell{};
+  /// Told how far it is and what is measured next; none: nobody waits for it. See Course.
+  std::function<void(double share, const std::string& what)> progress{};
 
   [[nodiscard]] Nanoseconds length(double otherwise) const {
     return std::chrono::duration_cast<Nanoseconds>(
         std::chrono::duration<double>(seconds.value_or(otherwise)));
   }
+};
+
+/// The measurements of a benchmark, told one by one to whoever waits: before each and never in one, where
+/// who draws would be measured too.
+class Course {
+ public:
+  /// `settings` outlive it. `measurements`: of about the same length.
+  Course(const Settings& settings, int measurements)
+      : progress_(settings.progress), measurements_(measurements) {}
+
+  void next(const std::string& what) {
+    if (progress_) progress_(static_cast<double>(done_) / measurements_, what);
+    ++done_;
+  }
+
+ private:
+  const std::function<void(double share, const std::string& what)>& progress_;
+  int measurements_;
+  int done_ = 0;
 };
 
 /// The processor of the real-time threads.

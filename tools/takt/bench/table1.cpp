@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include <takt/os/clock.hpp>
 #include <takt/os/real_time.hpp>
 
@@ -10,6 +12,7 @@
 #include "measured_cell.hpp"
 #include "programs.hpp"
 #include "scratch_folder.hpp"
+#include "table1_cases.hpp"
 
 namespace takt::bench {
 
@@ -21,14 +24,22 @@ constexpr double kSeconds = 10;
 class Table1Run {
  public:
   Table1Run(const Settings& settings, Table1Result& result, const ScratchFolder& folder, Patience& patience)
-      : settings_(settings), result_(result), folder_(folder), patience_(patience) {}
+      : settings_(settings),
+        result_(result),
+        folder_(folder),
+        patience_(patience),
+        course_(settings, 3 * static_cast<int>(kTable1.size())) {}
 
   Result<CaseResult> run(const Table1Case& one) {
     CaseResult measured;
     measured.one = one;
     measured.loop_real_time = true;
+    const std::string name = fmt::format("case {} of {}: ", one.number, kTable1.size());
+    course_.next(name + "the bare loop");
     if (auto half = run_half(measured); !half) return half.problems();
+    course_.next(name + "Takt");
     if (auto done = run_takt(measured); !done) return done.problems();
+    course_.next(name + "the bare loop again");
     if (auto half = run_half(measured); !half) return half.problems();
     measured.loop = distribution_of(measured.bare);
     return measured;
@@ -72,6 +83,7 @@ class Table1Run {
   Table1Result& result_;
   const ScratchFolder& folder_;
   Patience& patience_;
+  Course course_;
 };
 
 }  // namespace

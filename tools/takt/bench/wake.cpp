@@ -1,4 +1,5 @@
 // takt bench wake
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -17,6 +18,7 @@ using namespace std::chrono_literals;
 
 constexpr double kSeconds = 5;
 constexpr int kTurns = 5;
+constexpr int kWays = 4;
 
 Loop wait_by(Wakeup strategy, Nanoseconds period, Nanoseconds length) {
   const std::atomic<std::uint32_t> stop{0};
@@ -25,20 +27,22 @@ Loop wait_by(Wakeup strategy, Nanoseconds period, Nanoseconds length) {
                       [&waker](Instant release) { return waker.wait_until(release); });
 }
 
-Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds length, Problems& refused) {
+Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds length, Course& course,
+                          Problems& refused) {
   struct Way {
     const char* name;
     std::function<Loop()> loop;
     Loop seen{};
   };
   const auto by = [=](Wakeup strategy) { return [=] { return wait_by(strategy, period, length / kTurns); }; };
-  std::vector<Way> ways{
-      {"bare loop", [=] { return loop_on_grid(Grid::from_now(period, length / kTurns), sleep_to); }},
-      {"sleep", by(Wakeup::sleep)},
-      {"hybrid", by(Wakeup::hybrid)},
-      {"spin", by(Wakeup::spin)}};
+  std::array<Way, kWays> ways{
+      {{"bare loop", [=] { return loop_on_grid(Grid::from_now(period, length / kTurns), sleep_to); }},
+       {"sleep", by(Wakeup::sleep)},
+       {"hybrid", by(Wakeup::hybrid)},
+       {"spin", by(Wakeup::spin)}}};
   for (int turn = 0; turn < kTurns; ++turn) {
     for (Way& way : ways) {
+      course.next(fmt::format("wake-up by {} at {}", way.name, to_text(period)));
       const auto loop = run_at(place, way.loop);
       if (!loop) return loop.problems();
       way.seen.add(*loop);
@@ -66,9 +70,10 @@ Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds le
 Result<std::vector<Section>> wake(const Settings& settings, Problems& refused) {
   std::vector<Nanoseconds> periods{100us, 1ms};
   if (settings.period) periods = {*settings.period};
+  Course course{settings, static_cast<int>(periods.size()) * kTurns * kWays};
   std::vector<Section> sections;
   for (const Nanoseconds period : periods) {
-    auto section = at_period(period, {.cpu = cpu_of(settings)}, settings.length(kSeconds), refused);
+    auto section = at_period(period, {.cpu = cpu_of(settings)}, settings.length(kSeconds), course, refused);
     if (!section) return section.problems();
     sections.push_back(std::move(*section));
   }

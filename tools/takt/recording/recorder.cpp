@@ -85,7 +85,7 @@ class Recorder {
   [[nodiscard]] const std::map<std::int64_t, Recorded>& recorded() const { return recorded_; }
 
   void say(const std::string& text) {
-    clear_line();
+    if (options_.progress) options_.progress("");
     std::fprintf(stderr, "%s: %s\n", options_.who.c_str(), text.c_str());
   }
 
@@ -231,25 +231,15 @@ class Recorder {
       trouble_ = health.trouble;
     }
     const Instant now = os::now();
-    if (!terminal_ || now - told_ < seconds{1}) return;
+    if (!options_.progress || now - told_ < seconds{1}) return;
     const double since = std::chrono::duration<double>(now - std::max(told_, begun)).count();
-    std::printf(
-        "\r\x1b[K%s",
-        fmt::format("{:.0f} s, {} ports, {} samples, {:.0f}/s, {}{}, {} lost",
-                    std::chrono::duration<double>(now - begun).count(), recorded_.size(), health.samples,
-                    static_cast<double>(health.samples - told_samples_) / since, bytes_text(health.bytes),
-                    health.dropped == 0 ? "" : fmt::format(", {} of the oldest dropped", health.dropped),
-                    lost())
-            .c_str());
-    std::fflush(stdout);
-    line_ = true;
+    options_.progress(fmt::format(
+        "{:.0f} s, {} ports, {} samples, {:.0f}/s, {}{}, {} lost",
+        std::chrono::duration<double>(now - begun).count(), recorded_.size(), health.samples,
+        static_cast<double>(health.samples - told_samples_) / since, bytes_text(health.bytes),
+        health.dropped == 0 ? "" : fmt::format(", {} of the oldest dropped", health.dropped), lost()));
     told_ = now;
     told_samples_ = health.samples;
-  }
-  void clear_line() {
-    if (!std::exchange(line_, false)) return;
-    std::printf("\r\x1b[K");
-    std::fflush(stdout);
   }
 
   const RecordOptions& options_;
@@ -257,13 +247,11 @@ class Recorder {
   const os::SignalQueue& signals_;
   const Client& client_;
   std::atomic<bool>& news_;
-  const bool terminal_ = os::output_is_terminal();
   std::map<std::string, Source> sources_;        // by path
   std::map<std::string, std::string> expanded_;  // deployment by device
   std::map<std::int64_t, Recorded> recorded_;    // by number in the file
   std::uint64_t lost_ = 0;                       // by taps that are gone
   bool ended_ = false;
-  bool line_ = false;
   Instant told_{};
   std::uint64_t told_samples_ = 0;
   std::optional<Problem> trouble_;

@@ -1,6 +1,7 @@
 // Records ports of a running cell until it is told to end: behind `takt record` and the component `recorder`.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,11 +17,13 @@ struct RecordOptions {
   RecordingOptions recording;
   std::optional<double> seconds;  ///< none: until SIGINT or SIGTERM
   Network network;
+  /// Told once a second how far it is, and with nothing before something else is said; none: nobody looks.
+  std::function<void(const std::string&)> progress{};
 };
 
-/// Says on standard error which ports it records and which it waits for, once a second on a terminal how far
-/// it is, and at the end what is in the file. Returns the exit status: 1 when the file cannot be made, when
-/// the disk did not take everything, or when no port was ever there.
+/// Says on standard error which ports it records and which it waits for, and at the end what is in the file.
+/// Returns the exit status: 1 when the file cannot be made, when the disk did not take everything, or when no
+/// port was ever there.
 int record(const RecordOptions& options);
 
 }  // namespace takt::tool
