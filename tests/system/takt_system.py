@@ -16,6 +16,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -106,6 +107,13 @@ def claim_domain(domain):
             return False
     _claims.append(claim)
     return True
+
+
+def progress(text):
+    """How far a test is that takes minutes, in one line; where somebody looks."""
+    if sys.stderr.isatty():
+        sys.stderr.write("\r\x1b[K%s" % text)
+        sys.stderr.flush()
 
 
 def free_domain():
@@ -356,7 +364,6 @@ class Case(unittest.TestCase):
 
     def beside(self, name):
         """A file of the test's own folder."""
-        import sys
         return os.path.join(os.path.dirname(os.path.abspath(sys.modules[type(self).__module__].__file__)), name)
 
     def start(self, *arguments, **options):

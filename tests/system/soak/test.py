@@ -108,6 +108,8 @@ class Soak(networks.NetworkCase):
             [self.pull_cable] * 3 + [self.redeploy] * 6
         while time.monotonic() - self.began < SECONDS:
             self.wait_until_all_execute()
+            passed = time.monotonic() - self.began
+            takt_system.progress("%.0f of %.0f s, %d events" % (passed, SECONDS, sum(self.done_so_far.values())))
             event = self.kill_node if self.random.random() < 0.01 else self.random.choice(events)
             self.done_so_far[event.__name__] += 1
             event()

@@ -136,7 +136,7 @@ class Watch(takt_system.Case):
             terminal.resize(rows, columns)
             wait_until(lambda: terminal.seen > seen, 5, "a screen of the new size")
             if rows >= 6:
-                terminal.wait_for("^> line")
+                terminal.wait_for("^> (line|robot)")  # whichever was there first
         terminal.wait_for(r"^Enter details .*q quit")
         del terminal.strange[:]  # what was drawn for a larger one just before
         self.leave(terminal, run, lambda: terminal.press("q"))
