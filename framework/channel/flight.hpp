@@ -18,8 +18,9 @@ enum class FlightKind : std::uint8_t {
   ready,     ///< a sporadic module is to run
   write,     ///< in the run that ends next: a sample was written; the value is the place of the port
   event,     ///< in the run that ends next: an event was taken; the value is the place of the port
+  swapped,   ///< from this row on another instance of the module is called
 };
-inline constexpr std::uint8_t kFlightKinds = 9;
+inline constexpr std::uint8_t kFlightKinds = 10;
 
 /// Where it lies in the ring.
 struct FlightEntry {

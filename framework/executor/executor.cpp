@@ -190,20 +190,24 @@ Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, In
 std::uint32_t Executor::run_cycle(Instant now) noexcept {
   block_.row_sequence.store(block_.row_sequence.load(relaxed) + 1, std::memory_order_seq_cst);  // SYNC: row
   if (before_ != nullptr) watch_trial();
-  if (asked_.load(relaxed) != nullptr) begin_exchange();
+  const bool swapped = asked_.load(relaxed) != nullptr && begin_exchange();
   if ((now - release_).count() > block_.latest_ns.load(relaxed))
     block_.latest_ns.store((now - release_).count(), relaxed);
+  const auto record = [&](Nanoseconds late) {
+    rows_.add(channel::FlightKind::row, to_ns(now), 0, late.count());
+    if (swapped) rows_.add(channel::FlightKind::swapped, to_ns(now), periodic_[tried_].index);
+  };
   std::uint32_t wake = 0;
   Instant time = now;
   if (now - release_ >= basic_) {
     const auto rows = static_cast<std::uint64_t>((now - release_) / basic_);
     const Nanoseconds late = (now - release_) % basic_;
-    rows_.add(channel::FlightKind::row, to_ns(now), 0, late.count());
+    record(late);
     wake = overrun(rows);
     block_.jitter.record(-late.count());
     if (longest_catch_up_ != 0) time = clock_.now();
   } else {
-    rows_.add(channel::FlightKind::row, to_ns(now), 0, (now - release_).count());
+    record(now - release_);
     block_.jitter.record((release_ - now).count());
   }
 
@@ -242,17 +246,17 @@ void Executor::exchange(Exchange& exchange) noexcept {
 
 bool Executor::withdraw() noexcept { return asked_.exchange(nullptr, std::memory_order_acq_rel) != nullptr; }
 
-void Executor::begin_exchange() noexcept {
+bool Executor::begin_exchange() noexcept {
   Exchange* exchange = asked_.load(std::memory_order_acquire);  // SYNC: exchange
-  if (exchange == nullptr || before_ != nullptr) return;
+  if (exchange == nullptr || before_ != nullptr) return false;
   const auto unit = std::find_if(periodic_.begin(), periodic_.end(),
                                  [exchange](const Unit& each) { return each.index == exchange->index; });
-  if (unit == periodic_.end() || unit->body == nullptr || !in_tables(*unit)) return;
+  if (unit == periodic_.end() || unit->body == nullptr || !in_tables(*unit)) return false;
   exchange = asked_.exchange(nullptr, std::memory_order_acq_rel);
-  if (exchange == nullptr) return;  // it was withdrawn
+  if (exchange == nullptr) return false;  // it was withdrawn
   if (!exchange->body->take_over(*unit->body)) {
     exchange->state.store(Exchange::State::not_now, std::memory_order_release);  // SYNC: exchange
-    return;
+    return false;
   }
   before_ = std::exchange(unit->body, exchange->body);
   tried_ = static_cast<std::size_t>(unit - periodic_.begin());
@@ -261,6 +265,7 @@ void Executor::begin_exchange() noexcept {
   unit->block->on_trial.store(1, relaxed);
   exchange->row = row_;
   exchange->state.store(Exchange::State::on_trial, std::memory_order_release);  // SYNC: exchange
+  return true;
 }
 
 void Executor::watch_trial() noexcept {

@@ -93,7 +93,8 @@ class Executor {
     std::atomic<std::int64_t> not_before_ns{0};
   };
 
-  void begin_exchange() noexcept;
+  /// Whether there is another instance from this row on.
+  bool begin_exchange() noexcept;
   void watch_trial() noexcept;
   void end_trial(Exchange::State state) noexcept;
   void put_back(ErrorType type, std::uint64_t cycle, const char* text) noexcept;

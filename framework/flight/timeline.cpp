@@ -61,6 +61,7 @@ class Reader {
       }
       case FlightKind::released:
       case FlightKind::ready:
+      case FlightKind::swapped:
         line_.marks.push_back({entry.kind, entry.time_ns, entry.module, entry.value});
         break;
       case FlightKind::write:

@@ -29,7 +29,7 @@ struct Row {
   [[nodiscard]] Nanoseconds took() const noexcept { return Nanoseconds{end_ns - start_ns}; }
 };
 
-/// Something that takes no time: a release, a sample that was written, an event that was taken.
+/// Something that takes no time: a release, a sample that was written, an event that was taken, a swap.
 struct Mark {
   channel::FlightKind kind = channel::FlightKind::nothing;
   std::int64_t time_ns = 0;  ///< of what a run wrote or took: its beginning, as the sample's own time

@@ -181,6 +181,10 @@ class Writer {
         event(R"({{"ph":"i","s":"t","pid":1,"tid":{},"ts":{:.3f},"cat":"release","name":{}}})", id,
               at(mark.time_ns), quoted("ready " + module));
         break;
+      case FlightKind::swapped:
+        event(R"({{"ph":"i","s":"t","pid":1,"tid":{},"ts":{:.3f},"cat":"swap","name":{}}})", id,
+              at(mark.time_ns), quoted("swapped " + module));
+        break;
       case FlightKind::write:
       case FlightKind::event: {
         const bool out = mark.kind == FlightKind::write;

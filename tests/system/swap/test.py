@@ -3,6 +3,7 @@ import os
 import re
 import shutil
 import signal
+import subprocess
 import sys
 import time
 
@@ -12,6 +13,81 @@ from takt_system import LIFE, wait_until
 
 COUNT = int(os.environ.get("TAKT_SWAP_COUNT", "20"))
 COMPONENTS = os.environ["TAKT_COMPONENT_PATH"].split(":")[0]
+
+
+class BareLoop:
+    """Sleeps to each ms at a higher priority on the executor's processor: what is late there too is the machine's."""
+
+    def __init__(self):
+        self._run = subprocess.Popen([sys.executable, "-c", self._LOOP], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    _LOOP = """
+import os, select, sys, time
+os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+try:
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(90))
+except PermissionError:
+    pass
+due = time.time_ns()
+while not select.select([sys.stdin], [], [], 0)[0]:
+    due += 1_000_000
+    time.sleep(max(0, due - time.time_ns()) / 1e9)
+    late = time.time_ns() - due
+    if late > 500_000:
+        print(due, due + late)
+        due += late // 1_000_000 * 1_000_000
+"""
+
+    def kill(self):
+        if self._run.poll() is None:
+            self._run.kill()
+            self._run.communicate()
+
+    def end(self):
+        """(from, to) of each time that it was late by more than half a ms, in ns since 1970."""
+        out, _ = self._run.communicate("end\n", timeout=10)
+        return [tuple(map(int, line.split())) for line in out.splitlines()]
+
+
+class Traced:
+    """Every row of the executor, of traces that overlap, by its instant in ms since the first one's release."""
+
+    def __init__(self):
+        self.rows = {}
+        self.swaps = []  # the rows that began with another instance
+
+    def add(self, trace):
+        about = trace["otherData"]
+        began_us = about["begins_utc_ns"] / 1e3
+        first_us = began_us + about["t0_us"]
+        events = {kind: [e for e in trace["traceEvents"] if e.get("cat") == kind] for kind in ("row", "swap")}
+        swapped = {event["ts"] for event in events["swap"]}
+        for event in events["row"]:
+            row = round((began_us + event["args"]["release_us"] - first_us) / 1e3)
+            if row not in self.rows:
+                self.rows[row] = {"took_us": event["dur"], "utc_ns": (began_us + event["args"]["release_us"]) * 1e3, **event["args"]}
+                if event["ts"] in swapped:
+                    self.swaps.append(row)
+
+    def missed(self):
+        """(row that was missed, rows since the last swap, cause, what is known of it, when)"""
+        for row, seen in sorted(self.rows.items()):
+            since = [row - swap for swap in self.swaps if swap < row]
+            for n in range(seen.get("missed", 0), 0, -1):
+                yield row - n, min(since) - n if since else None, seen["cause"], seen["why"], seen["utc_ns"] - n * 1e6
+
+    def report(self, late):
+        def took(rows):
+            times = sorted(self.rows[row]["took_us"] for row in rows)
+            return "p50 %.1f p99 %.1f max %.1f us" % (times[len(times) // 2], times[len(times) * 99 // 100], times[-1])
+        print("rows seen in traces: %d, that begin with a swap: %d" % (len(self.rows), len(self.swaps)))
+        print("a row with a swap took", took(self.swaps))
+        print("one without          ", took(set(self.rows) - set(self.swaps)))
+        missed = list(self.missed())
+        both = [any(begin - 2e6 < m[4] < end + 2e6 for begin, end in late) for m in missed]
+        print("%d rows missed; a bare loop beside it was late %d times, at %d of them" % (len(missed), len(late), sum(both)))
+        for (row, since, cause, why, _), also in zip(missed, both):
+            print("row %d missed, %s rows after a swap%s: %s: %s" % (row, since, ", as by the bare loop" if also else "", cause, why))
 
 
 class Swap(takt_system.Case):
@@ -69,10 +145,24 @@ class Swap(takt_system.Case):
         run = self.running()
         self.done("set d.ticks label mine")
         files = ["ticks_more.so", "ticks.so", "ticks.so"]
+        traced = Traced()
+        bare = BareLoop()
+        self.addCleanup(bare.kill)
+        at = time.monotonic()
         for n in range(COUNT):
             file = files[n % 3]
             self.assertRegex(self.swap(file), r"^d\.ticks: \S+/%s from row \d+ of its executor on$" % file)
+            if n % 20 == 19 or n == COUNT - 1:
+                now = time.monotonic()
+                self.done("trace d --last %.1f -o trace.json" % (now - at + 1))
+                at = now
+                traced.add(json.loads(self.read("trace.json")))
         self.finish(run)
+        traced.report(bare.end())
+        # What the machine keeps from the executor is not the swap's: the rows after it, of the time that it takes itself.
+        self.assertEqual(COUNT, len(traced.swaps))
+        self.assertEqual([], [missed for missed in traced.missed()
+                              if missed[1] is not None and missed[1] <= 2 and missed[2] in ("own overrun", "predecessor")])
         said = self.versions(run)
         self.assertEqual([1] + [2 if n % 3 == 0 else 1 for n in range(COUNT)], [version for version, *_ in said])
         self.assertEqual(("begins at", 0, "given"), said[0][1:])

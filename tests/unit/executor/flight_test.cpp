@@ -118,6 +118,28 @@ TEST_F(Recorded, ARunThatIsMadeUpLiesInTheRowThatIsLate) {
   EXPECT_EQ(of_rows()[3].value, 500'000U);
 }
 
+TEST_F(Recorded, ASwapLiesInTheRowThatItBegins) {
+  auto module = thread(1ms);
+  module.overrun = model::OverrunContract{.what = model::Overrun::catch_up, .limit = 2};
+  FakeDevice device{{thread(1ms), module}};
+  record(device);
+  device.join();
+  device.cycle();
+  Script next;
+  Exchange exchange{.index = 1, .body = &next, .runs = 2};
+  device.executor->exchange(exchange);
+  device.cycle(1500us);
+  device.cycle();
+  std::vector<std::pair<FlightKind, std::uint32_t>> seen;
+  for (const FlightSample& entry : of_rows()) seen.emplace_back(entry.kind, entry.module);
+  using enum FlightKind;
+  const std::vector<std::pair<FlightKind, std::uint32_t>> expected{
+      {row, 0}, {run, 0},     {run, 1}, {row_end, 0},                          //
+      {row, 0}, {swapped, 1}, {run, 1}, {run, 0},     {run, 1}, {row_end, 0},  //
+      {row, 0}, {run, 0},     {run, 1}, {row_end, 0}};
+  EXPECT_EQ(seen, expected);
+}
+
 TEST_F(Recorded, ASporadicRunLiesInTheRingOfItsThread) {
   FakeDevice device{{thread(1ms), sporadic(model::ModuleType::thread, 5ms)}};
   record(device);

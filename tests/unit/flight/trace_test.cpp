@@ -85,6 +85,7 @@ TEST(Trace, HasEveryRowRunWriteAndChange) {
   made.recording.modules[1].ports = {"in", "speed"};
   made.good(0, 10);
   made.add(FlightKind::row, 10 * kMs, 0, 0);
+  made.add(FlightKind::swapped, 10 * kMs, 1, 0);
   made.add(FlightKind::write, 0, 1, 1);
   made.add(FlightKind::event, 0, 1, 9);
   made.add(FlightKind::run, 10 * kMs + 5 * kUs, 1, 5 * kUs);
@@ -104,6 +105,9 @@ TEST(Trace, HasEveryRowRunWriteAndChange) {
   EXPECT_EQ(of_category(trace, "write")[0]["name"], "write m1.speed");
   EXPECT_EQ(of_category(trace, "event")[0]["name"], "event m1.port 9");
   EXPECT_EQ(of_category(trace, "release")[0]["args"]["release"], "left out: it is still in its body");
+  ASSERT_EQ(of_category(trace, "swap").size(), 1U);
+  EXPECT_EQ(of_category(trace, "swap")[0]["name"], "swapped m1");
+  EXPECT_DOUBLE_EQ(of_category(trace, "swap")[0]["ts"], 10000);
   EXPECT_EQ(of_category(trace, "body")[0]["name"], "m2");
   EXPECT_DOUBLE_EQ(of_category(trace, "body")[0]["dur"], 700);
   EXPECT_EQ(of_category(trace, "state")[0]["name"], "m1: EXECUTING -> RECOVER");
