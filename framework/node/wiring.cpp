@@ -18,6 +18,9 @@ using model::Endpoint;
 /// Of ROS 2's default profile (rmw_qos_profile_default).
 constexpr std::uint32_t kRos2Depth = 10;
 
+constexpr std::uint32_t kListenDepth = 64;
+constexpr std::uint32_t kListenBytes = 16 * 1024;
+
 class Planner {
  public:
   Planner(const model::Cell& cell, std::size_t device, const std::vector<model::ModulePorts>& ports)
@@ -42,6 +45,10 @@ class Planner {
           flow_of(module, port, topic_of(module, port.name), std::nullopt);
         if (answers(port)) serve_anybody(module, port);
       }
+    }
+    for (const PlannedFlow& flow : plan_.flows) {
+      if (flow.outgoing && !flow.connected && flow.carries == model::Carries::samples)
+        keep_more(plan_.links[flow.links.front()].options);
     }
     return std::move(plan_);
   }
@@ -156,6 +163,13 @@ class Planner {
                            .carries = replies ? model::Carries::replies : model::Carries::samples,
                            .links = {plan_.links.size() - 1}});
     return plan_.flows.back();
+  }
+
+  /// For who listens in, as `takt record` does: what is written while the node waits for a processor.
+  static void keep_more(channel::Link::Options& link) {
+    const std::uint32_t fit = kListenBytes / std::max(link.payload, 1U);
+    link.depth = std::max(link.depth, std::min(fit, kListenDepth));
+    link.is_queue = true;  // what does not fit is counted
   }
 
   /// One flow serves all connections of the port to the topic, so it is as good as the best of them.

@@ -165,6 +165,21 @@ TEST_F(WiringPlanned, AnOutputServesAllOtherDevicesByOneFlow) {
   EXPECT_TRUE(link.options.is_queue);
 }
 
+TEST_F(WiringPlanned, WhoListensInHearsWhatIsWrittenWhileTheNodeWaitsForAProcessor) {
+  const auto kept = [this] {
+    const WiringPlan plan = this->plan();
+    const PlannedFlow& flow = this->flow(plan, "takt/cell/here/a/out");
+    EXPECT_FALSE(flow.connected);
+    EXPECT_EQ(flow.depth, 1U) << "of DDS there is no need for more";
+    return plan.links[flow.links.at(0)].options;
+  };
+  EXPECT_EQ(kept().depth, 64U);
+  EXPECT_TRUE(kept().is_queue) << "so that what does not fit is counted";
+  EXPECT_FALSE(kept().enabled);
+  for (model::Port& port : *ports[0]) port.type.fields[0].dimensions = {1000};
+  EXPECT_EQ(kept().depth, 2U) << "of 8 kB each, 16 kB";
+}
+
 TEST_F(WiringPlanned, InputsOfOneQualityShareAFlow) {
   connect(end("there", "x", "out"), end("here", "a", "in"));
   connect(end("there", "x", "out"), end("here", "b", "in"));
