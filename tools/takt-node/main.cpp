@@ -94,6 +94,7 @@ fails; takt undeploy ends it for good.
 Environment: TAKT_COMPONENT_PATH, TAKT_DOMAIN, TAKT_INTERFACE, TAKT_SECURITY and TAKT_STATE_DIR, as for takt.
 Status: 0 ended in order, 1 refused or failed with the reason on standard error, 2 wrong usage.)");
   takt::tool::tidy_help(app);
+  takt::tool::shorten_errors(app);
   if (argc == 3 && std::string_view{argv[1]} == takt::tool::kWritePages)
     return takt::tool::write_pages(app, argv[2], 8);
   try {

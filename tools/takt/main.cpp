@@ -32,7 +32,6 @@ int serve(int argc, char** argv) {
   CLI::App app{"Takt: real-time component middleware for industrial cells.", "takt"};
   app.set_version_flag("--version", TAKT_VERSION);
   app.require_subcommand(1);
-  app.failure_message(CLI::FailureMessage::help);
   app.footer(R"(
 Environment:
   TAKT_COMPONENT_PATH         folders, separated by ':', where the files of components are looked up after the
@@ -125,6 +124,7 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
   add_describe(app, chosen);
 
   tidy_help(app);
+  shorten_errors(app);
   if (argc == 3 && std::string_view{argv[1]} == kWritePages) return write_pages(app, argv[2], 1);
 
   const auto is_meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };

@@ -265,6 +265,27 @@ void tidy_help(CLI::App& program) {
   for (CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) tidy_help(*command);
 }
 
+namespace {
+
+/// The help of whatever command was meant would be longer than a screen, and what is wrong out of sight.
+std::string wrong_usage(const CLI::App* program, const CLI::Error& error) {
+  const std::string help = program->help();
+  const std::string wrong = std::string{"error: "} + error.what() + "\n";
+  const CLI::App* meant = program;
+  std::string name = program->get_name();
+  while (!meant->get_subcommands().empty()) {
+    meant = meant->get_subcommands().front();
+    name += " " + meant->get_name();
+  }
+  if (meant == program && !program->get_subcommands({}).empty()) return wrong + "\n" + help;
+  const std::size_t usage = help.find("Usage: ");
+  return wrong + help.substr(usage, help.find('\n', usage) - usage) + "\n" + name + " --help says more\n";
+}
+
+}  // namespace
+
+void shorten_errors(CLI::App& program) { program.failure_message(wrong_usage); }
+
 int write_pages(const CLI::App& program, const std::string& folder, int section) {
   namespace fs = std::filesystem;
   const std::string number = std::to_string(section);

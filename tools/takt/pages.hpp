@@ -25,6 +25,9 @@ std::string bash_completion(const CLI::App& program);
 /// Labels that say nothing are left out of --help.
 void tidy_help(CLI::App& program);
 
+/// Wrong usage is told with how the command is used, and no more.
+void shorten_errors(CLI::App& program);
+
 /// FOLDER/man/manN/NAME.N for the program and each of its commands, and FOLDER/completions/NAME. Returns the
 /// exit status, with a reason on standard error.
 int write_pages(const CLI::App& program, const std::string& folder, int section);

@@ -17,6 +17,10 @@ class Usage(takt_system.Case):
                 run = self.takt(*arguments)
                 self.assertEqual((2, ""), (run.status, run.out), run.err)
                 self.assertIn("Usage: takt", run.err)
+                self.assertRegex(run.err, "^error: |^takt: there is no command 'nonsense'")
+                if arguments and arguments[0] in ("run", "check", "graph", "describe"):
+                    self.assertEqual(3, len(run.err.splitlines()), run.err)
+                    self.assertEqual("takt %s --help says more" % arguments[0], run.err.splitlines()[2])
                 self.assertLess(max(map(len, run.err.splitlines())), 200)
 
     def test_a_slip_is_guessed(self):
@@ -33,7 +37,7 @@ class Usage(takt_system.Case):
         self.assertEqual((2, ""), (run.status, run.out))
         for kind in kinds:
             self.assertRegex(run.err, r"[ ,]%s\b" % kind)
-        self.assertNotIn("more", run.err)
+        self.assertNotRegex(run.err, r"\d more")
         self.refused({"log --file /nowhere --kind " + ",".join(kinds): "there is no such file"})
 
     def test_help_and_version_are_no_errors(self):
