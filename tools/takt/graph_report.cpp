@@ -120,16 +120,6 @@ Json discovery_json(const Cell& cell) {
 
 }  // namespace
 
-namespace {
-
-// As exact as is of use to a reader.
-Nanoseconds rounded(double us) {
-  const auto whole = Nanoseconds{std::chrono::microseconds{static_cast<std::int64_t>(us)}};
-  return us < 10'000 ? whole : std::chrono::round<std::chrono::milliseconds>(whole);
-}
-
-}  // namespace
-
 CellHealth health_of(const Cell& cell, const HeardCell& heard) {
   CellHealth health;
   for (const Device& device : cell.devices) {
@@ -144,19 +134,26 @@ CellHealth health_of(const Cell& cell, const HeardCell& heard) {
     // Who reads knows more; of a topic for others there is only who writes.
     const auto* port = find(heard.ports, to_text(connection.to.given() ? connection.to : connection.from));
     if (port == nullptr) continue;
-    const auto* writer = find(health.devices, connection.from.device);
-    const bool lost = writer != nullptr && !writer->alive;
-    CellHealth::Connection one{.matched = !lost && port->matched,
-                               .age = port->age,
-                               .lost = port->lost,
-                               .dropped = port->dropped,
-                               .late = port->late,
-                               .incompatible = port->incompatible};
-    one.stale = connection.to.given() && connection.deadline && (!one.age || *one.age > *connection.deadline);
-    one.safe = connection.to.given() && port->safe;
-    health.connections[i] = std::move(one);
+    const auto is_lost = [&](const model::Endpoint& end) {
+      const auto* device = find(health.devices, end.device);
+      return device != nullptr && !device->alive;
+    };
+    const bool lost = is_lost(connection.from) || is_lost(connection.to);
+    health.connections[i] = health_of(*port, &connection, lost);
   }
   return health;
+}
+
+CellHealth::Connection health_of(const HeardCell::Port& port, const Connection* connection, bool end_lost) {
+  const bool reads = connection != nullptr && connection->to.given();
+  return {.matched = !end_lost && port.matched,
+          .stale = reads && connection->deadline && (!port.age || *port.age > *connection->deadline),
+          .safe = port.safe,
+          .age = port.age,
+          .lost = port.lost,
+          .dropped = port.dropped,
+          .late = port.late,
+          .incompatible = port.incompatible};
 }
 
 CellHealth health_of(const Cell& cell, const Json& status) {
@@ -176,7 +173,10 @@ CellHealth health_of(const Cell& cell, const Json& status) {
                             .lost = port.at("lost").get<std::uint64_t>(),
                             .dropped = port.at("dropped").get<std::uint64_t>(),
                             .late = port.at("late").get<std::uint64_t>()};
-        if (const Json& age = port.at("age_us"); !age.is_null()) one.age = rounded(age.get<double>());
+        if (const Json& age = port.at("age_us"); !age.is_null()) {
+          one.age =
+              std::chrono::round<Nanoseconds>(std::chrono::duration<double, std::micro>(age.get<double>()));
+        }
         if (const Json& policy = port.at("incompatible"); !policy.is_null())
           one.incompatible = policy.get<std::string>();
         heard.ports[path + "." + port.at("name").get<std::string>()] = std::move(one);
@@ -186,6 +186,16 @@ CellHealth health_of(const Cell& cell, const Json& status) {
   return health_of(cell, heard);
 }
 
+namespace {
+
+// As exact as is of use to a reader.
+Nanoseconds rounded(Nanoseconds age) {
+  if (age < std::chrono::milliseconds{10}) return std::chrono::round<std::chrono::microseconds>(age);
+  return std::chrono::round<std::chrono::milliseconds>(age);
+}
+
+}  // namespace
+
 std::string health_text(const CellHealth::Connection& health) {
   if (!health.incompatible.empty()) return "NOT MATCHED: " + health.incompatible;
   std::string text = !health.matched ? "NOT MATCHED"
@@ -193,7 +203,7 @@ std::string health_text(const CellHealth::Connection& health) {
                      : health.stale  ? "STALE"
                      : health.age    ? "ok"
                                      : "no value yet";
-  if (health.age) text += ", " + to_text(*health.age) + " old";
+  if (health.age) text += ", " + to_text(rounded(*health.age)) + " old";
   const auto add = [&](std::uint64_t number, const char* what) {
     if (number > 0) text += fmt::format(", {} {}", what, number);
   };

@@ -55,6 +55,10 @@ struct HeardCell {
 };
 /// Devices that are not of this cell are left out.
 CellHealth health_of(const model::Cell& cell, const HeardCell& heard);
+/// Of one port. `connection`: of the cell, with the port at its end; null: there is none, or it is not known.
+/// `end_lost`: the device at one of its ends is.
+CellHealth::Connection health_of(const HeardCell::Port& port, const model::Connection* connection,
+                                 bool end_lost);
 
 /// Of what `takt status --json` says. Empty where no device of this cell is in it.
 CellHealth health_of(const model::Cell& cell, const nlohmann::ordered_json& status);

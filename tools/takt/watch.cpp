@@ -70,7 +70,7 @@ class News {
 
 std::string line_of(const LifecycleStatus& s) {
   const std::string text = s.text().to_string();
-  return fmt::format("{} {}.{}: {} -> {}{}", clock_text(s.time_ns()), s.device().to_string(),
+  return fmt::format("{} {}.{}: {} -> {}{}", watch::clock_text(s.time_ns()), s.device().to_string(),
                      s.name().to_string(), to_text(s.previous_state()), to_text(s.state()),
                      text.empty() ? "" : " (" + on_one_line(text) + ")");
 }
@@ -81,7 +81,7 @@ std::string line_of(const dds::SeenDevice& device) {
   std::string state = device.alive ? to_text(s.state()) : "LOST";
   if (device.alive && s.state() == DEVICE_RUNNING)
     state += fmt::format(", {} of {} modules EXECUTING", s.executing(), s.modules());
-  return fmt::format("{} {}: {}{}", clock_text(s.time_ns()), device.name(), state,
+  return fmt::format("{} {}: {}{}", watch::clock_text(s.time_ns()), device.name(), state,
                      text.empty() ? "" : " (" + on_one_line(text) + ")");
 }
 
@@ -294,7 +294,7 @@ int Screen::show(const os::SignalQueue& signals, double seconds) {
       looked = os::now();
       const auto devices = client_.observer->devices();
       ask_for_descriptors(devices);
-      seen_ = watched_.seen(devices);
+      seen_ = watched_.seen(devices, os::now());
     }
     if (!press_keys()) return leave(0);
     if (!draw()) return leave(1);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <limits>
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include <takt/os/clock.hpp>
 
 #include "connections_report.hpp"
+#include "web/said.hpp"
 
 namespace takt::tool {
 
@@ -70,25 +70,6 @@ watch::Planned planned(const model::Module& module) {
           .budget = module.budget};
 }
 
-CellHealth::Connection health_of(const PortStatus& port, const model::Connection* connection,
-                                 bool writer_lost) {
-  CellHealth::Connection health{.matched = port.matched() > 0 && !writer_lost,
-                                .safe = !port.output() && port.safe(),
-                                .lost = port.lost(),
-                                .dropped = port.dropped(),
-                                .late = port.late(),
-                                .incompatible = port.incompatible().to_string()};
-  if (port.age_ns() >= 0) {  // as exact as is of use to a reader
-    const Nanoseconds age{port.age_ns()};
-    health.age = age < std::chrono::milliseconds{10}
-                     ? Nanoseconds{std::chrono::round<std::chrono::microseconds>(age)}
-                     : Nanoseconds{std::chrono::round<std::chrono::milliseconds>(age)};
-  }
-  health.stale = !port.output() && connection != nullptr && connection->deadline &&
-                 (port.age_ns() < 0 || Nanoseconds{port.age_ns()} > *connection->deadline);
-  return health;
-}
-
 const dds::SeenDevice* device_of(const std::vector<dds::SeenDevice>& devices, const std::string& name) {
   const auto found =
       std::find_if(devices.begin(), devices.end(), [&](const auto& device) { return device.name() == name; });
@@ -115,31 +96,26 @@ std::vector<watch::Port> ports_of(const std::vector<dds::SeenDevice>& devices, c
                                       [&](const model::Connection& c) { return c.to == end; });
       if (found != cell->connections.end()) into = &*found;
     }
-    ports.push_back(
-        {.name = name,
-         .output = status.output(),
-         .type = status.type().to_string(),
-         .connected = status.connections() > 0,
-         .samples = status.samples(),
-         .health = health_of(status, into, into != nullptr && is_lost(devices, into->from.device))});
+    ports.push_back({.name = name,
+                     .output = status.output(),
+                     .type = status.type().to_string(),
+                     .connected = status.connections() > 0,
+                     .samples = status.samples(),
+                     .health = health_of(web::heard_of(status), into,
+                                         into != nullptr && is_lost(devices, into->from.device))});
   }
   return ports;
 }
 
 std::vector<watch::Connection> connections_of(const std::vector<dds::SeenDevice>& devices,
                                               const model::Cell& cell) {
+  const CellHealth health = web::health_of(cell, devices);
   std::vector<watch::Connection> connections;
-  for (const model::Connection& each : cell.connections) {
+  for (std::size_t i = 0; i < cell.connections.size(); ++i) {
+    const model::Connection& each = cell.connections[i];
     watch::Connection one{.from = end_text(each.from), .to = end_text(each.to), .kind = kind_text(each)};
-    // Who reads knows more; of a topic for others there is only who writes.
-    const model::Endpoint& end = each.to.given() ? each.to : each.from;
-    if (const dds::SeenDevice* device = device_of(devices, end.device)) {
-      const auto port = device->deployment.ports.find(end.module + "." + end.port);
-      if (port != device->deployment.ports.end()) {
-        const bool lost = !device->alive || is_lost(devices, each.from.device);
-        one.health = health_of(port->second, &each, lost);
-      }
-    }
+    if (const auto known = health.connections.find(i); known != health.connections.end())
+      one.health = known->second;
     connections.push_back(std::move(one));
   }
   return connections;
@@ -180,7 +156,27 @@ std::optional<Watched::Unknown> Watched::unknown(const std::vector<dds::SeenDevi
   return std::nullopt;
 }
 
-watch::Seen Watched::seen(const std::vector<dds::SeenDevice>& devices) {
+void Watched::add_missed(watch::Seen& seen, Known& known, const std::vector<dds::SeenDevice>& devices,
+                         Instant now) {
+  for (const model::Device& device : known.cell->devices) {
+    if (device_of(devices, device.name) != nullptr) {
+      known.missed.erase(device.name);
+      continue;
+    }
+    if (now - known.missed.try_emplace(device.name, now).first->second < kFound) continue;
+    watch::Device lost{.name = device.name,
+                       .cell = known.cell->name,
+                       .state = "not there",
+                       .health = to_text(HEALTH_FAILED),
+                       .text = "it was gone before this began to look",
+                       .alive = false};
+    for (const model::Module& module : device.modules)
+      lost.modules.push_back({.name = module.name, .state = "not known", .planned = planned(module)});
+    seen.devices.push_back(std::move(lost));
+  }
+}
+
+watch::Seen Watched::seen(const std::vector<dds::SeenDevice>& devices, Instant now) {
   history_.hear(devices);
   // Of what is gone nothing is kept.
   std::erase_if(cells_, [&](const auto& entry) {
@@ -188,7 +184,7 @@ watch::Seen Watched::seen(const std::vector<dds::SeenDevice>& devices) {
                         [&](const auto& d) { return d.status.deployment() == entry.first; });
   });
   watch::Seen seen{.domain = domain_,
-                   .clock = clock_text(os::wall_ns()).substr(0, 8),
+                   .clock = watch::clock_text(os::wall_ns()).substr(0, 8),
                    .events = {events_.begin(), events_.end()}};
   std::set<std::string> modules;
   for (const dds::SeenDevice& each : devices) {
@@ -230,8 +226,9 @@ watch::Seen Watched::seen(const std::vector<dds::SeenDevice>& devices) {
     }
     seen.devices.push_back(std::move(device));
   }
-  for (const auto& [deployment, known] : cells_) {
+  for (auto& [deployment, known] : cells_) {
     if (known.cell == nullptr) continue;
+    add_missed(seen, known, devices, now);
     seen.connections_known = true;
     const auto of_cell = connections_of(devices, *known.cell);
     seen.connections.insert(seen.connections.end(), of_cell.begin(), of_cell.end());
@@ -239,14 +236,6 @@ watch::Seen Watched::seen(const std::vector<dds::SeenDevice>& devices) {
   if (transitions_.size() > modules.size() + kGone)
     std::erase_if(transitions_, [&](const auto& entry) { return !modules.contains(entry.first); });
   return seen;
-}
-
-std::string clock_text(std::int64_t wall_ns) {
-  const std::time_t seconds = wall_ns / 1'000'000'000;
-  std::tm parts{};
-  ::localtime_r(&seconds, &parts);
-  return fmt::format("{:02}:{:02}:{:02}.{:03}", parts.tm_hour, parts.tm_min, parts.tm_sec,
-                     wall_ns / 1'000'000 % 1000);
 }
 
 }  // namespace takt::tool

@@ -36,10 +36,16 @@ class Watched {
   };
   std::optional<Unknown> unknown(const std::vector<dds::SeenDevice>& devices, Instant now);
 
-  /// Everything, as it is now.
-  watch::Seen seen(const std::vector<dds::SeenDevice>& devices);
+  /// Everything, as it is now. A device of a cell that was lost before anybody looked is heard of no more; it
+  /// is shown as lost where it is not found within kFound.
+  watch::Seen seen(const std::vector<dds::SeenDevice>& devices, Instant now);
+  static constexpr std::chrono::seconds kFound{2};
 
  private:
+  struct Known;
+  static void add_missed(watch::Seen& seen, Known& known, const std::vector<dds::SeenDevice>& devices,
+                         Instant now);
+
   int domain_;
   client::History history_;
   std::map<std::string, std::vector<watch::Transition>> transitions_;  // by DEVICE.MODULE
@@ -47,11 +53,9 @@ class Watched {
   struct Known {
     std::shared_ptr<const model::Cell> cell;
     Instant asked{};
+    std::map<std::string, Instant> missed{};  ///< devices of it that are not there, since when
   };
   std::map<std::string, Known> cells_;  // by deployment
 };
-
-/// "12:34:56.789" in local time.
-std::string clock_text(std::int64_t wall_ns);
 
 }  // namespace takt::tool

@@ -73,6 +73,12 @@ class Watch(takt_system.Case):
         terminal.wait_for(r"^ +grid +X LOST")
         terminal.wait_for(r"  2 devices, 1 LOST  4 modules  2 LOST")
         self.running["robot"].wait(10)
+        # Who looks only now is told so too.
+        late, second = self.open()
+        late.wait_for(r"^[> ] robot +X LOST")
+        late.wait_for(r"  2 devices, 1 LOST  4 modules  2 LOST")
+        self.assertNotIn("all EXECUTING", late.text)
+        self.leave(late, second, lambda: late.press("q"))
         self.running["robot"] = self.node("robot", "--resume")
         terminal.wait_for(r"^ +grid +\* EXECUTING")
         self.done("undeploy cell")

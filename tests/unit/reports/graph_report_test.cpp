@@ -113,6 +113,19 @@ TEST(CellHealthOfStatus, IsThatOfThePortThatReads) {
   EXPECT_FALSE(health.connections.contains(5));
 }
 
+TEST(CellHealthOfStatus, OfALostDeviceNothingIsMatched) {
+  for (const char* lost : {"robot", "line"}) {
+    auto status = status_of_three();
+    for (auto& device : status["devices"]) {
+      device["alive"] = device["name"] != lost;
+      if (device["name"] == "line") device["modules"][0]["ports"][0]["matched"] = 1;
+    }
+    const CellHealth health = health_of(three(), status);
+    EXPECT_FALSE(health.connections.at(3).matched) << "from the robot to the line, without the " << lost;
+    EXPECT_EQ(health.connections.at(0).matched, lost != std::string{"robot"}) << "within the robot";
+  }
+}
+
 TEST(CellHealthOfStatus, IsEmptyWhereTheCellDoesNotRun) {
   auto status = status_of_three();
   status["cell"] = "palletizing2, other";
@@ -267,7 +280,8 @@ TEST(GraphSvg, ShowsDevicesModulesPortsAndWhatTheyAre) {
 // A state is a word and, for a connection, a kind of line; what is coloured is one of these.
 TEST(GraphSvg, TellsHealthByWordsAndLinesAndNotByColourAlone) {
   const std::string picture = graph_svg(three(), running());
-  EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="bad-word state">LOST<)"), HasSubstr(R"(class="good-word state">alive<)"),
+  EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="bad-word state">LOST<)"),
+                             HasSubstr(R"(class="good-word state">alive<)"),
                              HasSubstr(R"(class="poor-word state">alive, belt is in RECOVER<)"),
                              HasSubstr(R"(class="bad-word state">RECOVER<)"),
                              HasSubstr(R"(class="poor-word state">EXECUTING when last heard<)")));
@@ -285,10 +299,12 @@ TEST(GraphSvg, TellsHealthByWordsAndLinesAndNotByColourAlone) {
 
 TEST(GraphSvg, HasAMarkAtEverythingThatAPageMayFind) {
   const std::string picture = graph_svg(three(), {});
-  for (const char* mark : {R"(data-device="station")", R"(data-module="line.belt")", R"(data-connection="5")"})
+  for (const char* mark :
+       {R"(data-device="station")", R"(data-module="line.belt")", R"(data-connection="5")"})
     EXPECT_THAT(picture, HasSubstr(mark));
   EXPECT_EQ(occurrences(picture, "data-module="), 5U);
-  EXPECT_EQ(occurrences(picture, "data-connection="), 2 * three().connections.size()) << "its line and its words";
+  EXPECT_EQ(occurrences(picture, "data-connection="), 2 * three().connections.size())
+      << "its line and its words";
 }
 
 model::Cell crowd(int devices, int modules, int connections, unsigned seed) {

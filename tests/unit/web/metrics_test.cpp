@@ -57,6 +57,15 @@ TEST(Metrics, OfALostDeviceTellOnlyThatItIs) {
                             Not(HasSubstr("takt_device_state{cell=\"press\",device=\"line\""))));
 }
 
+TEST(Metrics, ADeviceThatWasLostBeforeAnybodyLookedIsNotLeftOut) {
+  const model::Cell press = cell();
+  auto devices = cell_that_runs();
+  std::erase_if(devices, [](const dds::SeenDevice& device) { return device.name() == "line"; });
+  EXPECT_THAT(metrics_text(devices, &press, {}),
+              HasSubstr("takt_device_up{cell=\"press\",device=\"line\"} 0\n"));
+  EXPECT_THAT(metrics_text(devices, nullptr, {}), Not(HasSubstr("device=\"line\"")));
+}
+
 TEST(Metrics, TellHowEachConnectionIs) {
   EXPECT_THAT(
       text(),

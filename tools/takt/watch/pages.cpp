@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include <fmt/format.h>
 
@@ -16,14 +15,6 @@ namespace {
 constexpr std::size_t kLabel = 13;
 
 /// "12:34:56.789" in local time.
-std::string clock_of(std::int64_t wall_ns) {
-  const std::time_t seconds = wall_ns / 1'000'000'000;
-  std::tm parts{};
-  ::localtime_r(&seconds, &parts);
-  return fmt::format("{:02}:{:02}:{:02}.{:03}", parts.tm_hour, parts.tm_min, parts.tm_sec,
-                     wall_ns / 1'000'000 % 1000);
-}
-
 std::string in_us(double us) {
   return us < 10     ? fmt::format("{:.2f}", us)
          : us < 1000 ? fmt::format("{:.1f}", us)
@@ -155,7 +146,7 @@ void transitions(std::vector<Line>& page, const Module& module) {
   for (std::size_t i = 0; i < shown; ++i) {
     const Transition& each = all[all.size() - 1 - i];
     page.push_back(
-        labelled(i == 0 ? "transitions" : "").add(clock_of(each.time_ns), Ink::dim).gap().add(each.text));
+        labelled(i == 0 ? "transitions" : "").add(clock_text(each.time_ns), Ink::dim).gap().add(each.text));
   }
 }
 

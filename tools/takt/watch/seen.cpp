@@ -1,6 +1,9 @@
 #include "seen.hpp"
 
 #include <algorithm>
+#include <ctime>
+
+#include <fmt/format.h>
 
 namespace takt::tool::watch {
 
@@ -27,6 +30,14 @@ const Module* Seen::module(const std::string& target) const {
   const std::size_t dot = target.find('.');
   const Device* const on = device(target);
   return on == nullptr || dot == std::string::npos ? nullptr : named(on->modules, target.substr(dot + 1));
+}
+
+std::string clock_text(std::int64_t wall_ns) {
+  const std::time_t seconds = wall_ns / 1'000'000'000;
+  std::tm parts{};
+  ::localtime_r(&seconds, &parts);
+  return fmt::format("{:02}:{:02}:{:02}.{:03}", parts.tm_hour, parts.tm_min, parts.tm_sec,
+                     wall_ns / 1'000'000 % 1000);
 }
 
 }  // namespace takt::tool::watch

@@ -115,4 +115,7 @@ struct Seen {
   [[nodiscard]] const Module* module(const std::string& target) const;
 };
 
+/// "12:34:56.789" in local time.
+std::string clock_text(std::int64_t wall_ns);
+
 }  // namespace takt::tool::watch

@@ -1,5 +1,6 @@
 #include "metrics.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <string_view>
@@ -74,7 +75,7 @@ void add_quantiles(Metric& quantiles, Metric& largest, const Labels& labels, con
 constexpr const char* kGauge = "gauge";
 constexpr const char* kCounter = "counter";
 
-std::string of_devices(const std::vector<dds::SeenDevice>& devices) {
+std::string of_devices(const std::vector<dds::SeenDevice>& devices, const model::Cell* cell) {
   Metric up{"takt_device_up", kGauge, "Whether the device's node is there; 0: it is lost."};
   Metric state{"takt_device_state", kGauge, "1 for the state that the device is in."};
   Metric health{"takt_device_health", kGauge, "1 for how the device's health is."};
@@ -99,6 +100,12 @@ std::string of_devices(const std::vector<dds::SeenDevice>& devices) {
                  s.health() == static_cast<DeviceHealth>(i));
     real_time.add(labels, s.real_time());
     restarts.add(labels, std::uint64_t{s.host_restarts()});
+  }
+  // One that was lost before this gateway began is heard of no more.
+  for (const model::Device& device : cell == nullptr ? std::vector<model::Device>{} : cell->devices) {
+    const bool heard = std::any_of(devices.begin(), devices.end(),
+                                   [&](const dds::SeenDevice& one) { return one.name() == device.name; });
+    if (!heard) up.add({{"cell", cell->name}, {"device", device.name}}, false);
   }
   return up.text() + state.text() + health.text() + real_time.text() + restarts.text();
 }
@@ -199,7 +206,7 @@ std::string of_connections(const std::vector<dds::SeenDevice>& devices, const mo
 
 std::string metrics_text(const std::vector<dds::SeenDevice>& devices, const model::Cell* cell,
                          const Counted& counted) {
-  std::string text = of_devices(devices) + of_modules(devices) + of_executors(devices);
+  std::string text = of_devices(devices, cell) + of_modules(devices) + of_executors(devices);
   if (cell != nullptr) text += of_connections(devices, *cell);
   Metric faults{"takt_faults_total", kCounter, "Events of the fault records since the gateway began."};
   for (const auto& [device, numbers] : counted.faults) {

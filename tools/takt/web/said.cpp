@@ -103,20 +103,24 @@ Json fault_json(const model::Fault& f) {
           {"time_ms", in_ms(f.time_ns)}};
 }
 
+HeardCell::Port heard_of(const PortStatus& port) {
+  HeardCell::Port heard{.matched = port.matched() > 0,
+                        .safe = !port.output() && port.safe(),
+                        .lost = port.lost(),
+                        .dropped = port.dropped(),
+                        .late = port.late(),
+                        .incompatible = port.incompatible().to_string()};
+  if (port.age_ns() >= 0) heard.age = Nanoseconds{port.age_ns()};
+  return heard;
+}
+
 CellHealth health_of(const model::Cell& cell, const std::vector<dds::SeenDevice>& devices) {
   HeardCell heard;
   for (const dds::SeenDevice& device : devices) {
     if (device.status.cell().to_string() != cell.name) continue;
     heard.devices[device.name()] = {.alive = device.alive, .text = device.status.text().to_string()};
     for (const auto& [name, port] : device.deployment.ports) {
-      HeardCell::Port& one = heard.ports[device.name() + "." + name];
-      one = {.matched = port.matched() > 0,
-             .safe = port.safe(),
-             .lost = port.lost(),
-             .dropped = port.dropped(),
-             .late = port.late(),
-             .incompatible = port.incompatible().to_string()};
-      if (port.age_ns() >= 0) one.age = Nanoseconds{port.age_ns()};
+      heard.ports[device.name() + "." + name] = heard_of(port);
     }
   }
   return tool::health_of(cell, heard);

@@ -33,6 +33,7 @@ Json cell_json(const model::Cell* cell, int domain, const std::string& deploymen
 /// Rows of an executor's table that are told; it may have a million.
 inline constexpr std::size_t kMostRows = 200;
 
+HeardCell::Port heard_of(const PortStatus& port);
 /// How the connections of a cell are.
 CellHealth health_of(const model::Cell& cell, const std::vector<dds::SeenDevice>& devices);
 
