@@ -71,8 +71,9 @@ int serve(const WebOptions& options) {
   const auto server = web::Server::create(**gateway, server_options);
   if (!server) return refuse(server.problems());
   const bool everywhere = server_options.address == "0.0.0.0" || server_options.address == "::";
-  const std::string url =
-      fmt::format("http://{}:{}/", everywhere ? os::host_name() : server_options.address, (*server)->port());
+  std::string host = everywhere ? os::host_name() : server_options.address;
+  if (host.find(':') != std::string::npos) host = "[" + host + "]";
+  const std::string url = fmt::format("http://{}:{}/", host, (*server)->port());
   std::string text = "domain " + std::to_string((*gateway)->domain()) + " is to be seen at " + url + "\n";
   if (options.token_file.empty() && !token->empty())
     text += "whoever is to command it opens " + url + "#token=" + *token + "\n";

@@ -91,6 +91,9 @@ class Web(takt_system.Case):
         for module, state in told.items():
             page.wait_for("[data-module='%s'] .state-word" % module, "^%s$" % state)
         self.assertEqual("bad", page.attribute("[data-module='line.fails']", "data-look"))
+        for module, state in told.items():
+            hint = page.script("return document.querySelector(arguments[0]).textContent", "[data-module='%s'] > title" % module)
+            self.assertRegex(hint, "^%s: .*; %s$" % (re.escape(module), state))
         self.assertEqual("good", page.attribute("[data-module='robot.tuned']", "data-look"))
         page.wait_for_attribute("path.wire", "data-line", "good", LONG)
 
@@ -105,7 +108,11 @@ class Web(takt_system.Case):
         page.go("#/modules?select=robot.tuned")
         page.wait_for(".steps li", "EXECUTING \u2192 DESTRUCT.*its host ended", LONG)
         page.wait_for("#details .mark .word", "^EXECUTING", LONG)
+        page.wait_for("#details .faults li", "host-restart", LONG)
         self.wait_until_as_on_dds()
+        page.go("#/modules?select=line.fails")
+        page.wait_for("#details .faults li", "error: failure.*run", LONG)
+        self.assertNotIn("host-restart", " ".join(page.texts("#details .faults li")))
         page.go("#/faults")
         page.wait_for("tr[data-kind=host-restart]", "robot", LONG)
         before = len(page.texts("tr[data-kind]"))

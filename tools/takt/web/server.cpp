@@ -114,7 +114,7 @@ class HttpServer final : public Server {
       const int why = errno;
       return Problem{where,
                      std::string{"the page cannot be served there"} +
-                         (why == 0 ? "" : std::string{": "} + std::strerror(why)),
+                         (why == 0 || why == EINVAL ? "" : std::string{": "} + std::strerror(why)),
                      why == EADDRINUSE
                          ? "choose another --port, or 0 for one that is free"
                          : "--listen wants an address of this machine, or 0.0.0.0 for all of them"};

@@ -2,6 +2,7 @@
 
 import { element, Mark, setText } from "./dom.js";
 import { Distributions, Facts } from "./facts.js";
+import { LastFaults } from "./last_faults.js";
 import { lookOfDevice, lookOfModule } from "./looks.js";
 import { Orders } from "./orders.js";
 import { addressOf, currentRoute } from "./route.js";
@@ -21,10 +22,10 @@ export class DeviceDetails {
     this.executors = element("div");
     this.modules = element("ul", { class: "plain" });
     this.table = element("a", { text: "its table over one macro period" });
-    this.faults = element("a", { text: "its fault record" });
+    this.faults = new LastFaults(store);
     const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
-    this.element = element("div", {}, this.mark.element, this.why, this.orders.element, part("Modules", this.modules),
-      part("Executors", this.executors, element("p", {}, this.table), element("p", {}, this.faults)), part("Node", this.facts.element));
+    this.element = element("div", {}, this.mark.element, this.why, this.orders.element, part("Modules", this.modules), this.faults.element,
+      part("Executors", this.executors, element("p", {}, this.table)), part("Node", this.facts.element));
   }
 
   show(name) {
@@ -33,7 +34,6 @@ export class DeviceDetails {
     this.executors.replaceChildren();
     this.orders.hold(name, null);
     this.table.href = addressOf("table", { device: name });
-    this.faults.href = addressOf("faults", { device: name });
     this.#showAll();
   }
 
@@ -44,6 +44,7 @@ export class DeviceDetails {
   update(changes) {
     if (changes.cell || changes.whole || changes.devices.has(this.#name) || changes.modules.size > 0) this.#showAll();
     else if (changes.measures) this.#showExecutors();
+    if (changes.faults === null || changes.faults.length > 0) this.faults.show(this.#name);
     if (changes.rights || changes.link) this.orders.update();
   }
 
@@ -64,6 +65,7 @@ export class DeviceDetails {
       return element("li", {}, element("a", { href, text: module.label }), mark.element);
     }));
     this.orders.update();
+    this.faults.show(this.#name);
     this.#showExecutors();
   }
 

@@ -87,7 +87,9 @@ export class Graph {
     group.append(...(known === this.#modules ? [strip] : []), use, word, measure);
     setAttribute(group, "role", "button");
     setAttribute(group, "tabindex", "-1");
-    known.set(name, { group, use, word, measure });
+    // Of the drawing's own hint the state is left out: it is the one it was drawn with.
+    const title = group.querySelector("title");
+    known.set(name, { group, use, word, measure, title, about: title?.textContent.replace(/; [^;]*$/, "") });
   }
 
   #prepareConnection(group) {
@@ -133,6 +135,7 @@ export class Graph {
     setAttribute(drawn.group, "data-state", look.key);
     setAttribute(drawn.use, "href", `#sign-${look.sign}`);
     setText(drawn.word, look.word);
+    if (drawn.title) setText(drawn.title, `${drawn.about}; ${look.word}`);
   }
 
   #showConnection(index) {

@@ -79,7 +79,7 @@ function showHeader(changes) {
   if (changes.link) showLink();
   if (changes.rights) {
     const { command, why } = store.rights;
-    rights.show({ look: command ? "good" : "faint", sign: command ? "good" : "note", word: command ? "may command" : "read-only" });
+    rights.show({ look: command ? "good" : "faint", sign: command ? "good" : "note", word: command ? "may command" : `read-only${why.includes("not the right") ? `: ${why}` : ""}` });
     setAttribute(byId("rights"), "title", why);
   }
 }

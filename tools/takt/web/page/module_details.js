@@ -3,6 +3,7 @@
 import { get } from "./api.js";
 import { Bar, element, Mark, setText } from "./dom.js";
 import { Distributions, Facts } from "./facts.js";
+import { LastFaults } from "./last_faults.js";
 import { lookOfConnection, lookOfModule, useOf } from "./looks.js";
 import { Orders } from "./orders.js";
 import { Properties } from "./properties.js";
@@ -32,11 +33,13 @@ export class ModuleDetails {
     this.properties = new Properties(store);
     this.jitter = new TimePlot({ title: "jitter", unit: "us", lines: kLines, span_ms: kSpan_ms });
     this.run = new TimePlot({ title: "run time", unit: "us", lines: kLines, span_ms: kSpan_ms });
+    this.faults = new LastFaults(store);
+    this.table = element("a", { text: "when it ran in the last macro period" });
     this.ports = element("ul", { class: "ports" });
     this.steps = element("ol", { class: "steps" });
     const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
-    this.element = element("div", { class: "module-details" }, this.mark.element, this.why, this.orders.element,
-      part("Measured", this.use.element, this.distributions.element, this.counts.element),
+    this.element = element("div", { class: "module-details" }, this.mark.element, this.why, this.orders.element, this.faults.element,
+      part("Measured", this.use.element, this.distributions.element, this.counts.element, element("p", {}, this.table)),
       part("The last ten minutes", this.jitter.element, this.run.element),
       part("Ports", this.ports), this.properties.element, part("States", this.steps), part("As deployed", this.facts.element));
   }
@@ -46,6 +49,7 @@ export class ModuleDetails {
     [this.#times, this.#history] = [[], { jitter: [[], []], run: [[], []] }];
     const [device] = name.split(".");
     this.orders.hold(device, name);
+    this.table.href = addressOf("table", { device, select: name });
     this.properties.hold(name);
     this.#askHistory();
     this.#askPorts(device);
@@ -59,6 +63,7 @@ export class ModuleDetails {
   update(changes) {
     if (changes.cell || changes.whole || changes.modules.has(this.#name)) this.#showState();
     if (changes.cell) this.#showAll();
+    if (changes.faults === null || changes.faults.length > 0) this.faults.show(this.#name);
     if (changes.measures) {
       this.#append();
       this.#showMeasures();
@@ -86,6 +91,7 @@ export class ModuleDetails {
       ["executor", about?.executor], ["budget", about?.budget_ns ? exact(about.budget_ns) : about ? "none" : ""],
     ]);
     this.#showState();
+    this.faults.show(this.#name);
     this.#showMeasures();
     this.#showPorts();
     this.properties.update();

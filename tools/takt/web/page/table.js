@@ -102,7 +102,7 @@ export class Table {
     return element("section", { class: "executor" }, element("h3", { text: `executor ${executor.name}` }),
       element("p", { class: "faint", text: `${several(all, "row")} of ${exact(executor.basic_period_ns)}, a macro period of ` +
         `${exact(executor.macro_period_ns)}${left_out}${missed > 0 ? `; ${several(missed, "row")} missed` : ""}; begun at ${clock(executor.begin_ms, { thousandths: true })}` }),
-      gantt.element, lateness(executor, programs), used(executor, programs, about), planned(rows, executor));
+      gantt.element, lateness(executor, programs, this.#device), used(executor, programs, about), planned(rows, executor));
   }
 }
 
@@ -115,14 +115,14 @@ function orderOf(rows, spec, executor) {
   return [...names];
 }
 
-function lateness(executor, programs) {
+function lateness(executor, programs, device) {
   const late = [];
   for (const row of executor.rows) {
     if (row.cause) late.push({ what: `row ${row.row}`, at: row.due_ns, by: row.begin_ns - row.due_ns, cause: row.cause });
     for (const run of row.runs) if (run.cause) late.push({ what: `${run.module} in row ${row.row}`, at: run.begin_ns, by: run.late_ns, cause: run.cause });
   }
   for (const run of programs) if (run.cause) late.push({ what: run.module, at: run.begin_ns, by: run.late_ns, cause: run.cause });
-  if (late.length === 0) return element("p", { class: "faint", text: "Nothing began late." });
+  if (late.length === 0) return element("p", { class: "faint", text: `No row and no module of a thread began late in it. What was late in the last seconds, and why: takt trace ${device}` });
   const head = (text) => element("th", { scope: "col", text });
   return element("details", { open: true }, element("summary", { text: `What began late, and why: ${late.length}` }),
     element("table", { class: "numbers late" }, element("thead", {}, element("tr", {}, head("what"), head("at, ms"), head("late by, us"), head("cause"))),
