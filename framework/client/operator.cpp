@@ -148,11 +148,11 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     if (alive.empty()) {
       if (waited <= find_within) return;
       state.outcome =
-          lost
-              ? Problem{device_of(q), "it is lost: its node does not answer any more", "start its node again"}
-              : Problem{device_of(q), "it is not there: no answer within " + takt::to_text(find_within),
-                        "is takt-node --device " + q.device + " running on domain " +
-                            std::to_string(domain_) + "?"};
+          lost ? Problem{device_of(q), "it is lost: its node does not answer any more",
+                         "start its node again; with --resume it takes up what it ran"}
+               : Problem{device_of(q), "it is not there: no answer within " + takt::to_text(find_within),
+                         "is takt-node --device " + q.device + " running on domain " +
+                             std::to_string(domain_) + "?"};
       return;
     }
     state.sent = true;

@@ -243,9 +243,16 @@ void Screen::order(const watch::Order& order) {
       question, fmt::format("{} of {}", to_text(order.verb), order.target),
       [this, order, module](const Result<dds::WholeReply>& reply) {
         const auto answer = client::accepted(reply);
-        view_.message =
-            answer ? order.target + ": " + (module.empty() ? "all do it" : to_text(answer->head.state()))
-                   : in_words(answer.problems());
+        if (answer) {
+          view_.message =
+              order.target + ": " + (module.empty() ? "all do it" : to_text(answer->head.state()));
+          return;
+        }
+        Problems problems = answer.problems();
+        for (Problem& problem : problems)  // its device answered, and the order says which that is
+          if (problem.where == "device " + order.target.substr(0, order.target.find('.')))
+            problem.where = order.target;
+        view_.message = in_words(problems);
       });
   if (!asked) view_.message = "too many orders are not answered yet: this one was not given";
 }

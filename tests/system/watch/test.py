@@ -99,7 +99,7 @@ class Watch(takt_system.Case):
             terminal.wait_for(r"^robot\.%s: START$" % module)
             terminal.wait_for(r"^> +%s +o START\b" % module)
             terminal.press("t")
-            terminal.wait_for(r"stop is refused in state START; it is allowed in EXECUTING")
+            terminal.wait_for(r"robot\.%s: stop is refused in state START; it is allowed in EXECUTING" % module)
             terminal.press("s")
             terminal.wait_for(r"^robot\.%s: EXECUTING$" % module)
             terminal.wait_for(r"^> +%s +\* EXECUTING\b" % module)
@@ -142,7 +142,7 @@ class Watch(takt_system.Case):
             terminal.resize(rows, columns)
             wait_until(lambda: terminal.seen > seen, 5, "a screen of the new size")
             if rows >= 6:
-                terminal.wait_for("^> (line|robot)")  # whichever was there first
+                terminal.wait_for("^> line")
         terminal.wait_for(r"^Enter details .*q quit")
         del terminal.strange[:]  # what was drawn for a larger one just before
         self.leave(terminal, run, lambda: terminal.press("q"))

@@ -290,7 +290,9 @@ class Web(takt_system.Case):
     def test_values_of_ports_and_the_table_are_drawn(self):
         web = self.serve()
         self.cell()
-        page = self.look("#/plots?port=robot.source.out")
+        page = self.look("#/plots")
+        page.wait_for(".tools [role=status]", "^Choose a port", LONG)
+        page.go("#/plots?port=robot.source.out")
         number = int(page.wait_for(".time-plot b", r"^\d+$", LONG))
         wait_until(lambda: int(page.text(".time-plot b")) > number + 300, LONG, "values of the next three seconds")
         self.assertGreater(page.script("""

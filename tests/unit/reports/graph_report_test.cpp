@@ -104,7 +104,8 @@ TEST(CellHealthOfStatus, IsThatOfThePortThatReads) {
   EXPECT_EQ(health.modules.at("station.dispatcher"), "EXECUTING");
   const auto& setpoint = health.connections.at(0);
   EXPECT_TRUE(setpoint.matched && setpoint.stale);
-  EXPECT_EQ(setpoint.age, 30ms);
+  EXPECT_EQ(setpoint.age, 30'000'500ns);
+  EXPECT_EQ(health_text(setpoint), "STALE, 30 ms old, late 2") << "as exact as is of use to a reader";
   EXPECT_EQ(setpoint.late, 2U);
   EXPECT_FALSE(health.connections.contains(1)) << "the station says nothing";
   EXPECT_FALSE(health.connections.at(2).matched);

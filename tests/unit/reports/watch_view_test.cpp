@@ -74,6 +74,18 @@ TEST(WatchView, TheChosenRowIsFollowedWhereItGoes) {
   EXPECT_EQ(person.view.first, 19U);
 }
 
+// Devices are found one by one, and the first that is found is seldom the first of the list.
+TEST(WatchView, UntilAKeyIsPressedTheFirstRowIsChosen) {
+  Person person{3};
+  person.shown.targets.insert(person.shown.targets.begin(), "line");
+  settle(person.view, person.shown);
+  EXPECT_EQ(person.view.chosen, "line");
+  person.press(Keyboard::kDown);
+  person.shown.targets.insert(person.shown.targets.begin(), "arm");
+  settle(person.view, person.shown);
+  EXPECT_EQ(person.view.chosen, "robot.m0");
+}
+
 TEST(WatchView, WhatHasThePlaceOfARowThatIsGoneIsChosen) {
   Person person{3};
   person.press(Keyboard::kEnd);

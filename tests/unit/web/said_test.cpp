@@ -80,7 +80,8 @@ TEST(Said, AllThatIsMeasuredIsToldByName) {
   EXPECT_EQ(json["modules"]["robot.servo"]["jitter_us"]["p999"], 60.5);
   EXPECT_EQ(json["executors"]["robot.main"]["missed"], 1);
   const Json& to_line = json["connections"]["0"];
-  EXPECT_EQ(to_line["matched"], true);
+  EXPECT_EQ(to_line["matched"], false) << "the line is lost";
+  EXPECT_EQ(json["connections"]["1"]["matched"], true);
   EXPECT_EQ(to_line["stale"], true) << "30 ms are more than 20";
   EXPECT_EQ(to_line["age_us"], 30'000.0);
   EXPECT_EQ(to_line["lost"], 4);
@@ -88,10 +89,14 @@ TEST(Said, AllThatIsMeasuredIsToldByName) {
   EXPECT_TRUE(measures_json(cell_that_runs(), nullptr, 0)["connections"].empty()) << "the cell is not known";
 }
 
-TEST(Said, AConnectionFromALostDeviceIsNotMatched) {
-  auto devices = cell_that_runs();
-  devices[1].alive = false;
-  EXPECT_FALSE(health_of(cell(), devices).connections.at(0).matched);
+TEST(Said, AConnectionWithALostDeviceAtOneEndIsNotMatched) {
+  for (const std::size_t lost : {0U, 1U}) {
+    auto devices = cell_that_runs();
+    devices[0].alive = devices[1].alive = true;
+    EXPECT_TRUE(health_of(cell(), devices).connections.at(0).matched);
+    devices[lost].alive = false;
+    EXPECT_FALSE(health_of(cell(), devices).connections.at(0).matched);
+  }
 }
 
 TEST(Said, DevicesOfAnotherCellAreNotTakenForThisOnes) {

@@ -131,6 +131,7 @@ const char* to_text(Verb verb) {
 
 void settle(View& view, const Shown& shown) {
   const std::size_t rows = shown.targets.size();
+  if (!view.pressed && rows > 0) view.chosen = shown.targets.front();
   const auto found = std::find(shown.targets.begin(), shown.targets.end(), view.chosen);
   if (found != shown.targets.end()) {
     view.chosen_at = static_cast<std::size_t>(found - shown.targets.begin());
@@ -147,6 +148,7 @@ void settle(View& view, const Shown& shown) {
 }
 
 Done press(View& view, int key, const Shown& shown) {
+  view.pressed = true;
   if (view.typing) {
     type(view, key);
     return {};

@@ -29,6 +29,7 @@ struct View {
   bool reversed = false;
   std::string filter{};          ///< words of which all must be found
   bool typing = false;           ///< keys are the filter's
+  bool pressed = false;          ///< a key was; until then the first row is chosen, whichever that is
   std::string chosen{};          ///< the row: follows it when the order changes
   std::size_t chosen_at = 0;     ///< where it was, for when it is gone
   std::size_t first = 0;         ///< the first row that is shown

@@ -35,7 +35,7 @@ export class Plots {
     this.#askPorts();
     this.span.value = parameters.get("minutes") === "1" ? "1" : "5";
     const port = parameters.get("port");
-    if (port === this.#port) {
+    if (port && port === this.#port) {
       this.#build();
       return;
     }
