@@ -119,7 +119,7 @@ class Gateway(takt_system.Case):
         self.running = self.nodes("left", "right")
         events.wait(lambda e: {d["state"] for d in e.devices.values()} == {"waiting"} and len(e.devices) == 2)
         self.deploy("cell.xml")
-        names = {"left.source", "left.fails", "right.sink", "right.live"}
+        names = {"left.source", "left.fails", "right.sink", "right.live", "right.program"}
         events.wait(lambda e: e.states() == {name: "EXECUTING" for name in names})
         for name in names:  # each step, none left out
             self.assertEqual([(s, n) for m, s, n in events.steps if m == name][-3:],
@@ -200,6 +200,11 @@ class Gateway(takt_system.Case):
         status, said = self.ask("api/property", {"module": "right.live", "property": "step", "value": "0"}, token=self.token)
         self.assertEqual(409, status)
         self.assertRegex(said["what"], "1 to 1000|at least 1|less than")
+        # A program has what it was given when it was started; nothing is asked that its node would refuse to say.
+        before = self.done("log --json --kind refused-command")[0].count("refused-command")
+        properties = {p["name"]: p["value"] for p in self.ask("api/properties?module=right.program")[1]["properties"]}
+        self.assertEqual({"gain": "2.5", "label": "none"}, properties)
+        self.assertEqual(before, self.done("log --json --kind refused-command")[0].count("refused-command"))
         self.finish(run)
 
     def test_tells_values_of_ports_tables_and_history(self):
@@ -311,7 +316,7 @@ class Gateway(takt_system.Case):
     def test_what_is_no_request_disturbs_nobody(self):
         run = self.cell("--commands")
         events = self.events()
-        events.wait(lambda e: len(e.modules) == 4 and e.of("cell")[-1]["cell"] == "seen")
+        events.wait(lambda e: len(e.modules) == 5 and e.of("cell")[-1]["cell"] == "seen")
         where = urllib.parse.urlparse(self.address)
 
         def raw(data, whole=False):

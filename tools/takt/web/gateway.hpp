@@ -42,6 +42,7 @@ class Gateway {
 
   Questions& questions() noexcept { return *questions_; }
   Answer table(const std::string& device) { return questions_->table(device, cell()); }
+  Answer properties(const std::string& module) { return questions_->properties(module, cell()); }
   Answer watch(const std::string& stream, const std::string& body);
 
   Answer history(const std::string& module);

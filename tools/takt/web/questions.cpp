@@ -48,6 +48,18 @@ Answer refused(const Result<dds::WholeReply>& reply) {
   return answer_of(409, problem);
 }
 
+/// Null where it is none, or not known.
+const model::Module* program_of(const model::Cell* cell, const std::pair<std::string, std::string>& name) {
+  if (cell == nullptr) return nullptr;
+  for (const model::Device& device : cell->devices) {
+    if (device.name != name.first) continue;
+    for (const model::Module& module : device.modules) {
+      if (module.name == name.second && module.type == model::ModuleType::process) return &module;
+    }
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 Answer answer_of(const Json& json) { return {200, model::json_text(json)}; }
@@ -121,7 +133,7 @@ Answer Questions::ports(const std::string& device) {
   return answer_of(Json{{"ports", std::move(ports)}});
 }
 
-Answer Questions::properties(const std::string& module) {
+Answer Questions::properties(const std::string& module, const std::shared_ptr<const model::Cell>& running) {
   const auto name = in_two(module);
   if (!name) return answer_of(400, fail(in_quotes(module) + " names no module", "say DEVICE.MODULE"));
   Json description;
@@ -134,6 +146,15 @@ Answer Questions::properties(const std::string& module) {
   Json properties = found->contains("properties") && (*found)["properties"].is_array()
                         ? (*found)["properties"]
                         : Json::array();
+  // A program has what it was given when it was started, and its node would refuse to say what that leaves
+  // out.
+  if (const model::Module* const program = program_of(running.get(), *name)) {
+    for (Json& property : properties) {
+      const auto given = model::given_property(*program, text_in(property, "name"));
+      property["value"] = given ? Json(*given) : property.value("default", Json());
+    }
+    return answer_of(Json{{"properties", std::move(properties)}});
+  }
   std::vector<client::Question> questions;
   for (const Json& property : properties)
     questions.push_back({.kind = COMMAND_GET,

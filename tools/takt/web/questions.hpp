@@ -29,9 +29,9 @@ class Questions {
 
   Answer command(const std::string& body);
   Answer set_property(const std::string& body);
-  Answer properties(const std::string& module);
+  /// `running`, here and below: null where nothing is known to run.
+  Answer properties(const std::string& module, const std::shared_ptr<const model::Cell>& running);
   Answer ports(const std::string& device);
-  /// `running`: null where nothing is known to run.
   Answer table(const std::string& device, const std::shared_ptr<const model::Cell>& running);
 
  private:

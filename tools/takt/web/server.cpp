@@ -148,7 +148,7 @@ class HttpServer final : public Server {
     ask("/api/table", "device", [this](const std::string& device) { return gateway_.table(device); });
     ask("/api/ports", "device", [&questions](const std::string& device) { return questions.ports(device); });
     ask("/api/properties", "module",
-        [&questions](const std::string& module) { return questions.properties(module); });
+        [this](const std::string& module) { return gateway_.properties(module); });
     server_.Put(R"(/api/streams/([0-9a-f]+)/ports)", [this](const Request& request, Response& response) {
       put(response, gateway_.watch(request.matches[1], request.body));
     });

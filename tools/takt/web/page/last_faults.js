@@ -13,7 +13,7 @@ export class LastFaults {
 
   constructor(store) {
     this.#store = store;
-    this.list = element("ul", { class: "plain faults" });
+    this.list = element("ul", { class: "last-faults" });
     this.none = element("p", { class: "faint", text: "Nothing, as far as the fault record goes." });
     this.all = element("a", { text: "its device's fault record" });
     this.element = element("section", {}, element("h3", { text: "What went wrong last" }), this.list, this.none, element("p", {}, this.all));
@@ -34,7 +34,7 @@ export class LastFaults {
       mark.show({ ...lookOfSeverity(event.severity), word: event.error ? `${event.kind}: ${event.error}` : event.kind });
       const of = event.module && !module ? `${event.module}: ` : "";
       const more = [event.cause, event.attachment ? `see ${event.attachment}` : ""].filter(Boolean).join("; ");
-      const line = element("li", {}, element("span", { class: "faint" }), mark.element, element("p", { class: "what" }));
+      const line = element("li", {}, element("span", { class: "faint" }), mark.element, element("p"));
       setText(line.firstChild, `${instant(event.time_ms)} `);
       setText(line.lastChild, of + more);
       return line;
