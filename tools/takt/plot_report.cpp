@@ -67,20 +67,26 @@ Extent extent_of(const PlotPanel& panel) {
   // Halves, for what spans nearly all that a double can hold.
   const double span = high / 2 - low / 2;
   const double margin = span > 0 ? span * 0.1 : std::max(std::abs(low) * 0.1, 0.5);
-  return {std::max(low - margin, std::numeric_limits<double>::lowest() / 4),
-          std::min(high + margin, std::numeric_limits<double>::max() / 4)};
+  constexpr double kMost = std::numeric_limits<double>::max() * 0.99;  // and room for a mark beyond it
+  return {std::max(low - margin, -kMost), std::min(high + margin, kMost)};
 }
 
+/// With as many digits as marks that are a step apart differ in.
 std::string number(double value, double step) {
   if (value == 0) return "0";
-  if (std::abs(value) >= 1e6 || std::abs(value) < 1e-4) return fmt::format("{:.4g}", value);
+  const double size = std::abs(value);
+  if (size >= 1e6 || size < 1e-4) {
+    const double decades = std::floor(std::log10(size)) - std::floor(std::log10(step) + 1e-9);
+    return fmt::format("{:.{}g}", value, 1 + static_cast<int>(std::clamp(decades, 0.0, 14.0)));
+  }
   const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
   return fmt::format("{:.{}f}", value, digits);
 }
 
 class Drawing {
  public:
-  explicit Drawing(const Plot& plot) : plot_(plot), unit_(unit_of_time(plot.to - plot.from)) {}
+  explicit Drawing(const Plot& plot)
+      : plot_(plot), unit_(unit_of_time(plot.to > plot.from ? plot.to - plot.from : plot.to)) {}
 
   std::string svg() {
     double y = kMargin + 14;
@@ -132,7 +138,7 @@ class Drawing {
     y = legend(panel, y + 4) + 6;
     const Extent extent = extent_of(panel);
     const auto y_of = [&](double value) {
-      const double share = (value - extent.low) / (extent.high - extent.low);
+      const double share = (value / 2 - extent.low / 2) / (extent.high / 2 - extent.low / 2);
       return y + kPanel * (1 - std::clamp(share, 0.0, 1.0));
     };
     canvas_.rectangle(left_, y, kWide, kPanel, "panel");
@@ -189,8 +195,14 @@ class Drawing {
   void time_axis(double y) {
     const std::vector<double> all = time_marks();
     const double step = all.size() > 1 ? (all[1] - all[0]) / unit_.seconds : 1;
-    for (const double mark : all)
-      canvas_.centred(x_of(mark), y, kSmall, "faint", number(mark / unit_.seconds, step));
+    double free = 0;  // from here on
+    for (const double mark : all) {
+      const std::string text = number(mark / unit_.seconds, step);
+      const double half = width_of(text, kSmall) / 2;
+      if (x_of(mark) - half < free) continue;
+      canvas_.centred(x_of(mark), y, kSmall, "faint", text);
+      free = x_of(mark) + half + 8;
+    }
     canvas_.centred(left_ + kWide / 2, y + 18, kSmall, "faint", fmt::format("time in {}", unit_.name));
   }
 

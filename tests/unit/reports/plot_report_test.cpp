@@ -1,10 +1,16 @@
 #include "plot_report.hpp"
 
 #include <cmath>
+#include <regex>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "pictures.hpp"
 
 namespace takt::tool {
 namespace {
@@ -53,6 +59,46 @@ TEST(Plot, DrawsCurvesGapsAndNames) {
   EXPECT_THAT(svg, HasSubstr(">RUNS<"));
   EXPECT_THAT(svg, HasSubstr("time in s"));
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
+}
+
+Plot plot_of(std::vector<PlotPoint> points) {
+  Plot plot{.title = "t", .subtitle = "", .from = points.front().time, .to = points.back().time};
+  plot.panels.push_back({.title = "p", .series = {{.name = "s", .curves = {std::move(points)}}}});
+  return plot;
+}
+
+/// What stands at the marks of the values, from the lowest.
+std::vector<std::string> value_marks(const std::string& svg) {
+  static const std::regex kMark{R"re(text-anchor="end" class="faint">([^<]*)<)re"};
+  std::vector<std::string> found;
+  for (std::sregex_iterator at{svg.begin(), svg.end(), kMark}, end; at != end; ++at)
+    found.push_back((*at)[1]);
+  return found;
+}
+
+TEST(Plot, MarksOfLargeNumbersCanBeToldFromEachOther) {
+  for (const auto& [low, high] : {std::pair{-1234568.0, -1234566.5}, {1e6, 1e6 + 2e-3}, {1e-9, 4e-9}}) {
+    const std::string svg = plot_svg(plot_of({{0, low}, {10, high}}));
+    const auto marks = value_marks(svg);
+    EXPECT_GE(marks.size(), 3U);
+    EXPECT_EQ(marks.size(), std::set(marks.begin(), marks.end()).size()) << testing::PrintToString(marks);
+    pictures::expect_readable(svg);
+  }
+  const double month = 30 * 86400.0;
+  const std::string late = plot_svg(plot_of({{month, 1}, {month + 1e-3, 2}}));
+  EXPECT_THAT(late, HasSubstr(">2592000000.2<"));
+  pictures::expect_readable(late);
+}
+
+TEST(Plot, TheTimeOfASingleSampleIsRead) {
+  const std::string svg = plot_svg(plot_of({{3, 1.5}}));
+  EXPECT_THAT(svg, HasSubstr("time in s<"));
+  EXPECT_THAT(svg, HasSubstr(">3<"));
+}
+
+TEST(Plot, TheLargestOfNumbersAreWhereTheyBelong) {
+  const auto marks = value_marks(plot_svg(plot_of({{0, 0}, {10, 1e308}})));
+  EXPECT_THAT(marks, testing::Contains("1e+308"));
 }
 
 TEST(Plot, HasNoNumbersThatAreNone) {
