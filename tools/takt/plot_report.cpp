@@ -18,6 +18,8 @@ constexpr double kPanel = 200;
 constexpr double kGap = 34;  // between panels, for a title and the legend's first line
 constexpr double kWide = static_cast<double>(kPlotColumns);
 constexpr std::size_t kColours = 8;  // then from the first again
+constexpr std::size_t kShapes = 5;   // so that the first 40 curves differ in one of both
+constexpr double kApart = 90;        // from a curve's shape to its next
 
 constexpr std::string_view kColourWords = R"(.axis { stroke: #8a96a3; stroke-width: 1; }
 .curve { fill: none; stroke-width: 1.4; stroke-linejoin: round; }
@@ -135,7 +137,7 @@ class Drawing {
   double draw(const PlotPanel& panel, double y) {
     y += 16;
     canvas_.text(kMargin, y, kNormal, "title", panel.title);
-    y = legend(panel, y + 4) + 6;
+    y = legend(panel, y + 4) + 10;
     const Extent extent = extent_of(panel);
     const auto y_of = [&](double value) {
       const double share = (value / 2 - extent.low / 2) / (extent.high / 2 - extent.low / 2);
@@ -149,7 +151,14 @@ class Drawing {
     for (const double mark : time_marks()) canvas_.line(x_of(mark), y, x_of(mark), y + kPanel, "lane");
     for (std::size_t i = 0; i < panel.series.size(); ++i) {
       canvas_.open_group(panel.series[i].name);
+      // Beside those of the others, for curves that lie on each other.
+      double next =
+          left_ + kApart * (static_cast<double>(i) + 0.5) / static_cast<double>(panel.series.size());
       for (const auto& curve : panel.series[i].curves) {
+        if (curve.size() == 1 && panel.series.size() > 1) {
+          shape(i, {x_of(curve[0].time), y_of(curve[0].value)});
+          continue;
+        }
         if (curve.size() == 1) {
           canvas_.circle(x_of(curve[0].time), y_of(curve[0].value), 2, fmt::format("d{}", i % kColours));
           continue;
@@ -162,12 +171,43 @@ class Drawing {
           points.push_back({x_of(point.time), y_of(point.value)});
         }
         canvas_.path(points, fmt::format("curve c{}", i % kColours));
+        if (panel.series.size() > 1) next = shapes(i, points, next);
       }
       canvas_.close_group();
     }
     canvas_.line(left_, y, left_, y + kPanel, "axis");
     canvas_.line(left_, y + kPanel, left_ + kWide, y + kPanel, "axis");
     return y + kPanel + kGap - 20;
+  }
+
+  /// A curve is told from the others by a shape too: by who sees no colours, and on paper that has none.
+  void shape(std::size_t series, Point at) {
+    const std::string look = fmt::format("d{}", series % kColours);
+    constexpr double r = 3.5;
+    switch (series % kShapes) {
+      case 0:
+        return canvas_.circle(at.x, at.y, r - 0.5, look);
+      case 1:
+        return canvas_.rectangle(at.x - r + 0.5, at.y - r + 0.5, 2 * r - 1, 2 * r - 1, look);
+      case 2:
+        return canvas_.path({{at.x - r, at.y + r}, {at.x, at.y - r}, {at.x + r, at.y + r}}, look, true);
+      case 3:
+        return canvas_.path({{at.x - r, at.y - r}, {at.x, at.y + r}, {at.x + r, at.y - r}}, look, true);
+      default:
+        return canvas_.diamond(at.x, at.y, 4, look);
+    }
+  }
+
+  /// On a curve, from `next` to the right. Returns where the next one belongs.
+  double shapes(std::size_t series, const std::vector<Point>& curve, double next) {
+    while (next < curve.front().x) next += kApart;
+    for (std::size_t i = 1; i < curve.size(); ++i) {
+      const Point& a = curve[i - 1];
+      const Point& b = curve[i];
+      for (; next <= b.x; next += kApart)
+        shape(series, {next, b.x > a.x ? a.y + (b.y - a.y) * (next - a.x) / (b.x - a.x) : b.y});
+    }
+    return next;
   }
 
   /// As many on a line as fit.
@@ -180,7 +220,8 @@ class Drawing {
         x = kMargin;
         y += 15;
       }
-      canvas_.rectangle(x, y - 6, 18, 3, fmt::format("d{}", i % kColours));
+      canvas_.rectangle(x, y - 5, 18, 2, fmt::format("d{}", i % kColours));
+      if (panel.series.size() > 1) shape(i, {x + 9, y - 4});
       canvas_.text(x + 24, y, kSmall, "faint", panel.series[i].name);
       x += wide;
     }

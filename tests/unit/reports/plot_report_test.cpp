@@ -96,6 +96,26 @@ TEST(Plot, TheTimeOfASingleSampleIsRead) {
   EXPECT_THAT(svg, HasSubstr(">3<"));
 }
 
+std::size_t shapes(const Plot& plot) {
+  const std::string svg = plot_svg(plot);
+  pictures::expect_readable(svg);
+  return pictures::occurrences(svg, "<circle") + pictures::occurrences(svg, "z\" class=\"d");
+}
+
+TEST(Plot, CurvesDifferInMoreThanTheirColour) {
+  Plot plot = plot_of({{0, 1}, {10, 2}});
+  EXPECT_EQ(shapes(plot), 0U) << "there is no other";
+  PlotSeries same = plot.panels[0].series[0];
+  same.name = "t";
+  same.curves.push_back({{10, 1}});
+  plot.panels[0].series.insert(plot.panels[0].series.end(), {same, same});
+  // Circles, squares and triangles; of what is one sample, too, and in the legend.
+  const std::string svg = plot_svg(plot);
+  EXPECT_EQ(pictures::occurrences(svg, "<circle"), 10U + 1U);
+  EXPECT_EQ(pictures::occurrences(svg, "z\" class=\"d2\""), 10U + 1U + 1U);
+  EXPECT_EQ(shapes(plot), 11U + 12U);
+}
+
 TEST(Plot, TheLargestOfNumbersAreWhereTheyBelong) {
   const auto marks = value_marks(plot_svg(plot_of({{0, 0}, {10, 1e308}})));
   EXPECT_THAT(marks, testing::Contains("1e+308"));
