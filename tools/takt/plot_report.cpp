@@ -73,6 +73,18 @@ Extent extent_of(const PlotPanel& panel) {
   return {std::max(low - margin, -kMost), std::min(high + margin, kMost)};
 }
 
+bool is_whole(double value) { return std::abs(value) < 1e15 && value == std::round(value); }
+
+/// Counts, which have nothing between one and the next.
+bool are_whole(const PlotPanel& panel) {
+  return std::all_of(panel.series.begin(), panel.series.end(), [](const PlotSeries& series) {
+    return std::all_of(series.curves.begin(), series.curves.end(), [](const auto& curve) {
+      return std::all_of(curve.begin(), curve.end(),
+                         [](const PlotPoint& point) { return is_whole(point.value); });
+    });
+  });
+}
+
 /// With as many digits as marks that are a step apart differ in.
 std::string number(double value, double step) {
   if (value == 0) return "0";
@@ -116,8 +128,13 @@ class Drawing {
         marks.push_back({static_cast<double>(i), panel.labels[i]});
       return marks;
     }
-    const std::vector<double> values = ticks(extent.low, extent.high, 5);
-    const double step = values.size() > 1 ? values[1] - values[0] : 1;
+    std::vector<double> values = ticks(extent.low, extent.high, 5);
+    double step = values.size() > 1 ? values[1] - values[0] : 1;
+    if (step < 1 && are_whole(panel)) {
+      values.clear();
+      for (double value = std::ceil(extent.low); value <= extent.high; ++value) values.push_back(value);
+      step = 1;
+    }
     for (const double value : values) marks.push_back({value, number(value, step)});
     return marks;
   }

@@ -96,6 +96,12 @@ TEST(Plot, TheTimeOfASingleSampleIsRead) {
   EXPECT_THAT(svg, HasSubstr(">3<"));
 }
 
+TEST(Plot, CountsHaveNoMarksBetweenWholeNumbers) {
+  EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 1}, {5, 2}, {10, 3}}))), ElementsAre("1", "2", "3"));
+  EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 7}, {10, 7}}))), ElementsAre("7"));
+  EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 1}, {5, 2.5}}))), testing::Contains("1.5"));
+}
+
 std::size_t shapes(const Plot& plot) {
   const std::string svg = plot_svg(plot);
   pictures::expect_readable(svg);
