@@ -27,6 +27,10 @@ constexpr double kBadge = 15;  // height of a release mark
 constexpr double kStrip = 44;  // height of the load
 constexpr double kPlot = 960;  // width of the rows, unless they need more
 
+// Loads, as a share of the row, above which they are shown as such.
+constexpr double kHigh = 0.7;
+constexpr double kFull = 0.9;
+
 constexpr std::string_view kColours =
     R"(.thread-budget { fill: #6da5e0; }
 .process-budget { fill: #dfa254; }
@@ -220,6 +224,7 @@ class Panel {
   void load_strip() {
     canvas_.text(kMargin + 6, y_ + 18, kNormal, "", "load");
     bool stated = false;
+    bool named = true;  // each with its share
     bool complete = true;
     const double tall = kStrip - 18;
     for (std::size_t row = 0; row < shown_; ++row) {
@@ -230,18 +235,24 @@ class Panel {
       const double share = ratio(load.budget, plan_.basic_period);
       const double height = std::max(1.0, tall * share);
       canvas_.rectangle(at(row) + 2, y_ + kStrip - height, column_ - 4, height,
-                        share > 0.9   ? "full"
-                        : share > 0.7 ? "high"
-                                      : "low");
+                        share > kFull   ? "full"
+                        : share > kHigh ? "high"
+                                        : "low");
       const std::string text = fmt::format("{}{:.0f}%", load.complete ? "" : ">", 100 * share);
       if (width_of(text, kSmall) <= column_ - 2) {
         canvas_.centred(at(row) + column_ / 2, y_ + kStrip - height - 3, kSmall, "", text);
+      } else {
+        named = false;
       }
     }
     canvas_.text(kMargin + 6, y_ + 32, kSmall, "faint",
                  !stated    ? "no budgets are stated"
                  : complete ? "budgets of the row's threads"
                             : "at least: some state no budget");
+    if (!named) {
+      canvas_.line(left_, y_ + kStrip - tall, right_, y_ + kStrip - tall, "grid");
+      canvas_.text_before(left_ - 4, y_ + kStrip - tall + 2, kSmall, "faint", "100%");
+    }
     y_ += kStrip;
   }
 
@@ -249,7 +260,7 @@ class Panel {
   void axis() {
     canvas_.line(left_, y_, right_, y_, "grid");
     const auto time = [&](std::size_t row) {
-      return to_text(plan_.basic_period * static_cast<std::int64_t>(row));
+      return row == 0 ? "0" : to_text(plan_.basic_period * static_cast<std::int64_t>(row));
     };
     double widest = 0;
     for (std::size_t row = 0; row <= shown_; ++row)
@@ -312,7 +323,34 @@ double names_below(Canvas& canvas, double y, const Device& device,
   return y + 8;
 }
 
-double legend(Canvas& canvas, double y) {
+/// What a picture shows, of what it can show.
+struct Shown {
+  bool threads = false;
+  bool processes = false;
+  bool sporadic_threads = false;
+  bool sporadic_processes = false;
+  bool thread_budgets = false;
+  bool process_budgets = false;
+
+  [[nodiscard]] bool sporadic() const { return sporadic_threads || sporadic_processes; }
+};
+
+Shown shown(const model::Cell& cell) {
+  Shown shown;
+  for (const Device& device : cell.devices) {
+    for (const Module& module : device.modules) {
+      const bool thread = module.type == ModuleType::thread;
+      if (module.operation == model::Operation::sporadic)
+        (thread ? shown.sporadic_threads : shown.sporadic_processes) = true;
+      if (module.operation != model::Operation::periodic) continue;
+      (thread ? shown.threads : shown.processes) = true;
+      if (module.budget) (thread ? shown.thread_budgets : shown.process_budgets) = true;
+    }
+  }
+  return shown;
+}
+
+double legend(Canvas& canvas, double y, const Shown& shown) {
   const double sample = kMargin + 6;
   const double words = kMargin + 52;
   const auto entry = [&](std::string_view text) {
@@ -320,21 +358,35 @@ double legend(Canvas& canvas, double y) {
     y += 20;
   };
   y += 16;
-  canvas.rectangle(sample, y, 15, kBadge, "thread", 3);
-  canvas.centred(sample + 7.5, y + kBadge - 4, kSmall, "on", "1");
-  entry("release of a thread module; the number is its place in the row");
-  canvas.rectangle(sample, y, 15, kBadge, "process", 3);
-  canvas.centred(sample + 7.5, y + kBadge - 4, kSmall, "on", "2");
-  entry("release of a process module, which runs on another core");
-  canvas.rectangle(sample, y + 2, 36, 5, "thread-budget");
-  canvas.rectangle(sample, y + 9, 36, 5, "process-budget");
-  entry("budget, to the scale of time; a thread begins when those before it have used theirs");
-  canvas.diamond(sample + 6, y + 8, 5, "thread");
-  canvas.diamond(sample + 24, y + 8, 5, "process");
-  entry("after the row: the condition of a sporadic thread is looked at, a sporadic process is released");
-  canvas.line(sample, y + 8, sample + 34, y + 8, "deadline");
-  canvas.line(sample + 34, y + 2, sample + 34, y + 14, "end");
-  entry("deadline of a sporadic module that is ready in the first row; without an end it lies outside");
+  if (shown.threads) {
+    canvas.rectangle(sample, y, 15, kBadge, "thread", 3);
+    canvas.centred(sample + 7.5, y + kBadge - 4, kSmall, "on", "1");
+    entry("release of a thread module; the number is its place in the row");
+  }
+  if (shown.processes) {
+    canvas.rectangle(sample, y, 15, kBadge, "process", 3);
+    canvas.centred(sample + 7.5, y + kBadge - 4, kSmall, "on", "2");
+    entry("release of a process module, which runs on another core");
+  }
+  if (shown.thread_budgets || shown.process_budgets) {
+    if (shown.thread_budgets) canvas.rectangle(sample, y + 2, 36, 5, "thread-budget");
+    if (shown.process_budgets) canvas.rectangle(sample, y + 9, 36, 5, "process-budget");
+    entry("budget, to the scale of time; a thread begins when those before it have used theirs");
+  }
+  if (shown.sporadic()) {
+    if (shown.sporadic_threads) canvas.diamond(sample + 6, y + 8, 5, "thread");
+    if (shown.sporadic_processes) canvas.diamond(sample + 24, y + 8, 5, "process");
+    entry("after the row: the condition of a sporadic thread is looked at, a sporadic process is released");
+    canvas.line(sample, y + 8, sample + 34, y + 8, "deadline");
+    canvas.line(sample + 34, y + 2, sample + 34, y + 14, "end");
+    entry("deadline of a sporadic module that is ready in the first row; without an end it lies outside");
+  }
+  if (shown.thread_budgets) {
+    canvas.rectangle(sample, y + 9, 10, 5, "low");
+    canvas.rectangle(sample + 12, y + 6, 10, 8, "high");
+    canvas.rectangle(sample + 24, y + 3, 10, 11, "full");
+    entry(fmt::format("load of a row: up to {:.0f}%, up to {:.0f}%, and above", 100 * kHigh, 100 * kFull));
+  }
   return y;
 }
 
@@ -351,7 +403,7 @@ std::string check_svg(const model::Cell& cell, const std::vector<DevicePlan>& pl
       y = Panel{canvas, cell.devices[i], plan, y, label}.draw() + 8;
     if (!plans[i].non_realtime.empty()) y = names_below(canvas, y, cell.devices[i], plans[i].non_realtime);
   }
-  legend(canvas, y);
+  legend(canvas, y, shown(cell));
 
   return canvas.document("The schedule of " + cell.name, kColours, kDarkColours);
 }

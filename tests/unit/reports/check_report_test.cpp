@@ -515,6 +515,27 @@ TEST(CheckSvg, DrawsBudgetsToTheScaleOfTime) {
   EXPECT_THAT(picture, HasSubstr(">75%<"));
 }
 
+TEST(CheckSvg, ALoadThatHasNoRoomForItsShareHasAScale) {
+  const std::string wide = svg(cell("c", {device("d", {with_budget(periodic("a", 1ms), 250us)})}));
+  EXPECT_THAT(wide, AllOf(HasSubstr(">25%<"), Not(HasSubstr(">100%<"))));
+  const std::string narrow =
+      svg(cell("c", {device("d", {with_budget(periodic("a", 1ms), 250us), periodic("b", 60ms)})}));
+  EXPECT_THAT(narrow, AllOf(Not(HasSubstr("25%<")), HasSubstr(">100%<")));
+  expect_readable(narrow);
+}
+
+TEST(CheckSvg, ExplainsWhatIsInThePictureAndNothingElse) {
+  const std::string plain = svg(cell("c", {device("d", {periodic("a", 1ms)})}));
+  EXPECT_THAT(plain, HasSubstr("release of a thread module"));
+  for (const char* other : {"release of a process module", "budget, to the scale", "after the row",
+                            "deadline of", "load of a row"})
+    EXPECT_THAT(plain, Not(HasSubstr(other)));
+  EXPECT_THAT(svg(figure1()), AllOf(HasSubstr("release of a process module"), HasSubstr("after the row"),
+                                    HasSubstr("deadline of"), Not(HasSubstr("budget, to the scale"))));
+  EXPECT_THAT(svg(cell("c", {device("d", {with_budget(periodic("a", 1ms), 250us)})})),
+              AllOf(HasSubstr("budget, to the scale"), HasSubstr("load of a row: up to 70%, up to 90%")));
+}
+
 TEST(CheckSvg, SaysWhatItLeavesOut) {
   EXPECT_THAT(svg(cell("long", {device("d", {periodic("a", 2ms), periodic("b", 7919ms)})})),
               HasSubstr("only rows 0 to 63 of 15838 are drawn"));
