@@ -116,9 +116,9 @@ class Drawing {
                              from_us_ > 0 ? fmt::format(", the last of {}", span(to_us_)) : "",
                              summary_.machine, summary_.why));
     y += 10;
-    const double top = y;
     for (const Group& group : groups_) y = draw(group, y + 22);
-    axis(top + 10, y);
+    if (groups_.empty()) y = nothing(y + 10);
+    axis(y);
     late(y + 44);
     return canvas_.document(title, kColours, kDarkColours);
   }
@@ -155,8 +155,11 @@ class Drawing {
     canvas_.text(kMargin, y, kNormal, "title", group.title);
     y += 8;
     bool odd = false;
+    for (std::size_t i = 0; i < group.lanes.size(); ++i)
+      canvas_.rectangle(left_, y + kLane * static_cast<double>(i), kWide, kLane,
+                        (odd = !odd) ? "panel" : "odd");
+    grid(y, y + kLane * static_cast<double>(group.lanes.size()));
     for (const Lane& lane : group.lanes) {
-      canvas_.rectangle(left_, y, kWide, kLane, (odd = !odd) ? "panel" : "odd");
       canvas_.text(kMargin + 10, y + 13, kSmall, "", lane.name);
       for (const Bar& bar : lane.bars) draw(lane, bar, y);
       y += kLane;
@@ -177,11 +180,30 @@ class Drawing {
     canvas_.close_group();
   }
 
-  void axis(double top, double bottom) {
-    const std::vector<double> marks = ticks(from_us_ / 1e6 / unit_.seconds, to_us_ / 1e6 / unit_.seconds, 9);
-    for (const double mark : marks) {
+  /// An empty lane.
+  double nothing(double y) {
+    canvas_.rectangle(left_, y, kWide, kLane, "panel");
+    grid(y, y + kLane);
+    canvas_.text(left_ + 10, y + 13, kSmall, "faint", "nothing ran in this time");
+    return y + kLane;
+  }
+
+  [[nodiscard]] std::vector<double> marks() const {
+    return ticks(from_us_ / 1e6 / unit_.seconds, to_us_ / 1e6 / unit_.seconds, 9);
+  }
+
+  /// Behind the bars, and not through a title, which may be longer than the names of the lanes.
+  void grid(double top, double bottom) {
+    for (const double mark : marks()) {
       const double x = x_of(mark * unit_.seconds * 1e6);
       canvas_.line(x, top, x, bottom, "grid");
+    }
+  }
+
+  void axis(double bottom) {
+    for (const double mark : marks()) {
+      const double x = x_of(mark * unit_.seconds * 1e6);
+      canvas_.line(x, bottom, x, bottom + 4, "grid");
       canvas_.centred(x, bottom + 14, kSmall, "faint", fmt::format("{:.6g}", mark + 0.0));  // not -0
     }
     canvas_.centred(left_ + kWide / 2, bottom + 30, kSmall, "faint", fmt::format("time in {}", unit_.name));
@@ -202,7 +224,8 @@ class Drawing {
       const TracedStart& start = summary_.late[i];
       y += 16;
       canvas_.text(kMargin + 14, y, kSmall, "",
-                   fmt::format("at {}: {}, {} late: {}; {}", span(start.at_us), start.what,
+                   fmt::format("at {}{}: {}, {} late: {}; {}", span(start.at_us),
+                               start.at_us < from_us_ ? ", before what is drawn" : "", start.what,
                                span(start.late_us), start.cause, start.why));
     }
   }

@@ -202,6 +202,31 @@ TEST(TraceSvg, MarksWhatBeganLateAndSaysWhy) {
   EXPECT_THAT(*none, testing::HasSubstr("Nothing began late."));
 }
 
+TEST(TraceSvg, NoLineIsDrawnThroughATitle) {
+  json whole = trace();
+  whole["traceEvents"][0]["args"]["name"] = "executor of a name longer than those of its modules";
+  const auto picture = trace_svg(whole);
+  ASSERT_TRUE(picture);
+  const auto labels = pictures::labels(*picture);
+  const auto title = std::find_if(labels.begin(), labels.end(),
+                                  [](const auto& l) { return l.words.starts_with("executor "); });
+  ASSERT_NE(title, labels.end());
+  const std::regex line{R"re(<line x1="([0-9.]+)" y1="([0-9.]+)" x2="[0-9.]+" y2="([0-9.]+)")re"};
+  std::size_t lines = 0;
+  for (std::sregex_iterator at{picture->begin(), picture->end(), line}, end; at != end; ++at, ++lines)
+    EXPECT_FALSE(std::stod((*at)[2]) < title->baseline && std::stod((*at)[3]) > title->baseline) << at->str();
+  EXPECT_GT(lines, 0U);
+}
+
+TEST(TraceSvg, OfNothingSaysSo) {
+  json whole = trace();
+  whole["traceEvents"] = json::array();
+  const auto picture = trace_svg(whole);
+  ASSERT_TRUE(picture);
+  EXPECT_THAT(*picture, testing::HasSubstr(">nothing ran in this time<"));
+  pictures::expect_readable(*picture);
+}
+
 TEST(TraceSvg, OfAVeryLongTraceShowsTheNewest) {
   json whole = trace();
   for (std::size_t i = 0; i < kTraceBars; ++i)
@@ -209,6 +234,7 @@ TEST(TraceSvg, OfAVeryLongTraceShowsTheNewest) {
   const auto picture = trace_svg(whole);
   ASSERT_TRUE(picture);
   EXPECT_THAT(*picture, testing::HasSubstr("1 s, the last of 5 s"));
+  EXPECT_THAT(*picture, testing::HasSubstr("at 1 ms, before what is drawn: plc, 640 us late"));
   EXPECT_EQ(bars(*picture, "thread").size(), kTraceBars);
   EXPECT_TRUE(bars(*picture, "row").empty()) << "they were before";
 }
