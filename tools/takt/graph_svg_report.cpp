@@ -156,6 +156,12 @@ void Drawing::draw_port(double left, double right, const Port& port) {
   } else {
     canvas_.text(inner + 3, port.y + 4, kSmall, "", port.name);
   }
+  // What leaves at the other side too has its name here.
+  if (!port.left.empty() && !port.right.empty()) {
+    const double named = inner + (at_right ? -1 : 1) * (width_of(port.name, kSmall) + 9);
+    canvas_.line(std::min(named, at_right ? left : right), port.y, std::max(named, at_right ? left : right),
+                 port.y, "grid");
+  }
   // Several wires at one side are of one port.
   for (const bool side : {false, true}) {
     const auto& wires = side ? port.right : port.left;

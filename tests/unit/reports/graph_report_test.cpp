@@ -298,6 +298,19 @@ TEST(GraphSvg, TellsHealthByWordsAndLinesAndNotByColourAlone) {
   EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr(">stale: the value"))) << "a legend of what is there";
 }
 
+TEST(GraphSvg, LeadsFromAWireToTheNameOfItsPortAtTheOtherSide) {
+  const auto picture = [](std::vector<model::Connection> connections) {
+    return graph_svg(
+        connected(cell("c", {device("a", {periodic("m", 1ms)}), device("b", {periodic("n", 1ms)}),
+                             device("z", {periodic("o", 1ms)})}),
+                  std::move(connections)),
+        {});
+  };
+  const auto to_right = latest("b.n.out", "z.o.in");
+  EXPECT_EQ(occurrences(picture({to_right}), "class=\"grid\""), 0U);
+  EXPECT_EQ(occurrences(picture({to_right, latest("b.n.out", "a.m.in")}), "class=\"grid\""), 1U);
+}
+
 TEST(GraphSvg, HasAMarkAtEverythingThatAPageMayFind) {
   const std::string picture = graph_svg(three(), {});
   for (const char* mark :
