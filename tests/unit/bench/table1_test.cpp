@@ -16,12 +16,15 @@
 #include "table1_report.hpp"
 #include "table1_result.hpp"
 
+#include "../reports/pictures.hpp"
+
 namespace takt::bench {
 namespace {
 
 using namespace std::chrono_literals;
 using model::ModuleType;
 using model::Operation;
+using testing::AllOf;
 using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
@@ -219,9 +222,23 @@ TEST(JitterOverTime, LeavesOutTheTimeInWhichNothingWasReleased) {
       ++count;
     return count;
   };
-  EXPECT_EQ(1U, count_medians(jitter_over_time("t", served, 100us)));
+  EXPECT_EQ(1U + 1U, count_medians(jitter_over_time("t", served, 100us))) << "and one in the legend";
   for (std::int64_t n = 3000; n < 4000; ++n) served.push_back({n, -100});
-  EXPECT_EQ(2U, count_medians(jitter_over_time("t", served, 100us)));
+  EXPECT_EQ(2U + 1U, count_medians(jitter_over_time("t", served, 100us)));
+}
+
+TEST(JitterCharts, SayWhatIsDrawnAndOnWhatAxis) {
+  std::vector<Served> served;
+  for (std::int64_t n = 0; n < 1000; ++n) served.push_back({n, -100 * n});
+  const std::string over_time = jitter_over_time("Case 10: size of the jitter", served, 100us);
+  tool::pictures::expect_readable(over_time);
+  EXPECT_THAT(over_time, AllOf(HasSubstr(">from the least to the largest<"), HasSubstr(">median<"),
+                               HasSubstr(">time<")));
+  const std::string shares = jitter_histogram("Case 10: share of releases", served, {50'000, 60'000});
+  tool::pictures::expect_readable(shares);
+  EXPECT_THAT(shares,
+              AllOf(HasSubstr(">takt<"), HasSubstr(">the bare loop<"), HasSubstr(">size of the jitter<")));
+  EXPECT_THAT(jitter_histogram("t", served, {}), Not(HasSubstr("bare loop")));
 }
 
 TEST(ClassesOf, AreTenADecadeAboveTheSmallest) {

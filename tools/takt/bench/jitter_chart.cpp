@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include <fmt/format.h>
 
@@ -15,14 +16,12 @@ const char* const kChartColours = R"(
 .median { fill: none; stroke: #1d5fa8; stroke-width: 1.5; }
 .bar { fill: #6fa3dc; }
 .bare { fill: none; stroke: #b3541e; stroke-width: 1.5; }
-.bare-word { fill: #b3541e; }
 )";
 const char* const kDarkChartColours = R"(
 .spread { fill: #2f5580; stroke: #2f5580; }
 .median { stroke: #7db4f0; }
 .bar { fill: #3f72a8; }
 .bare { stroke: #f0b060; }
-.bare-word { fill: #f0b060; }
 )";
 
 namespace {
@@ -58,6 +57,32 @@ void begin(Canvas& canvas, const std::string& title) {
   canvas.rectangle(kLeft, kTop, kWidth, kHeight, "panel");
 }
 
+struct Sample {
+  const char* look;
+  bool area;  // else a line
+  const char* text;
+};
+
+/// Right of the title, above what is drawn.
+void legend(Canvas& canvas, std::initializer_list<Sample> samples) {
+  double x = kLeft + kWidth;
+  for (const Sample& sample : samples) x -= tool::width_of(sample.text, kSmall) + 24 + 14;
+  for (const Sample& sample : samples) {
+    x += 14;
+    const double y = kTop - 16;
+    if (sample.area)
+      canvas.rectangle(x, y - 4, 18, 8, sample.look);
+    else
+      canvas.path({{x, y}, {x + 18, y}}, sample.look);
+    canvas.text(x + 24, kTop - 12, kSmall, "faint", sample.text);
+    x += 24 + tool::width_of(sample.text, kSmall);
+  }
+}
+
+void axis_title(Canvas& canvas, const char* text) {
+  canvas.centred(kLeft + kWidth / 2, kTop + kHeight + 32, kSmall, "faint", text);
+}
+
 }  // namespace
 
 std::string jitter_over_time(const std::string& title, const std::vector<Served>& served,
@@ -80,6 +105,7 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
     return canvas.figure(title);
   }
 
+  legend(canvas, {{"spread", true, "from the least to the largest"}, {"median", false, "median"}});
   const std::int64_t first = served.front().number;
   const auto span = static_cast<double>(served.back().number - first + 1);
   const double seconds = span * std::chrono::duration<double>(period).count();
@@ -117,6 +143,7 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
     canvas.line(x, kTop + kHeight, x, kTop + kHeight + 4, "grid");
     canvas.centred(x, kTop + kHeight + 16, kSmall, "faint", fmt::format("{:.3g} s", seconds * tenth / 10));
   }
+  axis_title(canvas, "time");
   return canvas.figure(title);
 }
 
@@ -173,7 +200,11 @@ std::string jitter_histogram(const std::string& title, const std::vector<Served>
     canvas.line(x, kTop + kHeight, x, kTop + kHeight + 4, "grid");
     canvas.centred(x, kTop + kHeight + 16, kSmall, "faint", size_text(decade));
   }
-  canvas.text_before(kLeft + kWidth - 6, kTop + 14, kSmall, "bare-word", "line: the bare loop");
+  if (bare.empty())
+    legend(canvas, {{"bar", true, "takt"}});
+  else
+    legend(canvas, {{"bar", true, "takt"}, {"bare", false, "the bare loop"}});
+  axis_title(canvas, "size of the jitter");
   return canvas.figure(title);
 }
 

@@ -13,6 +13,7 @@ namespace {
 using tool::escaped;
 
 constexpr const char* kStyle = R"(
+:root { color-scheme: light dark; }
 body { font: 14px/1.45 system-ui, sans-serif; max-width: 1000px; margin: 2em auto; padding: 0 1em; color: #1f2933; background: #ffffff; }
 table { border-collapse: collapse; margin: 1em 0; }
 th, td { padding: 2px 8px; text-align: right; border-bottom: 1px solid #dde3e9; white-space: nowrap; }
@@ -22,6 +23,9 @@ th { font-weight: 600; }
 .held { color: #1a7f37; font-weight: 600; }
 .more, .not { color: #9a4a00; font-weight: 600; }
 .soft { color: #5c6773; }
+.left.whose { white-space: nowrap; }
+a { color: #1d5fa8; }
+.wide { overflow-x: auto; }
 svg { max-width: 100%; height: auto; }
 )";
 constexpr const char* kDarkStyle = R"(
@@ -31,6 +35,7 @@ th, td { border-color: #2c343d; }
 .held { color: #6fcf8a; }
 .more, .not { color: #f0b060; }
 .soft { color: #9aa6b2; }
+a { color: #7db4f0; }
 )";
 
 const char* class_of(Verdict verdict) {
@@ -72,7 +77,8 @@ std::string facts(const Table1Result& result) {
 std::string row_of(const char* whose, const Distribution& d, std::uint64_t missed) {
   return fmt::format(
       "<td "
-      "class=\"left\">{}</td><td>{}</td><td>{:.6g}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</"
+      "class=\"left "
+      "whose\">{}</td><td>{}</td><td>{:.6g}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</"
       "td>",
       whose, in_us(d.mean), d.variance / 1e6, in_us(d.max), in_us(d.p50), in_us(d.p99), in_us(d.p999),
       missed);
@@ -83,7 +89,7 @@ std::string rows_of(const CaseResult& one, const Table1Result& result) {
   const Table1Case& c = one.one;
   return fmt::format(
       R"(<tr class="first"><td rowspan="3"><a href="#case{0}">{0}</a></td><td rowspan="3">{1}</td><td rowspan="3">{2}</td><td rowspan="3">{3}</td><td rowspan="3">{4}</td><td rowspan="3">{5}</td><td rowspan="3">{6}</td>{7}<td rowspan="3">{8:.0f}</td><td rowspan="3" class="left {9}">{10}</td></tr>
-<tr class="soft"><td class="left">paper</td><td>{11:g}</td><td>{12:g}</td><td>{13:g}</td><td colspan="4"></td></tr>
+<tr class="soft"><td class="left whose">paper</td><td>{11:g}</td><td>{12:g}</td><td>{13:g}</td><td colspan="4"></td></tr>
 <tr class="soft">{14}</tr>
 )",
       c.number, c.so, c.exe, c.sporadic_so, c.sporadic_exe, c.non_real, model::to_text(c.measured),
@@ -94,12 +100,12 @@ std::string rows_of(const CaseResult& one, const Table1Result& result) {
 
 std::string table(const Table1Result& result) {
   std::string text =
-      R"(<table>
-<tr><th rowspan="2">no</th><th colspan="2">periodic</th><th colspan="2">sporadic</th><th rowspan="2">non-real</th><th rowspan="2">measured</th><th rowspan="2"></th><th colspan="6">jitter, us (variance: us<sup>2</sup>)</th><th rowspan="2">missed</th><th rowspan="2">stolen, ms</th><th rowspan="2"></th></tr>
+      R"(<div class="wide"><table>
+<tr><th rowspan="2">no</th><th colspan="2">periodic</th><th colspan="2">sporadic</th><th rowspan="2">non-real</th><th rowspan="2">measured</th><th rowspan="2"></th><th colspan="6">jitter, us (variance: us<sup>2</sup>)</th><th rowspan="2">missed</th><th rowspan="2">stolen, ms</th><th rowspan="2" class="left">verdict</th></tr>
 <tr><th>.so</th><th>.exe</th><th>.so</th><th>.exe</th><th>mean</th><th>variance</th><th>worst</th><th>p50</th><th>p99</th><th>p99.9</th></tr>
 )";
   for (const CaseResult& one : result.cases) text += rows_of(one, result);
-  return text + "</table>\n";
+  return text + "</table></div>\n";
 }
 
 std::string section(const CaseResult& one, const Table1Result& result) {
