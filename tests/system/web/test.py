@@ -380,6 +380,10 @@ class Web(takt_system.Case):
                 time.sleep(0.3)
                 with self.subTest(theme=theme, view=view):
                     self.assertEqual([], page.script(CONTRAST))
+            self.assertEqual([True], page.script("""
+                const accent = getComputedStyle(document.querySelector("#details a, .list a")).color;
+                return [...new Set([...document.querySelectorAll(".dash line")].map((one) => getComputedStyle(one).stroke === accent))]"""),
+                             "the lines of a legend have the colour of the curves")
         self.finish(web)
 
     def test_nothing_but_a_drawing_comes_out_of_a_drawing(self):

@@ -1,7 +1,7 @@
 // Numbers over the last minutes. Several lines of one plot differ by how they are dashed, and each is named with its value.
 
 import { Canvas } from "./canvas.js";
-import { element, setAttribute, setText } from "./dom.js";
+import { drawn, element, setAttribute, setText } from "./dom.js";
 import { colour } from "./theme.js";
 import { clock, number } from "./words.js";
 
@@ -192,19 +192,12 @@ export class TimePlot {
   }
 }
 
+/// Drawn by the browser, so that it has the colours of a theme that is chosen later.
 function sample(dash) {
-  const canvas = element("canvas", { class: "dash", width: "24", height: "8", "aria-hidden": "true" });
-  queueMicrotask(() => {
-    const context = canvas.getContext("2d");
-    context.strokeStyle = colour("accent");
-    context.lineWidth = 2;
-    context.setLineDash(dash);
-    context.beginPath();
-    context.moveTo(0, 4);
-    context.lineTo(24, 4);
-    context.stroke();
-  });
-  return canvas;
+  const line = drawn("line", { x1: 0, y1: 4, x2: 24, y2: 4, "stroke-dasharray": dash.join(" ") || "none" });
+  const svg = drawn("svg", { class: "dash", width: 24, height: 8, "aria-hidden": "true" });
+  svg.append(line);
+  return svg;
 }
 
 /// The index of the last of `times` that is not after `at`; -1: none.
