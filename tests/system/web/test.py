@@ -372,6 +372,18 @@ class Web(takt_system.Case):
                         return [...document.querySelectorAll("button, select, input:not([type=checkbox]), [role=tab]")]
                           .filter((one) => one.checkVisibility() && one.getBoundingClientRect().height < 39.5)
                           .map((one) => `${one.textContent}: ${one.getBoundingClientRect().height}`)"""))
+        for width in (768, 801, 1001, 1024, 1280):
+            page.size(width, 900)
+            for view in ("modules", "modules?select=robot.tuned") if width >= 1280 else ("modules",):
+                page.go("#/" + view)
+                time.sleep(0.3)
+                with self.subTest(width=width, view=view):
+                    self.assertGreater(page.script("return document.querySelector('tr[data-module] th').clientWidth"), 150, "of a name")
+        page.go("#/cell")
+        page.wait_for("[data-device=robot] .state-word", ".", LONG)
+        self.assertEqual([], page.script("""
+            return [...document.querySelectorAll(".drawing rect")].filter((one) => Math.abs(one.getBBox().height - one.getAttribute("height")) > 0.1)
+              .map((one) => `${one.getAttribute("class")}: ${one.getBBox().height}`)"""), "boxes that are not as they were drawn")
         for theme in ("light", "dark"):
             page.prefer(theme)
             page.wait_for_attribute("html", "data-theme", theme)
