@@ -57,7 +57,7 @@ export class Plots {
     clearInterval(this.timer);
     if (this.#port) this.#tell([]);
     this.#port = null;
-    [this.#times, this.#values] = [[], []];
+    [this.#times, this.#values] = [[], this.#fields.map(() => [])];  // a frame that was asked for may still come
   }
 
   update(changes) {
