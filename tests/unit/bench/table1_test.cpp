@@ -227,6 +227,16 @@ TEST(JitterOverTime, LeavesOutTheTimeInWhichNothingWasReleased) {
   EXPECT_EQ(2U + 1U, count_medians(jitter_over_time("t", served, 100us)));
 }
 
+TEST(JitterOverTime, ShowsWhatIsFewerThanItsColumns) {
+  const std::string one = jitter_over_time("t", {{7, -100}}, 100us);
+  EXPECT_THAT(one, AllOf(HasSubstr("class=\"alone\""), Not(HasSubstr("nan"))));
+  std::vector<Served> served;
+  for (std::int64_t n = 0; n < 20; ++n) served.push_back({n, -100});
+  const std::string few = jitter_over_time("t", served, 100us);
+  EXPECT_THAT(few, Not(HasSubstr("class=\"alone\"")));
+  EXPECT_THAT(few, ContainsRegex("<path d=\"M[^\"]*L[^\"]*L[^\"]*\" class=\"median\"")) << "joined";
+}
+
 TEST(JitterCharts, SayWhatIsDrawnAndOnWhatAxis) {
   std::vector<Served> served;
   for (std::int64_t n = 0; n < 1000; ++n) served.push_back({n, -100 * n});

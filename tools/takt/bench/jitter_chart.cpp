@@ -14,12 +14,14 @@ namespace takt::bench {
 const char* const kChartColours = R"(
 .spread { fill: #9cc0ea; stroke: #9cc0ea; stroke-width: 1; }
 .median { fill: none; stroke: #1d5fa8; stroke-width: 1.5; }
+.alone { fill: #1d5fa8; }
 .bar { fill: #6fa3dc; }
 .bare { fill: none; stroke: #b3541e; stroke-width: 1.5; }
 )";
 const char* const kDarkChartColours = R"(
 .spread { fill: #2f5580; stroke: #2f5580; }
 .median { stroke: #7db4f0; }
+.alone { fill: #7db4f0; }
 .bar { fill: #3f72a8; }
 .bare { stroke: #f0b060; }
 )";
@@ -109,16 +111,23 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
   const std::int64_t first = served.front().number;
   const auto span = static_cast<double>(served.back().number - first + 1);
   const double seconds = span * std::chrono::duration<double>(period).count();
-  const auto column_of = [first, span](const Served& one) {
-    return static_cast<std::size_t>(static_cast<double>(one.number - first) / span * kColumns);
+  // Of a short measurement each has a column, so that neighbours are joined.
+  const double columns = std::min(static_cast<double>(kColumns), span);
+  const auto column_of = [first, span, columns](const Served& one) {
+    return static_cast<std::size_t>(static_cast<double>(one.number - first) / span * columns);
   };
   std::vector<Point> upper;
   std::vector<Point> lower;
   std::vector<Point> median;
   const auto draw = [&] {
     upper.insert(upper.end(), lower.rbegin(), lower.rend());
-    canvas.path(upper, "spread", true);
-    canvas.path(median, "median");
+    if (median.size() == 1) {
+      canvas.line(upper[0].x, upper[0].y, upper[1].x, upper[1].y, "spread");
+      canvas.circle(median[0].x, median[0].y, 1.5, "alone");
+    } else {
+      canvas.path(upper, "spread", true);
+      canvas.path(median, "median");
+    }
     upper.clear();
     lower.clear();
     median.clear();
@@ -132,7 +141,7 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
     for (; begin < served.size() && column_of(served[begin]) == column; ++begin)
       sizes.push_back(size_of(served[begin].value));
     std::sort(sizes.begin(), sizes.end());
-    const double x = kLeft + kWidth * (static_cast<double>(column) + 0.5) / kColumns;
+    const double x = kLeft + kWidth * (static_cast<double>(column) + 0.5) / columns;
     upper.push_back({x, y_of(sizes.back())});
     lower.push_back({x, y_of(sizes.front())});
     median.push_back({x, y_of(percentile(sizes, 0.5))});

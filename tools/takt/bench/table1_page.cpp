@@ -14,9 +14,10 @@ using tool::escaped;
 
 constexpr const char* kStyle = R"(
 :root { color-scheme: light dark; }
-body { font: 14px/1.45 system-ui, sans-serif; max-width: 1000px; margin: 2em auto; padding: 0 1em; color: #1f2933; background: #ffffff; }
+body { font: 14px/1.45 system-ui, sans-serif; max-width: 1200px; margin: 2em auto; padding: 0 1em; color: #1f2933; background: #ffffff; }
 table { border-collapse: collapse; margin: 1em 0; }
-th, td { padding: 2px 8px; text-align: right; border-bottom: 1px solid #dde3e9; white-space: nowrap; }
+p { max-width: 1000px; }
+th, td { padding: 2px 6px; text-align: right; border-bottom: 1px solid #dde3e9; white-space: nowrap; }
 th { font-weight: 600; }
 .left, .facts td, .facts th { text-align: left; white-space: normal; }
 .first td { border-top: 2px solid #c3ccd5; }
@@ -26,6 +27,7 @@ th { font-weight: 600; }
 .left.whose { white-space: nowrap; }
 a { color: #1d5fa8; }
 .wide { overflow-x: auto; }
+@media print { table { font-size: 9px; } th, td { padding: 1px 3px; } .wide { overflow: visible; } }
 svg { max-width: 100%; height: auto; }
 )";
 constexpr const char* kDarkStyle = R"(
