@@ -118,6 +118,13 @@ class Web(takt_system.Case):
         before = len(page.texts("tr[data-kind]"))
         self.running["robot"].one("grid.exe").kill()
         wait_until(lambda: len(page.texts("tr[data-kind]")) > before, LONG, "the record to grow while one looks at it")
+        page.wait_for("tr[data-kind=program-restart]", "robot.program", LONG)
+        page.go("#/modules?select=robot.program")
+        page.wait_for("#details .last-faults li", "program-restart", LONG)
+        page.go("#/modules?select=robot.tuned")
+        page.wait_for("#details h2", "robot.tuned")
+        page.wait_for("#details .last-faults li", "host-restart", LONG)
+        self.assertNotIn("program-restart", " ".join(page.texts("#details .last-faults li")))
 
         # A node that is killed: its device is lost, its modules with it, and so is what came from them.
         self.running["robot"].signal(signal.SIGKILL)
