@@ -56,13 +56,13 @@ class Progress(takt_system.Case):
 
     def test_of_a_benchmark(self):
         terminal, run = self.in_terminal("bench", "wake", "--period", "1000", "--for", "2.5")
-        for share in (5, 55, 95):  # of twenty measurements
-            terminal.wait_for(FILLED + "%d %%  wake-up by [a-z ]+ at 1 ms$" % share, 30)
+        for share in (r"\d{1,2}", r"[5-9]\d"):
+            terminal.wait_for(FILLED + share + r" %  wake-up by [a-z ]+ at 1 ms$", 30)
         self.ends(terminal, run, "^  spin ")
         terminal, run = self.in_terminal("bench", "table1", "--for", "0.2")
-        terminal.wait_for(BAR + "case 3 of 10: (Takt|the bare loop)", 60)
+        terminal.wait_for(BAR + "case [2-5] of 10: (Takt|the bare loop)", 60)
         terminal.wait_for("^ 1 .*")  # above it is what was measured
-        terminal.wait_for(BAR + "case 7 of 10: (Takt|the bare loop)", 60)
+        terminal.wait_for(BAR + "case [6-9] of 10: (Takt|the bare loop)", 60)
         self.ends(terminal, run, "^ *10 ")
 
     def test_of_a_recording_and_its_playing(self):
