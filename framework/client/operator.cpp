@@ -85,7 +85,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
   struct State {
     std::string id;
     std::string node;
-    bool sent = false;
+    std::optional<Clock::time_point> sent;
     std::optional<Clock::time_point> gone_since;
     std::optional<Result<dds::WholeReply>> outcome;
   };
@@ -103,7 +103,6 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     return q.process_id == 0 || seen.status.process_id() == q.process_id;
   };
   const auto look = [&](const Question& q, State& state) {
-    const Nanoseconds waited = Clock::now() - begun;
     const Nanoseconds find_within = std::min(q.limit.value_or(kFound), kFound);
     std::vector<dds::SeenDevice> alive;
     bool lost = false;
@@ -125,7 +124,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
       if (!there && Clock::now() - *state.gone_since > kBack) {
         state.outcome =
             Problem{device_of(q), std::string{"it was lost before it answered to "} + to_text(q.kind), ""};
-      } else if (q.limit && waited > *q.limit) {
+      } else if (q.limit && Clock::now() - *state.sent > *q.limit) {
         state.outcome = Problem{
             device_of(q),
             std::string{"it gave no answer to "} + to_text(q.kind) + " within " + takt::to_text(*q.limit),
@@ -146,7 +145,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
       return;
     }
     if (alive.empty()) {
-      if (waited <= find_within) return;
+      if (Clock::now() - begun <= find_within) return;
       state.outcome =
           lost ? Problem{device_of(q), "it is lost: its node does not answer any more",
                          "start its node again; with --resume it takes up what it ran"}
@@ -155,7 +154,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
                              std::to_string(domain_) + "?"};
       return;
     }
-    state.sent = true;
+    state.sent = Clock::now();
     state.node = alive[0].node();
     dds::WholeCommand command;
     command.head.id(state.id);
@@ -167,8 +166,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     dds::set(command.head.property(), q.property);
     dds::set(command.head.value(), q.value);
     command.head.time_ns(q.time_ns);
-    command.head.deadline_ns(wall_ns() +
-                             (q.limit ? Nanoseconds{*q.limit - waited} : Nanoseconds{kBegun}).count());
+    command.head.deadline_ns(wall_ns() + q.limit.value_or(kBegun).count());
     command.data = q.data;
     inside_->client->send(command);
   };

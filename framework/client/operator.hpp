@@ -23,10 +23,11 @@ struct Question {
   std::string value{};
   std::string data{};
   std::int64_t time_ns = 0;
-  /// How long the answer is waited for; the device is looked for no longer than that, and never longer than 3
-  /// s. None: it takes as long as it takes (a component is initialised); only the end of the device ends the
-  /// wait.
-  std::optional<Nanoseconds> limit = std::chrono::seconds{3};
+  /// How long the answer is waited for once the device is found, which is looked for no longer than that, and
+  /// never longer than 3 s. Discovery may take 2.4 s to let the answer through where a message of it is lost,
+  /// hence 5. None: it takes as long as it takes (a component is initialised); only the end of the device ends
+  /// the wait.
+  std::optional<Nanoseconds> limit = std::chrono::seconds{5};
   std::int32_t process_id = 0;  ///< of the only node that is meant; 0: the one of that name
 };
 
