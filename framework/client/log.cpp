@@ -21,7 +21,11 @@ namespace takt::client {
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using json = nlohmann::ordered_json;
+
+/// Within which the last events of a node have come that was found.
+constexpr std::chrono::seconds kLastEvents{3};
 
 Question question_of(const std::string& device, const model::FaultFilter& filter) {
   return {.kind = COMMAND_LOG, .device = device, .data = model::json_text(model::to_json(filter))};
@@ -133,6 +137,7 @@ struct LogFollower::Inside {
   struct Place {
     std::uint64_t sequence = 0;
     std::int64_t time_ns = 0;
+    std::optional<Clock::time_point> found{};  ///< after us
   };
 
   std::mutex mutex;
@@ -185,11 +190,17 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
   for (model::Fault& fault : news) {
     const auto [at, added] = inside_->places.try_emplace(fault.device);
     Inside::Place& place = at->second;
-    if (added) {  // its node came after us: what it had before is no news
-      if (fault.time_ns < inside_->began_ns)
-        place = {fault.sequence, fault.time_ns};
-      else
-        tell(place, std::move(fault));
+    const auto now = Clock::now();
+    if (added) place.found = now;
+    // Its node came after us and tells its last events at once: what was before us is no news. Afterwards all
+    // is, whatever its clock.
+    if (place.found && now - *place.found < kLastEvents && fault.time_ns < inside_->began_ns) {
+      place.sequence = fault.sequence;
+      place.time_ns = std::max(place.time_ns, fault.time_ns);
+      continue;
+    }
+    if (added) {
+      tell(place, std::move(fault));
       continue;
     }
     if (fault.sequence <= place.sequence) {

@@ -275,6 +275,38 @@ class Gateway(takt_system.Case):
         self.assertEqual([], self.ask("api/history?module=left.nobody")[1]["times_ms"])
         self.finish(run)
 
+    def test_follows_an_update_and_forgets_a_cell_that_was_taken_down(self):
+        run = self.cell()
+        spare = self.node("spare")
+        events = self.events()
+        stream = events.wait(lambda e: e.of("stream"))[0]["id"]
+        self.ask("api/streams/%s/ports" % stream, {"ports": ["left.source.out"]}, "PUT")
+        events.wait(lambda e: e.of("points"))
+        events.wait(lambda e: e.of("cell")[-1]["cell"] == "seen" and e.devices.get("spare"))
+        with urllib.request.urlopen(self.address + "metrics", timeout=30) as response:
+            self.assertIn('takt_faults_total{device="spare",severity="error"} 0\n', response.read().decode())
+        cells = len(events.of("cell"))
+        ports = len(events.of("port"))
+        # The same deployment, in which the port's values need not be kept until they are read: its topic has another quality.
+        with open(self.beside("cell.xml")) as file:
+            text = file.read().replace('kind="queue" depth="100"', 'kind="latest" deadline="1000000000"')
+        self.done("deploy %s --update" % self.write("other.xml", text))
+        events.wait(lambda e: len(e.of("cell")) > cells, 30)
+        self.assertEqual("seen", events.of("cell")[-1]["cell"])
+        self.assertNotEqual(events.of("cell")[cells - 1]["graph"], events.of("cell")[-1]["graph"])
+        events.wait(lambda e: len(e.of("port")) > ports, 30, "the port as it is now")
+        told = len(events.of("points"))
+        events.wait(lambda e: len(e.of("points")) > told + 3, what="values of the port as it is now")
+        self.assertTrue(any(p["whole"] for p in events.of("points")[1:]), "a new beginning")
+        # A node that had no part in the cell is lost: that holds nothing back.
+        spare.signal(signal.SIGKILL)
+        events.wait(lambda e: not e.devices["spare"]["alive"])
+        self.done("undeploy seen")
+        events.wait(lambda e: e.of("cell")[-1]["cell"] is None)
+        spare.wait(10)
+        self.runs.remove(spare)
+        self.finish(run)
+
     def test_prometheus_reads_its_metrics(self):
         run = self.cell()
         self.done("stop right.live")

@@ -66,6 +66,17 @@ TEST(Metrics, ADeviceThatWasLostBeforeAnybodyLookedIsNotLeftOut) {
   EXPECT_THAT(metrics_text(devices, nullptr, {}), Not(HasSubstr("device=\"line\"")));
 }
 
+// Prometheus takes no sample twice.
+TEST(Metrics, TwoNodesOfOneNameAreOneThatIsThere) {
+  const model::Cell press = cell();
+  auto devices = cell_that_runs();
+  auto dead = devices.front();
+  dead.alive = false;
+  devices.insert(devices.begin(), dead);
+  devices.push_back(devices.front());
+  EXPECT_EQ(metrics_text(cell_that_runs(), &press, {}), metrics_text(devices, &press, {}));
+}
+
 TEST(Metrics, TellHowEachConnectionIs) {
   EXPECT_THAT(
       text(),

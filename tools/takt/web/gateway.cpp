@@ -11,7 +11,6 @@
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 
-
 namespace takt::tool::web {
 
 namespace {
@@ -25,6 +24,7 @@ constexpr milliseconds kTogether{20};     // news so close are told at once
 constexpr milliseconds kTurn{100};
 constexpr seconds kMeasures{1};
 constexpr seconds kAnswered{3};
+constexpr seconds kAskAgain{10};  // for the descriptor
 
 std::string state_event(bool whole, Json devices, Json modules) {
   return event_text(
@@ -204,11 +204,15 @@ void Gateway::tell_measures() {
   const std::vector<dds::SeenDevice> seen = client_.observer->devices();
   const auto running = cell();
   Json measures = measures_json(seen, running.get(), os::wall_ns());
+  std::set<std::string> lost;  // what they measured last is not of now
+  for (const dds::SeenDevice& device : seen) {
+    if (!device.alive) lost.insert(device.name());
+  }
   const std::lock_guard lock{mutex_};
   history_.hear(seen);
   for (auto& [name, module] : measures["modules"].items()) {
     const client::Series last = history_.of(name, 1);
-    if (last.times_ms.empty()) continue;
+    if (last.times_ms.empty() || lost.contains(name.substr(0, name.find('.')))) continue;
     module["recent_us"] = {{"jitter", last.jitter_us.back()}, {"run", last.run_us.back()}};
   }
   std::string text = event_text("measures", model::json_text(measures));
@@ -260,10 +264,23 @@ void Gateway::follow_faults() {
   add_faults(events, problems);
 }
 
+// A cell whose devices are all lost is shown on; one that was taken down from a device that is there is not.
+bool Gateway::is_lost() const {
+  if (!cell_) return false;
+  bool lost = false;
+  for (const model::Device& device : cell_->devices) {
+    for (const dds::SeenDevice& seen : client_.observer->devices(device.name)) {
+      if (seen.alive) return false;
+      lost = true;
+    }
+  }
+  return lost;
+}
+
 // The newest deployment that somebody has who is there. Devices of two cells on one domain are all shown; the
 // picture and the tables are of one.
 void Gateway::look_for_cell() {
-  std::string deployment;
+  std::string deployment;  // an update keeps its name, and changes its descriptor
   std::string device;
   for (const dds::SeenDevice& seen : client_.observer->devices()) {
     const std::string id = seen.status.deployment().to_string();
@@ -273,20 +290,19 @@ void Gateway::look_for_cell() {
       device = seen.name();
     }
   }
-  {
-    const std::lock_guard lock{mutex_};
-    if (deployment == deployment_) return;
-    // A cell whose devices are all lost is shown on; one that was taken down is not.
-    const bool lost = std::any_of(devices_.begin(), devices_.end(),
-                                  [](const auto& d) { return d.second.value("alive", true) == false; });
-    if (deployment.empty() && lost) return;
-  }
+  const Instant now = os::now();
+  if (deployment == deployment_ && (deployment.empty() || now - asked_ < kAskAgain)) return;
+  if (deployment.empty() && is_lost()) return;
   std::shared_ptr<const model::Cell> cell;
+  std::string descriptor;
   if (!deployment.empty()) {
     const auto reply = client::accepted(
         client_.asker->ask({.kind = COMMAND_DESCRIPTOR, .device = device, .limit = kAnswered}));
     if (!reply) return;  // asked again at the next turn
-    auto read = descriptor::parse(reply->data, reply->head.value().to_string());
+    asked_ = now;
+    if (deployment == deployment_ && reply->data == descriptor_) return;
+    descriptor = reply->data;
+    auto read = descriptor::parse(descriptor, reply->head.value().to_string());
     if (read) {
       read->domain = client_.domain;  // nodes may be told another than the descriptor says
       cell = std::make_shared<const model::Cell>(std::move(*read));
@@ -295,6 +311,7 @@ void Gateway::look_for_cell() {
   std::string text = event_text("cell", model::json_text(cell_json(cell.get(), client_.domain, deployment)));
   const std::lock_guard lock{mutex_};
   deployment_ = deployment;
+  descriptor_ = std::move(descriptor);
   cell_ = std::move(cell);
   cell_text_ = std::move(text);
   streams_.send(cell_text_);
@@ -348,7 +365,10 @@ std::string Gateway::metrics() {
     counted = counted_;
   }
   counted.viewers = streams_.count();
-  return metrics_text(client_.observer->devices(), running.get(), counted);
+  const auto devices = client_.observer->devices();
+  // An increase is only seen of what was 0 before.
+  for (const dds::SeenDevice& device : devices) counted.faults.try_emplace(device.name());
+  return metrics_text(devices, running.get(), counted);
 }
 
 }  // namespace takt::tool::web

@@ -58,6 +58,7 @@ class Gateway {
   void tell_states(std::vector<LifecycleStatus> steps);
   void tell_measures();
   void look_for_cell();
+  [[nodiscard]] bool is_lost() const;  // the cell that is shown
   void follow_faults();
   void add_faults(const std::vector<model::Fault>& faults, const Problems& problems);
   [[nodiscard]] std::shared_ptr<const model::Cell> cell() const;
@@ -76,6 +77,8 @@ class Gateway {
   std::shared_ptr<const model::Cell> cell_;  // null: not known
   std::string cell_text_;                    // the event that tells it
   std::string deployment_;                   // that it is of
+  std::string descriptor_;                   // that it was read from
+  Instant asked_{};                          // for the descriptor
   std::deque<Json> faults_;
   Counted counted_;
   client::History history_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -202,10 +203,21 @@ std::string of_connections(const std::vector<dds::SeenDevice>& devices, const mo
          late.text();
 }
 
+/// Two nodes of one name are one series: that of the first that is there.
+std::vector<dds::SeenDevice> one_of_each(std::vector<dds::SeenDevice> devices) {
+  std::stable_partition(devices.begin(), devices.end(), [](const dds::SeenDevice& one) { return one.alive; });
+  std::set<std::string> said;
+  std::erase_if(devices, [&said](const dds::SeenDevice& one) {
+    return !said.insert(one.status.cell().to_string() + '/' + one.name()).second;
+  });
+  return devices;
+}
+
 }  // namespace
 
-std::string metrics_text(const std::vector<dds::SeenDevice>& devices, const model::Cell* cell,
+std::string metrics_text(const std::vector<dds::SeenDevice>& seen, const model::Cell* cell,
                          const Counted& counted) {
+  const std::vector<dds::SeenDevice> devices = one_of_each(seen);
   std::string text = of_devices(devices, cell) + of_modules(devices) + of_executors(devices);
   if (cell != nullptr) text += of_connections(devices, *cell);
   Metric faults{"takt_faults_total", kCounter, "Events of the fault records since the gateway began."};

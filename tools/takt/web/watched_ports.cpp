@@ -55,15 +55,17 @@ struct WatchedPorts::Source {
     return {{"port", port}, {"type", flow.type.name}, {"fields", std::move(fields)}};
   }
 
-  /// What came after the first `has`; none where nothing did.
+  /// The first of what came after the first `has`; none where nothing did.
   std::optional<Json> news(const std::string& port, std::uint64_t& has) {
     const std::lock_guard lock{mutex};
     const bool whole = has == 0;
     if (has == added && !whole) return std::nullopt;
     const auto missing = static_cast<std::size_t>(std::min<std::uint64_t>(added - has, points.size()));
+    const std::size_t taken = std::min(missing, kMostAtOnce);
     Json times = Json::array();
     std::vector<Json> series(shown.size(), Json::array());
-    for (std::size_t i = points.size() - missing; i < points.size(); ++i) {
+    const std::size_t first = points.size() - missing;
+    for (std::size_t i = first; i < first + taken; ++i) {
       times.push_back(static_cast<double>(points[i].time_ns) / 1e6);
       for (std::size_t f = 0; f < shown.size(); ++f) {
         const double value = points[i].values[f];
@@ -71,13 +73,15 @@ struct WatchedPorts::Source {
       }
     }
     if (whole && added == 0) return std::nullopt;
-    has = added;
+    has = added - (missing - taken);
     return Json{
         {"port", port}, {"whole", whole}, {"times_ms", std::move(times)}, {"values", std::move(series)}};
   }
 
   static constexpr std::size_t kMostPoints =
       static_cast<std::size_t>(std::chrono::milliseconds{kKept} / kApart);
+
+  static constexpr std::size_t kMostAtOnce = 1000;  // of 32 fields 600 kB: a stream takes some megabytes
 
   const dds::Flow flow;
   const Columns columns;
@@ -175,15 +179,40 @@ void WatchedPorts::look_after() {
       ++source;
     }
   }
+  std::vector<std::string> changed;
   for (const std::string& port : again) {
+    const auto devices = client_.observer->devices(port.substr(0, port.find('.')));
+    if (std::none_of(devices.begin(), devices.end(), [](const dds::SeenDevice& d) { return d.alive; }))
+      continue;
     const auto flow = tapped(*client_.asker, port);
     if (!flow) continue;  // a device that is lost, or not yet back: the states say so
     const std::lock_guard lock{mutex_};
     const auto source = sources_.find(port);
     if (source == sources_.end()) continue;
-    if (source->second->flow.topic == flow->topic && source->second->flow.type == flow->type) continue;
-    gone.push_back(std::move(source->second));  // another deployment: whoever looks on is to ask anew
+    const dds::Flow& before = source->second->flow;
+    if (before.topic == flow->topic && before.type == flow->type &&
+        before.quality.reliable == flow->quality.reliable) {
+      continue;
+    }
+    gone.push_back(std::move(source->second));  // another deployment
     sources_.erase(source);
+    changed.push_back(port);
+  }
+  for (const std::string& port : changed) show_anew(port);
+}
+
+// Whoever looks at this port is told what it is now.
+void WatchedPorts::show_anew(const std::string& port) {
+  const auto now = source(port);
+  if (!now) return;
+  const std::string text = event_text("port", model::json_text((*now)->description(port)));
+  const std::lock_guard lock{mutex_};
+  for (auto& [id, view] : views_) {
+    const auto looked_at = view.find(port);
+    const auto stream = streams_.find(id);
+    if (looked_at == view.end() || !stream) continue;
+    looked_at->second = 0;
+    stream->send(text);
   }
 }
 

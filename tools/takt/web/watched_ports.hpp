@@ -42,6 +42,7 @@ class WatchedPorts {
   struct Source;
   using Sources = std::map<std::string, std::shared_ptr<Source>>;
   Result<std::shared_ptr<Source>> source(const std::string& port);
+  void show_anew(const std::string& port);
 
   Client& client_;
   Streams& streams_;
