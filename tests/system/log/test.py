@@ -245,6 +245,24 @@ class Log(takt_system.Case):
             self.assertIn("deployed", [e["kind"] for e in seen])
         self.end(nodes)
 
+    def test_of_a_node_that_is_found_late_only_what_is_new_is_told(self):
+        node = self.node("robot")
+        self.refused({"start robot.one": "robot", "stop robot.two": "robot", "recover robot.three": "robot"})
+        self.assertGreater(len(self.log()), 3)
+        node.signal(signal.SIGSTOP)
+        begun = time.time_ns()
+        follower = self.start("log", "--follow", "--json")
+        time.sleep(4)  # it has read what it found, which was nothing
+        self.assertEqual("", follower.out)
+        node.signal(signal.SIGCONT)
+        self.refused({"stop robot.four": "robot"})
+        follower.wait_for_out("four")
+        for line in follower.out.splitlines():
+            self.assertGreaterEqual(json.loads(line)["time_ns"], begun, line)
+        follower.signal(signal.SIGINT)
+        follower.wait(10)
+        self.end({"robot": node})
+
 
 class Cable(networks.NetworkCase):
     MACHINES = DEVICES
