@@ -307,6 +307,29 @@ class Gateway(takt_system.Case):
         self.runs.remove(spare)
         self.finish(run)
 
+    def test_the_record_of_a_node_that_is_found_late_is_told_and_is_no_news(self):
+        node = self.node("left")
+        self.refused({"stop left.before": "left"})
+        node.signal(signal.SIGSTOP)
+        run = self.web()
+        events = self.events()
+        events.wait(lambda e: e.of("faults"))
+        time.sleep(2)
+        node.signal(signal.SIGCONT)
+        events.wait(lambda e: any(f["module"] == "before" for f in self.faults(e)))
+        self.refused({"stop left.after": "left"})
+        events.wait(lambda e: any(f["module"] == "after" for f in self.faults(e)))
+        told = [f["sequence"] for f in self.faults(events)]
+        self.assertEqual(sorted(set(told)), told, "each once")
+        other = self.events()
+        other.wait(lambda e: e.of("faults"))
+        self.assertEqual(told, [f["sequence"] for f in self.faults(other)])
+        with urllib.request.urlopen(self.address + "metrics", timeout=30) as response:
+            self.assertIn('takt_faults_total{device="left",severity="warning"} 1\n', response.read().decode())
+        run.signal(signal.SIGINT)
+        self.assertEqual(0, run.wait(10).status, run.err)
+        self.end({"left": node})
+
     def test_prometheus_reads_its_metrics(self):
         run = self.cell()
         self.done("stop right.live")

@@ -18,9 +18,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::size_t kMostFaults = 500;  // that a page is told when it is opened
-constexpr std::size_t kTrend = 120;       // seconds of jitter that a page is told when it is opened
-constexpr milliseconds kTogether{20};     // news so close are told at once
+constexpr std::size_t kMostFaults = 500;   // that a page is told when it is opened
+constexpr std::size_t kMostProblems = 20;  // of reading records that are kept
+constexpr std::size_t kTrend = 120;        // seconds of jitter that a page is told when it is opened
+constexpr milliseconds kTogether{20};      // news so close are told at once
 constexpr milliseconds kTurn{100};
 constexpr seconds kMeasures{1};
 constexpr seconds kAnswered{3};
@@ -122,8 +123,7 @@ std::shared_ptr<Stream> Gateway::open() {
   Json faults = Json::array();
   for (const Json& fault : faults_) faults.push_back(fault);
   stream->send(event_text(
-      "faults",
-      model::json_text({{"whole", true}, {"events", std::move(faults)}, {"problems", Json::array()}})));
+      "faults", model::json_text({{"whole", true}, {"events", std::move(faults)}, {"problems", problems_}})));
   return stream;
 }
 
@@ -220,22 +220,27 @@ void Gateway::tell_measures() {
   measures_ = std::move(text);
 }
 
-void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems& problems) {
+void Gateway::add_faults(const std::vector<model::Fault>& faults, bool news, const Problems& problems) {
   if (faults.empty() && problems.empty()) return;
   Json events = Json::array();
-  Json said = Json::array();
-  for (const Problem& problem : problems) said.push_back(in_words({problem}));
   const std::lock_guard lock{mutex_};
   for (const model::Fault& fault : faults) {
     Json json = fault_json(fault);
-    ++counted_.faults[fault.device].at(static_cast<std::size_t>(model::severity_of(fault.kind)));
+    if (news)
+      ++counted_.faults[fault.device].at(static_cast<std::size_t>(model::severity_of(fault.kind)));
+    else if (std::find(faults_.begin(), faults_.end(), json) != faults_.end())
+      continue;  // told as it came
     faults_.push_back(json);
     if (faults_.size() > kMostFaults) faults_.pop_front();
     events.push_back(std::move(json));
   }
+  for (const Problem& problem : problems) {
+    problems_.push_back(in_words({problem}));
+    if (problems_.size() > kMostProblems) problems_.pop_front();
+  }
   streams_.send(event_text(
       "faults",
-      model::json_text({{"whole", false}, {"events", std::move(events)}, {"problems", std::move(said)}})));
+      model::json_text({{"whole", false}, {"events", std::move(events)}, {"problems", problems_}})));
 }
 
 // ---- What is asked
@@ -243,17 +248,22 @@ void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems
 
 void Gateway::ask() {
   client_.observer->settle(seconds{1});
-  const client::Log read = client::read_log(*client_.asker, {.last = kMostFaults});
-  add_faults(read.events, {});
-  {
-    const std::lock_guard lock{mutex_};
-    counted_.faults.clear();  // since the gateway began
-  }
-  follower_->go_on_after(read);
   while (!ended_) {
     look_for_cell();
+    read_records();
     follow_faults();
     watched_->look_after();
+  }
+}
+
+// Of each device once: what it had before it was found, or before this began.
+void Gateway::read_records() {
+  for (const dds::SeenDevice& seen : client_.observer->devices()) {
+    if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
+    const client::Log read =
+        client::read_log(*client_.asker, {.device = seen.name(), .last = kMostFaults}, kAnswered);
+    add_faults(read.events, false, read.problems);
+    follower_->go_on_after(read);
   }
 }
 
@@ -261,7 +271,7 @@ void Gateway::follow_faults() {
   Problems problems;
   auto events = follower_->next(*client_.asker, kTurn, problems);
   client::sort_by_time(events);
-  add_faults(events, problems);
+  add_faults(events, true, problems);
 }
 
 // A cell whose devices are all lost is shown on; one that was taken down from a device that is there is not.

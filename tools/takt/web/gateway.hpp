@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -60,7 +61,9 @@ class Gateway {
   void look_for_cell();
   [[nodiscard]] bool is_lost() const;  // the cell that is shown
   void follow_faults();
-  void add_faults(const std::vector<model::Fault>& faults, const Problems& problems);
+  void read_records();
+  /// `news`: they came while this ran.
+  void add_faults(const std::vector<model::Fault>& faults, bool news, const Problems& problems);
   [[nodiscard]] std::shared_ptr<const model::Cell> cell() const;
 
   std::unique_ptr<News> news_;  // before the client, whose threads give it
@@ -80,6 +83,8 @@ class Gateway {
   std::string descriptor_;                   // that it was read from
   Instant asked_{};                          // for the descriptor
   std::deque<Json> faults_;
+  std::deque<std::string> problems_;
+  std::set<std::string> recorded_;  // devices whose record was read
   Counted counted_;
   client::History history_;
 
