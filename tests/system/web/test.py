@@ -424,6 +424,32 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
+    def test_a_plot_is_drawn_whatever_its_values_and_its_width(self):
+        web = self.serve()
+        page = self.look()
+        found = page.wait_script("""
+            Promise.all([import("/time_plot.js"), import("/gantt.js")]).then(async ([{TimePlot}, {Gantt}]) => {
+              const frame = () => new Promise(requestAnimationFrame);
+              const values = [[0.3, 0.30000000000000004], [-1e300, 1e300], [0, 5e-324], [7, 7], [0, null], [-1e9, -1e9 - 1e-7]];
+              for (const of of values) {
+                const plot = new TimePlot({title: "plot", lines: ["value"], span_ms: 60000});
+                document.body.append(plot.element);
+                plot.show([1000, 2000], [of], 2000);
+                await frame();
+                await frame();
+              }
+              const gantt = new Gantt({name: "main", macro_period_ns: 1e7, basic_period_ns: 1e6, rows: []}, [], ["module"]);
+              gantt.canvas.element.style.width = "40px";
+              document.body.append(gantt.element);
+              await frame();
+              await frame();
+              done([document.querySelectorAll("canvas.plot").length, gantt.canvas.element.clientWidth < gantt.left]);
+            }).catch((error) => done(String(error)));""")
+        self.assertEqual([6, True], found)
+        self.assertEqual([], page.errors())
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait(20).status, web.err)
+
 
 # Texts whose contrast with what is behind them is less than WCAG's level AA asks for; what cannot be used is left out, as there.
 CONTRAST = """

@@ -187,6 +187,7 @@ export class Gantt {
   /// A line for each row as long as they can be told apart, else for every tenth, hundredth.
   #drawGrid(context, x, width, height) {
     const period = this.executor.basic_period_ns;
+    if (width <= this.left) return;  // there is no room for it, and none would ever come of wider steps
     let every = period;
     if (this.#to - this.#from < period * 1.5) every = nice((this.#to - this.#from) / 6);
     while ((width - this.left) * every / (this.#to - this.#from) < 64) every *= every < period ? 2 : 5;

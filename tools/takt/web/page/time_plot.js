@@ -6,6 +6,8 @@ import { colour } from "./theme.js";
 import { clock, number } from "./words.js";
 
 const kDashes = [[], [6, 3], [2, 3], [9, 3, 2, 3]];
+const kSame = 1e-12;  // of a value: less is rounding
+const kTicks = 10;    // there are five at most of any step of 1, 2 or 5
 const kLetters = 10, kLeft = 76, kBottom = 20, kTop = 8, kRight = 8;
 const kFont = '11px ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace';
 
@@ -126,13 +128,14 @@ export class TimePlot {
     }
     if (low > high) [low, high] = [0, 1];
     if (low > 0 && low < high * 0.6) low = 0;
-    if (low === high) [low, high] = low === 0 ? [-1, 1] : [low - Math.abs(low) / 10, high + Math.abs(high) / 10];
+    // What differs by the last digit alone is a constant: no step would lead from one to the other.
+    const size = Math.max(Math.abs(low), Math.abs(high));
+    if (high - low <= size * kSame) [low, high] = size === 0 ? [-1, 1] : [low - size / 10, high + size / 10];
     const step = rounded((high - low) / 3);
-    low = Math.floor(low / step) * step;
-    high = Math.ceil(high / step - 1e-9) * step;
-    const ticks = [];
-    for (let at = low; at <= high + step / 2; at += step) ticks.push(Math.abs(at) < step / 1000 ? 0 : at);
-    return { low, high, ticks, step };
+    const first_tick = Math.floor(low / step);
+    const count = Math.min(Math.ceil(high / step - 1e-9) - first_tick, kTicks);
+    const ticks = Array.from({ length: count + 1 }, (_, i) => (first_tick + i) * step);
+    return { low: first_tick * step, high: (first_tick + count) * step, ticks, step };
   }
 
   #drawValues(context, area, range, y) {
