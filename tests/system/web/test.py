@@ -450,6 +450,48 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
+    def test_an_order_is_waited_for_and_not_given_twice_meanwhile(self):
+        web = self.serve()
+        page = self.look()
+        page.wait_for("#link", "^live$", LONG)
+        web.signal(signal.SIGSTOP)  # it takes what is asked, and does not answer
+        try:
+            limits, said = page.wait_script("""
+                import("/api.js").then(async ({get, post}) => {
+                  const [limits, said, timeout] = [[], [], AbortSignal.timeout];
+                  AbortSignal.timeout = (ms) => { limits.push(ms / 1000); return timeout.call(AbortSignal, 300); };
+                  for (const ask of [() => get("/api/rights"), () => post("/api/command", {})]) await ask().catch((problem) => said.push(problem.text));
+                  AbortSignal.timeout = timeout;
+                  done([limits, said]);
+                }).catch((error) => done([[], String(error)]));""")
+        finally:
+            web.signal(signal.SIGCONT)
+        self.assertGreater(limits[1], 30, "seconds that the gateway waits for a device")
+        self.assertEqual(["no answer within %d s" % limits[0],
+                          "no answer within %d s; whether it was done is not known" % limits[1]], said)
+        self.assertEqual([1, 1, 0, 1], page.wait_script("""
+            import("/orders.js").then(async ({Orders}) => {
+              const [given, fetched] = [[], window.fetch];
+              window.fetch = (address) => new Promise((answer) => given.push([address, answer]));
+              const modules = new Map(["robot.one", "robot.two"].map((name) => [name, {state: {state: "EXECUTING"}}]));
+              const orders = new Orders({modules, link: "live", rights: {command: true}, devices: new Map([["robot", {alive: true}]])});
+              orders.hold("robot", "robot.one");
+              const stop = orders.buttons.find((button) => button.dataset.verb === "stop");
+              stop.click();
+              orders.update();  // news come meanwhile
+              stop.click();
+              const seen = [given.length, Number(stop.disabled)];
+              orders.hold("robot", "robot.two");
+              seen.push(Number(stop.disabled));
+              orders.hold("robot", "robot.one");
+              given[0][1](new Response("{}"));
+              while (stop.disabled) await new Promise(requestAnimationFrame);
+              window.fetch = fetched;
+              done([...seen, given.length]);
+            }).catch((error) => done(String(error)));"""))
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait(20).status, web.err)
+
 
 # Texts whose contrast with what is behind them is less than WCAG's level AA asks for; what cannot be used is left out, as there.
 CONTRAST = """

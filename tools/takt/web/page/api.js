@@ -1,6 +1,8 @@
 // What is asked of the gateway, and the token with which it may be told something.
 
 const kKept = "takt-token";
+// Longer than the gateway itself waits for a device: a component may take so long to stop.
+const kLimits_s = { GET: 20, POST: 40, PUT: 40 };
 
 /// What went wrong and what would help, both in words.
 export class Problem extends Error {
@@ -44,11 +46,14 @@ async function ask(address, options) {
   const headers = { ...options.headers };
   const token = sessionStorage.getItem(kKept);
   if (token) headers.Authorization = `Bearer ${token}`;
+  const limit_s = kLimits_s[options.method];
   let response;
   try {
-    response = await fetch(address, { ...options, headers, cache: "no-store", signal: AbortSignal.timeout(15000) });
-  } catch {
-    throw new Problem("the gateway does not answer", "see whether takt web still runs");
+    response = await fetch(address, { ...options, headers, cache: "no-store", signal: AbortSignal.timeout(limit_s * 1000) });
+  } catch (error) {
+    if (error.name !== "TimeoutError") throw new Problem("the gateway does not answer", "see whether takt web still runs");
+    const done = options.method === "GET" ? "" : "; whether it was done is not known";
+    throw new Problem(`no answer within ${limit_s} s${done}`);
   }
   const answer = await response.json().catch(() => ({}));
   if (!response.ok) throw new Problem(answer.what ?? `the gateway answered ${response.status}`, answer.fix, response.status);

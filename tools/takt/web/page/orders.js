@@ -17,6 +17,7 @@ export class Orders {
   #store;
   #device = "";
   #module = null;
+  #busy = new Set();  // of modules and devices: an order to it is under way, and not answered yet
 
   constructor(store) {
     this.#store = store;
@@ -41,8 +42,9 @@ export class Orders {
     const module = this.#module === null ? null : this.#store.modules.get(this.#module);
     const state = module?.state?.state;
     const why = this.#refusal(module);
+    const busy = this.#busy.has(this.#module ?? this.#device);
     kOrders.forEach((order, i) => {
-      this.buttons[i].disabled = why !== null || (this.#module !== null && !order.in.includes(state));
+      this.buttons[i].disabled = busy || why !== null || (this.#module !== null && !order.in.includes(state));
     });
     if (why !== null) setText(this.why, why);
     else if (this.#module === null) setText(this.why, `To all modules of ${this.#device} that are in a state for it.`);
@@ -69,6 +71,8 @@ export class Orders {
       setText(this.answer, text);
     };
     say(`${about}: ${verb} ...`, "plain");
+    this.#busy.add(about);
+    this.update();
     try {
       const order = name === null ? { device, verb } : { device, module: name.slice(device.length + 1), verb };
       const answer = await post("/api/command", order);
@@ -76,6 +80,8 @@ export class Orders {
     } catch (problem) {
       say(`${about}: ${problem.text ?? problem.message}`, "bad");
     }
+    this.#busy.delete(about);
+    this.update();
   }
 }
 
