@@ -226,6 +226,10 @@ class Web(takt_system.Case):
             self.assertEqual(403, refused.exception.code)
             refused.exception.close()
         self.assertEqual("EXECUTING", self.on_dds()["robot.tuned"])
+        # The address with the token, opened in the tab that shows the page.
+        page.go("#token=" + TOKEN)
+        page.wait_for("#rights", "may command", LONG)
+        self.assertNotIn(TOKEN, page.script("return location.href"))
         self.finish(web, apart=("403",))
 
     def test_the_keyboard_reaches_all_and_does_it(self):

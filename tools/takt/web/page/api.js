@@ -19,11 +19,13 @@ export class Problem extends Error {
 }
 
 /// Takes the token out of the address, so that it is neither seen nor linked nor kept in the history. It lasts as long as the tab.
+/// Whether there was one.
 export function keepToken() {
   const match = location.hash.match(/^#token=([^&]+)/);
-  if (!match) return;
+  if (!match) return false;
   sessionStorage.setItem(kKept, decodeURIComponent(match[1]));
   history.replaceState(null, "", location.pathname + location.search);
+  return true;
 }
 
 export function get(path, parameters = {}) {

@@ -35,7 +35,7 @@ const views = {
 let shown = null;
 
 function showRoute() {
-  keepToken();
+  if (keepToken()) askRights();  // the address with the token was opened where the page was shown already
   const route = currentRoute();
   const name = views[route.view] ? route.view : "cell";
   const { view, title } = views[name];
