@@ -30,8 +30,7 @@ export class DeviceDetails {
 
   show(name) {
     this.#name = name;
-    this.#executors.clear();
-    this.executors.replaceChildren();
+    this.#forgetExecutors();
     this.orders.hold(name, null);
     this.table.href = addressOf("table", { device: name });
     this.#showAll();
@@ -42,6 +41,7 @@ export class DeviceDetails {
   }
 
   update(changes) {
+    if (changes.cell) this.#forgetExecutors();
     if (changes.cell || changes.whole || changes.devices.has(this.#name) || changes.modules.size > 0) this.#showAll();
     else if (changes.measures) this.#showExecutors();
     if (changes.faults === null || changes.faults.length > 0) this.faults.show(this.#name);
@@ -67,6 +67,11 @@ export class DeviceDetails {
     this.orders.update();
     this.faults.show(this.#name);
     this.#showExecutors();
+  }
+
+  #forgetExecutors() {
+    this.#executors.clear();
+    this.executors.replaceChildren();
   }
 
   #showExecutors() {

@@ -12,6 +12,7 @@ import { TimePlot } from "./time_plot.js";
 import { count, exact, instant, number } from "./words.js";
 
 const kSpan_ms = 600000;
+const kAgain_ms = 2000;
 const kLines = ["p50", "p99"];
 
 export class ModuleDetails {
@@ -19,7 +20,7 @@ export class ModuleDetails {
   #name = null;
   #times = [];
   #history = { jitter: [[], []], run: [[], []] };
-  #ports = [];
+  #ports = null;  // not known yet
 
   constructor(store) {
     this.#store = store;
@@ -52,7 +53,9 @@ export class ModuleDetails {
     this.table.href = addressOf("table", { device, select: name });
     this.properties.hold(name);
     this.#askHistory();
-    this.#askPorts(device);
+    this.#ports = null;
+    this.ports.replaceChildren(element("li", { class: "faint", text: "asking ..." }));
+    this.#askPorts();
     this.#showAll();
   }
 
@@ -63,6 +66,10 @@ export class ModuleDetails {
   update(changes) {
     if (changes.cell || changes.whole || changes.modules.has(this.#name)) this.#showState();
     if (changes.cell) this.#showAll();
+    if (changes.cell || changes.begun.has(this.#module?.device)) {
+      this.properties.ask();
+      this.#askPorts();
+    }
     if (changes.faults === null || changes.faults.length > 0) this.faults.show(this.#name);
     if (changes.measures) {
       this.#append();
@@ -102,6 +109,7 @@ export class ModuleDetails {
     if (!module) {
       this.mark.show({ look: "faint", sign: "wait", word: "there is no such module in the cell" });
       setText(this.why, "");
+      this.steps.replaceChildren();
     } else {
       const look = lookOfModule({ ...module, lost: this.#store.isLost(module) });
       const since = module.state?.time_ms ? ` since ${instant(module.state.time_ms)}` : "";
@@ -165,22 +173,25 @@ export class ModuleDetails {
     }
   }
 
-  async #askPorts(device) {
+  /// Once more where it is refused: a device may be told to run a moment before it can answer.
+  async #askPorts(again = true) {
     const name = this.#name;
-    this.#ports = [];
-    this.ports.replaceChildren(element("li", { class: "faint", text: "asking ..." }));
     try {
-      const { ports } = await get("/api/ports", { device });
+      const { ports } = await get("/api/ports", { device: name.split(".")[0] });
       if (name !== this.#name) return;
       this.#ports = ports.filter((port) => port.name.startsWith(`${name}.`));
       this.#showPorts();
     } catch (problem) {
-      if (name === this.#name) this.ports.replaceChildren(element("li", { class: "answer", "data-look": "bad", text: problem.text }));
+      if (name !== this.#name) return;
+      this.#ports = null;
+      this.ports.replaceChildren(element("li", { class: "answer", "data-look": "bad", text: problem.text }));
+      if (again) setTimeout(() => name === this.#name && this.#askPorts(false), kAgain_ms);
     }
   }
 
   /// Each with where it goes or comes from, and how that is.
   #showPorts() {
+    if (this.#ports === null) return;
     if (this.#ports.length === 0) {
       this.ports.replaceChildren(element("li", { class: "faint", text: "It has none." }));
       return;

@@ -4,6 +4,8 @@ import { get, post } from "./api.js";
 import { element, setText } from "./dom.js";
 import { number } from "./words.js";
 
+const kAgain_ms = 2000;
+
 class Property {
   constructor(panel, property) {
     this.panel = panel;
@@ -28,6 +30,12 @@ class Property {
       return select;
     }
     return element("input", { type: "text", value: String(value ?? ""), spellcheck: "false", autocomplete: "off" });
+  }
+
+  /// Whether nothing but the value differs.
+  is(other) {
+    const kind = ({ value, ...rest }) => JSON.stringify(rest);
+    return kind(this.property) === kind(other);
   }
 
   /// Leaves alone what somebody is writing.
@@ -76,14 +84,14 @@ export class Properties {
     this.list = element("div");
     this.why = element("p", { class: "faint small" });
     this.element = element("section", { class: "properties" }, element("h3", {}, "Properties ",
-      element("button", { type: "button", class: "quiet", text: "Read again", on: { click: () => this.#ask() } })), this.why, this.list);
+      element("button", { type: "button", class: "quiet", text: "Read again", on: { click: () => this.ask() } })), this.why, this.list);
   }
 
   hold(module) {
     this.module = module;
     this.#shown.clear();
     this.list.replaceChildren(element("p", { class: "faint", text: "asking ..." }));
-    this.#ask();
+    this.ask();
   }
 
   update() {
@@ -92,7 +100,8 @@ export class Properties {
     for (const property of this.#shown.values()) property.may(may);
   }
 
-  async #ask() {
+  /// Once more where it is refused: a device may be told to run a moment before it can answer.
+  async ask(again = true) {
     const module = this.module;
     try {
       const { properties } = await get("/api/properties", { module });
@@ -101,11 +110,12 @@ export class Properties {
       if (module !== this.module) return;
       this.#shown.clear();
       this.list.replaceChildren(element("p", { class: "answer", "data-look": "bad", text: problem.text ?? problem.message }));
+      if (again) setTimeout(() => module === this.module && this.ask(false), kAgain_ms);
     }
   }
 
   #show(properties) {
-    const same = properties.length === this.#shown.size && properties.every(({ name }) => this.#shown.has(name));
+    const same = properties.length === this.#shown.size && properties.every((one) => this.#shown.get(one.name)?.is(one));
     if (same && properties.length > 0) {
       for (const { name, value } of properties) this.#shown.get(name).take(value);
       return;

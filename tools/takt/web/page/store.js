@@ -12,9 +12,12 @@ class Changes {
   measures = false;
   whole = false;         // the list of devices or modules is another
   devices = new Set();
+  begun = new Set();     // devices that run now and did not before: they answer anew
   modules = new Set();
   faults = [];           // that came; null: all are others
 }
+
+const runs = (device) => device?.alive === true && device.state === "running";
 
 export class Store {
   link = "connecting";
@@ -110,6 +113,7 @@ export class Store {
     else this.devices.set(device.name, device);
     this.change((changes) => {
       changes.devices.add(device.name);
+      if (runs(device) && !runs(before)) changes.begun.add(device.name);
       if (device.gone || !before) changes.whole = true;
       for (const [name, module] of this.modules) if (module.device === device.name) changes.modules.add(name);
     });
