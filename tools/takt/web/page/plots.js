@@ -7,6 +7,7 @@ import { TimePlot } from "./time_plot.js";
 
 const kSpan_ms = 300000;
 const kFields = 4;  // at first
+const kAgain_ms = 3000;
 
 export class Plots {
   #store;
@@ -55,13 +56,15 @@ export class Plots {
 
   hide() {
     clearInterval(this.timer);
+    clearTimeout(this.again);
     if (this.#port) this.#tell([]);
     this.#port = null;
     [this.#times, this.#values] = [[], this.#fields.map(() => [])];  // a frame that was asked for may still come
   }
 
   update(changes) {
-    if (changes.cell || changes.whole) this.#askPorts();
+    // A device that could not say its ports before may know them now.
+    if (changes.cell || changes.whole || (changes.devices.size > 0 && this.#listed === "")) this.#askPorts();
     if (changes.cell && this.#port) this.#ask();  // the gateway has forgotten what it was asked before
   }
 
@@ -89,7 +92,8 @@ export class Plots {
       return element("optgroup", { label: device }, ...ports.map(({ name, direction, type }) =>
         element("option", { value: name, text: `${name.slice(device.length + 1)} (${direction === "in" ? "reads" : "writes"} ${type})` })));
     });
-    if (answers.some(({ status }) => status === "rejected")) this.#listed = "";
+    const none = groups.every((group) => group.children.length === 0);
+    if (none || answers.some(({ status }) => status === "rejected")) this.#listed = "";
     this.port.replaceChildren(element("option", { value: "", text: "choose ..." }), ...groups.filter((group) => group.children.length > 0));
     this.#showPort();
   }
@@ -124,10 +128,15 @@ export class Plots {
     });
   }
 
+  /// Until it is told the values: who has the port may come later than the one who looks.
   async #ask() {
     const port = this.#port;
+    clearTimeout(this.again);
     const problem = await this.#tell([port]);
-    if (problem && port === this.#port) setText(this.said, problem);
+    if (!problem || port !== this.#port) return;
+    setText(this.said, problem);
+    clearTimeout(this.again);
+    this.again = setTimeout(() => this.#ask(), kAgain_ms);
   }
 
   /// Of which ports the gateway is to tell the values. What is wrong with that, or null. One after the other, for the last to hold.
