@@ -323,6 +323,34 @@ class Web(takt_system.Case):
         page.wait_for("#details .bar .words", r"us, p99, of its budget of 5 ms", LONG)
         self.finish(web)
 
+    def test_a_deployment_is_shown_where_one_looked_before_it_came(self):
+        web = self.serve()
+        page = self.look("#/table?device=robot")
+        page.wait_for(".table-view .answer", "no cell runs", LONG)
+        self.cell()
+        page.wait_for(".executor summary", "Where the time went", LONG)
+        self.done("undeploy cell")
+        page.wait_for(".table-view .answer", "no cell runs", LONG)
+        page.go("#/plots?port=robot.source.out")
+        page.wait_for(".tools [role=status]", r"^(?!waiting)\w", LONG)
+        self.deploy("cell.xml")
+        page.wait_for(".time-plot b", r"^\d+$", LONG)
+        wait_until(lambda: page.script("return document.querySelectorAll('optgroup[label=robot] option').length"), LONG, "the list of ports")
+
+        # In place of a module another of its name: what is shown of it is of the new one.
+        page.go("#/table?device=robot&select=robot.tuned")
+        page.wait_for("[data-property=gain] .name", "gain", LONG)
+        page.wait_for(".executor summary", "Where the time went", LONG)
+        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "cell.xml")) as file:
+            text = file.read().replace("cpp_properties.so", "port_source.so")
+        self.done("undeploy cell")
+        page.wait_for(".table-view .answer", "no cell runs", LONG)
+        self.deploy(self.write("other.xml", text))
+        page.wait_for("#details .ports li", "^out writes", LONG)
+        page.wait_for(".executor summary", "Where the time went", LONG)
+        self.assertIsNone(page.text("[data-property=gain]"))
+        self.finish(web, apart=("409", "404"))
+
     def test_a_hundred_modules_are_all_shown_as_they_change(self):
         modules = "".join("<module><name>m%d</name><filename>cpp_properties.so</filename><moduletype>thread</moduletype>"
                           "<operationtype>periodic</operationtype><period>10000000</period><priority>%d</priority></module>\n" % (i, i)

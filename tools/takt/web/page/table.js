@@ -7,10 +7,12 @@ import { adjust, currentRoute } from "./route.js";
 import { clock, exact, number, several } from "./words.js";
 
 const kRows = 200;
+const kAgain_ms = 2000;
 
 export class Table {
   #store;
   #device = "";
+  #shown = false;
   #gantts = [];
   #asked = 0;
 
@@ -37,6 +39,7 @@ export class Table {
     if (device === this.#device) return;
     this.#device = device;
     this.body.replaceChildren();
+    this.#shown = false;
     this.#ask();
   }
 
@@ -45,14 +48,17 @@ export class Table {
   }
 
   update(changes) {
+    if (changes.cell) this.#device = "";  // what was shown is of another deployment
     if (changes.cell || changes.whole) this.show(currentRoute().parameters);
+    if (!changes.cell && !this.#shown && changes.begun.has(this.#device)) this.#ask();
   }
 
   redraw() {
     for (const gantt of this.#gantts) gantt.redraw();
   }
 
-  async #ask() {
+  /// Once more where it is refused or nothing has run yet: a device is told to run a moment before it does.
+  async #ask(again = true) {
     const device = this.#device;
     const asked = ++this.#asked;
     if (!device) return;
@@ -63,12 +69,15 @@ export class Table {
       if (asked !== this.#asked) return;
       setText(this.said, "");
       this.#draw(table);
+      this.#shown = table.executors?.some((executor) => executor.rows.length > 0) === true;
     } catch (problem) {
       if (asked !== this.#asked) return;
       setText(this.said, "");
       this.body.replaceChildren(element("p", { class: "answer", "data-look": "bad", text: problem.text ?? problem.message }));
+      this.#shown = false;
     }
     this.again.disabled = false;
+    if (again && !this.#shown) setTimeout(() => asked === this.#asked && device === this.#device && this.#ask(false), kAgain_ms);
   }
 
   #draw(table) {
