@@ -351,6 +351,32 @@ class Web(takt_system.Case):
         self.assertIsNone(page.text("[data-property=gain]"))
         self.finish(web, apart=("409", "404"))
 
+    def test_a_module_that_begins_to_overrun_comes_into_the_choice_of_those(self):
+        web = self.serve()
+        page = self.look("#/faults")
+        self.assertEqual([0, 1], page.wait_script("""
+            Promise.all([import("/store.js"), import("/modules.js")]).then(async ([{Store}, {Modules}]) => {
+              const store = new Store();
+              const view = new Modules(store);
+              store.takeCell({devices: [{name: "robot", modules: [{name: "one"}]}]});
+              store.takeState({whole: true, devices: [], modules: [{name: "robot.one", state: "EXECUTING"}]});
+              view.show(new URLSearchParams("only=over"));
+              document.body.append(view.element);
+              const shown = [];
+              store.listen((changes) => {
+                view.update(changes);
+                if (changes.measures) shown.push(view.body.querySelectorAll("tr[data-module]").length);
+              });
+              for (const overruns of [0, 1]) {
+                store.takeMeasures({time_ms: 1, modules: {"robot.one":
+                  {jitter_us: {p50: 1, p99: 2}, run_us: {p99: 1}, overruns, recoveries: 0}}});
+                while (shown.length <= overruns) await new Promise(requestAnimationFrame);
+              }
+              done(shown);
+            }).catch((error) => done(String(error)));"""))
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait(20).status, web.err)
+
     def test_a_hundred_modules_are_all_shown_as_they_change(self):
         modules = "".join("<module><name>m%d</name><filename>cpp_properties.so</filename><moduletype>thread</moduletype>"
                           "<operationtype>periodic</operationtype><period>10000000</period><priority>%d</priority></module>\n" % (i, i)

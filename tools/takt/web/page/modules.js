@@ -117,7 +117,8 @@ export class Modules {
     for (const name of changes.modules) this.#rows.get(name)?.showState(this.#store);
     if (changes.measures) for (const row of this.#rows.values()) row.showMeasures();
     const sorts = this.sort !== "" && this.sort !== "name";
-    if ((changes.modules.size > 0 && (sorts || this.#filters())) || (changes.measures && sorts)) this.#arrange();
+    const measured = sorts || this.only.value === "over";
+    if ((changes.modules.size > 0 && (sorts || this.#filters())) || (changes.measures && measured)) this.#arrange();
   }
 
   redraw() {
