@@ -550,6 +550,15 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
+    def test_a_day_is_of_the_same_clock_as_the_hour(self):
+        web = self.serve()
+        page = self.look()
+        page.driver.execute_cdp_cmd("Emulation.setTimezoneOverride", {"timezoneId": "Asia/Tokyo"})
+        self.assertEqual("2020-03-02 00:30:00.000", page.wait_script(
+            "import('/words.js').then(({instant}) => done(instant(Date.UTC(2020, 2, 1, 15, 30)))).catch((error) => done(String(error)));"))
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait(20).status, web.err)
+
 
 # Texts whose contrast with what is behind them is less than WCAG's level AA asks for; what cannot be used is left out, as there.
 CONTRAST = """

@@ -3,7 +3,7 @@
 import { arrows, element, Mark, setText } from "./dom.js";
 import { lookOfSeverity } from "./looks.js";
 import { addressOf, adjust, currentRoute } from "./route.js";
-import { count, instant, several } from "./words.js";
+import { count, day, instant, several } from "./words.js";
 
 const kPage = 200;  // lines at a time
 const kSeverities = { "": "all", warning: "warnings and errors", error: "errors" };
@@ -13,6 +13,7 @@ export class Faults {
   #shown = kPage;
   #paused = null;  // what was there when it was
   #known = new Map();
+  #day = "";  // of the lines that are known
 
   constructor(store) {
     this.#store = store;
@@ -86,6 +87,9 @@ export class Faults {
   #rebuild() {
     const all = this.#paused ?? this.#store.faults;
     const taken = all.filter((event) => this.#takes(event)).reverse();
+    const today = day(Date.now());
+    if (today !== this.#day) this.#known.clear();  // they say the day where it is not today
+    this.#day = today;
     const lines = new Map();
     for (const event of taken.slice(0, this.#shown)) lines.set(event, this.#known.get(event) ?? this.#line(event));
     this.#known = lines;

@@ -25,7 +25,7 @@ export class LastFaults {
     this.all.href = addressOf("faults", { device, select: name });
     const concerns = (event) => event.device === device && event.severity !== "note" && (!module || !event.module || event.module === module);
     const events = this.#store.faults.filter(concerns).slice(-kShown).reverse();
-    const shown = name + events.map((event) => `${event.time_ms} ${event.count}`).join();
+    const shown = name + events.map((event) => `${instant(event.time_ms)} ${event.count}`).join();
     if (shown === this.#shown) return;
     this.#shown = shown;
     this.none.hidden = events.length > 0;

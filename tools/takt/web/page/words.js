@@ -2,6 +2,8 @@
 
 const kMinus = "\u2212";
 
+const two = (n) => String(n).padStart(2, "0");
+
 export function number(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "-";
   const size = Math.abs(value);
@@ -35,17 +37,20 @@ export function exact(ns) {
 export function clock(time_ms, { thousandths = false } = {}) {
   if (!time_ms) return "-";
   const at = new Date(time_ms);
-  const two = (n) => String(n).padStart(2, "0");
   const text = `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
   return thousandths ? `${text}.${String(at.getMilliseconds()).padStart(3, "0")}` : text;
 }
 
+/// As the clock on the wall says it.
+export function day(time_ms) {
+  const at = new Date(time_ms);
+  return `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;
+}
+
 /// The day too, where it is not today.
 export function instant(time_ms) {
-  const day = (at) => new Date(at).toDateString();
   const text = clock(time_ms, { thousandths: true });
-  if (!time_ms || day(time_ms) === day(Date.now())) return text;
-  return `${new Date(time_ms).toISOString().slice(0, 10)} ${text}`;
+  return !time_ms || day(time_ms) === day(Date.now()) ? text : `${day(time_ms)} ${text}`;
 }
 
 export function several(n, what) {
