@@ -5,12 +5,13 @@ import { Distributions, Facts } from "./facts.js";
 import { LastFaults } from "./last_faults.js";
 import { lookOfDevice, lookOfModule } from "./looks.js";
 import { Orders } from "./orders.js";
-import { addressOf, currentRoute } from "./route.js";
+import { addressOf, linkTo } from "./route.js";
 import { count, exact, number } from "./words.js";
 
 export class DeviceDetails {
   #store;
   #name = null;
+  #modules = new Map();  // the mark of each
   #executors = new Map();
 
   constructor(store) {
@@ -58,15 +59,21 @@ export class DeviceDetails {
       ["takt-host", device?.host_process_id ? `process ${device.host_process_id}` : device ? "none" : ""],
       ["host restarts", count(device?.host_restarts)],
     ]);
-    this.modules.replaceChildren(...this.#store.modulesOf(this.#name).map((module) => {
-      const mark = new Mark();
-      mark.show(lookOfModule({ ...module, lost: this.#store.isLost(module) }));
-      const href = addressOf(currentRoute().view, { select: module.name });
-      return element("li", {}, element("a", { href, text: module.label }), mark.element);
-    }));
+    this.#showModules();
     this.orders.update();
     this.faults.show(this.#name);
     this.#showExecutors();
+  }
+
+  /// Those that are there stay, with the focus in them.
+  #showModules() {
+    const modules = this.#store.modulesOf(this.#name);
+    const names = modules.map((module) => module.name);
+    if (names.join() !== [...this.#modules.keys()].join()) {
+      this.#modules = new Map(names.map((name) => [name, new Mark()]));
+      this.modules.replaceChildren(...modules.map(({ name, label }) => element("li", {}, linkTo(name, label), this.#modules.get(name).element)));
+    }
+    for (const module of modules) this.#modules.get(module.name).show(lookOfModule({ ...module, lost: this.#store.isLost(module) }));
   }
 
   #forgetExecutors() {

@@ -2,7 +2,7 @@
 
 import { arrows, element, Mark, setText } from "./dom.js";
 import { lookOfSeverity } from "./looks.js";
-import { addressOf, adjust, currentRoute } from "./route.js";
+import { adjust, linkTo } from "./route.js";
 import { count, day, instant, several } from "./words.js";
 
 const kPage = 200;  // lines at a time
@@ -128,7 +128,7 @@ export class Faults {
     const more = [event.cycle ? `cycle ${event.cycle}` : "", event.attachment ? `see ${event.attachment}` : ""].filter(Boolean).join("; ");
     return element("tr", { tabindex: "-1", dataset: { kind: event.kind, severity: event.severity } },
       element("td", { class: "time", text: instant(event.time_ms) }), element("td", {}, mark.element),
-      element("td", {}, element("a", { href: addressOf(currentRoute().view, { ...Object.fromEntries(currentRoute().parameters), select: of }), text: of })),
+      element("td", {}, linkTo(of, of)),
       element("td", { class: "what" }, element("b", { text: what + times }), event.cause ? ` ${event.cause}` : null,
         more ? element("span", { class: "faint small", text: ` ${more}` }) : null));
   }

@@ -2,7 +2,7 @@
 
 import { arrows, Bar, element, Mark, setAttribute, setText } from "./dom.js";
 import { lookOfDevice, lookOfModule, useOf } from "./looks.js";
-import { addressOf, adjust, alter, currentRoute } from "./route.js";
+import { adjust, alter, currentRoute, linkTo } from "./route.js";
 import { Spark } from "./spark.js";
 import { count, exact, number, several } from "./words.js";
 
@@ -26,7 +26,7 @@ class Row {
     this.mark = new Mark();
     this.bar = new Bar();
     this.spark = new Spark(kTrend);
-    this.link = element("a", { class: "name", text: module.label });
+    this.link = linkTo(module.name, module.label, { class: "name" });
     this.about = element("span", { class: "faint small" });
     this.cells = {
       name: element("th", { scope: "row" }, this.link, this.about), state: element("td", {}, this.mark.element),
@@ -47,7 +47,6 @@ class Row {
   showAbout() {
     const about = this.module.about;
     setText(this.about, about?.period_ns ? `every ${exact(about.period_ns)}` : about?.operation ?? "");
-    setAttribute(this.link, "href", addressOf("modules", { ...Object.fromEntries(currentRoute().parameters), select: this.module.name }));
   }
 
   showMeasures() {
@@ -223,11 +222,12 @@ export class Modules {
     const mark = new Mark();
     const about = element("span", { class: "faint" });
     group = { mark, about };
-    group.link = element("a", { class: "name", text: device, href: addressOf("modules", { select: device }) });
+    group.link = linkTo(device, device, { class: "name" });
     group.element = element("tr", { class: "group", dataset: { device } },
       element("th", { colspan: kColumns.length - 1, scope: "rowgroup" }, group.link, mark.element, about),
       element("td", { class: "trend" }));  // hidden with the column where there is no room for it
     this.#groups.set(device, group);
+    this.#showGroup(device);
     return group;
   }
 

@@ -1,5 +1,7 @@
 // The address says what is shown: #/modules?select=robot.servo. So a view can be linked, and the back key works.
 
+import { element } from "./dom.js";
+
 export function currentRoute() {
   const match = location.hash.match(/^#\/([a-z]+)(?:\?(.*))?$/);
   return { view: match?.[1] ?? "cell", parameters: new URLSearchParams(match?.[2] ?? "") };
@@ -9,6 +11,15 @@ export function addressOf(view, parameters = {}) {
   const given = Object.entries(parameters).filter(([, value]) => value !== null && value !== undefined && value !== "");
   const text = new URLSearchParams(given).toString();
   return text ? `#/${view}?${text}` : `#/${view}`;
+}
+
+/// To choose a module or device, beside the view and with the filters that there are when the link is followed.
+export function linkTo(name, text, attributes = {}) {
+  const address = () => {
+    const route = currentRoute();
+    return addressOf(route.view, { ...Object.fromEntries(route.parameters), select: name });
+  };
+  return element("a", { ...attributes, href: address(), text, on: { click: (event) => { event.currentTarget.href = address(); } } });
 }
 
 export function go(view, parameters = {}) {
