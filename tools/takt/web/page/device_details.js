@@ -45,7 +45,7 @@ export class DeviceDetails {
     if (changes.cell) this.#forgetExecutors();
     if (changes.cell || changes.whole || changes.devices.has(this.#name) || changes.modules.size > 0) this.#showAll();
     else if (changes.measures) this.#showExecutors();
-    if (changes.faults === null || changes.faults.length > 0) this.faults.show(this.#name);
+    if (changes.faults) this.faults.show(this.#name);
     if (changes.rights || changes.link) this.orders.update();
   }
 

@@ -12,6 +12,7 @@ export class Faults {
   #store;
   #shown = kPage;
   #paused = null;  // what was there when it was
+  #come = 0;       // until then
   #known = new Map();
   #day = "";  // of the lines that are known
 
@@ -55,7 +56,7 @@ export class Faults {
 
   update(changes) {
     if (changes.whole || changes.cell) this.#listDevices(this.device.value);
-    if (changes.faults === null || changes.faults.length > 0) this.#rebuild();
+    if (changes.faults) this.#rebuild();
   }
 
   #listDevices(chosen) {
@@ -71,6 +72,7 @@ export class Faults {
 
   #pause() {
     this.#paused = this.#paused ? null : [...this.#store.faults];
+    this.#come = this.#store.faultsCome;
     this.pause.setAttribute("aria-pressed", String(this.#paused !== null));
     setText(this.pause, this.#paused ? "Go on" : "Pause");
     this.#rebuild();
@@ -112,9 +114,8 @@ export class Faults {
     }
     if (!this.body.querySelector('[tabindex="0"]')) this.body.firstChild?.setAttribute("tabindex", "0");
     this.more.hidden = taken.length <= this.#shown;
-    const waiting = this.#paused ? this.#store.faults.length - this.#paused.length : 0;
     const filtered = taken.length < all.length ? `${taken.length} of ${several(all.length, "event")}` : several(all.length, "event");
-    setText(this.count, filtered + (this.#paused ? `; paused, ${Math.max(0, waiting)} new` : ""));
+    setText(this.count, filtered + (this.#paused ? `; paused, ${this.#store.faultsCome - this.#come} new` : ""));
     setText(this.problems, this.#store.problems.join("; "));
     this.problems.hidden = this.#store.problems.length === 0;
   }

@@ -70,7 +70,7 @@ export class ModuleDetails {
       this.properties.ask();
       this.#askPorts();
     }
-    if (changes.faults === null || changes.faults.length > 0) this.faults.show(this.#name);
+    if (changes.faults) this.faults.show(this.#name);
     if (changes.measures) {
       this.#append();
       this.#showMeasures();

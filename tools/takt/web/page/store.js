@@ -14,7 +14,7 @@ class Changes {
   devices = new Set();
   begun = new Set();     // devices that run now and did not before: they answer anew
   modules = new Set();
-  faults = [];           // that came; null: all are others
+  faults = false;
 }
 
 const runs = (device) => device?.alive === true && device.state === "running";
@@ -31,8 +31,9 @@ export class Store {
   modules = new Map();
   executors = new Map();
   connections = new Map();
-  /// Oldest first.
+  /// As they came, oldest first.
   faults = [];
+  faultsCome = 0;        // since the page was opened
   problems = [];
   time_ms = 0;           // of the gateway's clock, at `seen`
   seen = 0;
@@ -167,13 +168,10 @@ export class Store {
     this.problems = news.problems ?? this.problems;
     const events = news.events ?? [];
     if (news.whole) this.faults = [];
-    this.faults.push(...events);
-    this.faults.sort((a, b) => a.time_ms - b.time_ms);
+    else this.faultsCome += events.length;
+    this.faults.push(...events);  // not by the time they say: a clock that is behind would hide them far down
     if (this.faults.length > kFaults) this.faults.splice(0, this.faults.length - kFaults);
-    this.change((changes) => {
-      if (news.whole) changes.faults = null;
-      else changes.faults?.push(...events);
-    });
+    this.change((changes) => { changes.faults = true; });
   }
 
   /// Whether its device is lost: its state is the last that was heard.
