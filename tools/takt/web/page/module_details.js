@@ -161,8 +161,10 @@ export class ModuleDetails {
   }
 
   #append() {
-    const measures = this.#module?.measures;
-    if (!measures || this.#store.time_ms <= (this.#times.at(-1) ?? 0)) return;
+    const module = this.#module;
+    const measures = module?.measures;
+    // Of one that is not heard of the measures are the last, and not of now.
+    if (!measures || !module.state || this.#store.isLost(module) || this.#store.time_ms <= (this.#times.at(-1) ?? 0)) return;
     this.#times.push(this.#store.time_ms);
     kLines.forEach((line, i) => {
       this.#history.jitter[i].push(measures.jitter_us[line]);
