@@ -283,6 +283,7 @@ class Web(takt_system.Case):
         web.wait(10)
         page.wait_for("#link", "connection lost, trying again", LONG)
         page.wait_for("#stale", "What is shown is from before", LONG)
+        self.assertEqual("alert", page.attribute("#stale", "role"))
         page.wait_for("#orders-why", "connection to the gateway is lost", LONG)
         self.assertTrue(page.script("return [...document.querySelectorAll('.orders button')].every((one) => one.disabled)"))
         self.assertNotEqual("none", page.script("return getComputedStyle(document.querySelector('#main')).filter"))
@@ -325,7 +326,9 @@ class Web(takt_system.Case):
 
     def test_a_deployment_is_shown_where_one_looked_before_it_came(self):
         web = self.serve()
-        page = self.look("#/table?device=robot")
+        page = self.look("#/constructor")  # no view, though every object has one
+        page.wait_for("#tabs [aria-selected=true]", "^Cell$", LONG)
+        page.go("#/table?device=robot")
         page.wait_for(".table-view .answer", "no cell runs", LONG)
         self.cell()
         page.wait_for(".executor summary", "Where the time went", LONG)

@@ -37,7 +37,7 @@ let shown = null;
 function showRoute() {
   if (keepToken()) askRights();  // the address with the token was opened where the page was shown already
   const route = currentRoute();
-  const name = views[route.view] ? route.view : "cell";
+  const name = Object.hasOwn(views, route.view) ? route.view : "cell";
   const { view, title } = views[name];
   if (shown !== view) {
     shown?.hide?.();
