@@ -380,6 +380,31 @@ class Web(takt_system.Case):
         web.signal(signal.SIGTERM)
         self.assertEqual(0, web.wait(20).status, web.err)
 
+    def test_a_link_keeps_the_filters_and_a_pause_counts_what_comes(self):
+        web = self.serve()
+        page = self.look()
+        found = page.wait_script("""
+            Promise.all([import("/store.js"), import("/faults.js")]).then(async ([{Store}, {Faults}]) => {
+              const store = new Store();
+              const view = new Faults(store);
+              document.body.append(view.element);
+              const fault = (cause, time_ms) => ({device: "robot", module: "one", kind: "overrun", severity: "warning", cause, time_ms, count: 1});
+              store.takeFaults({whole: true, events: Array.from({length: 2000}, () => fault("old", 2000))});
+              view.show(new URLSearchParams());
+              history.replaceState(null, "", "#/faults?text=old");
+              view.body.querySelector("a").click();
+              const address = location.hash;
+              view.pause.click();
+              store.takeFaults({events: [fault("its clock is behind", 1000)]});
+              view.update({faults: true});
+              const said = view.count.textContent;
+              view.pause.click();
+              done([address, said, view.body.querySelector(".what").textContent]);
+            }).catch((error) => done(String(error)));""")
+        self.assertEqual(["#/faults?text=old&select=robot.one", "2000 events; paused, 1 new", "overrun its clock is behind"], found)
+        web.signal(signal.SIGTERM)
+        self.assertEqual(0, web.wait(20).status, web.err)
+
     def test_a_hundred_modules_are_all_shown_as_they_change(self):
         modules = "".join("<module><name>m%d</name><filename>cpp_properties.so</filename><moduletype>thread</moduletype>"
                           "<operationtype>periodic</operationtype><period>10000000</period><priority>%d</priority></module>\n" % (i, i)
