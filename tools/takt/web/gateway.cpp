@@ -120,10 +120,7 @@ std::shared_ptr<Stream> Gateway::open() {
   Json trends = Json::object();
   for (const auto& [name, module] : modules_) trends[name] = history_.of(name, kTrend).jitter_us;
   stream->send(event_text("trends", model::json_text({{"jitter_us", std::move(trends)}})));
-  Json faults = Json::array();
-  for (const Json& fault : faults_) faults.push_back(fault);
-  stream->send(event_text(
-      "faults", model::json_text({{"whole", true}, {"events", std::move(faults)}, {"problems", problems_}})));
+  stream->send(all_faults());
   return stream;
 }
 
@@ -220,27 +217,52 @@ void Gateway::tell_measures() {
   measures_ = std::move(text);
 }
 
-void Gateway::add_faults(const std::vector<model::Fault>& faults, bool news, const Problems& problems) {
+// Under the lock.
+std::string Gateway::all_faults() const {
+  Json events = Json::array();
+  for (const Json& fault : faults_) events.push_back(fault);
+  return event_text(
+      "faults", model::json_text({{"whole", true}, {"events", std::move(events)}, {"problems", problems_}}));
+}
+
+// Under the lock.
+void Gateway::keep_problems(const Problems& problems) {
+  for (const Problem& problem : problems) {
+    problems_.push_back(in_words({problem}));
+    if (problems_.size() > kMostProblems) problems_.pop_front();
+  }
+}
+
+void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems& problems) {
   if (faults.empty() && problems.empty()) return;
   Json events = Json::array();
   const std::lock_guard lock{mutex_};
   for (const model::Fault& fault : faults) {
     Json json = fault_json(fault);
-    if (news)
-      ++counted_.faults[fault.device].at(static_cast<std::size_t>(model::severity_of(fault.kind)));
-    else if (std::find(faults_.begin(), faults_.end(), json) != faults_.end())
-      continue;  // told as it came
+    ++counted_.faults[fault.device].at(static_cast<std::size_t>(model::severity_of(fault.kind)));
     faults_.push_back(json);
     if (faults_.size() > kMostFaults) faults_.pop_front();
     events.push_back(std::move(json));
   }
-  for (const Problem& problem : problems) {
-    problems_.push_back(in_words({problem}));
-    if (problems_.size() > kMostProblems) problems_.pop_front();
-  }
+  keep_problems(problems);
   streams_.send(event_text(
       "faults",
       model::json_text({{"whole", false}, {"events", std::move(events)}, {"problems", problems_}})));
+}
+
+// These are no news, and have their place among the others.
+void Gateway::add_record(const client::Log& read) {
+  if (read.events.empty() && read.problems.empty()) return;
+  const std::lock_guard lock{mutex_};
+  for (const model::Fault& fault : read.events) {
+    Json json = fault_json(fault);
+    if (std::find(faults_.begin(), faults_.end(), json) == faults_.end()) faults_.push_back(std::move(json));
+  }
+  std::stable_sort(faults_.begin(), faults_.end(),
+                   [](const Json& a, const Json& b) { return a["time_ms"] < b["time_ms"]; });
+  while (faults_.size() > kMostFaults) faults_.pop_front();
+  keep_problems(read.problems);
+  streams_.send(all_faults());
 }
 
 // ---- What is asked
@@ -262,7 +284,7 @@ void Gateway::read_records() {
     if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
     const client::Log read =
         client::read_log(*client_.asker, {.device = seen.name(), .last = kMostFaults}, kAnswered);
-    add_faults(read.events, false, read.problems);
+    add_record(read);
     follower_->go_on_after(read);
   }
 }
@@ -271,7 +293,7 @@ void Gateway::follow_faults() {
   Problems problems;
   auto events = follower_->next(*client_.asker, kTurn, problems);
   client::sort_by_time(events);
-  add_faults(events, true, problems);
+  add_faults(events, problems);
 }
 
 // A cell whose devices are all lost is shown on; one that was taken down from a device that is there is not.

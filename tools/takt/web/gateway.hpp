@@ -62,8 +62,10 @@ class Gateway {
   [[nodiscard]] bool is_lost() const;  // the cell that is shown
   void follow_faults();
   void read_records();
-  /// `news`: they came while this ran.
-  void add_faults(const std::vector<model::Fault>& faults, bool news, const Problems& problems);
+  void add_faults(const std::vector<model::Fault>& faults, const Problems& problems);
+  void add_record(const client::Log& read);
+  void keep_problems(const Problems& problems);
+  [[nodiscard]] std::string all_faults() const;
   [[nodiscard]] std::shared_ptr<const model::Cell> cell() const;
 
   std::unique_ptr<News> news_;  // before the client, whose threads give it
