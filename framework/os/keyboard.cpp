@@ -43,6 +43,7 @@ Keyboard::Keyboard() : before_(std::make_unique<Before>()), fd_(fcntl(STDIN_FILE
   termios raw = before_->settings;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // or it would be left in a shell with a screen of its own
+  raw.c_cc[VQUIT] = _POSIX_VDISABLE;  // or it would end and leave the terminal as it is now
   raw.c_cc[VMIN] = 0;                 // read() does not wait
   raw.c_cc[VTIME] = 0;
   tcsetattr(STDIN_FILENO, TCSANOW, &raw);

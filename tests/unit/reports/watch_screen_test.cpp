@@ -85,6 +85,17 @@ TEST(WatchScreen, ColoursAreOnTopAndTakeNoColumn) {
   EXPECT_THAT(shown, HasSubstr("\033[32;1m● running"));  // of the chosen row
 }
 
+TEST(WatchScreen, ACountIsNeverCut) {
+  const auto shown = [](std::uint64_t number, std::size_t columns) {
+    return Line{}.count(number, columns).shown(columns, ScreenStyle{});
+  };
+  EXPECT_EQ(shown(1234, 6), "  1234");
+  EXPECT_EQ(shown(12'345, 4), " 12k");
+  EXPECT_EQ(shown(100'000'000, 8), " 100000k");
+  EXPECT_EQ(shown(100'000'000, 5), " 100M");
+  EXPECT_EQ(shown(18'446'744'073'709'551'615U, 4), " 18E");
+}
+
 TEST(WatchScreen, ATextOfSeveralLinesStaysOnItsLine) {
   Seen seen = cell(1);
   seen.devices[0].modules[0].text = "first\nsecond\x1b[2J";

@@ -94,6 +94,33 @@ TEST(WatchView, WhatHasThePlaceOfARowThatIsGoneIsChosen) {
   EXPECT_EQ(person.view.chosen, "robot.m1");
 }
 
+TEST(WatchView, AnOrderToARowThatNobodyChoseIsConfirmed) {
+  Person person{3};
+  person.press(Keyboard::kDown);
+  const auto lose_a_row = [&person] {
+    person.shown.targets.erase(person.shown.targets.begin() + 1);
+    settle(person.view, person.shown);
+  };
+  lose_a_row();
+  ASSERT_EQ(person.view.chosen, "robot.m2");
+  EXPECT_FALSE(person.press('t').order);
+  EXPECT_EQ(person.view.asked, (Order{Verb::stop, "robot.m2"}));
+  EXPECT_FALSE(person.press('t').order) << "impatience is no consent";
+  person.press(Keyboard::kUp);
+  EXPECT_EQ(person.press('t').order, (Order{Verb::stop, "robot.m0"})) << "somebody chose this one";
+}
+
+TEST(WatchView, TwoRowsOfOneNameAreBothReached) {
+  Person person{3};
+  person.shown.targets = {"robot", "robot", "line"};
+  person.press(Keyboard::kDown);
+  settle(person.view, person.shown);
+  EXPECT_EQ(person.view.chosen_at, 1U);
+  person.press(Keyboard::kDown);
+  settle(person.view, person.shown);
+  EXPECT_EQ(person.view.chosen, "line");
+}
+
 TEST(WatchView, EachVerbHasAKey) {
   Person person{3};
   person.press(Keyboard::kDown);

@@ -80,6 +80,16 @@ Line& Line::right(std::string_view text, std::size_t columns, Ink ink) {
   return left(text, std::min(taken, columns), ink);
 }
 
+Line& Line::count(std::uint64_t number, std::size_t columns, Ink ink) {
+  std::string text = std::to_string(number);
+  for (const char unit : {'k', 'M', 'G', 'T', 'P', 'E'}) {
+    if (text.size() <= columns) break;
+    number /= 1000;
+    text = std::to_string(number) + unit;
+  }
+  return right(text, columns, ink);
+}
+
 Line& Line::gap(std::size_t columns) {
   if (columns > 0) pieces_.push_back({std::string(columns, ' '), Ink::plain});
   width_ += columns;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,8 @@ class Line {
   /// Exactly `columns` wide: filled up, or cut with a sign that it was.
   Line& left(std::string_view text, std::size_t columns, Ink ink = Ink::plain);
   Line& right(std::string_view text, std::size_t columns, Ink ink = Ink::plain);
+  /// To the right. What has no room is told in thousands, millions and so on, rounded down: 12k, 3M.
+  Line& count(std::uint64_t number, std::size_t columns, Ink ink = Ink::plain);
   Line& gap(std::size_t columns = 1);
   /// All of it stands out.
   Line& chosen();

@@ -175,7 +175,10 @@ void measured_columns(Line& line, const Row& row, const std::array<std::size_t, 
       line.gap().right(module.measured ? text : "-", widths.at(i), module.measured ? ink : Ink::dim);
   };
   const auto count = [&](std::size_t i, std::uint64_t of, Ink ink = Ink::plain) {
-    number(i, std::to_string(of), of == 0 ? Ink::plain : ink);
+    if (!module.measured)
+      number(i, "");
+    else if (widths.at(i) > 0)
+      line.gap().count(of, widths.at(i), of == 0 ? Ink::plain : ink);
   };
   number(2, in_us(m.jitter_us.p50));
   number(3, in_us(m.jitter_us.p99));

@@ -125,7 +125,7 @@ void ports(std::vector<Line>& page, const Module& module, std::size_t columns, S
   for (const Port& port : module.ports) {
     Line line;
     line.gap(2).left(port.output ? "out" : "in", 3, Ink::dim).gap().left(port.name, name).gap();
-    line.left(port.type, type, Ink::dim).gap().right(std::to_string(port.samples), 10).gap();
+    line.left(port.type, type, Ink::dim).gap().count(port.samples, 10).gap();
     if (port.connected) {
       const State state =
           state_of(Connection{.from = {}, .to = {}, .kind = {}, .health = port.health}, style);
@@ -218,9 +218,9 @@ std::vector<Line> device_page(const Device& device, std::size_t columns, ScreenS
   page.push_back(heading);
   for (const Executor& each : device.executors) {
     Line line;
-    line.gap(2).left(each.name, 12).gap().right(std::to_string(each.cycles), 8);
-    line.gap().right(std::to_string(each.missed), 8, each.missed == 0 ? Ink::plain : Ink::warning);
-    line.gap().right(std::to_string(each.late), 8, each.late == 0 ? Ink::plain : Ink::warning);
+    line.gap(2).left(each.name, 12).gap().count(each.cycles, 8);
+    line.gap().count(each.missed, 8, each.missed == 0 ? Ink::plain : Ink::warning);
+    line.gap().count(each.late, 8, each.late == 0 ? Ink::plain : Ink::warning);
     for (const double us : {each.margin_us, each.jitter_us.p50, each.jitter_us.p99, each.jitter_us.max})
       line.gap().right(in_us(us), 8);
     page.push_back(line);

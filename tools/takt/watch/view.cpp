@@ -67,6 +67,7 @@ void choose(View& view, std::ptrdiff_t steps, const Shown& shown) {
   if (shown.targets.empty()) return;
   view.chosen_at = moved(view.chosen_at, steps, shown.targets.size() - 1);
   view.chosen = shown.targets[view.chosen_at];
+  view.slipped = false;
 }
 
 // A character of the filter may have several bytes, which come one by one.
@@ -132,12 +133,15 @@ const char* to_text(Verb verb) {
 void settle(View& view, const Shown& shown) {
   const std::size_t rows = shown.targets.size();
   if (!view.pressed && rows > 0) view.chosen = shown.targets.front();
+  const bool stays = view.chosen_at < rows && shown.targets[view.chosen_at] == view.chosen;
   const auto found = std::find(shown.targets.begin(), shown.targets.end(), view.chosen);
-  if (found != shown.targets.end()) {
+  if (stays) {  // two nodes of one name have a row each
+  } else if (found != shown.targets.end()) {
     view.chosen_at = static_cast<std::size_t>(found - shown.targets.begin());
   } else if (view.place == Place::list) {  // who looks at its details goes on doing so
     view.chosen_at = rows == 0 ? 0 : std::min(view.chosen_at, rows - 1);
     view.chosen = rows == 0 ? "" : shown.targets[view.chosen_at];
+    view.slipped = view.pressed;
   }
   const std::size_t room = std::max<std::size_t>(shown.room, 1);
   view.first = std::min(view.first, rows - std::min(room, rows));
@@ -157,7 +161,10 @@ Done press(View& view, int key, const Shown& shown) {
   if (view.asked) {  // any other key means no
     const Order order = *view.asked;
     view.asked.reset();
-    if (key == 'y' || key == 'Y') return {.order = order};
+    if (key == 'y' || key == 'Y') {
+      view.slipped = false;
+      return {.order = order};
+    }
     view.message = std::string{"no "} + to_text(order.verb) + " of " + order.target;
     return {};
   }
@@ -167,7 +174,7 @@ Done press(View& view, int key, const Shown& shown) {
   }
   const bool modules = view.place == Place::list || view.place == Place::details;
   if (const auto verb = verb_of(key); verb && modules && !view.chosen.empty()) {
-    if (*verb != Verb::destruct) return {.order = Order{*verb, view.chosen}};
+    if (*verb != Verb::destruct && !view.slipped) return {.order = Order{*verb, view.chosen}};
     view.asked = Order{*verb, view.chosen};
     return {};
   }
@@ -176,7 +183,10 @@ Done press(View& view, int key, const Shown& shown) {
       return {.quit = true};
     case '\r':
     case '\n':
-      if (view.place == Place::list && !view.chosen.empty()) look_at(view, Place::details);
+      if (view.place == Place::list && !view.chosen.empty()) {
+        look_at(view, Place::details);
+        view.slipped = false;
+      }
       break;
     case Keyboard::kEscape:
     case Keyboard::kBackspace:

@@ -32,6 +32,7 @@ struct View {
   bool pressed = false;          ///< a key was; until then the first row is chosen, whichever that is
   std::string chosen{};          ///< the row: follows it when the order changes
   std::size_t chosen_at = 0;     ///< where it was, for when it is gone
+  bool slipped = false;          ///< that row was gone and another has its place: orders to it are confirmed
   std::size_t first = 0;         ///< the first row that is shown
   std::size_t scroll = 0;        ///< lines above the first that is shown, everywhere but in the list
   std::optional<Order> asked{};  ///< to be confirmed
