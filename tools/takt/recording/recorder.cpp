@@ -36,6 +36,7 @@ constexpr Nanoseconds kAskAgain = seconds{5};       // while all are there
 constexpr Nanoseconds kLookAgain = seconds{1};      // while some are not
 constexpr Nanoseconds kAtOnce = milliseconds{100};  // after news of a device
 constexpr Nanoseconds kAnswered = seconds{2};
+constexpr Nanoseconds kExpandAgain = seconds{10};
 constexpr std::uint32_t kDepth = 256;  // samples that DDS keeps for us
 
 std::uint64_t lost_by(const dds::Tap& tap) { return tap.health().lost; }
@@ -94,6 +95,7 @@ class Recorder {
     bool tapped = false;  ///< its device said so, the last time that it was asked
     std::string topic;
     std::string type;
+    bool reliable = false;
     std::string said;  ///< why it is waited for
     std::unique_ptr<dds::Tap> tap;
   };
@@ -144,12 +146,16 @@ class Recorder {
     }
   }
 
-  /// Patterns, anew for each deployment of a device.
+  /// Patterns, anew for each deployment of a device; and now and then, for an update keeps its name.
   void expand(const std::map<std::string, dds::SeenDevice>& devices) {
     std::vector<client::Question> questions;
     for (const auto& [name, device] : devices) {
       const std::string deployment = device.node() + "/" + device.status.deployment().to_string();
-      if (device.status.deployment().to_string().empty() || expanded_[name] == deployment) continue;
+      const Expanded& last = expanded_[name];
+      if (device.status.deployment().to_string().empty() ||
+          (last.deployment == deployment && os::now() - last.at < kExpandAgain)) {
+        continue;
+      }
       if (std::none_of(options_.ports.begin(), options_.ports.end(), [&](const std::string& pattern) {
             return is_pattern(pattern) && may_match(pattern, name);
           }))
@@ -166,7 +172,7 @@ class Recorder {
       try {
         for (const auto& module : report.at("modules")) add_outputs(device, module);
         const dds::SeenDevice& seen = devices.at(device);
-        expanded_[device] = seen.node() + "/" + seen.status.deployment().to_string();
+        expanded_[device] = {seen.node() + "/" + seen.status.deployment().to_string(), os::now()};
       } catch (const nlohmann::json::exception&) {
         say("device " + device + ": its report cannot be read; is it of the same version?");
       }
@@ -193,7 +199,8 @@ class Recorder {
       return fail("it is a service", "record the client's NAME/request and NAME/reply");
     const std::string topic = place.value("topic", "");
     const std::string text = place.value("type", "");
-    if (source.tap && topic == source.topic && text == source.type) {
+    const bool reliable = place.value("reliable", false);
+    if (source.tap && topic == source.topic && text == source.type && reliable == source.reliable) {
       source.tapped = true;
       source.said.clear();
       return {};
@@ -202,7 +209,7 @@ class Recorder {
     if (!type) return type.problems();
     if (source.tap) lost_ += lost_by(*source.tap);
     source.tap.reset();
-    const RecordedPort port{path, topic, place.value("reliable", false), *type};
+    const RecordedPort port{path, topic, reliable, *type};
     const std::int64_t id = writer_.add_port(port, cell);
     const dds::Flow flow{
         .topic = topic,
@@ -213,7 +220,12 @@ class Recorder {
                                   writer_.add(id, time_ns, bytes, size);
                                 });
     if (!tap) return tap.problems();
-    source = {.tapped = true, .topic = topic, .type = text, .said = {}, .tap = std::move(*tap)};
+    source = {.tapped = true,
+              .topic = topic,
+              .type = text,
+              .reliable = reliable,
+              .said = {},
+              .tap = std::move(*tap)};
     recorded_[id] = {path, type->name};
     say("records " + path + " (" + type->name + ")");
     return {};
@@ -247,10 +259,14 @@ class Recorder {
   const os::SignalQueue& signals_;
   const Client& client_;
   std::atomic<bool>& news_;
-  std::map<std::string, Source> sources_;        // by path
-  std::map<std::string, std::string> expanded_;  // deployment by device
-  std::map<std::int64_t, Recorded> recorded_;    // by number in the file
-  std::uint64_t lost_ = 0;                       // by taps that are gone
+  std::map<std::string, Source> sources_;  // by path
+  struct Expanded {
+    std::string deployment;
+    Instant at{};
+  };
+  std::map<std::string, Expanded> expanded_;   // by device
+  std::map<std::int64_t, Recorded> recorded_;  // by number in the file
+  std::uint64_t lost_ = 0;                     // by taps that are gone
   bool ended_ = false;
   Instant told_{};
   std::uint64_t told_samples_ = 0;
