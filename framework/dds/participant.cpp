@@ -205,7 +205,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   qos.name(options.name.c_str());
   if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
   auto notices = std::make_unique<Notices>(options.refused);
-  auto sieve = std::make_shared<Sieve>(*notices);
+  auto sieve = std::make_shared<Sieve>(*notices, !options.security.empty());
   if (auto set = set_transport(qos, options.interfaces, *addresses, sieve); !set)
     return refuse(set.problems());
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 namespace takt::dds {
 
@@ -29,6 +30,7 @@ class Cursor {
     }
     const auto taken = left_.first(n);
     left_ = left_.subspan(n);
+    taken_ += n;
     return taken;
   }
   void skip(std::size_t n) noexcept { static_cast<void>(bytes(n)); }
@@ -55,17 +57,24 @@ class Cursor {
     skip((n + 31) / 32 * 4);
   }
   /// A CDR string: its length, and a zero at its end.
-  void text() noexcept {
+  std::string_view text() noexcept {
     const std::uint32_t size = u32();
     const auto characters = bytes(size);
-    if (size > 0 && (characters.empty() || characters.back() != 0)) return fail();
+    if (size == 0 && ok_) return {};
+    if (characters.empty() || characters.back() != 0) {
+      fail();
+      return {};
+    }
     align();
+    return {reinterpret_cast<const char*>(characters.data()), characters.size() - 1};
   }
-  void octets() noexcept {
-    skip(u32());
+  std::span<const std::uint8_t> octets() noexcept {
+    const auto content = bytes(u32());
     align();
+    return content;
   }
-  void align() noexcept { skip(std::min<std::size_t>(left_.size() % 4, left_.size())); }
+  /// Of what lies at its end the last bytes may be missing.
+  void align() noexcept { skip(std::min<std::size_t>((4 - taken_ % 4) % 4, left_.size())); }
   [[nodiscard]] bool little() const noexcept { return little_; }
   [[nodiscard]] Cursor part(std::size_t n) noexcept { return {bytes(n), little_}; }
 
@@ -79,13 +88,14 @@ class Cursor {
   }
 
   std::span<const std::uint8_t> left_;
+  std::size_t taken_ = 0;
   bool little_;
   bool ok_ = true;
 };
 
 // ---- Lists of parameters
 
-enum class Content { any, text, texts, properties, octets, locator, guid, number };
+enum class Content { any, text, texts, properties, token, octets, locator, guid, number };
 
 Content content_of(std::uint32_t parameter) noexcept {
   constexpr std::uint32_t kMustUnderstand = 0x4000;
@@ -98,6 +108,9 @@ Content content_of(std::uint32_t parameter) noexcept {
       return Content::texts;
     case 0x59:
       return Content::properties;
+    case 0x1001:  // of an identity, of permissions
+    case 0x1002:
+      return Content::token;
     case 0x2c:  // user, group and topic data
     case 0x2d:
     case 0x2e:
@@ -123,16 +136,40 @@ Content content_of(std::uint32_t parameter) noexcept {
   }
 }
 
-void check_properties(Cursor& value) noexcept {
-  for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) {
+/// How many there are, each of two lengths at least: what is counted is made before it is read.
+std::uint32_t count_of_pairs(Cursor& value) noexcept {
+  const std::uint32_t n = value.u32();
+  if (n <= value.left() / 8) return n;
+  value.fail();
+  return 0;
+}
+
+void check_texts(Cursor& value) noexcept {
+  for (std::uint32_t n = count_of_pairs(value); n > 0 && value.ok(); --n) {
     value.text();
     value.text();
   }
+}
+
+void check_properties(Cursor& value) noexcept {
+  check_texts(value);
   // Those with bytes for a value may follow.
   if (value.left() < 4) return;
-  for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) {
+  for (std::uint32_t n = count_of_pairs(value); n > 0 && value.ok(); --n) {
     value.text();
     value.octets();
+  }
+}
+
+/// What Fast DDS calls a data holder. `each` is given the name and the value of those with bytes for a value.
+template <class Each>
+void check_token(Cursor& value, Each&& each) noexcept {
+  value.text();
+  check_texts(value);
+  for (std::uint32_t n = count_of_pairs(value); n > 0 && value.ok(); --n) {
+    const std::string_view name = value.text();
+    const auto octets = value.octets();
+    if (value.ok() && !each(name, octets)) value.fail();
   }
 }
 
@@ -148,6 +185,9 @@ bool is_parameter(std::uint32_t parameter, Cursor value) noexcept {
       break;
     case Content::properties:
       check_properties(value);
+      break;
+    case Content::token:
+      check_token(value, [](std::string_view, std::span<const std::uint8_t>) { return true; });
       break;
     case Content::octets:
       value.octets();
@@ -178,9 +218,12 @@ void check_parameters(Cursor& list) noexcept {
 
 // ---- Submessages
 
+constexpr std::uint32_t kParticipants = 0x000100c2;  // who is there
+constexpr std::uint32_t kProofs = 0x000201c3;        // by which participants prove who they are
+
 /// Those that tell of participants, readers and writers, whose content is a list of parameters.
 bool discovers(std::uint32_t writer) noexcept {
-  return writer == 0x000100c2 || writer == 0x000002c2 || writer == 0x000003c2 || writer == 0x000004c2;
+  return writer == kParticipants || writer == 0x000002c2 || writer == 0x000003c2 || writer == 0x000004c2;
 }
 
 constexpr std::uint8_t kLittle = 1;
@@ -197,7 +240,19 @@ std::uint32_t check_head(Cursor& body, std::uint32_t behind) noexcept {
   return writer;
 }
 
-void check_data(Cursor& body, std::uint8_t flags) noexcept {
+/// A message of DDS Security (1.1, 7.4.4): whom it is from and for, its class, and tokens.
+void check_proof(Cursor& message, IsCertificate is_certificate) noexcept {
+  message.skip(24 + 24 + 16 + 16 + 16);
+  message.text();
+  std::uint32_t n = message.u32();
+  if (n > message.left() / 12) return message.fail();
+  for (; n > 0 && message.ok(); --n)
+    check_token(message, [&](std::string_view name, std::span<const std::uint8_t> value) {
+      return name != "c.id" || is_certificate == nullptr || is_certificate(value);
+    });
+}
+
+void check_data(Cursor& body, std::uint8_t flags, IsCertificate is_certificate) noexcept {
   constexpr std::uint8_t kData = 4;
   constexpr std::uint8_t kKey = 8;
   constexpr std::uint32_t kBehind = 16;
@@ -211,12 +266,16 @@ void check_data(Cursor& body, std::uint8_t flags) noexcept {
   if ((flags & kData) != 0 && (flags & kKey) != 0) return body.fail();
   if ((flags & (kData | kKey)) == 0) return;
   const auto encapsulation = body.bytes(4);
-  if (!body.ok() || !discovers(writer)) return;
-  // PL_CDR, and its byte order.
-  if (encapsulation[0] != 0 || (encapsulation[1] != 2 && encapsulation[1] != 3)) return body.fail();
-  Cursor list{body.bytes(body.left()), encapsulation[1] == 3};
-  check_parameters(list);
-  if (!list.ok()) body.fail();
+  if (!body.ok() || (!discovers(writer) && writer != kProofs)) return;
+  // CDR or PL_CDR, and its byte order.
+  const int plain = encapsulation[1] - (discovers(writer) ? 2 : 0);
+  if (encapsulation[0] != 0 || (plain != 0 && plain != 1)) return body.fail();
+  Cursor content{body.bytes(body.left()), plain == 1};
+  if (discovers(writer))
+    check_parameters(content);
+  else
+    check_proof(content, is_certificate);
+  if (!content.ok()) body.fail();
 }
 
 void check_fragments(Cursor& body, std::uint8_t flags) noexcept {
@@ -224,7 +283,9 @@ void check_fragments(Cursor& body, std::uint8_t flags) noexcept {
   Cursor copy = body;
   copy.skip(2);
   const std::uint32_t to_qos = copy.u16();
-  static_cast<void>(check_head(body, 16));
+  const std::uint32_t writer = check_head(body, 16);
+  // What these say is read once it is whole, and nobody could look at it before.
+  if (discovers(writer) || writer == kProofs) return body.fail();
   const std::uint64_t first = body.u32();
   const std::uint64_t count = body.u16();
   const std::uint64_t size = body.u16();
@@ -245,10 +306,11 @@ void check_locators(Cursor& body) noexcept {
   body.skip(n * kLocator);
 }
 
-bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body) noexcept {
+bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
+                   IsCertificate is_certificate) noexcept {
   switch (kind) {
     case 0x15:
-      check_data(body, flags);
+      check_data(body, flags, is_certificate);
       break;
     case 0x16:
       check_fragments(body, flags);
@@ -324,29 +386,105 @@ bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body) noexcept 
   return body.ok();
 }
 
+/// One after the other, as Fast DDS goes through them: whatever a submessage says of its end, the next one
+/// begins at a multiple of four.
+class Submessages {
+ public:
+  explicit Submessages(std::span<const std::uint8_t> message) noexcept : left_(message.subspan(kHeader)) {}
+
+  struct One {
+    std::uint8_t kind = 0;
+    std::uint8_t flags = 0;
+    bool last = false;  // its length is 0: it is what is left
+    std::span<const std::uint8_t> body;
+    [[nodiscard]] bool little() const noexcept { return (flags & kLittle) != 0; }
+  };
+  [[nodiscard]] bool empty() const noexcept { return left_.empty(); }
+  [[nodiscard]] std::size_t left() const noexcept { return left_.size(); }
+  /// Of kind 0, which there is none of, where it does not lie within the message.
+  One next() noexcept {
+    if (left_.size() < 4) return {};
+    One one{.kind = left_[0], .flags = left_[1], .last = false, .body = {}};
+    Cursor head{left_.subspan(2, 2), one.little()};
+    std::size_t size = head.u16();
+    left_ = left_.subspan(4);
+    // PAD and INFO_TS may have none.
+    one.last = size == 0 && one.kind != 0x01 && one.kind != 0x09;
+    if (one.last) size = left_.size();
+    if (size > left_.size()) return {};
+    one.body = left_.first(size);
+    left_ = left_.subspan(std::min((size + 3) & ~std::size_t{3}, left_.size()));
+    return one;
+  }
+
+ private:
+  std::span<const std::uint8_t> left_;
+};
+
+bool is_header(std::span<const std::uint8_t> message) noexcept {
+  constexpr std::array<std::uint8_t, 5> kBegin{'R', 'T', 'P', 'S', 2};
+  return message.size() >= kHeader && std::equal(kBegin.begin(), kBegin.end(), message.begin());
+}
+
+/// What stands between a SEC_PREFIX or SRTPS_PREFIX and its end: a body that is encrypted, and the
+/// authentication, each as long as its content.
+bool is_protected(const Submessages::One& prefix, Submessages& rest) noexcept {
+  const auto postfix_kind = static_cast<std::uint8_t>(prefix.kind + 1);
+  if (prefix.last || prefix.body.size() != 20) return false;
+  const auto body = rest.next();
+  if (body.kind != 0x30 || body.last) return false;
+  Cursor size{body.body, false};
+  if (((size.u32() + 3U) & ~3U) + 4 != ((body.body.size() + 3) & ~std::size_t{3})) return false;
+  const auto postfix = rest.next();
+  if (postfix.kind != postfix_kind || postfix.last) return false;
+  Cursor authentication{postfix.body, false};
+  authentication.skip(16);
+  return authentication.u32() * std::size_t{20} + 20 == postfix.body.size();
+}
+
 }  // namespace
 
-std::size_t readable_rtps(std::span<const std::uint8_t> message) noexcept {
+std::size_t readable_rtps(std::span<const std::uint8_t> message, IsCertificate is_certificate) noexcept {
   constexpr std::uint8_t kStatistics = 0x80;
-  constexpr std::array<std::uint8_t, 5> kBegin{'R', 'T', 'P', 'S', 2};
-  if (message.size() < kHeader || !std::equal(kBegin.begin(), kBegin.end(), message.begin())) return 0;
-  for (auto left = message.subspan(kHeader); !left.empty();) {
-    if (left.size() < 4) return 0;
-    const std::uint8_t kind = left[0];
-    const std::uint8_t flags = left[1];
-    Cursor head{left.subspan(2, 2), (flags & kLittle) != 0};
-    std::size_t size = head.u16();
-    const std::size_t begin = message.size() - left.size();
-    left = left.subspan(4);
-    // Of the last one none: it is what is left. PAD and INFO_TS may have none.
-    if (size == 0 && kind != 0x01 && kind != 0x09) size = left.size();
-    if (size > left.size() || !is_submessage(kind, flags, {left.first(size), (flags & kLittle) != 0}))
+  if (!is_header(message)) return 0;
+  for (Submessages rest{message}; !rest.empty();) {
+    const std::size_t begin = message.size() - rest.left();
+    const auto one = rest.next();
+    if (one.kind == 0 || !is_submessage(one.kind, one.flags, {one.body, one.little()}, is_certificate))
       return 0;
-    // Fast DDS goes on at the next multiple of four, wherever the submessage says that it ends.
-    left = left.subspan(std::min((size + 3) & ~std::size_t{3}, left.size()));
-    if (kind == kStatistics) return left.empty() ? begin : 0;
+    if (one.kind == kStatistics) return rest.empty() ? begin : 0;
   }
   return message.size();
+}
+
+bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
+  constexpr std::uint8_t kMessagePrefix = 0x33;
+  constexpr std::uint8_t kSubmessagePrefix = 0x31;
+  for (Submessages rest{message}; !rest.empty();) {
+    const bool first = rest.left() == message.size() - kHeader;
+    const auto one = rest.next();
+    switch (one.kind) {
+      case kMessagePrefix:
+        return first && is_protected(one, rest) && rest.empty();
+      case kSubmessagePrefix:
+        if (!is_protected(one, rest)) return false;
+        break;
+      case 0x01:  // PAD, and those that say when, from whom and for whom
+      case 0x09:
+      case 0x0c:
+      case 0x0e:
+        break;
+      case 0x15: {
+        Cursor body{one.body, one.little()};
+        const std::uint32_t writer = check_head(body, 16);
+        if (writer != kParticipants && writer != kProofs) return false;
+        break;
+      }
+      default:
+        if (one.kind < 0x80) return false;  // those of vendors are skipped
+    }
+  }
+  return true;
 }
 
 }  // namespace takt::dds

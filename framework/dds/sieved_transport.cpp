@@ -7,6 +7,7 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include <takt/dds/rtps.hpp>
+#include <takt/security/identity.hpp>
 
 namespace takt::dds {
 
@@ -32,14 +33,20 @@ class SievedTransport final : public fast::ChainingTransport {
 
   void receive(fast::TransportReceiverInterface* above, const octet* bytes, std::uint32_t size,
                const Locator_t& here, const Locator_t& from) override {
-    if (const std::size_t readable = readable_rtps({bytes, size}); readable > 0)
-      return sieve_->handling.handle(
-          [&] { above->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), here, from); });
-    sieve_->refused.fetch_add(1, std::memory_order_relaxed);
-    sieve_->notices.tell("refused: what " + IPLocator::toIPv4string(from) + " sends is no RTPS message");
+    const std::size_t readable =
+        readable_rtps({bytes, size}, sieve_->secured ? &security::names_somebody : nullptr);
+    if (readable == 0) return refuse(from, "is no RTPS message");
+    if (sieve_->secured && !is_protected_rtps({bytes, readable})) return refuse(from, "is not encrypted");
+    sieve_->handling.handle(
+        [&] { above->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), here, from); });
   }
 
  private:
+  void refuse(const Locator_t& from, const char* why) {
+    sieve_->refused.fetch_add(1, std::memory_order_relaxed);
+    sieve_->notices.tell("refused: what " + IPLocator::toIPv4string(from) + " sends " + why);
+  }
+
   SievedDescriptor descriptor_;
   std::shared_ptr<Sieve> sieve_;
 };

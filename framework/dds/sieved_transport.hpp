@@ -1,4 +1,5 @@
-// UDP without what is no RTPS message, one at a time with the making of readers. Not for other rooms.
+// UDP without what is no RTPS message, or in the clear where DDS Security is on, one at a time with the
+// making of readers. Not for other rooms.
 #pragma once
 
 #include <atomic>
@@ -16,13 +17,15 @@ namespace takt::dds {
 
 /// What was refused and what is handled, for all transports of a process.
 struct Sieve {
-  explicit Sieve(Notices& whom) : notices(whom) {}
+  Sieve(Notices& whom, bool with_security) : notices(whom), secured(with_security) {}
   Notices& notices;
+  const bool secured;
   std::atomic<std::uint64_t> refused{0};
   Handling handling;
 };
 
-/// Of a transport of Fast DDS, in which whatever comes is held against readable_rtps() first.
+/// Of a transport of Fast DDS, in which whatever comes is held against readable_rtps() first, and with
+/// security against is_protected_rtps().
 class SievedDescriptor final : public eprosima::fastdds::rtps::ChainingTransportDescriptor {
  public:
   SievedDescriptor(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> below,

@@ -301,10 +301,11 @@ int run_node(const NodeOptions& options) {
     const std::uint64_t now_refused =
         devices->refused() + modules->refused() + server->refused() + (*participant)->refused();
     if (const std::uint64_t before = std::exchange(refused, now_refused); now_refused > before) {
-      agent.note(
-          {.kind = model::FaultKind::refused_packet,
-           .cause = "what came was no RTPS message, or none of takt/device, takt/lifecycle or takt/command",
-           .count = now_refused - before});
+      agent.note({.kind = model::FaultKind::refused_packet,
+                  .cause =
+                      "what came was no RTPS message, or not encrypted in a cell with security, or none of "
+                      "takt/device, takt/lifecycle or takt/command",
+                  .count = now_refused - before});
     }
     agent.step();
     // It was lost, or taken up again.

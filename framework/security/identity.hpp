@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,10 @@ Result<Identity> read_identity(const std::string& folder, std::int64_t now);
 /// The folder of this device, operator or other below one that `takt secure init` made; else `folder` itself.
 /// Without a name: as first_of() has it at present.
 std::string folder_of(const std::string& folder, Role role, const std::string& name = {});
+
+/// Whether it is a certificate (PEM) with a subject. One without a subject ends a process of Fast DDS 2.9.1
+/// that asks for its name, before it is known who issued it. Any thread.
+bool names_somebody(std::span<const std::uint8_t> certificate) noexcept;
 
 /// "it expires in 12 days"; empty while there is time.
 std::string expiry_warning(std::int64_t until, std::int64_t now);

@@ -29,6 +29,7 @@ using Pkcs7 = std::unique_ptr<PKCS7, FreedBy<PKCS7_free>>;
 using Extension = std::unique_ptr<X509_EXTENSION, FreedBy<X509_EXTENSION_free>>;
 
 constexpr int kSerialBytes = 16;
+constexpr std::size_t kLargestCertificate = 65536;  // bytes, as PEM
 
 void add_part(X509_NAME& name, const char* part, const std::string& value) {
   // Of one encoding whatever it holds: a participant's number on DDS is a hash of these bytes.
@@ -134,6 +135,14 @@ std::string subject_text(const X509& certificate) {
   const Bytes out = no_bytes();
   X509_NAME_print_ex(out.get(), X509_get_subject_name(&certificate), 0, XN_FLAG_RFC2253);
   return text_of(*out);
+}
+
+bool names_somebody(std::span<const std::uint8_t> certificate) noexcept {
+  if (certificate.empty() || certificate.size() > kLargestCertificate) return false;
+  const Bytes bytes{BIO_new_mem_buf(certificate.data(), static_cast<int>(certificate.size()))};
+  const Certificate read{PEM_read_bio_X509_AUX(bytes.get(), nullptr, nullptr, nullptr)};
+  ERR_clear_error();
+  return read != nullptr && X509_NAME_entry_count(X509_get_subject_name(read.get())) > 0;
 }
 
 std::string announced_name(const X509& certificate) {

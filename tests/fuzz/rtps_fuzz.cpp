@@ -24,6 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (length == 0 && data[at] != 0x01 && data[at] != 0x09) break;
     at += 4 + ((length + 3) & ~std::size_t{3});
   }
+  static_cast<void>(takt::dds::is_protected_rtps({data, readable}));
   std::vector<std::uint8_t> longer{data, data + size};
   // An INFO_DST in front of the others.
   longer.insert(longer.begin() + kHeader, {0x0e, 1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});

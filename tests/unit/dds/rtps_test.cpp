@@ -30,6 +30,11 @@ class Body {
     bytes.insert(bytes.end(), characters.begin(), characters.end());
     return zeros(1 + (3 - characters.size() % 4));
   }
+  Body& octets(const std::string& content) {
+    u32(static_cast<std::uint32_t>(content.size()));
+    bytes.insert(bytes.end(), content.begin(), content.end());
+    return zeros((4 - content.size() % 4) % 4);
+  }
   Body& add(const Body& other) {
     bytes.insert(bytes.end(), other.bytes.begin(), other.bytes.end());
     return *this;
@@ -82,6 +87,11 @@ Body discovery(const Body& parameters) {
   return data_head(kSpdpWriter).u8(0).u8(3).u16(0).add(parameters).add(end_of_list());
 }
 bool is_discovery(const Body& parameters) { return is_rtps(message(0x15, 4, discovery(parameters))); }
+
+Body fragments(std::uint32_t first, std::uint32_t count, std::uint32_t size, std::uint32_t sample,
+               std::size_t content, std::uint32_t to_qos = 28) {
+  return data_head(0x103, 1, to_qos).u32(first).u16(count).u16(size).u32(sample).zeros(content);
+}
 
 TEST(Rtps, BeginsWithItsHeader) {
   EXPECT_TRUE(is_rtps(header()));
@@ -215,9 +225,184 @@ TEST(Rtps, WhatAParameterCountsIsThere) {
   EXPECT_FALSE(is_discovery(parameter(0x58, Body{}.zeros(8))));
 }
 
-Body fragments(std::uint32_t first, std::uint32_t count, std::uint32_t size, std::uint32_t sample,
-               std::size_t content, std::uint32_t to_qos = 28) {
-  return data_head(0x103, 1, to_qos).u32(first).u16(count).u16(size).u32(sample).zeros(content);
+// What Fast DDS makes room for, or copies, before it has looked how much there is.
+TEST(Rtps, ATokenIsThere) {
+  const Body all = Body{}.text("PKI").u32(1).text("name").text("value").u32(1).text("c.id").octets("abcde");
+  for (const std::uint32_t which : {0x1001U, 0x1002U}) {
+    EXPECT_TRUE(is_discovery(parameter(which, all)));
+    EXPECT_TRUE(is_discovery(parameter(which, Body{}.text("").u32(0).u32(0))));
+    for (std::size_t n = 0; n < all.bytes.size(); n += 4) {
+      Body shorter = all;
+      shorter.bytes.resize(n);
+      EXPECT_FALSE(is_discovery(parameter(which, shorter))) << n;
+    }
+    for (const std::uint32_t many : {1000U, 0x40000000U, 0xfffffffcU, 0xffffffffU}) {
+      EXPECT_FALSE(is_discovery(parameter(which, Body{}.u32(many).zeros(40))));
+      EXPECT_FALSE(
+          is_discovery(parameter(which, Body{}.text("PKI").u32(many).text("name").text("value").u32(0))));
+      EXPECT_FALSE(
+          is_discovery(parameter(which, Body{}.text("PKI").u32(0).u32(many).text("name").octets("v"))));
+      EXPECT_FALSE(is_discovery(parameter(which, Body{}.text("PKI").u32(1).u32(many).zeros(40).u32(0))));
+      EXPECT_FALSE(
+          is_discovery(parameter(which, Body{}.text("PKI").u32(1).text("name").u32(many).zeros(40))));
+      EXPECT_FALSE(
+          is_discovery(parameter(which, Body{}.text("PKI").u32(0).u32(1).text("name").u32(many).zeros(4))));
+    }
+  }
+}
+
+constexpr std::uint32_t kProofWriter = 0x000201c3;
+
+Body token(const std::string& name, const std::string& value) {
+  return Body{}.text("DDS:Auth:PKI-DH:1.0+Req").u32(0).u32(1).text(name).octets(value);
+}
+Body proof(std::uint32_t tokens, const Body& content, std::uint32_t encapsulation = 1) {
+  return data_head(kProofWriter)
+      .u8(0)
+      .u8(encapsulation)
+      .u16(0)
+      .zeros(96)
+      .text("dds.sec.auth")
+      .u32(tokens)
+      .add(content);
+}
+
+TEST(Rtps, WhatProvesWhoSomebodyIsIsThere) {
+  const auto is_proof = [](const Body& body) { return is_rtps(message(0x15, 4, body)); };
+  const Body one = token("c.id", "abc");
+  EXPECT_TRUE(is_proof(proof(0, Body{})));
+  EXPECT_TRUE(is_proof(proof(1, one)));
+  EXPECT_TRUE(is_proof(proof(2, Body{one}.add(one))));
+  EXPECT_FALSE(is_proof(proof(1, one, 0))) << "in the other byte order";
+  EXPECT_FALSE(is_proof(proof(1, one, 3))) << "a list of parameters is none";
+  EXPECT_FALSE(is_proof(proof(2, one)));
+  EXPECT_FALSE(is_proof(proof(0x20000000, one)));
+  EXPECT_FALSE(is_proof(proof(1, Body{}.u32(0xfffffff0).zeros(60))));
+  const Body whole = proof(1, one);
+  for (std::size_t n = data_head().bytes.size() + 1; n < whole.bytes.size() - 1; ++n) {
+    Body shorter = whole;
+    shorter.bytes.resize(n);
+    EXPECT_FALSE(is_proof(shorter)) << n;
+  }
+  Body unpadded = whole;
+  unpadded.bytes.pop_back();
+  EXPECT_TRUE(is_proof(unpadded)) << "the last bytes that only align may be missing";
+}
+
+TEST(Rtps, WhoProvesHimselfHasACertificate) {
+  constexpr IsCertificate kIsPem = [](std::span<const std::uint8_t> bytes) noexcept {
+    return std::string{bytes.begin(), bytes.end()} == "pem";
+  };
+  const auto readable = [&](const Body& tokens, std::uint32_t n) {
+    return readable_rtps(message(0x15, 4, proof(n, tokens)), kIsPem) > 0;
+  };
+  EXPECT_TRUE(readable(token("c.id", "pem"), 1));
+  EXPECT_FALSE(readable(token("c.id", "pen"), 1));
+  EXPECT_TRUE(readable(token("c.perm", "pen"), 1));
+  EXPECT_FALSE(readable(token("c.id", "pem").add(token("c.id", "")), 2)) << "each of them";
+}
+
+TEST(Rtps, WhatFindsOthersComesInOnePiece) {
+  for (const std::uint32_t writer : {kSpdpWriter, 0x2c2U, 0x3c2U, 0x4c2U, kProofWriter}) {
+    const Body body = data_head(writer, 1, 28).u32(1).u16(1).u16(100).u32(250).zeros(100);
+    EXPECT_FALSE(is_rtps(message(0x16, 0, body))) << writer;
+  }
+}
+
+// ---- Protected by DDS Security
+
+void append(Bytes& all, std::uint8_t kind, const Body& body, std::uint8_t flags = 0) {
+  const Bytes one = message(kind, flags, body);
+  all.insert(all.end(), one.begin() + 20, one.end());
+}
+
+constexpr std::uint8_t kSecBody = 0x30;
+constexpr std::uint8_t kSecPrefix = 0x31;
+constexpr std::uint8_t kSrtpsPrefix = 0x33;
+
+/// Of a whole message or of a submessage, with an authentication for each of `readers`.
+Bytes encrypted(std::uint8_t prefix, std::uint32_t readers = 0) {
+  Bytes all = header();
+  append(all, prefix, Body{}.zeros(20));
+  append(all, kSecBody, Body{}.id(5).zeros(5 + 3));
+  append(all, prefix + 1, Body{}.zeros(16).id(readers).zeros(std::size_t{20} * readers));
+  return all;
+}
+/// Readable, and protected.
+bool is_protected(const Bytes& bytes) { return is_rtps(bytes) && is_protected_rtps(bytes); }
+bool is_in_the_clear(const Bytes& bytes) { return is_rtps(bytes) && !is_protected_rtps(bytes); }
+
+TEST(ProtectedRtps, IsEncryptedAsAWholeOrInEachSubmessage) {
+  EXPECT_TRUE(is_protected(encrypted(kSrtpsPrefix)));
+  EXPECT_TRUE(is_protected(encrypted(kSrtpsPrefix, 2)));
+  EXPECT_TRUE(is_protected(encrypted(kSecPrefix)));
+  Bytes two = message(0x0e, 0, Body{}.zeros(12));
+  for (int i = 0; i < 2; ++i) {
+    const Bytes one = encrypted(kSecPrefix, 1);
+    two.insert(two.end(), one.begin() + 20, one.end());
+  }
+  append(two, 0x09, Body{}.zeros(8));
+  EXPECT_TRUE(is_protected(two));
+  append(two, 0x07, Body{}.zeros(8).number(1).number(1).u32(1));
+  EXPECT_TRUE(is_in_the_clear(two)) << "and the last one is not";
+}
+
+TEST(ProtectedRtps, OnlyWhatFindsOthersAndProvesIsInTheClear) {
+  EXPECT_TRUE(is_protected(message(0x15, 4, discovery({}))));
+  EXPECT_TRUE(is_protected(message(0x15, 4, proof(0, Body{}))));
+  EXPECT_TRUE(is_protected(message(0x81, 0, Body{}.zeros(8)))) << "of a vendor: it is skipped";
+  for (const std::uint32_t writer : {0x103U, 0x2c2U, 0x3c2U, 0x4c2U, 0x200c2U, 0xff0202c3U}) {
+    EXPECT_FALSE(is_protected_rtps(message(0x15, 0, data_head(writer)))) << writer;
+  }
+  EXPECT_TRUE(is_in_the_clear(message(0x16, 0, fragments(1, 1, 100, 250, 100))));
+  EXPECT_TRUE(is_in_the_clear(message(0x06, 0, Body{}.zeros(8).number(0).u32(0).u32(1))));
+  EXPECT_TRUE(is_in_the_clear(message(0x07, 0, Body{}.zeros(8).number(1).number(1).u32(1))));
+  EXPECT_TRUE(is_in_the_clear(message(0x08, 0, Body{}.zeros(8).number(1).number(5).u32(0))));
+  EXPECT_TRUE(is_in_the_clear(message(0x12, 0, Body{}.zeros(8).number(1).u32(1).u32(1).zeros(4).u32(1))));
+  EXPECT_TRUE(is_in_the_clear(message(0x13, 0, Body{}.zeros(8).number(1).u32(1).u32(1))));
+  EXPECT_TRUE(is_in_the_clear(message(0x0f, 0, Body{}.u32(0)))) << "who would have answers sent elsewhere";
+}
+
+// Fast DDS looks for each part where the one before it ends, and for its end where its content does.
+TEST(ProtectedRtps, ItsPartsAreWholeAndInOrder) {
+  const auto parts = [](std::uint8_t prefix, const Body& head, std::uint8_t kind, const Body& body,
+                        std::uint8_t postfix, const Body& tail) {
+    Bytes all = header();
+    append(all, prefix, head);
+    append(all, kind, body);
+    append(all, postfix, tail);
+    return all;
+  };
+  const Body head = Body{}.zeros(20);
+  const Body body = Body{}.id(8).zeros(8);
+  const Body tail = Body{}.zeros(20);
+  const Body heartbeat = Body{}.zeros(8).number(1).number(1).u32(1);
+  for (const std::uint8_t prefix : {kSecPrefix, kSrtpsPrefix}) {
+    const auto postfix = static_cast<std::uint8_t>(prefix + 1);
+    EXPECT_TRUE(is_protected(parts(prefix, head, kSecBody, body, postfix, tail)));
+    EXPECT_TRUE(is_in_the_clear(parts(prefix, Body{head}.zeros(4), kSecBody, body, postfix, tail)));
+    EXPECT_TRUE(is_in_the_clear(parts(prefix, head, 0x07, heartbeat, postfix, tail)))
+        << "authenticated, not encrypted";
+    EXPECT_TRUE(is_in_the_clear(parts(prefix, head, kSecBody, Body{body}.zeros(4), postfix, tail)));
+    EXPECT_TRUE(is_in_the_clear(parts(prefix, head, kSecBody, body, postfix, Body{tail}.zeros(20))));
+    EXPECT_TRUE(
+        is_in_the_clear(parts(prefix, head, kSecBody, body, prefix == kSecPrefix ? 0x34 : 0x32, tail)));
+    Bytes cut = header();
+    append(cut, prefix, head);
+    EXPECT_TRUE(is_in_the_clear(cut));
+    append(cut, kSecBody, body);
+    EXPECT_TRUE(is_in_the_clear(cut));
+    Bytes open = parts(prefix, head, kSecBody, body, postfix, tail);
+    open[open.size() - 22] = 0;  // the last one has no length
+    EXPECT_TRUE(is_in_the_clear(open));
+  }
+  Bytes more = encrypted(kSrtpsPrefix);
+  append(more, 0x0e, Body{}.zeros(12));
+  EXPECT_TRUE(is_in_the_clear(more)) << "behind a message that is encrypted as a whole";
+  Bytes later = message(0x0e, 0, Body{}.zeros(12));
+  const Bytes whole = encrypted(kSrtpsPrefix);
+  later.insert(later.end(), whole.begin() + 20, whole.end());
+  EXPECT_TRUE(is_in_the_clear(later)) << "Fast DDS decrypts it only at the beginning";
 }
 
 TEST(Rtps, FragmentsLieInTheirSampleAndAreThere) {

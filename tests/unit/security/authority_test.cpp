@@ -69,6 +69,32 @@ TEST_F(AuthorityTest, GivesAFolderThatIsInOrder) {
   EXPECT_THAT(identity->domains, testing::ElementsAre(7));
 }
 
+bool names_somebody(const std::string& certificate) {
+  return security::names_somebody(
+      {reinterpret_cast<const std::uint8_t*>(certificate.data()), certificate.size()});
+}
+
+TEST_F(AuthorityTest, ACertificateNamesSomebody) {
+  EXPECT_TRUE(names_somebody(text_of(of_robot() + "/identity.cert.pem")));
+  EXPECT_TRUE(names_somebody(text_of(of_robot() + "/ca.cert.pem")));
+  EXPECT_FALSE(names_somebody(text_of(of_robot() + "/identity.key.pem")));
+  EXPECT_FALSE(names_somebody(""));
+  EXPECT_FALSE(names_somebody("-----BEGIN CERTIFICATE-----\n"));
+  EXPECT_FALSE(names_somebody(std::string(1 << 20, 'x')));
+  // openssl req -x509 -new -key KEY -subj /
+  EXPECT_FALSE(
+      names_somebody("-----BEGIN CERTIFICATE-----\n"
+                     "MIIBVjCB/aADAgECAhRwAfNWhBHvEH2j56FxhISaMIDkfjAKBggqhkjOPQQDAjAA\n"
+                     "MCAXDTI2MTEyMzA3NDAyNVoYDzIxMjYxMDMwMDc0MDI1WjAAMFkwEwYHKoZIzj0C\n"
+                     "AQYIKoZIzj0DAQcDQgAEWqPxPG5GnHQOCJqEE9QgjcXjnPlSTHHtGA2sdl04Q7iJ\n"
+                     "2nww2kElOLbz4FHeVu1ghmSeXD2CEgnbZQj92OBQe6NTMFEwHQYDVR0OBBYEFPnH\n"
+                     "PjHyR+mdg5DkKjLQauc/JcdLMB8GA1UdIwQYMBaAFPnHPjHyR+mdg5DkKjLQauc/\n"
+                     "JcdLMA8GA1UdEwEB/wQFMAMBAf8wCgYIKoZIzj0EAwIDSAAwRQIhAOJxvdR0meh3\n"
+                     "YLj6wxk6kdXR+sdCgQOGoufDVhpo75wYAiBtDeOq6ec3si2oAys2/1Ey0HFJy3SH\n"
+                     "vgqEOfpeyQGV8Q==\n"
+                     "-----END CERTIFICATE-----\n"));
+}
+
 TEST_F(AuthorityTest, NobodyElseMayReadWhatItMakes) {
   for (const auto& entry : fs::recursive_directory_iterator{home()}) {
     EXPECT_EQ(entry.status().permissions() & (fs::perms::group_all | fs::perms::others_all), fs::perms::none)
