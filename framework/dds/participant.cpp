@@ -18,6 +18,7 @@
 #include <takt/dds/inside.hpp>
 #include <takt/dds/log.hpp>
 #include <takt/dds/sieved_transport.hpp>
+#include <takt/dds/spent_tokens.hpp>
 #include <takt/dds/watch.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
@@ -214,7 +215,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     auto identity = identity_for(options);
     if (!identity) return refuse(identity.problems());
     set_security(qos, *identity);
-    watch = std::make_unique<Watch>(std::move(*identity), *notices);
+    drop_spent_tokens();
+    watch = std::make_unique<Watch>(std::move(*identity), *notices, sieve->newcomers);
   }
 
   auto* factory = fast::DomainParticipantFactory::get_instance();

@@ -31,8 +31,7 @@ void Picture::heard(const DeviceStatus& status, WriterId writer) {
   });
   const auto known = nodes_.find(id);
   std::uint64_t back_at = 0;
-  if (known != nodes_.end())
-    back_at = known->second.alive ? known->second.back_at : status.sequence_number();
+  if (known != nodes_.end()) back_at = known->second.alive ? known->second.back_at : status.sequence_number();
   nodes_[id] = {.status = status, .writer = writer, .alive = true, .back_at = back_at};
 }
 

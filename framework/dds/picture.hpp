@@ -46,8 +46,8 @@ class Picture {
   /// The writer of a device's status.
   void lost(WriterId writer);
 
-  /// The module is in EXECUTING, and its device is alive. One that was lost is so again from the second status
-  /// on that comes after: what became of its modules meanwhile comes between the two.
+  /// The module is in EXECUTING, and its device is alive. One that was lost is so again from the second
+  /// status on that comes after: what became of its modules meanwhile comes between the two.
   [[nodiscard]] bool executes(const std::string& cell, const std::string& device,
                               const std::string& module) const;
   /// What was last heard of the devices of a deployment that are not `but`; those that are lost too.

@@ -97,8 +97,9 @@ class Cursor {
 
 enum class Content { any, text, texts, properties, token, octets, locator, guid, number };
 
+constexpr std::uint32_t kMustUnderstand = 0x4000;
+
 Content content_of(std::uint32_t parameter) noexcept {
-  constexpr std::uint32_t kMustUnderstand = 0x4000;
   switch (parameter & ~kMustUnderstand) {
     case 0x05:  // topic name
     case 0x07:  // type name
@@ -202,8 +203,9 @@ bool is_parameter(std::uint32_t parameter, Cursor value) noexcept {
   return value.ok();
 }
 
-/// Up to and with its end.
-void check_parameters(Cursor& list) noexcept {
+/// Up to and with its end. `each` is given those that are what they must be.
+template <class Each>
+void check_parameters(Cursor& list, Each&& each) noexcept {
   constexpr std::uint32_t kPad = 0;
   constexpr std::uint32_t kEnd = 1;
   while (list.ok()) {
@@ -211,9 +213,13 @@ void check_parameters(Cursor& list) noexcept {
     const std::uint32_t size = list.u16();
     if (parameter == kEnd || !list.ok()) return;
     if (size % 4 != 0 || size > list.left()) return list.fail();
-    Cursor value = list.part(size);
+    const Cursor value = list.part(size);
     if (parameter != kPad && !is_parameter(parameter, value)) return list.fail();
+    each(parameter & ~kMustUnderstand, value);
   }
+}
+void check_parameters(Cursor& list) noexcept {
+  check_parameters(list, [](std::uint32_t, const Cursor&) {});
 }
 
 // ---- Submessages
@@ -228,6 +234,8 @@ bool discovers(std::uint32_t writer) noexcept {
 
 constexpr std::uint8_t kLittle = 1;
 constexpr std::uint8_t kInlineQos = 2;
+constexpr std::uint8_t kData = 4;
+constexpr std::uint32_t kBeforeData = 16;  // bytes, up to the number that DATA begins with
 
 /// The two lengths and ids with which DATA and DATA_FRAG begin, and the number; the writer.
 std::uint32_t check_head(Cursor& body, std::uint32_t behind) noexcept {
@@ -253,15 +261,13 @@ void check_proof(Cursor& message, IsCertificate is_certificate) noexcept {
 }
 
 void check_data(Cursor& body, std::uint8_t flags, IsCertificate is_certificate) noexcept {
-  constexpr std::uint8_t kData = 4;
   constexpr std::uint8_t kKey = 8;
-  constexpr std::uint32_t kBehind = 16;
   Cursor copy = body;
   copy.skip(2);
   const std::uint32_t to_qos = copy.u16();
-  const std::uint32_t writer = check_head(body, kBehind);
+  const std::uint32_t writer = check_head(body, kBeforeData);
   if (!body.ok()) return;
-  body.skip(to_qos - kBehind);
+  body.skip(to_qos - kBeforeData);
   if ((flags & kInlineQos) != 0) check_parameters(body);
   if ((flags & kData) != 0 && (flags & kKey) != 0) return body.fail();
   if ((flags & (kData | kKey)) == 0) return;
@@ -469,9 +475,8 @@ bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
       case kSubmessagePrefix:
         if (!is_protected(one, rest)) return false;
         break;
-      case 0x01:  // PAD, and those that say when, from whom and for whom
+      case 0x01:  // PAD, and those that say when and for whom
       case 0x09:
-      case 0x0c:
       case 0x0e:
         break;
       case 0x15: {
@@ -485,6 +490,46 @@ bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
     }
   }
   return true;
+}
+
+Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
+  constexpr std::uint32_t kLease = 0x02;
+  constexpr std::uint32_t kParticipant = 0x50;
+  constexpr std::uint32_t kKeyHash = 0x70;
+  constexpr std::uint32_t kStatus = 0x71;
+  Announcement found;
+  const auto sender = message.subspan(kHeader - found.number.size(), found.number.size());
+  std::copy(sender.begin(), sender.end(), found.number.begin());
+  const auto is_sender = [&](Cursor value) { return std::ranges::equal(value.bytes(sender.size()), sender); };
+  for (Submessages rest{message}; !rest.empty();) {
+    const auto one = rest.next();
+    if (one.kind != 0x15 || (one.flags & kData) == 0) continue;
+    Cursor body{one.body, one.little()};
+    Cursor copy = body;
+    copy.skip(2);
+    const std::uint32_t to_qos = copy.u16();
+    if (check_head(body, kBeforeData) != kParticipants) continue;
+    body.skip(to_qos - kBeforeData);
+    bool leaves = false;
+    if ((one.flags & kInlineQos) != 0)
+      check_parameters(body, [&](std::uint32_t parameter, Cursor value) {
+        leaves = leaves || (parameter == kStatus && value.bytes(4).back() != 0);
+      });
+    if (leaves) continue;
+    const auto encapsulation = body.bytes(4);
+    if (!body.ok()) continue;
+    bool himself = true;
+    bool named = false;
+    Cursor list{body.bytes(body.left()), encapsulation[1] == 3};
+    check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
+      if (parameter == kParticipant) named = true;
+      if (parameter == kParticipant || parameter == kKeyHash) himself = himself && is_sender(value);
+      if (parameter == kLease) found.lease_s = value.u32();
+    });
+    const bool again = found.of != Announcement::Of::nobody;
+    found.of = himself && named && !again ? Announcement::Of::sender : Announcement::Of::other;
+  }
+  return found;
 }
 
 }  // namespace takt::dds

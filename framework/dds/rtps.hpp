@@ -6,6 +6,7 @@
 // from whoever uses a member's number. So each message is held against the specification before it sees it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -25,5 +26,19 @@ using IsCertificate = bool (*)(std::span<const std::uint8_t>) noexcept;
 /// Of a readable one: it is encrypted, as a whole or in each submessage, but for those by which participants
 /// find each other and prove who they are. Any thread; does not allocate.
 [[nodiscard]] bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept;
+
+/// The first 12 bytes of whatever belongs to a participant.
+using ParticipantNumber = std::array<std::uint8_t, 12>;
+
+struct Announcement {
+  enum class Of : std::uint8_t { nobody, sender, other };
+  Of of = Of::nobody;
+  ParticipantNumber number{};   ///< of the sender
+  std::uint32_t lease_s = ~0U;  ///< without a word for so long it is gone, s
+};
+
+/// Who is said to be there by one that is_protected_rtps(). `other`: not its sender, or more than one. Any
+/// thread; does not allocate.
+[[nodiscard]] Announcement announcement_in(std::span<const std::uint8_t> message) noexcept;
 
 }  // namespace takt::dds

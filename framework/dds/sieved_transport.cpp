@@ -1,5 +1,6 @@
 #include <takt/dds/sieved_transport.hpp>
 
+#include <cstring>
 #include <string>
 
 #include <fastdds/rtps/network/SenderResource.h>
@@ -19,6 +20,12 @@ using eprosima::fastrtps::rtps::Locator_t;
 using eprosima::fastrtps::rtps::octet;
 using eprosima::fastrtps::rtps::SenderResource;
 
+std::uint32_t address_of(const Locator_t& from) {
+  std::uint32_t address = 0;
+  std::memcpy(&address, IPLocator::getIPv4(from), sizeof address);
+  return address;
+}
+
 class SievedTransport final : public fast::ChainingTransport {
  public:
   SievedTransport(const SievedDescriptor& descriptor, std::shared_ptr<Sieve> sieve)
@@ -36,7 +43,13 @@ class SievedTransport final : public fast::ChainingTransport {
     const std::size_t readable =
         readable_rtps({bytes, size}, sieve_->secured ? &security::names_somebody : nullptr);
     if (readable == 0) return refuse(from, "is no RTPS message");
-    if (sieve_->secured && !is_protected_rtps({bytes, readable})) return refuse(from, "is not encrypted");
+    if (sieve_->secured) {
+      if (!is_protected_rtps({bytes, readable})) return refuse(from, "is not encrypted");
+      const Announcement announcement = announcement_in({bytes, readable});
+      if (announcement.of != Announcement::Of::nobody &&
+          !sieve_->newcomers.admit(announcement, address_of(from)))
+        return refuse(from, "announces a participant that may not be there, or too many of them");
+    }
     sieve_->handling.handle(
         [&] { above->OnDataReceived(bytes, static_cast<std::uint32_t>(readable), here, from); });
   }

@@ -11,6 +11,7 @@
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 
 #include <takt/dds/handling.hpp>
+#include <takt/dds/newcomers.hpp>
 #include <takt/dds/notices.hpp>
 
 namespace takt::dds {
@@ -20,6 +21,7 @@ struct Sieve {
   Sieve(Notices& whom, bool with_security) : notices(whom), secured(with_security) {}
   Notices& notices;
   const bool secured;
+  Newcomers newcomers;  // with security
   std::atomic<std::uint64_t> refused{0};
   Handling handling;
 };

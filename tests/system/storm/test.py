@@ -180,23 +180,34 @@ class Secured(Storm):
         self.assertEqual(0, sink["wrong"])
         self.assertGreater(sink["read"], 0)
 
-    def test_who_says_in_a_members_name_that_samples_are_gone_is_not_believed(self):
+    def deceive(self, how, seconds):
+        """Commands meanwhile and after; what was sent, and what the sink says."""
         captured = os.path.join(self.folder, "captured")
         listening = self.attack("robot", "capture", captured, "3", wait=False)
         self.assertEqual("ready\n", listening.stdout.readline())
         self.deploy()
         listening.wait(60)
-        forging = self.attack("stranger", "forge", captured, "5", json.dumps(self.targets()), wait=False)
-        self.hold(5)
-        out, _ = forging.communicate(timeout=60)
-        self.assertGreaterEqual(json.loads(out)["members"], len(DEVICES), out)
+        deceiver = self.attack("stranger", how, captured, str(seconds), json.dumps(self.targets()), wait=False)
+        self.hold(seconds)
+        out, _ = deceiver.communicate(timeout=60)
+        self.assertEqual(0, deceiver.returncode)
         self.stop_and_start()
-        sink = self.read_back("forged: %s" % out.strip())
-        # A reader that believes it waits for number 2^40.
+        sink = self.read_back("%s: %s" % (how, out.strip()))
         self.assertEqual(0, sink["wrong"])
-        self.assertGreater(sink["read"], 5000)
+        return json.loads(out), sink
+
+    def test_who_says_in_a_members_name_that_samples_are_gone_is_not_believed(self):
+        sent, sink = self.deceive("forge", 5)
+        self.assertGreaterEqual(sent["members"], len(DEVICES))
+        self.assertGreater(sink["read"], 5000, "a reader that believes it waits for number 2^40")
         for run in self.machines.values():
             self.assertIn("refused: what %s sends is not encrypted" % self.net.address("stranger"), run.err)
+
+    def test_a_crowd_that_is_not_there_keeps_nobody_out(self):
+        sent, _ = self.deceive("crowd", 10)
+        self.assertGreater(sent["participants"], 1000)
+        for run in self.machines.values():
+            self.assertIn("refused: what %s sends announces" % self.net.address("stranger"), run.err)
 
 
 if __name__ == "__main__":

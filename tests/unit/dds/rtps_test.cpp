@@ -405,6 +405,48 @@ TEST(ProtectedRtps, ItsPartsAreWholeAndInOrder) {
   EXPECT_TRUE(is_in_the_clear(later)) << "Fast DDS decrypts it only at the beginning";
 }
 
+// ---- Who announces himself
+
+Bytes announcement(const Body& parameters, std::uint8_t flags = 4, const Body& inline_qos = {}) {
+  return message(
+      0x15, flags,
+      data_head(kSpdpWriter).add(inline_qos).u8(0).u8(3).u16(0).add(parameters).add(end_of_list()));
+}
+/// header() says that it is from number 0.
+const Body kSelf = parameter(0x50, Body{}.zeros(12).id(0x1c1));
+const Body kOther = parameter(0x50, Body{}.zeros(11).u8(1).id(0x1c1));
+const Body kLease = parameter(0x02, Body{}.u32(20).u32(0));
+
+TEST(AnnouncementIn, IsOfItsSender) {
+  using Of = Announcement::Of;
+  const auto of = [](const Body& parameters) { return announcement_in(announcement(parameters)).of; };
+  const Announcement one = announcement_in(announcement(Body{kSelf}.add(kLease)));
+  EXPECT_EQ(one.of, Of::sender);
+  EXPECT_EQ(one.lease_s, 20U);
+  EXPECT_EQ(one.number, ParticipantNumber{});
+  EXPECT_EQ(announcement_in(announcement(kSelf)).lease_s, ~0U) << "for ever";
+  EXPECT_EQ(of(kOther), Of::other);
+  EXPECT_EQ(of(Body{kSelf}.add(kOther)), Of::other) << "whichever Fast DDS takes";
+  EXPECT_EQ(of(Body{kSelf}.add(parameter(0x70, Body{}.zeros(11).u8(1).zeros(4)))), Of::other) << "or its key";
+  EXPECT_EQ(of(Body{kSelf}.add(parameter(0x4050, Body{}.zeros(11).u8(1).zeros(4)))), Of::other);
+  EXPECT_EQ(of(kLease), Of::other) << "of nobody";
+
+  Bytes two = announcement(kSelf);
+  append(two, 0x15, discovery(kSelf), 4);
+  EXPECT_EQ(announcement_in(two).of, Of::other) << "once";
+  EXPECT_EQ(announcement_in(header()).of, Of::nobody);
+  EXPECT_EQ(announcement_in(message(0x15, 4, data_head().zeros(4))).of, Of::nobody);
+}
+
+TEST(AnnouncementIn, WhoLeavesAnnouncesNobody) {
+  const auto status = [](std::uint32_t flags) {
+    return parameter(0x71, Body{}.id(flags)).add(end_of_list());
+  };
+  EXPECT_EQ(announcement_in(announcement(kSelf, 6, status(3))).of, Announcement::Of::nobody);
+  EXPECT_EQ(announcement_in(announcement(kSelf, 6, status(0))).of, Announcement::Of::sender);
+  EXPECT_EQ(announcement_in(announcement(kSelf, 8)).of, Announcement::Of::nobody) << "a key alone";
+}
+
 TEST(Rtps, FragmentsLieInTheirSampleAndAreThere) {
   const auto fits = [](const Body& body) { return is_rtps(message(0x16, 0, body)); };
   EXPECT_TRUE(fits(fragments(1, 1, 100, 250, 100)));
