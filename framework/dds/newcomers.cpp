@@ -1,5 +1,7 @@
 #include <takt/dds/newcomers.hpp>
 
+#include <algorithm>
+
 namespace takt::dds {
 
 namespace {
@@ -10,7 +12,7 @@ constexpr std::chrono::seconds kLookEvery{1};
 
 bool Newcomers::admit(const Announcement& announcement, std::uint32_t address, Clock::time_point now) {
   if (announcement.of != Announcement::Of::sender || announcement.lease_s > kLongestLease) return false;
-  const auto until = now + std::chrono::seconds{announcement.lease_s + 1};
+  const auto until = now + std::chrono::seconds{std::max(announcement.lease_s + 1, kShortestStay)};
   const std::lock_guard lock{mutex_};
   if (const auto found = known_.find(announcement.number); found != known_.end()) {
     found->second.until = until;
@@ -28,12 +30,10 @@ bool Newcomers::admit(const Announcement& announcement, std::uint32_t address, C
   return true;
 }
 
-void Newcomers::forget(const ParticipantNumber& number) {
+void Newcomers::left(const ParticipantNumber& number) {
   const std::lock_guard lock{mutex_};
-  if (const auto found = known_.find(number); found != known_.end()) {
-    count_out(found->second);
+  if (const auto found = known_.find(number); found != known_.end() && found->second.proved)
     known_.erase(found);
-  }
 }
 
 void Newcomers::proved(const ParticipantNumber& number) {

@@ -18,14 +18,16 @@ class Newcomers {
   static constexpr std::size_t kOfOneAddress = 128;
   static constexpr std::size_t kInAll = 1024;
   static constexpr std::uint32_t kLongestLease = 100;  // s; the specification's own
+  static constexpr std::uint32_t kShortestStay = 20;   // s; what a place is taken for at least
 
   /// Whether the sender of this announcement, at this IPv4 address, may be known. Any thread.
   [[nodiscard]] bool admit(const Announcement& announcement, std::uint32_t address,
                            Clock::time_point now = Clock::now());
   /// It proved who it is. Any thread.
   void proved(const ParticipantNumber& number);
-  /// It left. Any thread.
-  void forget(const ParticipantNumber& number);
+  /// It left. One that had not proved who it is keeps its place until it would be gone: who comes and goes at
+  /// once is no less work. Any thread.
+  void left(const ParticipantNumber& number);
 
  private:
   struct Known {

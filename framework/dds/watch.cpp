@@ -76,7 +76,7 @@ void Watch::on_participant_discovery(fast::DomainParticipant*, rtps::Participant
   std::unique_lock lock{mutex_};
   if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
     seen_.erase(data.m_guid.guidPrefix);
-    newcomers_.forget(number_in(data.m_guid.guidPrefix));
+    newcomers_.left(number_in(data.m_guid.guidPrefix));
     return;
   }
   if (seen_.size() >= kMostSeen) seen_.clear();

@@ -45,28 +45,38 @@ TEST_F(NewcomersTest, AreNoMoreOfOneAddressThanItMayHave) {
   EXPECT_TRUE(admit(10'000, kThere)) << "another address has its own";
 }
 
-TEST_F(NewcomersTest, WhoProvedHimselfOrLeftMakesRoom) {
+TEST_F(NewcomersTest, WhoProvedHimselfMakesRoom) {
   fill(kHere);
   newcomers_.proved(number(0));
   newcomers_.proved(number(0));
   EXPECT_TRUE(admit(10'000, kHere));
   EXPECT_FALSE(admit(10'001, kHere)) << "for one";
   EXPECT_TRUE(admit(0, kHere));
-  newcomers_.forget(number(1));
-  newcomers_.forget(number(1));
-  EXPECT_TRUE(admit(10'001, kHere));
-  EXPECT_FALSE(admit(10'002, kHere));
-  newcomers_.forget(number(0));
-  EXPECT_FALSE(admit(10'002, kHere)) << "who had proved himself took none";
-  newcomers_.forget(number(77'777));
+  newcomers_.left(number(0));
+  EXPECT_FALSE(admit(10'001, kHere)) << "he took none any more";
+  EXPECT_FALSE(admit(0, kHere)) << "and is a newcomer again";
+  newcomers_.left(number(77'777));
   newcomers_.proved(number(77'777));
 }
 
+TEST_F(NewcomersTest, WhoComesAndGoesTakesAPlace) {
+  for (std::size_t n = 0; n < Newcomers::kOfOneAddress; ++n) {
+    ASSERT_TRUE(admit(n, kHere, 0)) << n;
+    newcomers_.left(number(n));
+  }
+  EXPECT_FALSE(admit(10'000, kHere));
+  now_ += std::chrono::seconds{Newcomers::kShortestStay};
+  EXPECT_TRUE(admit(10'000, kHere));
+}
+
 TEST_F(NewcomersTest, AreGoneWithoutAWord) {
-  fill(kHere);
-  now_ += 5s;
-  EXPECT_TRUE(admit(0, kHere));
-  now_ += 7s;
+  constexpr std::uint32_t kLong = 30;  // s
+  for (std::size_t n = 0; n < Newcomers::kOfOneAddress; ++n) ASSERT_TRUE(admit(n, kHere, kLong)) << n;
+  now_ += 15s;
+  EXPECT_TRUE(admit(0, kHere, kLong));
+  now_ += 15s;
+  EXPECT_FALSE(admit(10'000, kHere));
+  now_ += 1s;
   EXPECT_TRUE(admit(10'000, kHere)) << "all but the one that said so again";
   for (std::size_t n = 2; n < Newcomers::kOfOneAddress; ++n) EXPECT_TRUE(admit(10'000 + n, kHere)) << n;
   EXPECT_FALSE(admit(20'000, kHere));
