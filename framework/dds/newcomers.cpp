@@ -11,7 +11,9 @@ constexpr std::chrono::seconds kLookEvery{1};
 }  // namespace
 
 bool Newcomers::admit(const Announcement& announcement, std::uint32_t address, Clock::time_point now) {
-  if (announcement.of != Announcement::Of::sender || announcement.lease_s > kLongestLease) return false;
+  if (announcement.of != Announcement::Of::sender || announcement.lease_s == 0 ||
+      announcement.lease_s > kLongestLease)
+    return false;
   const auto until = now + std::chrono::seconds{std::max(announcement.lease_s + 1, kShortestStay)};
   const std::lock_guard lock{mutex_};
   if (const auto found = known_.find(announcement.number); found != known_.end()) {

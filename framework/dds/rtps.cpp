@@ -97,9 +97,8 @@ class Cursor {
 
 enum class Content { any, text, texts, properties, token, octets, locator, guid, number };
 
-constexpr std::uint32_t kMustUnderstand = 0x4000;
-
 Content content_of(std::uint32_t parameter) noexcept {
+  constexpr std::uint32_t kMustUnderstand = 0x4000;
   switch (parameter & ~kMustUnderstand) {
     case 0x05:  // topic name
     case 0x07:  // type name
@@ -215,7 +214,7 @@ void check_parameters(Cursor& list, Each&& each) noexcept {
     if (size % 4 != 0 || size > list.left()) return list.fail();
     const Cursor value = list.part(size);
     if (parameter != kPad && !is_parameter(parameter, value)) return list.fail();
-    each(parameter & ~kMustUnderstand, value);
+    each(parameter, value);
   }
 }
 void check_parameters(Cursor& list) noexcept {
@@ -481,7 +480,7 @@ bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
         break;
       case 0x15: {
         Cursor body{one.body, one.little()};
-        const std::uint32_t writer = check_head(body, 16);
+        const std::uint32_t writer = check_head(body, kBeforeData);
         if (writer != kParticipants && writer != kProofs) return false;
         break;
       }
@@ -496,7 +495,6 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
   constexpr std::uint32_t kLease = 0x02;
   constexpr std::uint32_t kParticipant = 0x50;
   constexpr std::uint32_t kKeyHash = 0x70;
-  constexpr std::uint32_t kStatus = 0x71;
   Announcement found;
   const auto sender = message.subspan(kHeader - found.number.size(), found.number.size());
   std::copy(sender.begin(), sender.end(), found.number.begin());
@@ -510,12 +508,8 @@ Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
     const std::uint32_t to_qos = copy.u16();
     if (check_head(body, kBeforeData) != kParticipants) continue;
     body.skip(to_qos - kBeforeData);
-    bool leaves = false;
-    if ((one.flags & kInlineQos) != 0)
-      check_parameters(body, [&](std::uint32_t parameter, Cursor value) {
-        leaves = leaves || (parameter == kStatus && value.bytes(4).back() != 0);
-      });
-    if (leaves) continue;
+    // Whoever leaves says so in front of it; Fast DDS is to decide whether this is that.
+    if ((one.flags & kInlineQos) != 0) check_parameters(body);
     const auto encapsulation = body.bytes(4);
     if (!body.ok()) continue;
     bool himself = true;

@@ -34,6 +34,7 @@ class NewcomersTest : public testing::Test {
 TEST_F(NewcomersTest, SpeakForThemselvesAndNotForEver) {
   EXPECT_FALSE(admit(1, kHere, kLease, Announcement::Of::other));
   EXPECT_FALSE(admit(1, kHere, Newcomers::kLongestLease + 1));
+  EXPECT_FALSE(admit(1, kHere, 0));
   EXPECT_TRUE(admit(1, kHere, Newcomers::kLongestLease));
   EXPECT_FALSE(admit(1, kHere, ~0U)) << "nor later";
 }
@@ -61,7 +62,7 @@ TEST_F(NewcomersTest, WhoProvedHimselfMakesRoom) {
 
 TEST_F(NewcomersTest, WhoComesAndGoesTakesAPlace) {
   for (std::size_t n = 0; n < Newcomers::kOfOneAddress; ++n) {
-    ASSERT_TRUE(admit(n, kHere, 0)) << n;
+    ASSERT_TRUE(admit(n, kHere, 1)) << n;
     newcomers_.left(number(n));
   }
   EXPECT_FALSE(admit(10'000, kHere));
