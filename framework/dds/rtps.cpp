@@ -136,16 +136,8 @@ Content content_of(std::uint32_t parameter) noexcept {
   }
 }
 
-/// How many there are, each of two lengths at least: what is counted is made before it is read.
-std::uint32_t count_of_pairs(Cursor& value) noexcept {
-  const std::uint32_t n = value.u32();
-  if (n <= value.left() / 8) return n;
-  value.fail();
-  return 0;
-}
-
 void check_texts(Cursor& value) noexcept {
-  for (std::uint32_t n = count_of_pairs(value); n > 0 && value.ok(); --n) {
+  for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) {
     value.text();
     value.text();
   }
@@ -155,7 +147,7 @@ void check_properties(Cursor& value) noexcept {
   check_texts(value);
   // Those with bytes for a value may follow.
   if (value.left() < 4) return;
-  for (std::uint32_t n = count_of_pairs(value); n > 0 && value.ok(); --n) {
+  for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) {
     value.text();
     value.octets();
   }
@@ -166,7 +158,7 @@ template <class Each>
 void check_token(Cursor& value, Each&& each) noexcept {
   value.text();
   check_texts(value);
-  for (std::uint32_t n = count_of_pairs(value); n > 0 && value.ok(); --n) {
+  for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) {
     const std::string_view name = value.text();
     const auto octets = value.octets();
     if (value.ok() && !each(name, octets)) value.fail();
@@ -251,9 +243,7 @@ std::uint32_t check_head(Cursor& body, std::uint32_t behind) noexcept {
 void check_proof(Cursor& message, IsCertificate is_certificate) noexcept {
   message.skip(24 + 24 + 16 + 16 + 16);
   message.text();
-  std::uint32_t n = message.u32();
-  if (n > message.left() / 12) return message.fail();
-  for (; n > 0 && message.ok(); --n)
+  for (std::uint32_t n = message.u32(); n > 0 && message.ok(); --n)
     check_token(message, [&](std::string_view name, std::span<const std::uint8_t> value) {
       return name != "c.id" || is_certificate == nullptr || is_certificate(value);
     });

@@ -383,6 +383,7 @@ TEST(ProtectedRtps, ItsPartsAreWholeAndInOrder) {
     EXPECT_TRUE(is_in_the_clear(parts(prefix, Body{head}.zeros(4), kSecBody, body, postfix, tail)));
     EXPECT_TRUE(is_in_the_clear(parts(prefix, head, 0x07, heartbeat, postfix, tail)))
         << "authenticated, not encrypted";
+    EXPECT_TRUE(is_in_the_clear(parts(prefix, head, 0x81, body, postfix, tail))) << "nothing encrypted";
     EXPECT_TRUE(is_in_the_clear(parts(prefix, head, kSecBody, Body{body}.zeros(4), postfix, tail)));
     EXPECT_TRUE(is_in_the_clear(parts(prefix, head, kSecBody, body, postfix, Body{tail}.zeros(20))));
     EXPECT_TRUE(
