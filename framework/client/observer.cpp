@@ -11,9 +11,6 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-/// A node that is there has usually been found by then.
-constexpr milliseconds kQuiet{600};
-
 bool same(const DeviceStatus& a, const DeviceStatus& b) {
   return a.path() == b.path() && a.node() == b.node() && a.state() == b.state() && a.health() == b.health() &&
          a.text() == b.text() && a.deployment() == b.deployment() && a.real_time() == b.real_time() &&

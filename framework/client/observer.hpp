@@ -1,6 +1,7 @@
 // What goes on in the cells of a domain, for a program that is no part of them.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -13,6 +14,9 @@
 #include <takt/dds/picture.hpp>
 
 namespace takt::client {
+
+/// A node of which no other node told has usually been discovered this long after the one before it.
+inline constexpr std::chrono::milliseconds kQuiet{600};
 
 /// Every device and module, from the moment on that its node was found; who comes late is told the present
 /// state at once. Any thread.

@@ -17,8 +17,9 @@ void hear(Reports& reports, const std::string& name, json report) {
   for (const json& device : report.at("lost"))
     reports.lost.try_emplace(device.at("name").get<std::string>(), device.at("modules"));
   for (const json& other : report.at("devices")) reports.named.insert(other.get<std::string>());
-  report.erase("lost");
-  report.erase("devices");
+  for (const json& node : report.at("heard")) reports.heard.insert(node.get<std::string>());
+  reports.searching |= report.at("searching").get<bool>();
+  for (const char* of_others : {"lost", "devices", "heard", "searching"}) report.erase(of_others);
   reports.devices[name] = std::move(report);
 }
 
@@ -62,27 +63,38 @@ std::set<std::string> alive(const std::vector<dds::SeenDevice>& seen) {
 
 Result<Reports> all_reports(Operator& asker, Nanoseconds limit) {
   const Observer& observer = asker.observer();
-  observer.settle(limit);
-  const std::set<std::string> found = alive(observer.devices());
-  if (found.empty()) {
+  if (!observer.wait([](const auto& seen) { return !alive(seen).empty(); }, limit)) {
     const std::string domain = std::to_string(asker.domain());
     return fail("no device is on domain " + domain, "start one: takt-node --device NAME --domain " + domain);
   }
   Reports reports;
-  ask(reports, asker, found);
-  // Those that the others know and we have not found yet, as when a cable has just been put in.
-  if (const std::set<std::string> missing = reports.missing(); !missing.empty()) {
-    const auto are_there = [&missing](const std::vector<dds::SeenDevice>& seen) {
-      const std::set<std::string> names = alive(seen);
-      return std::includes(names.begin(), names.end(), missing.begin(), missing.end());
-    };
-    observer.wait(are_there, limit);
-    std::set<std::string> late;
-    for (const std::string& name : alive(observer.devices())) {
-      if (missing.contains(name)) late.insert(name);
+  std::set<std::string> asked;  // nodes, not names: a second node of one name is a problem to report
+  const auto is_new = [&asked](const dds::SeenDevice& seen) {
+    return seen.alive && !asked.contains(seen.node());
+  };
+  const auto any_new = [&is_new](const std::vector<dds::SeenDevice>& seen) {
+    return std::any_of(seen.begin(), seen.end(), is_new);
+  };
+  const auto all_heard = [&reports, &observer] {
+    std::set<std::string> known;
+    for (const dds::SeenDevice& seen : observer.devices()) known.insert(seen.node());
+    return std::includes(known.begin(), known.end(), reports.heard.begin(), reports.heard.end());
+  };
+  Nanoseconds patience{0};
+  do {
+    std::set<std::string> names;
+    for (const dds::SeenDevice& seen : observer.devices()) {
+      if (is_new(seen)) names.insert(seen.name());
+      if (seen.alive) asked.insert(seen.node());
     }
-    if (!late.empty()) ask(reports, asker, late);
-  }
+    ask(reports, asker, names);
+    // One that the others have lost may be coming back.
+    const bool none_lost = std::all_of(reports.lost.begin(), reports.lost.end(), [&reports](const auto& lost) {
+      return reports.devices.contains(lost.first);
+    });
+    const bool complete = all_heard() && none_lost && !reports.searching;
+    patience = !reports.missing().empty() ? limit : complete ? Nanoseconds{0} : Nanoseconds{kQuiet};
+  } while (observer.wait(any_new, patience));
   return reports;
 }
 

@@ -12,20 +12,24 @@
 
 namespace takt::client {
 
-/// Who comes to a domain hears of its devices one after the other, late where there is security or load. What
-/// one of them says names the others of its cell, so that none is left out in silence.
+/// A program that joins a domain discovers its nodes one after the other, late where there is security or load.
+/// Each node's report names the devices of its cell and the nodes that it hears, so the search ends as soon as
+/// all of them have answered, and none is left out in silence.
 struct Reports {
-  std::map<std::string, nlohmann::ordered_json> devices;  ///< of those that answered
-  std::map<std::string, nlohmann::ordered_json> lost;     ///< what others have heard last of a device
-  std::set<std::string> named;                            ///< all of their cells
-  Problems problems;                                      ///< those that did not answer, and why
+  std::map<std::string, nlohmann::ordered_json> devices;  ///< of the devices that answered
+  std::map<std::string, nlohmann::ordered_json> lost;     ///< the last known state of each lost device
+  std::set<std::string> named;                            ///< every device of the cells that were found
+  std::set<std::string> heard;                            ///< ids of the nodes that the found nodes hear
+  bool searching = false;                                 ///< some node is too new to know the others
+  Problems problems;                                      ///< of the devices that did not answer
 
-  /// Those that others name, and of which nothing is known.
+  /// Devices that others name, and of which nothing is known.
   [[nodiscard]] std::set<std::string> missing() const;
 };
 
-/// Asks every device that there is; those that others name and that are not found yet are waited for. Fails
-/// where none is found within `limit`; then as long for the others.
+/// Asks every device for its report. Devices that others name and that are not discovered yet are waited for,
+/// each at most `limit`; for one that others have lost, the search goes on until nothing was discovered for kQuiet. Fails if no device is discovered within `limit`. Not from a real-time thread: it
+/// waits.
 Result<Reports> all_reports(Operator& asker, Nanoseconds limit);
 
 /// Those of them whose nodes are there.

@@ -17,6 +17,7 @@ Agent::Agent(Options options, Workshop workshop, Outlet& outlet)
     : options_(std::move(options)),
       workshop_(std::move(workshop)),
       outlet_(outlet),
+      began_(options_.now()),
       sieve_([this](model::Fault fault) {
         FaultRecord& record = *options_.record;
         const bool kept = !record.file().empty();

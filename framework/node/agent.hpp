@@ -172,6 +172,7 @@ class Agent {
   Options options_;
   Workshop workshop_;
   Outlet& outlet_;
+  const Instant began_;
   dds::Picture others_;
   std::unique_ptr<Deployment> deployment_;
   std::shared_ptr<Update> update_;  // callbacks of its supervised device know whether it is still there

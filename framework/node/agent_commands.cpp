@@ -116,6 +116,11 @@ void Agent::report(const Command& command) {
   if (deployment_) {
     for (const model::Device& device : deployment_->cell.devices) report["devices"].push_back(device.name);
   }
+  report["heard"] = json::array();
+  for (const dds::SeenDevice& other : others_.devices()) {
+    if (other.alive) report["heard"].push_back(other.node());
+  }
+  report["searching"] = options_.now() - began_ < kFindsOthers;
   answer(command, REPLY_OK, "", model::json_text(report));
 }
 

@@ -38,6 +38,8 @@ inline constexpr Nanoseconds kOrderLimit = std::chrono::seconds{15};
 /// A module that was started, to be named by a row; later is no failure: it is sporadic, or its period is
 /// long.
 inline constexpr Nanoseconds kNamedWithin = std::chrono::milliseconds{500};
+/// A node that has run for less than this may not have discovered the others of its domain yet.
+inline constexpr Nanoseconds kFindsOthers = std::chrono::seconds{1};
 /// A port that somebody listens in on; longer when it is asked for again.
 inline constexpr Nanoseconds kLongestTap = std::chrono::seconds{60};
 /// Between two looks at ports for the fault record.

@@ -6,7 +6,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node {
+namespace takt::node::agent_others_test {
 namespace {
 
 using testing::HasSubstr;
@@ -44,6 +44,27 @@ TEST(AgentAndOthers, ItselfAndOtherDevicesAreNoOthersOfItsName) {
   device.agent.others().heard(other("line", "there"), 2);
   device.agent.step();
   EXPECT_EQ(device.status().health(), HEALTH_OK);
+}
+
+TEST(AgentAndOthers, NamesTheLiveNodesThatItHearsInItsReport) {
+  FakeDevice device;
+  device.agent.others().heard(other("robot", "here"), 1);
+  device.agent.others().heard(other("line", "there"), 2);
+  device.agent.others().heard(other("line", "twin"), 3);
+  device.hear(device.command(COMMAND_REPORT));
+  EXPECT_EQ(device.data()["heard"], (nlohmann::ordered_json{"there", "twin", "here"}));
+  device.agent.others().lost(2);
+  device.hear(device.command(COMMAND_REPORT));
+  EXPECT_EQ(device.data()["heard"], (nlohmann::ordered_json{"twin", "here"}));
+}
+
+TEST(AgentAndOthers, SaysForASecondThatItMayNotKnowTheOthersYet) {
+  FakeDevice device;
+  device.hear(device.command(COMMAND_REPORT));
+  EXPECT_EQ(device.data()["searching"], true);
+  device.now += std::chrono::milliseconds{1001};
+  device.hear(device.command(COMMAND_REPORT));
+  EXPECT_EQ(device.data()["searching"], false);
 }
 
 TEST(AgentAndOthers, LostDevicesOfItsCellAreInItsReport) {
@@ -165,4 +186,4 @@ TEST(AgentAndOthers, StopsWhenItsOwnFaultCouldNotBeToldToAnybody) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::agent_others_test
