@@ -49,7 +49,6 @@ TEST(NotchFilter, HasItsWidthInTheSampledSignal) {
     constexpr int kWidth = 60;
     double low = 0;
     double high = 0;
-    NotchFilter filter;
     for (int cycles = 1; cycles < 500; ++cycles) {
       const double power = std::norm(response_at(cycles, frequency, kWidth));
       if (cycles < frequency && power >= 0.5) low = cycles;

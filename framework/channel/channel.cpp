@@ -32,16 +32,16 @@ const char* to_text(Doing doing) noexcept {
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x7461'6b74'0000'0008;  // "takt", layout 8
+constexpr std::uint64_t kChannelMagic = 0x7461'6b74'0000'0008;  // "takt", layout 8
 
-struct alignas(64) Header {
+struct alignas(64) ChannelHeader {
   std::uint64_t magic;
   std::uint64_t hosts;
   std::uint64_t executors;
   std::uint64_t modules;
 };
 
-constexpr std::size_t kHostsAt = sizeof(Header);
+constexpr std::size_t kHostsAt = sizeof(ChannelHeader);
 
 std::size_t executors_at(std::size_t hosts) { return kHostsAt + hosts * sizeof(HostBlock); }
 std::size_t size_of(std::size_t hosts, std::size_t executors, std::size_t modules) {
@@ -59,8 +59,8 @@ Result<Channel> Channel::create(std::size_t hosts, const std::vector<std::string
                                 const std::vector<std::string>& modules) {
   auto memory = os::SharedMemory::create("takt-channel", size_of(hosts, executors.size(), modules.size()));
   if (!memory) return memory.problems();
-  at<Header>(*memory, 0) = {
-      .magic = kMagic, .hosts = hosts, .executors = executors.size(), .modules = modules.size()};
+  at<ChannelHeader>(*memory, 0) = {
+      .magic = kChannelMagic, .hosts = hosts, .executors = executors.size(), .modules = modules.size()};
   Channel channel;
   channel.memory_ = std::move(*memory);
   channel.hosts_ = hosts;
@@ -76,16 +76,16 @@ Result<Channel> Channel::attach(os::Fd fd) {
   if (!memory) return memory.problems();
   Channel channel;
   channel.memory_ = std::move(*memory);
-  if (channel.memory_.size() < sizeof(Header))
+  if (channel.memory_.size() < sizeof(ChannelHeader))
     return fail("this is no channel", "start the host by takt-node");
-  const auto& header = at<Header>(channel.memory_, 0);
+  const auto& header = at<ChannelHeader>(channel.memory_, 0);
   channel.hosts_ = header.hosts;
   channel.executors_ = header.executors;
   channel.modules_ = header.modules;
   const std::size_t size = channel.memory_.size();
   // None is more than the bytes there are, so that their size is no number that has gone round.
-  if (header.magic != kMagic || header.hosts > size || header.executors > size || header.modules > size ||
-      size != size_of(header.hosts, header.executors, header.modules)) {
+  if (header.magic != kChannelMagic || header.hosts > size || header.executors > size ||
+      header.modules > size || size != size_of(header.hosts, header.executors, header.modules)) {
     return fail("the channel was laid out by another version",
                 "install takt-node and takt-host of one version");
   }

@@ -8,9 +8,9 @@ namespace takt::channel {
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x666c'6967'6874'0001;  // "flight", layout 1
+constexpr std::uint64_t kFlightMagic = 0x666c'6967'6874'0001;  // "flight", layout 1
 
-struct alignas(64) Header {
+struct alignas(64) FlightHeader {
   std::uint64_t magic;
   std::uint64_t rings;
 };
@@ -18,7 +18,7 @@ struct alignas(64) Header {
 constexpr bool is_capacity(std::uint64_t n) { return (n & (n - 1)) == 0; }
 
 template <class T>
-T* at(const os::SharedMemory& memory, std::size_t offset) {
+T* flight_at(const os::SharedMemory& memory, std::size_t offset) {
   return std::launder(reinterpret_cast<T*>(memory.data() + offset));
 }
 
@@ -34,7 +34,7 @@ FlightSample FlightWriter::unpack(std::int64_t time_ns, std::uint64_t what) noex
 
 std::vector<FlightRecord::Place> FlightRecord::places_of(const std::vector<std::uint64_t>& capacities) {
   std::vector<Place> places;
-  std::size_t at = sizeof(Header) + (capacities.size() * sizeof(std::uint64_t) + 63) / 64 * 64;
+  std::size_t at = sizeof(FlightHeader) + (capacities.size() * sizeof(std::uint64_t) + 63) / 64 * 64;
   for (const std::uint64_t capacity : capacities) {
     places.push_back({at, capacity});
     at += sizeof(FlightRing) + (capacity * sizeof(FlightEntry) + 63) / 64 * 64;
@@ -50,10 +50,11 @@ Result<FlightRecord> FlightRecord::create(const std::vector<std::uint64_t>& capa
   if (!memory) return memory.problems();
   record.memory_ = std::move(*memory);
   record.places_.pop_back();
-  *at<Header>(record.memory_, 0) = {.magic = kMagic, .rings = capacities.size()};
+  *flight_at<FlightHeader>(record.memory_, 0) = {.magic = kFlightMagic, .rings = capacities.size()};
   for (std::size_t i = 0; i < capacities.size(); ++i) {
     TAKT_CHECK(is_capacity(capacities[i]));
-    *at<std::uint64_t>(record.memory_, sizeof(Header) + i * sizeof(std::uint64_t)) = capacities[i];
+    *flight_at<std::uint64_t>(record.memory_, sizeof(FlightHeader) + i * sizeof(std::uint64_t)) =
+        capacities[i];
   }
   return record;
 }
@@ -66,12 +67,14 @@ Result<FlightRecord> FlightRecord::attach(os::Fd fd) {
   const std::size_t size = record.memory_.size();
   const Problems other{fail("the flight record was laid out by another version",
                             "install takt-node and takt-host of one version")};
-  if (size < sizeof(Header)) return other;
-  const Header header = *at<Header>(record.memory_, 0);
-  if (header.magic != kMagic || header.rings > (size - sizeof(Header)) / sizeof(std::uint64_t)) return other;
+  if (size < sizeof(FlightHeader)) return other;
+  const FlightHeader header = *flight_at<FlightHeader>(record.memory_, 0);
+  if (header.magic != kFlightMagic || header.rings > (size - sizeof(FlightHeader)) / sizeof(std::uint64_t))
+    return other;
   std::vector<std::uint64_t> capacities;
   for (std::size_t i = 0; i < header.rings; ++i) {
-    capacities.push_back(*at<std::uint64_t>(record.memory_, sizeof(Header) + i * sizeof(std::uint64_t)));
+    capacities.push_back(
+        *flight_at<std::uint64_t>(record.memory_, sizeof(FlightHeader) + i * sizeof(std::uint64_t)));
     // None is more than the bytes there are, so that their size is no number that has gone round.
     if (!is_capacity(capacities.back()) || capacities.back() > size) return other;
   }
@@ -82,11 +85,11 @@ Result<FlightRecord> FlightRecord::attach(os::Fd fd) {
 }
 
 FlightRing& FlightRecord::ring(std::size_t index) const noexcept {
-  return *at<FlightRing>(memory_, places_[index].at);
+  return *flight_at<FlightRing>(memory_, places_[index].at);
 }
 
 FlightEntry* FlightRecord::entries(std::size_t index) const noexcept {
-  return at<FlightEntry>(memory_, places_[index].at + sizeof(FlightRing));
+  return flight_at<FlightEntry>(memory_, places_[index].at + sizeof(FlightRing));
 }
 
 FlightWriter FlightRecord::writer(std::size_t index) const noexcept {

@@ -75,7 +75,7 @@ Problems Deployment::ask(const std::vector<Question>& questions, std::vector<dds
 
 // Every device exactly once, and free.
 Problems Deployment::find() {
-  const auto nodes = [this](const std::vector<dds::SeenDevice>& devices, const model::Device& device) {
+  const auto nodes = [](const std::vector<dds::SeenDevice>& devices, const model::Device& device) {
     std::vector<dds::SeenDevice> found;
     for (const dds::SeenDevice& seen : devices) {
       if (seen.alive && seen.name() == device.name) found.push_back(seen);

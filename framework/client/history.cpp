@@ -11,7 +11,7 @@ namespace {
 /// Statistics come once a second, a little earlier or later.
 constexpr std::int64_t kApart_ms = 900;
 
-std::int64_t milliseconds(std::int64_t ns) { return ns / 1'000'000; }
+std::int64_t milliseconds_of(std::int64_t ns) { return ns / 1'000'000; }
 
 /// The sum of what was measured, of the mean of all of it, less the same of before.
 double between(double mean, double count, double mean_before, double count_before) {
@@ -26,7 +26,7 @@ void History::add(Module& module, const ModuleStatistics& now) {
   const ModuleStatistics& before = module.last;
   const auto value = [](double of) { return static_cast<float>(of); };
   const bool loaded_afresh = now.cycles() < before.cycles();
-  Entry entry{.time_ms = milliseconds(now.time_ns()),
+  Entry entry{.time_ms = milliseconds_of(now.time_ns()),
               .jitter_p50 = value(now.jitter_us().p50()),
               .jitter_p99 = value(now.jitter_us().p99()),
               .run_p50 = value(now.run_us().p50()),
@@ -65,7 +65,8 @@ void History::hear(const std::vector<dds::SeenDevice>& devices) {
       }
       Module& module = found->second;
       module.seen = true;
-      const std::int64_t apart = milliseconds(statistics.time_ns()) - milliseconds(module.last.time_ns());
+      const std::int64_t apart =
+          milliseconds_of(statistics.time_ns()) - milliseconds_of(module.last.time_ns());
       if (!module.entries.empty() && apart < 0) {  // the device's clock was set back
         module.entries.clear();
         module.next = 0;

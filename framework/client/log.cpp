@@ -43,7 +43,8 @@ void add_new(Problems& problems, const Problems& more) {
 }
 
 // What one node answered; the devices that it misses go to `missed`.
-void hear(Log& log, const std::string& device, const dds::WholeReply& reply, std::set<std::string>* missed) {
+void add_events_of(Log& log, const std::string& device, const dds::WholeReply& reply,
+                   std::set<std::string>* missed) {
   const json value = model::parse_json(reply.data);
   try {
     DeviceLog own{.device = device,
@@ -111,7 +112,7 @@ Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limi
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const auto answer = accepted(std::move(answers[i]));
     if (answer)
-      hear(log, questions[i].device, *answer, filter.device.empty() ? &missed : nullptr);
+      add_events_of(log, questions[i].device, *answer, filter.device.empty() ? &missed : nullptr);
     else
       add_new(log.problems, answer.problems());
   }
@@ -212,7 +213,7 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
       model::FaultFilter missing{.after = place.sequence};
       const auto answer = accepted(asker.ask(question_of(fault.device, missing)));
       Log log;
-      if (answer) hear(log, fault.device, *answer, nullptr);
+      if (answer) add_events_of(log, fault.device, *answer, nullptr);
       for (model::Fault& each : log.events) {
         if (each.sequence > place.sequence && each.sequence < fault.sequence) tell(place, std::move(each));
       }

@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <takt/client/answers.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/model/json.hpp>
 
@@ -27,10 +28,6 @@ constexpr std::chrono::seconds kBegun{10};
 constexpr Nanoseconds kFound = std::chrono::seconds{3};
 /// Within which a node that is lost while it is asked may come back: its machine was busy, not dead.
 constexpr Nanoseconds kBack = milliseconds{700};
-
-std::int64_t wall_ns() {
-  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 std::string device_of(const Question& question) { return "device " + question.device; }
 

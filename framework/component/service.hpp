@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -125,7 +126,9 @@ class Service final : public ServiceBase {
   using Options = PortOptions;
   using Handler = std::function<Result<Reply>(const Request&)>;
 
-  Service(Component& owner, const std::string& name, Handler handler, const Options& options = {})
+  /// A template so that options in braces are no candidate for a handler.
+  template <std::convertible_to<Handler> Callable>
+  Service(Component& owner, const std::string& name, Callable handler, const Options& options = {})
       : Service(&owner, name, PortRole::handler, options) {
     handler_ = std::move(handler);
     enlist(owner);

@@ -31,24 +31,24 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::int32_t kDepth = 32;
-constexpr std::size_t kPaced = kDepth / 2;        // parts that are sent before their arrival is waited for
-constexpr std::size_t kRemembered = 256;          // commands: answered, in work or waiting
-constexpr std::size_t kMostBytes = 4 * kMaxData;  // of those waiting, of the answers
+constexpr std::size_t kPaced = kDepth / 2;  // parts that are sent before their arrival is waited for
+constexpr std::size_t kRemembered = 256;    // commands: answered, in work or waiting
+constexpr std::size_t kMostWaitingBytes = 4 * kMaxData;  // of those waiting, of the answers
 constexpr auto kResend = milliseconds{1000};
 constexpr auto kSlowestResend = milliseconds{8000};  // of what has many parts
 constexpr auto kAcknowledge = milliseconds{2000};
 constexpr auto kMatchWait = milliseconds{3000};  // for the asker's reader; then the reply is sent anyway
 // A writer asks after what is not acknowledged; by default after 3 s, and a reader lets 5 ms pass.
-constexpr Nanoseconds kHeartbeat = milliseconds{10};
-constexpr Nanoseconds kNackDelay = milliseconds{1};
-constexpr Nanoseconds kFirstAck = milliseconds{10};
+constexpr Nanoseconds kCommandHeartbeat = milliseconds{10};
+constexpr Nanoseconds kCommandNackDelay = milliseconds{1};
+constexpr Nanoseconds kCommandFirstAck = milliseconds{10};
 
 std::int64_t wall_ns() {
   return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
 template <class Qos>
-void set_quality(Qos& qos) {
+void set_command_quality(Qos& qos) {
   qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
   qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
   qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
@@ -135,16 +135,16 @@ class Ends : Remade {
   Result<void> make() {
     OwnParticipant& mine = own(*participant_);
     fast::DataWriterQos writer_qos;
-    set_quality(writer_qos);
+    set_command_quality(writer_qos);
     writer_qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
-    writer_qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
-    writer_qos.reliable_writer_qos().times.nackResponseDelay = duration(kNackDelay);
+    writer_qos.reliable_writer_qos().times.heartbeatPeriod = duration(kCommandHeartbeat);
+    writer_qos.reliable_writer_qos().times.nackResponseDelay = duration(kCommandNackDelay);
     writer_ = mine.publisher().create_datawriter(out_topic_, writer_qos, writer_listener_,
                                                  fast::StatusMask::publication_matched());
     fast::DataReaderQos reader_qos;
-    set_quality(reader_qos);
+    set_command_quality(reader_qos);
     reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
-    reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
+    reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kCommandFirstAck);
     reader_ = mine.make_reader(in_topic_, reader_qos, reader_listener_, fast::StatusMask::data_available());
     if (also_in_topic_ != nullptr) {
       also_reader_ =
@@ -301,7 +301,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
 
   // For one more command. False where as many as may be are still without an answer.
   bool make_room(std::size_t bytes) {
-    if (to_handle_bytes + bytes > kMostBytes) return false;
+    if (to_handle_bytes + bytes > kMostWaitingBytes) return false;
     if (asked_order.size() < kRemembered) return true;
     return forget_an_answer();
   }
@@ -329,7 +329,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     to_send.push_back({full, found->second.asker, Clock::now()});
     answer_bytes += full.data.size();
     found->second.reply = std::move(full);
-    while (answer_bytes > kMostBytes && forget_an_answer()) {
+    while (answer_bytes > kMostWaitingBytes && forget_an_answer()) {
     }
     found->second.answered = true;  // now it may be forgotten too
     changed.notify_all();

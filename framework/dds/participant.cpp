@@ -285,9 +285,10 @@ void OwnParticipant::dismiss(Remade& one) {
 Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::TypeSupport& type) {
   const std::lock_guard lock{mutex_};
   const std::string& type_name = type.get_type_name();
+  const fast::TopicDataType& decoder = *type;
   if (const auto found = types_.find(type_name);
       found != types_.end() &&
-      (found->second.size != type->m_typeSize || found->second.decoder != typeid(*type.get()))) {
+      (found->second.size != type->m_typeSize || found->second.decoder != typeid(decoder))) {
     return fail("there are two types of the name '" + type_name + "' in this process",
                 "components that are built with different versions of a type cannot be used together");
   }
@@ -302,7 +303,7 @@ Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::
   Known& known = types_[type_name];
   if (known.topics == 0) {
     known.size = type->m_typeSize;
-    known.decoder = typeid(*type.get());
+    known.decoder = typeid(decoder);
     participant_->register_type(type, type_name);
   }
   fast::Topic* made = participant_->create_topic(name, type_name, fast::TOPIC_QOS_DEFAULT);

@@ -13,12 +13,12 @@ constexpr std::size_t kWriters = 64;  // whose numbers are followed
 constexpr std::int32_t kReliableReaderDepth = 32;
 constexpr std::size_t kPreallocated = 4 * 1024 * 1024;  // bytes at most that are made ready for one flow
 // What is lost is noticed by the writer's next sample, or after a heartbeat; 3 s by default.
-constexpr Nanoseconds kHeartbeat = std::chrono::milliseconds{10};
-constexpr Nanoseconds kDelay = std::chrono::milliseconds{1};
-constexpr Nanoseconds kFirstAck = std::chrono::milliseconds{10};
+constexpr Nanoseconds kFlowHeartbeat = std::chrono::milliseconds{10};
+constexpr Nanoseconds kFlowNackDelay = std::chrono::milliseconds{1};
+constexpr Nanoseconds kFlowFirstAck = std::chrono::milliseconds{10};
 
 template <class Qos>
-void set_quality(Qos& qos, const Quality& quality, std::int32_t depth, std::size_t sample) {
+void set_flow_quality(Qos& qos, const Quality& quality, std::int32_t depth, std::size_t sample) {
   qos.reliability().kind =
       quality.reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
   qos.durability().kind = quality.kept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
@@ -108,11 +108,11 @@ RawWriter::~RawWriter() {
 
 Result<void> RawWriter::make() {
   fast::DataWriterQos qos;
-  set_quality(qos, flow_.quality, depth_of(flow_.quality), model::max_size(flow_.type));
+  set_flow_quality(qos, flow_.quality, depth_of(flow_.quality), model::max_size(flow_.type));
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
-  qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
-  qos.reliable_writer_qos().times.nackResponseDelay = duration(kDelay);
+  qos.reliable_writer_qos().times.heartbeatPeriod = duration(kFlowHeartbeat);
+  qos.reliable_writer_qos().times.nackResponseDelay = duration(kFlowNackDelay);
   qos.writer_resource_limits().reader_filters_allocation.maximum = 0;
   fast::StatusMask mask = fast::StatusMask::publication_matched();
   mask << fast::StatusMask::offered_incompatible_qos();
@@ -174,11 +174,11 @@ Result<void> RawReader::make() {
   // What comes before a sample that is sent again is kept until that one is here.
   const std::int32_t depth = flow_.quality.reliable ? std::max(depth_of(flow_.quality), kReliableReaderDepth)
                                                     : depth_of(flow_.quality);
-  set_quality(qos, flow_.quality, depth, model::max_size(flow_.type));
+  set_flow_quality(qos, flow_.quality, depth, model::max_size(flow_.type));
   // With a fixed size, a sample that is too long would be offered again and again, and never be counted.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-  qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(kDelay);
-  qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
+  qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(kFlowNackDelay);
+  qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFlowFirstAck);
   fast::StatusMask mask = fast::StatusMask::data_available();
   mask << fast::StatusMask::subscription_matched() << fast::StatusMask::requested_incompatible_qos();
   reader_ = own(*participant_).make_reader(topic_, qos, this, mask);
@@ -217,7 +217,7 @@ void RawReader::on_data_available(fast::DataReader* from) {
 
 void RawReader::count_gap(const fast::SampleInfo& info) {
   const std::uint64_t writer = number_of(info.sample_identity.writer_guid());
-  const std::int64_t number = info.sample_identity.sequence_number().to64long();
+  const auto number = static_cast<std::int64_t>(info.sample_identity.sequence_number().to64long());
   if (last_.size() >= kWriters && last_.find(writer) == last_.end()) last_.clear();
   const auto [last, first] = last_.try_emplace(writer, number);
   if (!first && number > last->second + 1)

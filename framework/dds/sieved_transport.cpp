@@ -14,31 +14,31 @@ namespace takt::dds {
 
 namespace {
 
-namespace fast = eprosima::fastdds::rtps;
+namespace transport = eprosima::fastdds::rtps;
 using eprosima::fastrtps::rtps::IPLocator;
 using eprosima::fastrtps::rtps::Locator_t;
 using eprosima::fastrtps::rtps::octet;
 using eprosima::fastrtps::rtps::SenderResource;
 
-std::uint32_t address_of(const Locator_t& from) {
+std::uint32_t packed_address_of(const Locator_t& from) {
   std::uint32_t address = 0;
   std::memcpy(&address, IPLocator::getIPv4(from), sizeof address);
   return address;
 }
 
-class SievedTransport final : public fast::ChainingTransport {
+class SievedTransport final : public transport::ChainingTransport {
  public:
   SievedTransport(const SievedDescriptor& descriptor, std::shared_ptr<Sieve> sieve)
       : ChainingTransport(descriptor), descriptor_(descriptor), sieve_(std::move(sieve)) {}
 
-  [[nodiscard]] fast::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
+  [[nodiscard]] transport::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
 
-  bool send(SenderResource* below, const octet* bytes, std::uint32_t size, fast::LocatorsIterator* begin,
-            fast::LocatorsIterator* end, const std::chrono::steady_clock::time_point& limit) override {
+  bool send(SenderResource* below, const octet* bytes, std::uint32_t size, transport::LocatorsIterator* begin,
+            transport::LocatorsIterator* end, const std::chrono::steady_clock::time_point& limit) override {
     return below->send(bytes, size, begin, end, limit);
   }
 
-  void receive(fast::TransportReceiverInterface* above, const octet* bytes, std::uint32_t size,
+  void receive(transport::TransportReceiverInterface* above, const octet* bytes, std::uint32_t size,
                const Locator_t& here, const Locator_t& from) override {
     const std::size_t readable =
         readable_rtps({bytes, size}, sieve_->secured ? &security::names_somebody : nullptr);
@@ -47,7 +47,7 @@ class SievedTransport final : public fast::ChainingTransport {
       if (!is_protected_rtps({bytes, readable})) return refuse(from, "is not encrypted");
       const Announcement announcement = announcement_in({bytes, readable});
       if (announcement.of != Announcement::Of::nobody &&
-          !sieve_->newcomers.admit(announcement, address_of(from)))
+          !sieve_->newcomers.admit(announcement, packed_address_of(from)))
         return refuse(from, "announces a participant that may not be there, or too many of them");
     }
     sieve_->handling.handle(
@@ -66,7 +66,7 @@ class SievedTransport final : public fast::ChainingTransport {
 
 }  // namespace
 
-fast::TransportInterface* SievedDescriptor::create_transport() const {
+transport::TransportInterface* SievedDescriptor::create_transport() const {
   return new SievedTransport{*this, sieve_};
 }
 

@@ -29,9 +29,9 @@ constexpr std::int32_t kReaderDepth =
 constexpr std::int32_t kEventsKept = 64;  ///< of a device, for who comes later
 // A writer asks after what is not acknowledged; by default after 3 s, and a reader lets 5 ms pass before it
 // answers. A transition must not wait that long for the one before it.
-constexpr Nanoseconds kHeartbeat = std::chrono::milliseconds{5};
-constexpr Nanoseconds kNackDelay = std::chrono::milliseconds{1};
-constexpr Nanoseconds kFirstAck = std::chrono::milliseconds{10};
+constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{5};
+constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
+constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
 constexpr Nanoseconds kStep = std::chrono::milliseconds{20};  ///< of a wait, in which nobody else gets at it
 
 /// A state is kept for who comes later and its writer's life is watched; of events the last few are kept;
@@ -79,7 +79,7 @@ struct TopicOf<FaultEvent> {
 };
 
 template <class T, class Qos>
-void set_quality(Qos& qos, std::int32_t depth) {
+void set_topic_quality(Qos& qos, std::int32_t depth) {
   constexpr bool kKept = TopicOf<T>::sort != Sort::measure;
   qos.reliability().kind = kKept ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
   qos.durability().kind = kKept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
@@ -150,10 +150,10 @@ struct Writer<T>::Inside final : Remade {
 
   Result<void> make() {
     fast::DataWriterQos qos;
-    set_quality<T>(qos, TopicOf<T>::sort == Sort::event ? kEventsKept : 1);
+    set_topic_quality<T>(qos, TopicOf<T>::sort == Sort::event ? kEventsKept : 1);
     qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
-    qos.reliable_writer_qos().times.heartbeatPeriod = duration(kHeartbeat);
-    qos.reliable_writer_qos().times.nackResponseDelay = duration(kNackDelay);
+    qos.reliable_writer_qos().times.heartbeatPeriod = duration(kTopicHeartbeat);
+    qos.reliable_writer_qos().times.nackResponseDelay = duration(kTopicNackDelay);
     qos.writer_data_lifecycle().autodispose_unregistered_instances = true;
     writer = own(*participant).publisher().create_datawriter(topic, qos, nullptr, fast::StatusMask::none());
     if (writer == nullptr) return no_entity<T>("writer");
@@ -265,9 +265,9 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Remade {
 
   Result<void> make() {
     fast::DataReaderQos qos;
-    set_quality<T>(qos, kReaderDepth);
+    set_topic_quality<T>(qos, kReaderDepth);
     qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
-    qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFirstAck);
+    qos.reliable_reader_qos().times.initialAcknackDelay = duration(kTopicFirstAck);
     fast::StatusMask mask = fast::StatusMask::data_available();
     mask << fast::StatusMask::liveliness_changed() << fast::StatusMask::subscription_matched();
     reader = own(*participant).make_reader(topic, qos, this, mask);

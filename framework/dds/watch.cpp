@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostSeen = 4096;
 
-std::string address_of(const rtps::ParticipantProxyData& data) {
+std::string printed_address_of(const rtps::ParticipantProxyData& data) {
   for (const rtps::Locator_t& locator : data.metatraffic_locators.unicast) {
     if (locator.kind == LOCATOR_KIND_UDPv4) return rtps::IPLocator::toIPv4string(locator);
   }
@@ -82,7 +82,7 @@ void Watch::on_participant_discovery(fast::DomainParticipant*, rtps::Participant
   if (seen_.size() >= kMostSeen) seen_.clear();
   Seen& seen = seen_[data.m_guid.guidPrefix];
   seen.name = data.m_participantName.to_string();
-  seen.address = address_of(data);
+  seen.address = printed_address_of(data);
   for (const auto& property : data.identity_token_.properties()) {
     if (property.name() == "dds.cert.sn") seen.subject = property.value();
     if (property.name() == "dds.ca.sn") seen.authority = property.value();

@@ -67,7 +67,7 @@ Problems said_by(const std::string& text) {
 }
 
 /// What a program says of itself.
-struct Answer {
+struct ProgramAnswer {
   std::string operation;
   std::vector<model::Port> ports;
   std::vector<PropertyDescription> properties;
@@ -81,14 +81,14 @@ std::optional<SavedDescription> saved_of(const json& answer) {
   return SavedDescription{.version = at->at("version"), .bytes = at->at("bytes")};
 }
 
-Result<Answer> parse_answer(const std::string& text) {
+Result<ProgramAnswer> parse_answer(const std::string& text) {
   auto ports = model::parse_ports(text);
   if (!ports) return ports.problems();
   const json answer = model::parse_json(text);  // it is an object, or it had no ports
   auto properties = parse_properties(model::json_text(answer.value("properties", json::array())));
   if (!properties) return properties.problems();
-  return Answer{answer.value("operation", ""), std::move(*ports), std::move(*properties),
-                problems_from(answer.value("problems", json::array())), saved_of(answer)};
+  return ProgramAnswer{answer.value("operation", ""), std::move(*ports), std::move(*properties),
+                       problems_from(answer.value("problems", json::array())), saved_of(answer)};
 }
 
 constexpr const char* kProcessLibrary = "libtakt_process.so";
@@ -104,7 +104,8 @@ bool may_answer(const std::string& path) {
 
 /// What a program with these arguments says when it is told to say what it is and end. `refused`: it ended
 /// with words of its own about what it was given, which are the problems.
-Result<Answer> ask_program(const std::string& path, const Arguments& arguments, bool* refused = nullptr) {
+Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& arguments,
+                                  bool* refused = nullptr) {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   os::MessageSocket& ours = sockets->first;
@@ -367,7 +368,8 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   }
   for (const auto& [path, uses] : thread_modules) {
     auto text = os::in_child(
-        "loading " + path, [&] { return model::json_text(check_uses(path, cell, uses)); }, kLimit);
+        "loading " + path,
+        [&path = path, &uses = uses, &cell] { return model::json_text(check_uses(path, cell, uses)); }, kLimit);
     const json answer = text ? model::parse_json(*text) : json{};
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const model::Module& module = cell.devices[uses[i].device].modules[uses[i].module];

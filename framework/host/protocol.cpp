@@ -28,10 +28,10 @@ std::optional<int> to_number(const json& value) {
   return value.get<int>();
 }
 
-json to_json(const model::OverrunContract& contract) { return {contract.what, contract.limit}; }
+json json_of(const model::OverrunContract& contract) { return {contract.what, contract.limit}; }
 model::OverrunContract contract_from(const json& value) { return {value[0], value[1]}; }
 
-json to_json(const model::Module& module) {
+json json_of(const model::Module& module) {
   json properties = json::array();
   for (const auto& property : module.properties) properties.push_back({property.name, property.value});
   return {{"name", module.name},
@@ -49,7 +49,7 @@ json to_json(const model::Module& module) {
           {"budget", from_duration(module.budget)},
           {"times", from_optional(module.tolerance.times)},
           {"in_a_row", from_optional(module.tolerance.in_a_row)},
-          {"overrun", module.overrun ? to_json(*module.overrun) : json(nullptr)},
+          {"overrun", module.overrun ? json_of(*module.overrun) : json(nullptr)},
           {"properties", properties}};
 }
 
@@ -75,10 +75,10 @@ model::Module module_from(const json& value) {
   return module;
 }
 
-json to_json(const model::Executor& executor) {
+json json_of(const model::Executor& executor) {
   return {
       {"name", executor.name},       {"priority", executor.priority}, {"auto", executor.rate_monotonic},
-      {"wakeup", executor.wakeup},   {"spin", executor.spin_share},   {"overrun", to_json(executor.overrun)},
+      {"wakeup", executor.wakeup},   {"spin", executor.spin_share},   {"overrun", json_of(executor.overrun)},
       {"offsets", executor.offsets}, {"timing", executor.timing},     {"own_host", executor.own_host}};
 }
 
@@ -96,7 +96,7 @@ model::Executor executor_from(const json& value) {
   return executor;
 }
 
-json to_json(const Request& request) {
+json json_of(const Request& request) {
   return {{"do", request.what},         {"module", request.module}, {"hook", request.hook},
           {"type", request.error_type}, {"id", request.id},         {"property", request.property},
           {"value", request.value}};
@@ -126,9 +126,9 @@ Result<T> decoded(const std::string& text, Read&& read) {
 
 std::string encode(const Setup& setup) {
   json modules = json::array();
-  for (const auto& module : setup.device.modules) modules.push_back(to_json(module));
+  for (const auto& module : setup.device.modules) modules.push_back(json_of(module));
   json executors = json::array();
-  for (const auto& executor : setup.device.executors) executors.push_back(to_json(executor));
+  for (const auto& executor : setup.device.executors) executors.push_back(json_of(executor));
   json links = json::array();
   for (const PortLink& link : setup.links)
     links.push_back({link.module, link.port, link.fd, link.typed, link.stale_is_error});
@@ -145,10 +145,10 @@ std::string encode(const Setup& setup) {
                            {"links", links}});
 }
 
-std::string encode(const Request& request) { return model::json_text(to_json(request)); }
+std::string encode(const Request& request) { return model::json_text(json_of(request)); }
 
 std::string encode(const Answer& answer) {
-  return model::json_text({{"request", to_json(answer.request)},
+  return model::json_text({{"request", json_of(answer.request)},
                            {"ok", answer.ok},
                            {"text", answer.text},
                            {"warnings", answer.warnings}});

@@ -162,7 +162,7 @@ std::vector<Part> connections_of(const Device& device, const Cell& cell) {
   return parts;
 }
 
-const Part* find(const std::vector<Part>& parts, const std::string& name) {
+const Part* find_part(const std::vector<Part>& parts, const std::string& name) {
   const auto found =
       std::find_if(parts.begin(), parts.end(), [&name](const Part& part) { return part.name == name; });
   return found == parts.end() ? nullptr : &*found;
@@ -171,7 +171,7 @@ const Part* find(const std::vector<Part>& parts, const std::string& name) {
 void compare(const std::vector<Part>& before, const std::vector<Part>& after,
              std::vector<std::string>& reasons) {
   for (const Part& part : after) {
-    const Part* const was = find(before, part.name);
+    const Part* const was = find_part(before, part.name);
     if (was == nullptr) reasons.push_back(part.name + " is new");
     for (std::size_t i = 0; was != nullptr && i < part.facets.size(); ++i) {
       if (was->facets[i] != part.facets[i])
@@ -180,7 +180,7 @@ void compare(const std::vector<Part>& before, const std::vector<Part>& after,
     }
   }
   for (const Part& part : before) {
-    if (find(after, part.name) == nullptr) reasons.push_back(part.name + " is gone");
+    if (find_part(after, part.name) == nullptr) reasons.push_back(part.name + " is gone");
   }
 }
 

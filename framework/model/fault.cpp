@@ -12,14 +12,14 @@ namespace takt::model {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
-struct Kind {
+struct KindWord {
   const char* word;
   Severity severity;
 };
 // By FaultKind.
-constexpr std::array<Kind, kFaultKinds> kKinds{{
+constexpr std::array<KindWord, kFaultKinds> kKinds{{
     {"error", Severity::error},
     {"recovered", Severity::note},
     {"not-recovered", Severity::error},
@@ -48,7 +48,7 @@ constexpr std::array<Kind, kFaultKinds> kKinds{{
     {"not-real-time", Severity::warning},
 }};
 
-const Kind* kind_of(FaultKind kind) noexcept {
+const KindWord* kind_of(FaultKind kind) noexcept {
   const auto index = static_cast<std::size_t>(kind);
   return index < kKinds.size() ? &kKinds[index] : nullptr;
 }
@@ -56,13 +56,13 @@ const Kind* kind_of(FaultKind kind) noexcept {
 }  // namespace
 
 const char* to_text(FaultKind kind) noexcept {
-  const Kind* found = kind_of(kind);
+  const KindWord* found = kind_of(kind);
   return found == nullptr ? "?" : found->word;
 }
 
 std::vector<std::string_view> fault_words() {
   std::vector<std::string_view> words;
-  for (const Kind& kind : kKinds) words.emplace_back(kind.word);
+  for (const KindWord& kind : kKinds) words.emplace_back(kind.word);
   return words;
 }
 
@@ -77,7 +77,7 @@ std::string all_words() {
 
 std::optional<FaultKind> fault_kind(std::string_view word) noexcept {
   const auto found =
-      std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.word == word; });
+      std::find_if(kKinds.begin(), kKinds.end(), [&](const KindWord& k) { return k.word == word; });
   if (found == kKinds.end()) return std::nullopt;
   return static_cast<FaultKind>(found - kKinds.begin());
 }
@@ -95,15 +95,15 @@ const char* to_text(Severity severity) noexcept {
 }
 
 Severity severity_of(FaultKind kind) noexcept {
-  const Kind* found = kind_of(kind);
+  const KindWord* found = kind_of(kind);
   return found == nullptr ? Severity::error : found->severity;
 }
 
-json to_json(const Fault& fault) {
-  const auto or_null = [](const std::string& text) { return text.empty() ? json(nullptr) : json(text); };
+Json to_json(const Fault& fault) {
+  const auto or_null = [](const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); };
   return {{"sequence", fault.sequence},
           {"time_ns", fault.time_ns},
-          {"cell", fault.cell == "-" ? json(nullptr) : or_null(fault.cell)},
+          {"cell", fault.cell == "-" ? Json(nullptr) : or_null(fault.cell)},
           {"device", fault.device},
           {"module", or_null(fault.module)},
           {"kind", to_text(fault.kind)},
@@ -112,12 +112,12 @@ json to_json(const Fault& fault) {
           {"cause", fault.cause},
           {"attachment", or_null(fault.attachment)},
           {"count", fault.count},
-          {"cycle", fault.cycle == 0 ? json(nullptr) : json(fault.cycle)}};
+          {"cycle", fault.cycle == 0 ? Json(nullptr) : Json(fault.cycle)}};
 }
 
-std::optional<Fault> fault_from(const json& value) {
+std::optional<Fault> fault_from(const Json& value) {
   const auto text = [&value](const char* name) {
-    const json& member = value.at(name);
+    const Json& member = value.at(name);
     return member.is_null() ? std::string{} : member.get<std::string>();
   };
   try {
@@ -136,7 +136,7 @@ std::optional<Fault> fault_from(const json& value) {
                 .cycle = value.at("cycle").is_null() ? 0 : value.at("cycle").get<std::uint64_t>()};
     if (fault.cell.empty()) fault.cell = "-";
     return fault;
-  } catch (const json::exception&) {
+  } catch (const Json::exception&) {
     return std::nullopt;
   }
 }
@@ -157,8 +157,8 @@ std::vector<Fault> FaultFilter::of(const std::vector<Fault>& faults) const {
   return taken;
 }
 
-json to_json(const FaultFilter& filter) {
-  json value = json::object();
+Json to_json(const FaultFilter& filter) {
+  Json value = Json::object();
   if (!filter.module.empty()) value["module"] = filter.module;
   for (const FaultKind kind : filter.kinds) value["kinds"].push_back(to_text(kind));
   if (filter.after != 0) value["after"] = filter.after;
@@ -170,7 +170,7 @@ json to_json(const FaultFilter& filter) {
 Result<FaultFilter> filter_from(std::string_view text) {
   FaultFilter filter;
   if (text.empty()) return filter;
-  const json value = parse_json(text);
+  const Json value = parse_json(text);
   if (!value.is_object()) return fail("the filter is no JSON object");
   try {
     for (const auto& [name, member] : value.items()) {
@@ -201,7 +201,7 @@ Result<FaultFilter> filter_from(std::string_view text) {
                     suggestion(name, {"module", "kinds", "after", "since_ns", "last"}));
       }
     }
-  } catch (const json::exception& error) {
+  } catch (const Json::exception& error) {
     return fail(std::string{"the filter cannot be read: "} + error.what());
   }
   return filter;

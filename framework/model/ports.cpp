@@ -13,7 +13,7 @@ namespace takt::model {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 std::string written(const Endpoint& end) { return end.device + "." + end.module + "." + end.port; }
 
@@ -39,7 +39,7 @@ struct Place {
   std::size_t module;
 };
 
-std::optional<Place> find(const Cell& cell, const Endpoint& end) {
+std::optional<Place> find_place(const Cell& cell, const Endpoint& end) {
   for (std::size_t d = 0; d < cell.devices.size(); ++d) {
     if (cell.devices[d].name != end.device) continue;
     for (std::size_t m = 0; m < cell.devices[d].modules.size(); ++m) {
@@ -87,7 +87,7 @@ class Check {
   }
 
   const Port* check_end(const Endpoint& end, bool output, Line line) {
-    const auto place = find(cell_, end);
+    const auto place = find_place(cell_, end);
     if (!place) return nullptr;
     const std::vector<Port>* ports = known(ports_, *place);
     if (ports == nullptr) return nullptr;
@@ -153,7 +153,7 @@ class Check {
     const Port* reply = nullptr;
   };
   Halves check_service_end(const Endpoint& end, bool client, const Line& line) {
-    const auto place = find(cell_, end);
+    const auto place = find_place(cell_, end);
     const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
     if (ports == nullptr) return {};
     const char* kind = client ? "client" : "service";
@@ -229,7 +229,7 @@ class Check {
     for (const Device& device : cell_.devices) {
       for (const Module& module : device.modules) {
         if (module.dispatch != Dispatch::immediate) continue;
-        const auto place = find(cell_, {device.name, module.name, {}});
+        const auto place = find_place(cell_, {device.name, module.name, {}});
         const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
         if (ports == nullptr) continue;
         const Line line = module.lines.dispatch.given() ? module.lines.dispatch : module.line;
@@ -258,7 +258,7 @@ class Check {
   }
 
   const Port* safe_output(const Device& device, const Module& module, const SafeValue& safe) {
-    const auto place = find(cell_, {device.name, module.name, {}});
+    const auto place = find_place(cell_, {device.name, module.name, {}});
     const std::vector<Port>* ports = place ? known(ports_, *place) : nullptr;
     if (ports == nullptr) return nullptr;
     std::vector<std::string_view> names;
@@ -345,7 +345,7 @@ std::string name_of_service(const Port& port) {
 }
 
 std::string ports_json(const std::vector<Port>& ports) {
-  json list = json::array();
+  Json list = Json::array();
   for (const Port& port : ports) {
     list.push_back({{"name", port.name},
                     {"direction", to_text(port.direction)},
@@ -354,18 +354,18 @@ std::string ports_json(const std::vector<Port>& ports) {
                     {"description", to_text(port.type)},
                     {"text", port.text},
                     {"object", port.object},
-                    {"safe", port.safe.empty() ? json(nullptr) : parse_json(port.safe)}});
+                    {"safe", port.safe.empty() ? Json(nullptr) : parse_json(port.safe)}});
   }
   return json_text({{"ports", list}});
 }
 
 Result<std::vector<Port>> parse_ports(const std::string& text) {
-  const json value = parse_json(text);
+  const Json value = parse_json(text);
   if (!value.is_object() || !value.contains("ports") || !value["ports"].is_array())
     return fail("a list of ports was expected and is none");
   std::vector<Port> ports;
   Problems problems;
-  for (const json& each : value["ports"]) {
+  for (const Json& each : value["ports"]) {
     const auto string_of = [&each](const char* name) {
       return each.is_object() && each.contains(name) && each[name].is_string() ? each[name].get<std::string>()
                                                                                : "";
@@ -397,7 +397,7 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
 }
 
 const Port* find_port(const Cell& cell, const CellPorts& ports, const Endpoint& end) {
-  const auto place = find(cell, end);
+  const auto place = find_place(cell, end);
   const std::vector<Port>* of = place ? known(ports, *place) : nullptr;
   if (of == nullptr) return nullptr;
   const auto found =

@@ -14,7 +14,7 @@ namespace takt::model {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 /// In the order in which they may not fall.
 struct Time {
@@ -26,15 +26,15 @@ constexpr std::array kTimes{Time{"min_ns", &RunTimes::min}, Time{"p50_ns", &RunT
                             Time{"max_ns", &RunTimes::max}};
 constexpr const char* kRewrite = "let takt run --profile write the file again";
 
-class Reader {
+class ProfileReader {
  public:
-  Reader(std::string_view text, std::string_view file) : text_(text), file_(file) {}
+  ProfileReader(std::string_view text, std::string_view file) : text_(text), file_(file) {}
 
   Result<Profile> read();
 
  private:
   void add(int line, std::string what, std::string fix) {
-    problems_.push_back({place(file_, line), std::move(what), std::move(fix)});
+    problems_.push_back({takt::place(file_, line), std::move(what), std::move(fix)});
   }
   [[nodiscard]] int line_at(std::size_t offset) const {
     const auto before = text_.substr(0, offset);
@@ -45,10 +45,10 @@ class Reader {
     const std::size_t found = text_.find('"' + key + '"');
     return found == std::string_view::npos ? 1 : line_at(found);
   }
-  void read_module(const std::string& name, const json& value);
+  void read_module(const std::string& name, const Json& value);
   /// A whole number from 0 on that fits 63 bits; else a problem and 0.
-  std::int64_t number(const std::string& module, const json& value, const char* key);
-  void refuse_others(const json& object, const std::vector<std::string_view>& known, const std::string& whose,
+  std::int64_t number(const std::string& module, const Json& value, const char* key);
+  void refuse_others(const Json& object, const std::vector<std::string_view>& known, const std::string& whose,
                      int line);
 
   std::string_view text_;
@@ -57,15 +57,15 @@ class Reader {
   Problems problems_;
 };
 
-void Reader::refuse_others(const json& object, const std::vector<std::string_view>& known,
-                           const std::string& whose, int line) {
+void ProfileReader::refuse_others(const Json& object, const std::vector<std::string_view>& known,
+                                  const std::string& whose, int line) {
   for (const auto& [key, value] : object.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end())
       add(line, whose + " has no " + in_quotes(key), suggestion(key, known));
   }
 }
 
-std::int64_t Reader::number(const std::string& module, const json& value, const char* key) {
+std::int64_t ProfileReader::number(const std::string& module, const Json& value, const char* key) {
   const auto found = value.find(key);
   const int line = line_of(module);
   if (found == value.end()) {
@@ -80,7 +80,7 @@ std::int64_t Reader::number(const std::string& module, const json& value, const 
   return 0;
 }
 
-void Reader::read_module(const std::string& name, const json& value) {
+void ProfileReader::read_module(const std::string& name, const Json& value) {
   const int line = line_of(name);
   const std::size_t dot = name.find('.');
   if (dot == 0 || dot == std::string::npos || dot + 1 == name.size() ||
@@ -111,11 +111,11 @@ void Reader::read_module(const std::string& name, const json& value) {
   profile_.modules[name] = times;
 }
 
-Result<Profile> Reader::read() {
-  json root;
+Result<Profile> ProfileReader::read() {
+  Json root;
   try {
-    root = json::parse(text_);
-  } catch (const json::parse_error& error) {
+    root = Json::parse(text_);
+  } catch (const Json::parse_error& error) {
     add(line_at(error.byte == 0 ? 0 : error.byte - 1), "this is no JSON", kRewrite);
     return problems_;
   }
@@ -144,17 +144,17 @@ Result<Profile> Reader::read() {
 }  // namespace
 
 std::string profile_json(const Profile& profile, const std::map<std::string, std::string>& machine) {
-  json modules = json::object();
+  Json modules = Json::object();
   for (const auto& [name, times] : profile.modules) {
-    json& entry = modules[name] = {{"runs", times.runs}};
+    Json& entry = modules[name] = {{"runs", times.runs}};
     for (const Time& time : kTimes) entry[time.key] = (times.*time.of).count();
   }
-  const json root{{"cell", profile.cell}, {"machine", machine}, {"modules", modules}};
-  return root.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  const Json root{{"cell", profile.cell}, {"machine", machine}, {"modules", modules}};
+  return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 Result<Profile> parse_profile(std::string_view text, std::string_view file) {
-  return Reader{text, file}.read();
+  return ProfileReader{text, file}.read();
 }
 
 }  // namespace takt::model

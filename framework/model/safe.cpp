@@ -11,9 +11,9 @@
 
 namespace takt::model {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::string of_sample(const Type& type, const std::vector<std::byte>& bytes) {
   return is_sample(type, bytes.data(), bytes.size()) ? sample_json(type, bytes.data(), bytes.size()) : "";

@@ -47,7 +47,7 @@ Span repeated(Span one, std::size_t n) {
   return sum;
 }
 
-std::size_t product(const std::vector<std::size_t>& dimensions) {
+std::size_t saturated_product(const std::vector<std::size_t>& dimensions) {
   std::size_t result = 1;
   for (const std::size_t n : dimensions) result = n == 0 || result > kTooMany / n ? kTooMany : result * n;
   return result;
@@ -86,9 +86,9 @@ Span span_of(const Field& field) {
                                                : aligned(size_of(field.scalar));
   if (field.sequence > 0) {
     const std::size_t n = std::min(field.sequence, kTooMany);
-    one = both(aligned(4), repeated(repeated(one, product(field.elements)), n));
+    one = both(aligned(4), repeated(repeated(one, saturated_product(field.elements)), n));
   }
-  return repeated(one, product(field.dimensions));
+  return repeated(one, saturated_product(field.dimensions));
 }
 
 Span span_of(const std::vector<Field>& fields) {
@@ -116,7 +116,7 @@ bool is_type_name(std::string_view text) {
   return is_name(text);
 }
 
-class Reader {
+class TypeReader {
  public:
   std::optional<Type> type(const Json& json) {
     Type type;
@@ -281,7 +281,7 @@ class Reader {
   int sequences_ = 0;  // that what is read now is an element of
 };
 
-Json to_json(const std::vector<Field>& fields) {
+Json fields_json(const std::vector<Field>& fields) {
   Json list = Json::array();
   for (const Field& field : fields) {
     Json json{{"name", field.name}, {"type", to_text(field.scalar)}};
@@ -291,7 +291,7 @@ Json to_json(const std::vector<Field>& fields) {
     if (!field.elements.empty()) json["elements"] = field.elements;
     if (!field.type_name.empty()) json["of"] = field.type_name;
     if (field.scalar == Scalar::enumeration) json["enumerators"] = field.enumerators;
-    if (field.scalar == Scalar::structure) json["fields"] = to_json(field.fields);
+    if (field.scalar == Scalar::structure) json["fields"] = fields_json(field.fields);
     list.push_back(std::move(json));
   }
   return list;
@@ -307,7 +307,7 @@ Result<Type> parse_type(const std::string& text) {
                    "it has at most " + std::to_string(kMaxDescription)};
   const Json json = parse_json(text);
   if (json.is_discarded()) return Problem{"the type", "its description is no JSON", {}};
-  Reader reader;
+  TypeReader reader;
   auto type = reader.type(json);
   if (!reader.problems.empty()) return std::move(reader.problems);
   if (const std::size_t size = max_size(*type); size > kMaxSampleSize)
@@ -317,7 +317,7 @@ Result<Type> parse_type(const std::string& text) {
 }
 
 std::string to_text(const Type& type) {
-  return json_text({{"name", type.name}, {"fields", to_json(type.fields)}});
+  return json_text({{"name", type.name}, {"fields", fields_json(type.fields)}});
 }
 
 std::size_t max_size(const Type& type) { return padded_sample(kEncapsulation + span_of(type.fields)[0]); }

@@ -16,6 +16,7 @@
 
 namespace takt::node {
 
+using json = nlohmann::ordered_json;
 using Phase = Supervised::Phase;
 
 namespace {
@@ -25,7 +26,7 @@ struct Found {
   model::Cell cell;
   std::size_t device;
 };
-Result<Found> find(const std::string& text, const std::string& file, const std::string& name) {
+Result<Found> find_device(const std::string& text, const std::string& file, const std::string& name) {
   auto cell = descriptor::parse(text, file);
   if (!cell) return cell.problems();
   const auto device = std::find_if(cell->devices.begin(), cell->devices.end(),
@@ -42,7 +43,6 @@ Result<Found> find(const std::string& text, const std::string& file, const std::
 }  // namespace
 
 nlohmann::ordered_json Agent::Deployment::ports_of(const model::Device& device, const Inspected& found) {
-  using json = nlohmann::ordered_json;
   json modules = json::array();
   for (std::size_t i = 0; i < device.modules.size(); ++i) {
     const bool known = i < found.ports.size() && found.ports[i];
@@ -123,7 +123,7 @@ void Agent::prepare(const dds::WholeCommand& command) {
 void Agent::begin(std::unique_ptr<Deployment> deployment) {
   last_refusal_.clear();
   deployment_ = std::move(deployment);
-  auto found = find(deployment_->text, deployment_->file, options_.device);
+  auto found = find_device(deployment_->text, deployment_->file, options_.device);
   if (!found) {
     refuse(found.problems());
     return;
@@ -465,7 +465,7 @@ void Agent::leave_kept() const {
   if (!options_.file) return;
   const auto kept = options_.file->kept();
   if (!kept || !*kept) return;
-  const auto found = find((*kept)->text, (*kept)->file, options_.device);
+  const auto found = find_device((*kept)->text, (*kept)->file, options_.device);
   log((found ? "cell " + found->cell.name : "a cell") +
       " was running when this node ended and is not taken up again; --resume would");
 }

@@ -27,7 +27,7 @@ using Phase = Supervised::Phase;
 
 namespace {
 
-const model::Module* find(const model::Device& device, const std::string& name) {
+const model::Module* find_module(const model::Device& device, const std::string& name) {
   const auto found = std::find_if(device.modules.begin(), device.modules.end(),
                                   [&name](const model::Module& module) { return module.name == name; });
   return found == device.modules.end() ? nullptr : &*found;
@@ -75,14 +75,14 @@ void Agent::complain(const Command& command, ReplyCode code, const Problems& pro
 }
 
 std::size_t Agent::Deployment::index_of(const std::string& module) const {
-  return static_cast<std::size_t>(find(of_device(), module) - of_device().modules.data());
+  return static_cast<std::size_t>(find_module(of_device(), module) - of_device().modules.data());
 }
 
 void Agent::Deployment::inherit(const Deployment& other) {
   swapped.clear();
   set.clear();
   for (const model::Module& module : of_device().modules) {
-    const model::Module* const was = find(other.of_device(), module.name);
+    const model::Module* const was = find_module(other.of_device(), module.name);
     if (was == nullptr) continue;
     const auto exchanged = other.swapped.find(module.name);
     if (exchanged != other.swapped.end() && was->filename == module.filename)

@@ -71,7 +71,7 @@ dds::FlowHealth health_from(const json& value) {
 }
 
 /// The program's side: the memory, and the gateway that uses it.
-class Program {
+class FarGatewayProgram {
  public:
   Result<void> open(const json& request, const std::vector<std::string>& interfaces) {
     model::Discovery discovery;
@@ -215,7 +215,7 @@ int run_far_gateway(const std::vector<std::string>& interfaces) {
   const auto text = node.receive_wait();
   const json request = text ? model::parse_json(*text) : json{};
   if (!request.is_object()) return 1;
-  Program program;
+  FarGatewayProgram program;
   if (auto opened = program.open(request, interfaces); !opened) {
     node.send_wait(model::json_text({{"problems", problems_json(opened.problems())}}));
     return 1;

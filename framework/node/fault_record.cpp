@@ -16,7 +16,7 @@ namespace {
 /// Before the slots: so much, that no slot lies in two pages.
 constexpr std::size_t kHeaderBytes = 4096;
 constexpr std::size_t kMostSlots = 65536;
-constexpr std::size_t kMostBytes = kHeaderBytes + kMostSlots * kSlotBytes;
+constexpr std::size_t kMostRecordBytes = kHeaderBytes + kMostSlots * kSlotBytes;
 
 struct Header {
   std::uint64_t magic;
@@ -43,7 +43,7 @@ struct Slot {
 static_assert(sizeof(Slot) == kSlotBytes && std::is_trivially_copyable_v<Slot>);
 
 // FNV-1a: a change of any one byte changes it.
-std::uint64_t checksum(std::string_view bytes) {
+std::uint64_t record_checksum(std::string_view bytes) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   return hash;
@@ -55,7 +55,7 @@ std::string_view bytes_after_checksum(const Slot& slot) {
 
 std::string encode_header(std::size_t slots) {
   Header header{.magic = kMagic, .slots = slots, .checksum = 0};
-  header.checksum = checksum({reinterpret_cast<const char*>(&header), offsetof(Header, checksum)});
+  header.checksum = record_checksum({reinterpret_cast<const char*>(&header), offsetof(Header, checksum)});
   return {reinterpret_cast<const char*>(&header), sizeof header};
 }
 
@@ -65,7 +65,8 @@ Result<std::size_t> decode_header(std::string_view content) {
   if (content.size() < sizeof header) return other;
   std::memcpy(&header, content.data(), sizeof header);
   if (header.magic != kMagic || header.slots == 0 || header.slots > kMostSlots ||
-      header.checksum != checksum({reinterpret_cast<const char*>(&header), offsetof(Header, checksum)}))
+      header.checksum !=
+          record_checksum({reinterpret_cast<const char*>(&header), offsetof(Header, checksum)}))
     return other;
   return static_cast<std::size_t>(header.slots);
 }
@@ -107,7 +108,7 @@ std::string encode_slot(const model::Fault& fault) {
   put(slot.module, fault.module);
   put(slot.cause, fault.cause);
   put(slot.attachment, fault.attachment);
-  slot.checksum = checksum(bytes_after_checksum(slot));
+  slot.checksum = record_checksum(bytes_after_checksum(slot));
   return {reinterpret_cast<const char*>(&slot), sizeof slot};
 }
 
@@ -116,7 +117,7 @@ std::optional<model::Fault> decode_slot(std::string_view bytes) {
   if (bytes.size() != sizeof slot) return std::nullopt;
   std::memcpy(&slot, bytes.data(), sizeof slot);
   if (slot.sequence == 0 || slot.kind >= model::kFaultKinds ||
-      slot.checksum != checksum(bytes_after_checksum(slot)))
+      slot.checksum != record_checksum(bytes_after_checksum(slot)))
     return std::nullopt;
   const auto text = [](const auto& field) { return std::string{field.view()}; };
   return model::Fault{.sequence = slot.sequence,
@@ -156,7 +157,7 @@ Result<Recorded> read_record(std::string_view content) {
 }
 
 Result<Recorded> read_record_file(const std::string& path) {
-  const auto content = os::read_file(path, kMostBytes);
+  const auto content = os::read_file(path, kMostRecordBytes);
   if (!content) return content.problems();
   if (!*content)
     return Problem{path, "there is no such file", "a node says where its record is when it starts"};
@@ -188,7 +189,7 @@ FaultRecord FaultRecord::open(const std::string& path, std::size_t slots) {
 Result<void> FaultRecord::take_up(const std::string& path) {
   auto file = os::FixedFile::open(path);
   if (!file) return file.problems();
-  auto content = file->read(kMostBytes);
+  auto content = file->read(kMostRecordBytes);
   if (!content) return content.problems();
   // One that was being made when its node died has no header yet.
   const bool empty = is_zero(*content);

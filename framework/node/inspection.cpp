@@ -25,12 +25,12 @@ namespace fs = std::filesystem;
 /// A device's components are looked at one after the other, each within a limit of its own.
 constexpr Nanoseconds kLimit = std::chrono::seconds{60};
 
-class Program final : public Inspection {
+class InspectionProgram final : public Inspection {
  public:
   static Result<std::unique_ptr<Inspection>> start(const InspectionRequest& request) {
     auto sockets = os::MessageSocket::pair();
     if (!sockets) return sockets.problems();
-    auto program = std::make_unique<Program>();
+    auto program = std::make_unique<InspectionProgram>();
     program->socket_ = std::move(sockets->first);
     const os::MessageSocket theirs = std::move(sockets->second);
     auto child = os::Child::spawn({.program = os::program_directory() + "/takt-node",
@@ -177,7 +177,7 @@ json inspect_here(const InspectionRequest& request) {
 }  // namespace
 
 Result<std::unique_ptr<Inspection>> inspect(const InspectionRequest& request) {
-  return Program::start(request);
+  return InspectionProgram::start(request);
 }
 
 int run_inspection() {

@@ -18,9 +18,9 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-constexpr const char* kFormat = "takt deployment 2";
+constexpr const char* kDeploymentFormat = "takt deployment 2";
 /// A descriptor as JSON: at most six bytes for each of its own, and a little around it.
-constexpr std::size_t kMostBytes = 6 * descriptor::kMaxBytes + 65536;
+constexpr std::size_t kMostDeploymentBytes = 6 * descriptor::kMaxBytes + 65536;
 
 }  // namespace
 
@@ -43,12 +43,12 @@ Result<void> DeploymentFile::keep(const KeptDeployment& deployment) const {
                                              {"boot", deployment.boot},
                                              {"t0_monotonic_ns", deployment.t0_monotonic_ns},
                                              {"safe", deployment.safe}});
-  return write_whole(path_, kFormat, body);
+  return write_whole(path_, kDeploymentFormat, body);
 }
 
 Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
   const Problem damage{path_, "the deployment that was kept there is damaged", "deploy the cell again"};
-  const auto body = read_whole(path_, kFormat, kMostBytes, damage);
+  const auto body = read_whole(path_, kDeploymentFormat, kMostDeploymentBytes, damage);
   if (!body) return body.problems();
   if (!*body) return std::optional<KeptDeployment>{};
   const json value = model::parse_json(**body);

@@ -19,8 +19,8 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-constexpr const char* kFormat = "takt saved 1";
-constexpr std::size_t kMostBytes = 2 * channel::kMostSaved + 1024;
+constexpr const char* kSavedFormat = "takt saved 1";
+constexpr std::size_t kMostSavedBytes = 2 * channel::kMostSaved + 1024;
 
 }  // namespace
 
@@ -29,14 +29,14 @@ SavedFile::SavedFile(const std::string& folder, const std::string& cell, const s
     : path_(folder + "/" + cell + "." + device + "." + module + ".saved") {}
 
 Result<void> SavedFile::write(const channel::SavedState::Place& saved) const {
-  return write_whole(path_, kFormat,
+  return write_whole(path_, kSavedFormat,
                      model::json_text({{"version", saved.version},
                                        {"bytes", in_hex(std::span{saved.bytes}.first(saved.size))}}));
 }
 
 Result<void> SavedFile::read_into(channel::SavedState& state) const {
   const Problem damaged{path_, "what a module had saved there is damaged", "the module begins anew"};
-  const auto body = read_whole(path_, kFormat, kMostBytes, damaged);
+  const auto body = read_whole(path_, kSavedFormat, kMostSavedBytes, damaged);
   if (!body) return body.problems();
   if (!*body) return {};
   try {

@@ -10,7 +10,7 @@ namespace takt::node {
 
 namespace {
 // FNV-1a. It finds what a disk does to a file, not what a person does.
-std::string checksum(const std::string& text) {
+std::string checksum_text(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   std::array<char, 17> digits{};
@@ -20,7 +20,7 @@ std::string checksum(const std::string& text) {
 }  // namespace
 
 Result<void> write_whole(const std::string& path, const std::string& format, const std::string& body) {
-  return os::replace_file(path, format + " " + checksum(body) + "\n" + body);
+  return os::replace_file(path, format + " " + checksum_text(body) + "\n" + body);
 }
 
 Result<std::optional<std::string>> read_whole(const std::string& path, const std::string& format,
@@ -35,7 +35,8 @@ Result<std::optional<std::string>> read_whole(const std::string& path, const std
   if (line == std::string::npos || !(*content)->starts_with(format + " "))
     return because("it does not begin with \"" + format + "\"");
   std::string body = (*content)->substr(line + 1);
-  if ((*content)->substr(0, line) != format + " " + checksum(body)) return because("its checksum is another");
+  if ((*content)->substr(0, line) != format + " " + checksum_text(body))
+    return because("its checksum is another");
   return std::optional{std::move(body)};
 }
 

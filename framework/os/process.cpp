@@ -240,7 +240,7 @@ Result<std::string> in_child(const std::string& what, const std::function<std::s
   while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
   }
   const ProcessEnd end = ended(status);
-  if (late) return fail(what + " did not end within " + to_text(limit));
+  if (late) return fail(what + " did not end within " + takt::to_text(limit));
   if (end.signalled || end.code != 0) return fail(what + " " + end.text());
   return text;
 }

@@ -20,7 +20,7 @@ using model::Operation;
 using model::Wakeup;
 
 // What is not settled after so many steps is refused.
-constexpr int kMaxSteps = 100'000;
+constexpr int kMaxIterations = 100'000;
 /// Of looking at what is below the rows, each with the bounds that the one before has found.
 constexpr int kRounds = 3;
 /// Modules that are looked at in all, of an executor that others interrupt.
@@ -44,7 +44,7 @@ Nanoseconds longest_spin(Nanoseconds period, double share) {
 template <class Before>
 std::optional<Wide> settle(Wide own, Wide least, const Before& before, bool coarse = false) {
   Wide window = std::max(own, least);
-  for (int step = 0; step < kMaxSteps && window < kForever; ++step) {
+  for (int step = 0; step < kMaxIterations && window < kForever; ++step) {
     const Wide next = own + before(window);
     if (next <= window) return window;
     window = coarse ? std::max(next, window + window / 1024) : next;

@@ -9,7 +9,7 @@ namespace {
 
 /// Steps of the search, each a row that is looked at. To try each place of each module once takes as many as
 /// there are rows for each module; a table where that is more than half of them is left as it is.
-constexpr std::uint64_t kMaxSteps = 20'000'000;
+constexpr std::uint64_t kMaxSearchSteps = 20'000'000;
 
 std::uint64_t count(Nanoseconds time) { return static_cast<std::uint64_t>(time.count()); }
 
@@ -59,7 +59,7 @@ class Search {
 
   bool count_rows() {
     if (modules_.empty()) return false;
-    const std::uint64_t most = kMaxSteps / 2 / modules_.size();
+    const std::uint64_t most = kMaxSearchSteps / 2 / modules_.size();
     std::uint64_t rows = 1;
     for (std::size_t i = 0; i < modules_.size(); ++i) {
       if (stride(i) > most) return false;
@@ -114,7 +114,7 @@ class Search {
     std::stable_sort(places.begin(), places.end(),
                      [](const Place& a, const Place& b) { return a.load < b.load; });
     for (const Place& candidate : places) {
-      if (candidate.load >= best_ || best_ <= least_ || steps_ > kMaxSteps) return;
+      if (candidate.load >= best_ || best_ <= least_ || steps_ > kMaxSearchSteps) return;
       places_[i] = candidate.first;
       put(i, candidate.first, modules_[i].weight);
       place(depth + 1, candidate.load);

@@ -27,7 +27,7 @@ Problem problem_of(const model::Cell& cell, const Module& module, std::string wh
 
 /// Budgets are any int64, so a sum of them needs more.
 __extension__ using Wide = __int128;
-constexpr Wide kLargest = Nanoseconds::max().count();
+constexpr Wide kLargestBudget = Nanoseconds::max().count();
 
 struct WideLoad {
   Wide budget = 0;
@@ -96,7 +96,7 @@ void check_rows(const model::Cell& cell, const Device& device, const ExecutorPla
   if (named.size() > kNamedModules) list += " and " + std::to_string(named.size() - kNamedModules) + " more";
 
   const std::string sum =
-      most > kLargest ? "more than 10^18 ns" : to_text(Nanoseconds{static_cast<std::int64_t>(most)});
+      most > kLargestBudget ? "more than 10^18 ns" : to_text(Nanoseconds{static_cast<std::int64_t>(most)});
   problems.push_back(problem_of(
       cell, device.modules[largest],
       "the budgets of row " + std::to_string(fullest) + " of executor '" +
@@ -198,7 +198,7 @@ std::vector<std::uint32_t> ExecutorPlan::row(std::size_t row) const {
 ExecutorPlan::Load ExecutorPlan::load(const Device& device, std::size_t row) const {
   TAKT_CHECK(row < rows());
   const WideLoad load = load_of(device, *this, row);
-  return {.budget = Nanoseconds{static_cast<std::int64_t>(std::min(load.budget, kLargest))},
+  return {.budget = Nanoseconds{static_cast<std::int64_t>(std::min(load.budget, kLargestBudget))},
           .complete = load.complete};
 }
 

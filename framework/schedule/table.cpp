@@ -9,21 +9,23 @@
 namespace takt::schedule {
 namespace {
 
-// Wide enough for the least common multiple of any two periods (2^126) and for any sum of entries.
-__extension__ using Wide = unsigned __int128;
+// UnsignedWide enough for the least common multiple of any two periods (2^126) and for any sum of entries.
+__extension__ using UnsignedWide = unsigned __int128;
 
-constexpr Wide kMaxPeriod = std::numeric_limits<std::int64_t>::max();
+constexpr UnsignedWide kMaxPeriod = std::numeric_limits<std::int64_t>::max();
 
 std::uint64_t period_of(const Task& task) { return static_cast<std::uint64_t>(task.period.count()); }
 
-Wide least_common_multiple(std::uint64_t a, std::uint64_t b) { return Wide{a / std::gcd(a, b)} * b; }
+UnsignedWide least_common_multiple(std::uint64_t a, std::uint64_t b) {
+  return UnsignedWide{a / std::gcd(a, b)} * b;
+}
 
 /// The size of a table before it is built. Without a macro period nothing after it is known either.
 struct Extent {
   std::uint64_t basic = 0;
   std::optional<std::uint64_t> macro;
   std::uint64_t rows = 0;
-  Wide entries = 0;
+  UnsignedWide entries = 0;
 };
 
 Extent measure(std::span<const Task> tasks) {
@@ -35,7 +37,7 @@ Extent measure(std::span<const Task> tasks) {
 
   std::uint64_t macro = 1;
   for (const Task& task : tasks) {
-    const Wide next = least_common_multiple(macro, period_of(task));
+    const UnsignedWide next = least_common_multiple(macro, period_of(task));
     if (next > kMaxPeriod) return extent;
     macro = static_cast<std::uint64_t>(next);
   }
@@ -45,7 +47,7 @@ Extent measure(std::span<const Task> tasks) {
   return extent;
 }
 
-std::string number(Wide value) {
+std::string number(UnsignedWide value) {
   std::string digits;
   do {
     digits.insert(digits.begin(), static_cast<char>('0' + static_cast<int>(value % 10)));
@@ -54,7 +56,7 @@ std::string number(Wide value) {
   return digits;
 }
 
-std::string duration(Wide ns) {
+std::string duration(UnsignedWide ns) {
   if (ns > kMaxPeriod) return "more than 10^18 ns";
   return to_text(Nanoseconds{static_cast<std::int64_t>(ns)});
 }
@@ -125,13 +127,13 @@ PeriodPair longest_pair(std::span<const Task> tasks) {
   std::uint64_t common = 0;
   for (const auto index : order) common = std::gcd(common, period_of(tasks[index]));
   PeriodPair best{};
-  Wide largest = 0;
+  UnsignedWide largest = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::uint64_t high = period_of(tasks[order[i]]);
     for (std::size_t j = i + 1; j < order.size(); ++j) {
       const std::uint64_t low = period_of(tasks[order[j]]);
-      if (Wide{high} * (low / common) < largest) break;
-      const Wide multiple = least_common_multiple(high, low);
+      if (UnsignedWide{high} * (low / common) < largest) break;
+      const UnsignedWide multiple = least_common_multiple(high, low);
       if (multiple < largest) continue;
       if (multiple == largest && tasks[order[j]].period >= tasks[best.shorter].period) continue;
       largest = multiple;

@@ -25,15 +25,15 @@ constexpr const char* kAccessKey = "permissions.key.pem";
 constexpr const char* kComponentsKey = "components.key.pem";
 constexpr const char* kDescriptor = "cell.xml";
 constexpr const char* kDomain = "domain";
-constexpr std::size_t kMostBytes = std::size_t{32} << 20;
+constexpr std::size_t kMostAuthorityBytes = std::size_t{32} << 20;
 
 constexpr std::int64_t kDay = 24 * 3600;
 /// Clocks differ.
 constexpr std::int64_t kBefore = 3600;
 constexpr std::int64_t kAuthorityDays = 3650;
 
-Result<std::string> read(const fs::path& path) {
-  auto content = os::read_file(path.string(), kMostBytes);
+Result<std::string> read_authority_file(const fs::path& path) {
+  auto content = os::read_file(path.string(), kMostAuthorityBytes);
   if (!content) return content.problems();
   if (!*content) return Problem{path.string(), "there is no such file", "takt secure init makes one"};
   return **std::move(content);
@@ -41,7 +41,7 @@ Result<std::string> read(const fs::path& path) {
 
 template <class Object, class From>
 Result<void> read_into(Object& object, const fs::path& path, From from) {
-  auto text = read(path);
+  auto text = read_authority_file(path);
   if (!text) return text.problems();
   object = from(*text);
   if (object == nullptr) return Problem{path.string(), "it cannot be read", "restore it from a copy"};
@@ -172,10 +172,10 @@ Result<Authority> Authority::open(const std::string& folder) {
   return Authority{std::move(inside)};
 }
 
-Result<std::string> Authority::descriptor() const { return read(inside_->own(kDescriptor)); }
+Result<std::string> Authority::descriptor() const { return read_authority_file(inside_->own(kDescriptor)); }
 
 Result<int> Authority::domain() const {
-  auto text = read(inside_->own(kDomain));
+  auto text = read_authority_file(inside_->own(kDomain));
   if (!text) return text.problems();
   int domain = -1;
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), domain);
@@ -219,7 +219,7 @@ Result<std::string> Authority::sign_components(const std::vector<std::string>& f
     own.write(kComponents, to_pem(*certificate)).write(kComponentsKey, to_pem(*made));
     if (!own.result()) return own.result().problems();
   }
-  const auto key = read(inside_->own(kComponentsKey));
+  const auto key = read_authority_file(inside_->own(kComponentsKey));
   if (!key) return key.problems();
   Problems problems;
   for (const std::string& file : files) {

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBytes = std::size_t{16} << 20;
+constexpr std::size_t kMostIdentityBytes = std::size_t{16} << 20;
 constexpr const char* kCopyAgain = "copy the whole folder as takt secure made it";
 
 /// Reads the files of one folder, and keeps what is wrong with them.
@@ -24,7 +24,7 @@ class Folder {
   explicit Folder(std::string path) : path_(std::move(path)) {}
 
   std::string read(const char* file) {
-    auto content = os::read_file(place(file), kMostBytes);
+    auto content = os::read_file(place(file), kMostIdentityBytes);
     if (!content) {
       add(file, content.problems());
     } else if (!*content) {

@@ -19,7 +19,7 @@ const unsigned char* bytes(const std::string& text) {
   return reinterpret_cast<const unsigned char*>(text.data());
 }
 
-Result<std::string> read(const std::string& path, std::size_t most, const char* fix) {
+Result<std::string> read_signed_file(const std::string& path, std::size_t most, const char* fix) {
   auto content = os::read_file(path, most);
   if (!content) return content.problems();
   if (!*content) return Problem{path, "there is no such file", fix};
@@ -31,7 +31,7 @@ std::string signature_of(const std::string& file) { return file + ".sig"; }
 Result<Certificate> signer(const std::string& file, std::int64_t now) {
   constexpr const char* kName =
       "name the certificate that takt sign prints: DIR/authority/components.cert.pem";
-  const auto pem = read(file, kMostPem, kName);
+  const auto pem = read_signed_file(file, kMostPem, kName);
   if (!pem) return pem.problems();
   Certificate certificate = certificate_from(*pem);
   if (certificate == nullptr) return Problem{file, "it is no certificate", kName};
@@ -42,7 +42,7 @@ Result<Certificate> signer(const std::string& file, std::int64_t now) {
 }  // namespace
 
 Result<void> sign_file(const std::string& file, const std::string& pem) {
-  const auto content = read(file, kMostSigned, "name a file");
+  const auto content = read_signed_file(file, kMostSigned, "name a file");
   if (!content) return content.problems();
   const Key key = key_from(pem);
   if (key == nullptr) return fail("the key that is to sign " + file + " is none");
@@ -67,7 +67,7 @@ Result<void> check_signature(const std::string& file, const std::string& certifi
   constexpr const char* kSign = "takt sign makes one";
   const auto certificate = signer(certificate_file, now);
   if (!certificate) return certificate.problems();
-  const auto content = read(file, kMostSigned, "name a file");
+  const auto content = read_signed_file(file, kMostSigned, "name a file");
   if (!content) return content.problems();
   auto signature = os::read_file(signature_of(file), kMostPem);
   if (!signature) return signature.problems();

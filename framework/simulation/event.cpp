@@ -10,7 +10,7 @@ namespace takt::simulation {
 
 namespace {
 
-std::string seconds(Nanoseconds time) {
+std::string seconds_text(Nanoseconds time) {
   const std::int64_t ns = time.count();
   const std::int64_t size = ns < 0 ? -ns : ns;
   return fmt::format("{}{}.{:09}", ns < 0 ? '-' : '+', size / 1'000'000'000, size % 1'000'000'000);
@@ -36,7 +36,7 @@ void add_who(std::string& line, const Event& event, const model::Cell& cell) {
 }  // namespace
 
 std::string to_text(const Event& event, const model::Cell& cell, Instant t0) {
-  std::string line = seconds(event.at - t0) + " ";
+  std::string line = seconds_text(event.at - t0) + " ";
   add_who(line, event, cell);
   const auto to = std::back_inserter(line);
   switch (event.what) {
@@ -44,7 +44,7 @@ std::string to_text(const Event& event, const model::Cell& cell, Instant t0) {
       fmt::format_to(to, " woke {} ns after its release", (event.at - event.release).count());
       break;
     case What::walked:
-      fmt::format_to(to, " walked row {} of {}", event.number, seconds(event.release - t0));
+      fmt::format_to(to, " walked row {} of {}", event.number, seconds_text(event.release - t0));
       if (event.count != 0) fmt::format_to(to, ", missed {} before it", event.count);
       break;
     case What::joined:
@@ -57,22 +57,22 @@ std::string to_text(const Event& event, const model::Cell& cell, Instant t0) {
       line += " is out of the tables";
       break;
     case What::ready:
-      fmt::format_to(to, " is ready, by {}", seconds(event.until - t0));
+      fmt::format_to(to, " is ready, by {}", seconds_text(event.until - t0));
       break;
     case What::run:
-      fmt::format_to(to, " run {} of {}", event.number, seconds(event.release - t0));
+      fmt::format_to(to, " run {} of {}", event.number, seconds_text(event.release - t0));
       break;
     case What::ran:
       fmt::format_to(to, " ran {} ns", event.took.count());
       break;
     case What::released:
-      fmt::format_to(to, " released, {} of {}", event.number, seconds(event.release - t0));
+      fmt::format_to(to, " released, {} of {}", event.number, seconds_text(event.release - t0));
       break;
     case What::busy:
       line += " is still in its body";
       break;
     case What::body:
-      fmt::format_to(to, " body {} of {}", event.number, seconds(event.release - t0));
+      fmt::format_to(to, " body {} of {}", event.number, seconds_text(event.release - t0));
       break;
     case What::done:
       fmt::format_to(to, " done after {} ns", event.took.count());

@@ -28,7 +28,7 @@ struct Word {
   std::string_view means;
 };
 
-constexpr std::array kWords{
+constexpr std::array kFaultWords{
     Word{Kind::late, Of::module, "late", Amount::duration, "robot.servo late 3 ms",
          "its next run takes that much longer"},
     Word{Kind::crash, Of::module, "crash", Amount::none, "line.belt crash",
@@ -51,7 +51,8 @@ constexpr std::array kWords{
 };
 
 const Word& word_of(Kind kind) {
-  return *std::find_if(kWords.begin(), kWords.end(), [kind](const Word& word) { return word.kind == kind; });
+  return *std::find_if(kFaultWords.begin(), kFaultWords.end(),
+                       [kind](const Word& word) { return word.kind == kind; });
 }
 
 std::vector<std::string_view> split(std::string_view line) {
@@ -203,7 +204,7 @@ class Line {
   bool what(Of of, std::vector<Fault>& places) {
     std::string_view given = next();
     std::vector<std::string_view> known;
-    for (const Word& word : kWords) {
+    for (const Word& word : kFaultWords) {
       if (word.of != of) continue;
       const std::vector<std::string_view> parts = split(word.word);
       known.push_back(word.word);
@@ -308,7 +309,8 @@ Result<std::vector<Fault>> parse_script(std::string_view text, const std::string
 
 std::string script_help() {
   std::string text;
-  for (const Word& word : kWords) text += fmt::format("  at 1.5 s {:<40} {}\n", word.example, word.means);
+  for (const Word& word : kFaultWords)
+    text += fmt::format("  at 1.5 s {:<40} {}\n", word.example, word.means);
   return text;
 }
 
@@ -323,7 +325,7 @@ std::vector<Fault> draw_faults(const model::Cell& cell, Draws& draws, Nanosecond
   using std::chrono::microseconds;
   std::vector<Fault> faults;
   while (faults.size() < number) {
-    Fault fault{.kind = static_cast<Kind>(draws.below(kWords.size())),
+    Fault fault{.kind = static_cast<Kind>(draws.below(kFaultWords.size())),
                 .at = draws.between(Nanoseconds{0}, length),
                 .device = static_cast<std::uint32_t>(draws.below(cell.devices.size())),
                 .place = 0,

@@ -66,8 +66,8 @@ void Invariants::hear(const Event& event) {
   } else if (event.what == What::host_ended) {
     for (OfExecutor& executor : device.executors) {
       // The row is cut short: it counts as missed, with what it has served and who was in it.
-      const Nanoseconds basic =
-          plans_[event.device].executors[&executor - device.executors.data()].basic_period;
+      const auto index = static_cast<std::size_t>(&executor - device.executors.data());
+      const Nanoseconds basic = plans_[event.device].executors[index].basic_period;
       for (const Served& served : executor.served) {
         if (!executor.in_row || executor.runs == served.module) continue;
         // What was made up of a slot that was over is not missed any more.

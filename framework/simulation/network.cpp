@@ -13,7 +13,7 @@ using std::chrono::microseconds;
 /// A sample on an idle local network, from the gateway of one node to that of another.
 constexpr Nanoseconds kShortest = microseconds{60};
 constexpr Nanoseconds kUsual = microseconds{250};
-constexpr Nanoseconds kLongest = microseconds{3000};
+constexpr Nanoseconds kLongestDelay = microseconds{3000};
 constexpr double kSeldom = 0.002;
 /// A reliable writer notices that a reader can be reached again.
 constexpr Nanoseconds kResend = microseconds{2000};
@@ -46,8 +46,8 @@ void Network::send(std::uint32_t connection, const std::byte* sample, std::int64
   if (way.to == nullptr) return;  // to a program that is not ours
   const model::Connection& model = world_.cell.connections[connection];
   const Instant now = world_.kernel.now();
-  Instant arrival =
-      now + (draws_.chance(kSeldom) ? draws_.between(kUsual, kLongest) : draws_.between(kShortest, kUsual));
+  Instant arrival = now + (draws_.chance(kSeldom) ? draws_.between(kUsual, kLongestDelay)
+                                                  : draws_.between(kShortest, kUsual));
   arrival += std::exchange(way.to_delay, Nanoseconds{0});
   bool lost = false;
   if (way.to_lose != 0) {

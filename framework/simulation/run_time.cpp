@@ -8,7 +8,7 @@ namespace {
 
 /// What is taken for granted of a module of which nothing is known: this share of its period.
 constexpr int kShare = 20;
-constexpr Nanoseconds kLongest = std::chrono::milliseconds{1};
+constexpr Nanoseconds kLongestUsualRun = std::chrono::milliseconds{1};
 
 Nanoseconds between(Nanoseconds low, Nanoseconds high, double share) {
   return low + Nanoseconds{static_cast<std::int64_t>(share * static_cast<double>((high - low).count()))};
@@ -33,8 +33,8 @@ RunTime::RunTime(const model::Cell& cell, const model::Device& device, const mod
               .max = budget * 9 / 10};
     return;
   }
-  const Nanoseconds own = module.period ? *module.period : module.deadline.value_or(kLongest);
-  const Nanoseconds usual = std::max(std::min(own / kShare, kLongest), Nanoseconds{1});
+  const Nanoseconds own = module.period ? *module.period : module.deadline.value_or(kLongestUsualRun);
+  const Nanoseconds usual = std::max(std::min(own / kShare, kLongestUsualRun), Nanoseconds{1});
   times_ = {.runs = 1,
             .min = usual / 2,
             .p50 = usual,

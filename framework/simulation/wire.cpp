@@ -7,7 +7,7 @@ namespace takt::simulation {
 
 namespace {
 
-constexpr std::size_t kWords = kSampleBytes / sizeof(std::uint64_t);
+constexpr std::size_t kSampleWords = kSampleBytes / sizeof(std::uint64_t);
 
 // The number, the connection, and words that no other sample has at their places.
 std::uint64_t word(std::uint32_t connection, std::uint64_t number, std::size_t place) noexcept {
@@ -29,11 +29,11 @@ void write(std::byte* sample, std::uint32_t connection, std::uint64_t number, st
 }  // namespace
 
 void write_first_half(std::byte* sample, std::uint32_t connection, std::uint64_t number) noexcept {
-  write(sample, connection, number, 0, kWords / 2);
+  write(sample, connection, number, 0, kSampleWords / 2);
 }
 
 void write_second_half(std::byte* sample, std::uint32_t connection, std::uint64_t number) noexcept {
-  write(sample, connection, number, kWords / 2, kWords);
+  write(sample, connection, number, kSampleWords / 2, kSampleWords);
 }
 
 std::uint64_t number_of(const std::byte* sample) noexcept {
@@ -44,7 +44,7 @@ std::uint64_t number_of(const std::byte* sample) noexcept {
 
 bool is_whole(const std::byte* sample, std::uint32_t connection) noexcept {
   const std::uint64_t number = number_of(sample);
-  for (std::size_t i = 1; i < kWords; ++i) {
+  for (std::size_t i = 1; i < kSampleWords; ++i) {
     std::uint64_t value = 0;
     std::memcpy(&value, sample + i * sizeof value, sizeof value);
     if (value != word(connection, number, i)) return false;

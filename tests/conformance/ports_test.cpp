@@ -1,7 +1,7 @@
 // Ports without safe values.
 #include "ways.hpp"
 
-namespace takt {
+namespace takt::ports_test {
 namespace {
 
 template <class Way>
@@ -276,4 +276,4 @@ TEST(RingPorts, PassOverBytesThatAreNoSampleAndKeepTheLastOne) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::ports_test

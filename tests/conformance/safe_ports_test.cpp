@@ -1,7 +1,7 @@
 // Ports with a safe value, which readers are given while the writer does not execute.
 #include "ways.hpp"
 
-namespace takt {
+namespace takt::safe_ports_test {
 namespace {
 
 bool is_safe_sample(const Sample& sample) {
@@ -178,4 +178,4 @@ TYPED_TEST(SafePorts, NeverShowWhatWasWrittenWhileTheWriterDidNotExecute) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::safe_ports_test

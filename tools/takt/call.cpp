@@ -39,7 +39,7 @@ struct CallOptions {
 /// As long as a service is open for anybody; it is closed by itself.
 constexpr auto kBeside = std::chrono::seconds{2};
 /// Both ways are found in this time, or not at all.
-constexpr auto kFound = std::chrono::seconds{5};
+constexpr auto kServiceFound = std::chrono::seconds{5};
 
 std::int64_t wall_ns() {
   return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -95,7 +95,7 @@ Result<Place> find(Client& client, const CallOptions& options) {
   if (second == std::string::npos || second + 1 == options.service.size())
     return fail("'" + options.service + "' names no service", "say DEVICE.MODULE.SERVICE");
   const auto open_for =
-      kFound + kBeside +
+      kServiceFound + kBeside +
       std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.timeout));
   const auto answer =
       client::accepted(client.asker->ask({.kind = COMMAND_TAP,
@@ -157,7 +157,7 @@ int call(const CallOptions& options) {
   const auto asks = dds::Feed::create(
       client->participant, {.topic = place->request_topic, .type = place->request, .quality = quality});
   if (!asks) return refuse(asks.problems());
-  const Instant found = os::now() + kFound;
+  const Instant found = os::now() + kServiceFound;
   while ((*asks)->health().matched == 0 || (*replies)->health().matched == 0) {
     if (os::now() > found)
       return refuse({fail(options.service + " was not found on DDS within 5 s",

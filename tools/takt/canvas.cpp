@@ -7,7 +7,7 @@ namespace takt::tool {
 
 namespace {
 
-constexpr std::string_view kColours = R"(
+constexpr std::string_view kCanvasColours = R"(
 svg { background: #ffffff; }
 text { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; fill: #1f2933; }
 .title { font-weight: bold; }
@@ -22,7 +22,7 @@ text { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace
 .process { fill: #8a4a00; }
 )";
 
-constexpr std::string_view kDarkColours = R"(
+constexpr std::string_view kDarkCanvasColours = R"(
 svg { background: #14181d; }
 text { fill: #e4e9ee; }
 .faint { fill: #9aa6b2; }
@@ -136,8 +136,8 @@ std::string Canvas::figure(std::string_view title) const {
 }
 
 std::string page_colours(std::string_view colours, std::string_view dark_colours) {
-  return fmt::format("{}{}@media (prefers-color-scheme: dark) {{{}{}}}\n", kColours, colours, kDarkColours,
-                     dark_colours);
+  return fmt::format("{}{}@media (prefers-color-scheme: dark) {{{}{}}}\n", kCanvasColours, colours,
+                     kDarkCanvasColours, dark_colours);
 }
 
 void Canvas::put(double x, double y, double size, std::string_view classes, std::string_view anchor,

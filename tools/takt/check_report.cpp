@@ -22,7 +22,7 @@ using schedule::DevicePlan;
 using schedule::ExecutorPlan;
 using Words = Page::Words;
 
-constexpr std::size_t kIndent = 4;
+constexpr std::size_t kDetailIndent = 4;
 
 /// "vision (process)"; a thread module is only named.
 std::string called(const Module& module) {
@@ -126,14 +126,14 @@ std::string fullest(const Device& device, const ExecutorPlan& plan, const schedu
 void flattened(Page& page, const Device& device, const ExecutorPlan& plan) {
   const auto before = unshifted(device, plan);
   if (!before) return;
-  page.sentence(kIndent, "offsets: the fullest row has " + fullest(device, plan, plan.table) +
-                             "; without them " + fullest(device, plan, *before));
+  page.sentence(kDetailIndent, "offsets: the fullest row has " + fullest(device, plan, plan.table) +
+                                   "; without them " + fullest(device, plan, *before));
   Words shifted;
   for (std::size_t i = 0; i < plan.periodic.size(); ++i) {
     if (plan.offsets[i] == Nanoseconds{}) continue;
     shifted.push_back(device.modules[plan.periodic[i]].name + " by " + to_text(plan.offsets[i]));
   }
-  page.words(kIndent, "shifted: ", shifted);
+  page.words(kDetailIndent, "shifted: ", shifted);
 }
 
 /// Modules that do not go by their executor's contract.
@@ -143,7 +143,7 @@ void contracts(Page& page, const Device& device, const ExecutorPlan& plan) {
     const Module& module = device.modules[index];
     if (module.overrun) own.push_back(module.name + " " + in_words(*module.overrun));
   }
-  if (!own.empty()) page.words(kIndent, "overrun: ", own);
+  if (!own.empty()) page.words(kDetailIndent, "overrun: ", own);
 }
 
 /// Figure 3 of the paper, with equal neighbours in one line.
@@ -182,13 +182,14 @@ void periodic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
       lead += fmt::format("{:<{}}  ", heads[i][column], widths[column]);
     }
     if (i == 0) {
-      page.dim(kIndent, lead + "modules, in the order in which they run");
+      page.dim(kDetailIndent, lead + "modules, in the order in which they run");
     } else {
-      page.words(kIndent, lead, modules[i - 1]);
+      page.words(kDetailIndent, lead, modules[i - 1]);
     }
   }
   if (row < plan.rows()) {
-    page.line(kIndent, fmt::format("... and {} more; --json has them all", count(plan.rows() - row, "row")));
+    page.line(kDetailIndent,
+              fmt::format("... and {} more; --json has them all", count(plan.rows() - row, "row")));
   }
 }
 
@@ -218,14 +219,15 @@ void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
     if (misses) row.emplace_back(model::to_text(module.miss));
     rows.push_back(std::move(row));
   }
-  page.table(kIndent, rows);
+  page.table(kDetailIndent, rows);
   if (plan.sporadic.size() > kTextRows) {
-    page.line(kIndent, fmt::format("... and {} more; --json has them all", plan.sporadic.size() - kTextRows));
+    page.line(kDetailIndent,
+              fmt::format("... and {} more; --json has them all", plan.sporadic.size() - kTextRows));
   }
   if (!hasty.empty()) {
-    page.line(kIndent,
+    page.line(kDetailIndent,
               page.warning("late by design, looked at only once in " + to_text(plan.basic_period) + ":"));
-    page.words(kIndent + 2, "", hasty);
+    page.words(kDetailIndent + 2, "", hasty);
   }
 }
 
@@ -278,14 +280,14 @@ void predicted_load(Page& page, const Device& device, const ExecutorPlan& plan) 
       most = std::max(most, budget);
     }
     page.sentence(
-        kIndent,
+        kDetailIndent,
         fmt::format(
             "predicted load{}: row {} is the fullest with {} of {} ({}); {:.1f} % over the macro period",
             share.unknown.empty() ? "" : ", at least", fullest, to_text(most), to_text(plan.basic_period),
             percent(most, plan.basic_period), 100.0 * share.value));
   }
   if (!share.unknown.empty()) {
-    page.words(kIndent,
+    page.words(kDetailIndent,
                states_budget(device, plan) ? "without a budget: " : "load not predicted, without a budget: ",
                share.unknown);
   }
@@ -313,37 +315,37 @@ void sporadic_load(Page& page, const Device& device, const ExecutorPlan& plan) {
   if (known.empty() && without_bound.empty()) return;  // of a cell without budgets nothing is expected
   page.blank();
   if (!known.empty()) {
-    page.words(kIndent, fmt::format("sporadic load, at most {:.4g} %: ", 100.0 * most), known);
+    page.words(kDetailIndent, fmt::format("sporadic load, at most {:.4g} %: ", 100.0 * most), known);
   }
-  if (!without_budget.empty()) page.words(kIndent, "sporadic without a budget: ", without_budget);
+  if (!without_budget.empty()) page.words(kDetailIndent, "sporadic without a budget: ", without_budget);
   if (!without_bound.empty())
-    page.words(kIndent, "sporadic at once and without an interarrival: ", without_bound);
+    page.words(kDetailIndent, "sporadic at once and without an interarrival: ", without_bound);
   const double together = most + periodic_share(device, plan).value;
   if (together > 1) {
-    page.line(kIndent, page.warning(fmt::format(
-                           "more than a processor can do when all come as often as they may: {:.4g} %",
-                           100.0 * together)));
+    page.line(kDetailIndent, page.warning(fmt::format(
+                                 "more than a processor can do when all come as often as they may: {:.4g} %",
+                                 100.0 * together)));
   }
 }
 
 void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
   executor_heading(page, device.executors[plan.executor], plan.priority);
   if (plan.rows() == 0) {
-    page.line(kIndent, "no modules");
+    page.line(kDetailIndent, "no modules");
     return;
   }
   if (plan.periodic.empty()) {
-    page.sentence(kIndent, "basic period " + to_text(plan.basic_period) +
-                               ", half the shortest deadline: there is no periodic module");
+    page.sentence(kDetailIndent, "basic period " + to_text(plan.basic_period) +
+                                     ", half the shortest deadline: there is no periodic module");
   } else {
     page.sentence(
-        kIndent,
+        kDetailIndent,
         fmt::format("basic period {}, macro period {}, {}, {}", to_text(plan.basic_period),
                     to_text(plan.macro_period), count(plan.rows(), "row"),
                     plan.table.entries() == 1 ? "1 entry" : fmt::format("{} entries", plan.table.entries())));
     if (plan.basic_period < kShortest) {
       page.line(
-          kIndent,
+          kDetailIndent,
           page.warning("no machine walks rows as often as that: choose periods and offsets that have more in "
                        "common"));
     }
@@ -378,10 +380,10 @@ void proof_text(Page& page, const Device& device, const Proof& proof, std::size_
                     bounded ? to_text(worst.deadline - *worst.response) : "-",
                     worst.kept() ? "kept" : "NOT KEPT"});
   }
-  page.table(kIndent, rows);
+  page.table(kDetailIndent, rows);
   if (rows.size() <= worst_cases.size()) {
-    page.line(kIndent, fmt::format("... and {} more, all kept; --json has them all",
-                                   worst_cases.size() + 1 - rows.size()));
+    page.line(kDetailIndent, fmt::format("... and {} more, all kept; --json has them all",
+                                         worst_cases.size() + 1 - rows.size()));
   }
 }
 

@@ -22,7 +22,7 @@ using schedule::DevicePlan;
 using schedule::ExecutorPlan;
 
 // Pixels.
-constexpr double kLane = 32;
+constexpr double kScheduleLane = 32;
 constexpr double kBadge = 15;  // height of a release mark
 constexpr double kStrip = 44;  // height of the load
 constexpr double kPlot = 960;  // width of the rows, unless they need more
@@ -31,7 +31,7 @@ constexpr double kPlot = 960;  // width of the rows, unless they need more
 constexpr double kHigh = 0.7;
 constexpr double kFull = 0.9;
 
-constexpr std::string_view kColours =
+constexpr std::string_view kScheduleColours =
     R"(.thread-budget { fill: #6da5e0; }
 .process-budget { fill: #dfa254; }
 .deadline { stroke: #b3261e; stroke-width: 1.5; stroke-dasharray: 4 3; }
@@ -41,7 +41,7 @@ constexpr std::string_view kColours =
 .full { fill: #c8372d; }
 )";
 
-constexpr std::string_view kDarkColours =
+constexpr std::string_view kDarkScheduleColours =
     R"(.thread-budget { fill: #3f76b5; }
 .process-budget { fill: #99631f; }
 .deadline, .end { stroke: #ff8a80; }
@@ -50,14 +50,14 @@ constexpr std::string_view kDarkColours =
 .full { fill: #f0685e; }
 )";
 
-double ratio(Nanoseconds part, Nanoseconds whole) {
+double ratio_of(Nanoseconds part, Nanoseconds whole) {
   return static_cast<double>(part.count()) / static_cast<double>(whole.count());
 }
 
-std::string number(std::size_t value) { return std::to_string(value); }
+std::string count_text(std::size_t value) { return std::to_string(value); }
 
 /// "thread, every 1 ms, priority 2, budget 200 us"
-std::string described(const Module& module) {
+std::string timing_of(const Module& module) {
   std::string text = model::to_text(module.type);
   if (module.period) text += ", every " + to_text(*module.period);
   if (module.deadline) text += ", deadline " + to_text(*module.deadline);
@@ -77,7 +77,7 @@ class Panel {
     // Wide enough for the number in a release mark.
     std::size_t longest = 1;
     for (std::size_t row = 0; row < shown_; ++row) longest = std::max(longest, plan_.row(row).size());
-    badge_ = width_of(number(longest), kSmall) + 8;
+    badge_ = width_of(count_text(longest), kSmall) + 8;
     if (shown_ > 0) column_ = std::clamp(kPlot / static_cast<double>(shown_), badge_ + 3, 240.0);
     right_ = left_ + column_ * static_cast<double>(shown_);
   }
@@ -93,7 +93,7 @@ class Panel {
     if (shown_ < plan_.rows()) {
       y_ += 16;
       canvas_.text(kMargin, y_, kNormal, "faint",
-                   "only rows 0 to " + number(shown_ - 1) + " of " + number(plan_.rows()) +
+                   "only rows 0 to " + count_text(shown_ - 1) + " of " + count_text(plan_.rows()) +
                        " are drawn; takt check --json has them all");
     }
     y_ += 22;
@@ -118,14 +118,14 @@ class Panel {
                             model::to_text(executor.wakeup);
     if (plan_.rows() == 0) return "no modules; " + how;
     return "basic period " + to_text(plan_.basic_period) + ", macro period " + to_text(plan_.macro_period) +
-           ", " + number(plan_.rows()) + (plan_.rows() == 1 ? " row; " : " rows; ") + how;
+           ", " + count_text(plan_.rows()) + (plan_.rows() == 1 ? " row; " : " rows; ") + how;
   }
 
   [[nodiscard]] double lanes_height() const {
     const auto lanes = [](std::size_t modules) {
       return static_cast<double>(std::min(modules, kSvgLanes) + (modules > kSvgLanes ? 1 : 0));
     };
-    return kLane * (lanes(plan_.periodic.size()) + lanes(plan_.sporadic.size())) +
+    return kScheduleLane * (lanes(plan_.periodic.size()) + lanes(plan_.sporadic.size())) +
            (plan_.periodic.empty() ? 0 : kStrip);
   }
 
@@ -133,9 +133,9 @@ class Panel {
   void background() {
     const double height = lanes_height();
     canvas_.text(kMargin, y_, kSmall, "faint", "row");
-    const auto every = step(width_of(number(shown_), kSmall) + 6);
+    const auto every = step(width_of(count_text(shown_), kSmall) + 6);
     for (std::size_t row = 0; row < shown_; row += every) {
-      canvas_.centred(at(row) + column_ / 2, y_, kSmall, "faint", number(row));
+      canvas_.centred(at(row) + column_ / 2, y_, kSmall, "faint", count_text(row));
     }
     y_ += 6;
     canvas_.rectangle(kMargin, y_, right_ - kMargin, height, "panel");
@@ -159,14 +159,14 @@ class Panel {
   }
 
   void label(const Module& module) {
-    canvas_.line(kMargin, y_ + kLane, right_, y_ + kLane, "lane");
+    canvas_.line(kMargin, y_ + kScheduleLane, right_, y_ + kScheduleLane, "lane");
     canvas_.text(kMargin + 6, y_ + 14, kNormal, "", module.name);
-    canvas_.text(kMargin + 6, y_ + 26, kSmall, "faint", described(module));
+    canvas_.text(kMargin + 6, y_ + 26, kSmall, "faint", timing_of(module));
   }
 
   void periodic_lane(std::uint32_t task) {
     const Module& module = device_.modules[plan_.periodic[task]];
-    canvas_.open_group(module.name + ": " + described(module));
+    canvas_.open_group(module.name + ": " + timing_of(module));
     label(module);
     for (std::size_t row = 0; row < shown_; ++row) {
       // Process modules run beside the row, thread modules after those before them.
@@ -179,46 +179,46 @@ class Panel {
         if (due) break;
         const Module& earlier = device_.modules[plan_.periodic[other]];
         if (earlier.type == ModuleType::thread && earlier.budget)
-          before += ratio(*earlier.budget, plan_.basic_period);
+          before += ratio_of(*earlier.budget, plan_.basic_period);
       }
       if (!due) continue;
       if (module.budget) {
         const double begin = at(row) + column_ * (module.type == ModuleType::thread ? before : 0);
-        const double end = std::min(begin + column_ * ratio(*module.budget, plan_.basic_period), right_);
+        const double end = std::min(begin + column_ * ratio_of(*module.budget, plan_.basic_period), right_);
         canvas_.rectangle(begin, y_ + 23, std::max(end - begin, 1.0), 6, kind(module) + "-budget");
       }
       canvas_.rectangle(at(row) + 1, y_ + 5, badge_, kBadge, kind(module), 3);
-      canvas_.centred(at(row) + 1 + badge_ / 2, y_ + 5 + kBadge - 4, kSmall, "on", number(order));
+      canvas_.centred(at(row) + 1 + badge_ / 2, y_ + 5 + kBadge - 4, kSmall, "on", count_text(order));
     }
     canvas_.close_group();
-    y_ += kLane;
+    y_ += kScheduleLane;
   }
 
   /// The condition is looked at when the thread modules of the row have run.
   [[nodiscard]] double look(std::size_t row) const {
-    const double load = ratio(plan_.load(device_, row).budget, plan_.basic_period);
+    const double load = ratio_of(plan_.load(device_, row).budget, plan_.basic_period);
     return at(row) +
            std::clamp(column_ * load, std::min(badge_, column_ / 2), std::max(column_ - 7, column_ / 2));
   }
 
   void sporadic_lane(std::uint32_t index) {
     const Module& module = device_.modules[index];
-    canvas_.open_group(module.name + ": " + described(module));
+    canvas_.open_group(module.name + ": " + timing_of(module));
     label(module);
-    const double middle = y_ + kLane / 2;
-    const double end = look(0) + column_ * ratio(*module.deadline, plan_.basic_period);
+    const double middle = y_ + kScheduleLane / 2;
+    const double end = look(0) + column_ * ratio_of(*module.deadline, plan_.basic_period);
     canvas_.line(look(0), middle, std::min(end, right_), middle, "deadline");
     for (std::size_t row = 0; row < shown_; ++row) canvas_.diamond(look(row), middle, 5, kind(module));
     if (end < right_) canvas_.line(end, middle - 9, end, middle + 9, "end");
     canvas_.close_group();
-    y_ += kLane;
+    y_ += kScheduleLane;
   }
 
   void left_out(std::size_t modules, std::string_view what) {
     if (modules <= kSvgLanes) return;
     canvas_.text(kMargin + 6, y_ + 20, kNormal, "faint",
-                 "and " + number(modules - kSvgLanes) + " more " + std::string{what} + " modules");
-    y_ += kLane;
+                 "and " + count_text(modules - kSvgLanes) + " more " + std::string{what} + " modules");
+    y_ += kScheduleLane;
   }
 
   void load_strip() {
@@ -232,7 +232,7 @@ class Panel {
       complete = complete && load.complete;
       if (load.budget == Nanoseconds{}) continue;
       stated = true;
-      const double share = ratio(load.budget, plan_.basic_period);
+      const double share = ratio_of(load.budget, plan_.basic_period);
       const double height = std::max(1.0, tall * share);
       canvas_.rectangle(at(row) + 2, y_ + kStrip - height, column_ - 4, height,
                         share > kFull   ? "full"
@@ -295,7 +295,7 @@ double label_width(const model::Cell& cell) {
   for (const Device& device : cell.devices) {
     for (const Module& module : device.modules) {
       if (module.operation == model::Operation::non_real) continue;
-      widest = std::max({widest, width_of(module.name, kNormal), width_of(described(module), kSmall)});
+      widest = std::max({widest, width_of(module.name, kNormal), width_of(timing_of(module), kSmall)});
     }
   }
   return widest + 20;
@@ -405,7 +405,7 @@ std::string check_svg(const model::Cell& cell, const std::vector<DevicePlan>& pl
   }
   legend(canvas, y, shown(cell));
 
-  return canvas.document("The schedule of " + cell.name, kColours, kDarkColours);
+  return canvas.document("The schedule of " + cell.name, kScheduleColours, kDarkScheduleColours);
 }
 
 }  // namespace takt::tool

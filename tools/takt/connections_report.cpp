@@ -17,12 +17,12 @@ std::string own_topic(const Connection& connection) {
 }
 
 /// What a column says of a connection; empty when nothing.
-struct Column {
+struct TableColumn {
   const char* name;
   std::string (*of)(const Connection&);
 };
 
-const Column kColumns[] = {
+const TableColumn kColumns[] = {
     {"from", [](const Connection& c) { return end_text(c.from); }},
     {"to", [](const Connection& c) { return end_text(c.to); }},
     {"kind", kind_text},
@@ -34,10 +34,10 @@ const Column kColumns[] = {
 };
 
 /// Without the columns that say nothing.
-std::vector<Page::Words> rows_of(const std::vector<Connection>& connections, std::size_t shown,
-                                 const std::map<std::size_t, std::string>& states) {
+std::vector<Page::Words> connection_rows(const std::vector<Connection>& connections, std::size_t shown,
+                                         const std::map<std::size_t, std::string>& states) {
   std::vector<Page::Words> rows(1 + shown);
-  for (const Column& column : kColumns) {
+  for (const TableColumn& column : kColumns) {
     Page::Words words;
     for (std::size_t i = 0; i < shown; ++i) words.push_back(column.of(connections[i]));
     if (std::all_of(words.begin(), words.end(), [](const auto& word) { return word.empty(); })) continue;
@@ -154,7 +154,7 @@ void connections_text(Page& page, const model::Cell& cell, const std::map<std::s
   page.blank();
   page.line(0, page.bold("connections"));
   const std::size_t shown = std::min(cell.connections.size(), kConnectionRows);
-  const std::vector<Page::Words> rows = rows_of(cell.connections, shown, states);
+  const std::vector<Page::Words> rows = connection_rows(cell.connections, shown, states);
   if (page.fits(2, rows)) {
     page.table(2, rows);
   } else {

@@ -27,7 +27,7 @@ struct DeployOptions {
 
 void say(const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); }
 
-int update(client::Operator& asker, const Loaded& loaded, const std::function<bool()>& cancelled) {
+int update_cell(client::Operator& asker, const Loaded& loaded, const std::function<bool()>& cancelled) {
   bool printed = true;
   const auto updated = client::update(asker, loaded.cell, loaded.text,
                                       {.progress = say,
@@ -60,7 +60,7 @@ int deploy(const DeployOptions& options) {
     while (signals->next()) told_to_end = true;
     return told_to_end;
   };
-  if (options.update) return update(*client->asker, *loaded, cancelled);
+  if (options.update) return update_cell(*client->asker, *loaded, cancelled);
   BringUpProgress course{*client, loaded->cell};
   const auto deployed = client::deploy(*client->asker, loaded->cell, loaded->text,
                                        {.require_real_time = options.require_real_time,

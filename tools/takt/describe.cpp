@@ -18,7 +18,7 @@ namespace takt::tool {
 
 namespace {
 
-struct Options {
+struct DescribeOptions {
   std::vector<std::string> words;  ///< files; modules of a descriptor; "name=value" each for a program
   bool json = false;
   bool xml = false;
@@ -30,12 +30,7 @@ bool is_property(const std::string& word) {
   return word.find('=') != std::string::npos && !std::filesystem::exists(word);
 }
 
-int refuse(const Problems& problems) {
-  complain(problems);
-  return 1;
-}
-
-int list(const std::vector<std::string>& folders, const Options& options) {
+int print_component_list(const std::vector<std::string>& folders, const DescribeOptions& options) {
   const auto files = host::list_components(folders);
   if (files.empty()) {
     std::string looked;
@@ -121,13 +116,14 @@ std::optional<model::Operation> operation_named(const std::string& name) {
   return std::nullopt;
 }
 
-int describe(const Options& options) {
+int describe(const DescribeOptions& options) {
   std::vector<std::string> files;
   host::Arguments properties;
   for (const std::string& word : options.words) (is_property(word) ? properties : files).push_back(word);
-  if (files.empty()) return list(host::component_folders(), options);
+  if (files.empty()) return print_component_list(host::component_folders(), options);
   std::error_code error;
-  if (files.size() == 1 && std::filesystem::is_directory(files[0], error)) return list({files[0]}, options);
+  if (files.size() == 1 && std::filesystem::is_directory(files[0], error))
+    return print_component_list({files[0]}, options);
 
   const bool of_cell = files[0].ends_with(".xml");
   if ((of_cell || files.size() > 1) && !properties.empty())
@@ -157,7 +153,7 @@ int describe(const Options& options) {
 }  // namespace
 
 void add_describe(CLI::App& app, Chosen& chosen) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DescribeOptions>();
   auto* command = app.add_subcommand(
       "describe",
       "Print what a component is: its ports, services, properties and hooks; without FILE, which there are");

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kWidth = 100;
 
 /// The text in lines of at most `width`, broken between its words.
-Page::Words wrapped(const std::string& text, std::size_t width) {
+Page::Words wrapped_words(const std::string& text, std::size_t width) {
   Page::Words lines{""};
   std::istringstream words{text};
   for (std::string word; words >> word;) {
@@ -52,7 +52,7 @@ void rows(Page& page, std::size_t indent, const std::vector<Page::Words>& all) {
       if (widths[i] != 0) line += fmt::format("{:<{}}", row[i], widths[i] + 2);
     }
     const std::size_t below = beside ? begin : indent + 4;
-    const Page::Words sentence = wrapped(row.back(), kWidth - below);
+    const Page::Words sentence = wrapped_words(row.back(), kWidth - below);
     if (beside) line += sentence.front();
     page.line(indent, line);
     for (std::size_t i = beside ? 1 : 0; i < sentence.size(); ++i) {

@@ -18,7 +18,7 @@ namespace takt::tool {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 constexpr std::chrono::milliseconds kMoment{500};
 
@@ -66,10 +66,10 @@ node::Finding security_finding() {
   return finding;
 }
 
-json report_of(const os::Machine& machine, const os::Trial& trial) {
+Json report_of(const os::Machine& machine, const os::Trial& trial) {
   std::size_t spoils = 0;
   std::size_t notes = 0;
-  json findings = json::array();
+  Json findings = Json::array();
   std::vector<node::Finding> all = node::diagnose(machine, trial);
   all.push_back(security_finding());
   for (const node::Finding& finding : all) {
@@ -97,7 +97,7 @@ json report_of(const os::Machine& machine, const os::Trial& trial) {
 
 int doctor(const DoctorOptions& options) {
   const os::Machine machine = os::read_machine();
-  const json report = report_of(machine, os::try_machine(kMoment));
+  const Json report = report_of(machine, os::try_machine(kMoment));
   if (!print(options.json ? model::json_text(report) + "\n" : doctor_text(report, terminal_style()))) {
     return 1;
   }

@@ -8,11 +8,11 @@ namespace takt::tool {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
-std::string text_of(const json& finding, const char* key) { return finding[key].get<std::string>(); }
+std::string text_of(const Json& finding, const char* key) { return finding[key].get<std::string>(); }
 
-void add_bad(Page& page, const json& finding, const std::string& mark) {
+void add_bad(Page& page, const Json& finding, const std::string& mark) {
   constexpr std::size_t kIndent = 10;
   page.line(0, fmt::format("  {}  {}", mark, page.bold(text_of(finding, "check"))));
   page.sentence(kIndent, text_of(finding, "found"));
@@ -25,7 +25,7 @@ void add_bad(Page& page, const json& finding, const std::string& mark) {
 
 }  // namespace
 
-std::string doctor_text(const json& report, Style style) {
+std::string doctor_text(const Json& report, Style style) {
   Page page{style};
   const auto spoils = report["spoils"].get<std::size_t>();
   const auto notes = report["notes"].get<std::size_t>();
@@ -35,13 +35,13 @@ std::string doctor_text(const json& report, Style style) {
                    : fmt::format("{} real time",
                                  spoils == 1 ? "one thing spoils" : fmt::format("{} things spoil", spoils))) +
           (notes == 0 ? "" : ", " + count(notes, "note")));
-  for (const json& finding : report["findings"]) {
+  for (const Json& finding : report["findings"]) {
     if (finding["severity"] == "spoils") add_bad(page, finding, page.warning("spoils"));
   }
-  for (const json& finding : report["findings"]) {
+  for (const Json& finding : report["findings"]) {
     if (finding["severity"] == "note") add_bad(page, finding, "note  ");
   }
-  for (const json& finding : report["findings"]) {
+  for (const Json& finding : report["findings"]) {
     if (finding["severity"] == "good")
       page.sentence(2, fmt::format("good    {}: {}", text_of(finding, "check"), text_of(finding, "found")));
   }

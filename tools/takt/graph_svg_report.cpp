@@ -16,7 +16,7 @@ using namespace graph;
 using model::Connection;
 using model::ConnectionKind;
 
-constexpr std::string_view kColours = R"(
+constexpr std::string_view kGraphColours = R"(
 .module { fill: #ffffff; stroke: #c3ccd5; stroke-width: 1; }
 .frame { stroke: #c3ccd5; stroke-width: 1; }
 .outside { stroke-dasharray: 5 4; }
@@ -36,7 +36,7 @@ g.link:hover .wire { stroke-width: 4; }
 .bad-word { fill: #b3261e; font-weight: bold; }
 )";
 
-constexpr std::string_view kDarkColours = R"(
+constexpr std::string_view kDarkGraphColours = R"(
 .module { fill: #14181d; stroke: #3d4854; }
 .frame { stroke: #3d4854; }
 .pin { fill: #9aa6b2; }
@@ -52,9 +52,9 @@ constexpr std::string_view kDarkColours = R"(
 .bad-word { fill: #ff8a80; }
 )";
 
-class Drawing {
+class GraphDrawing {
  public:
-  Drawing(const model::Cell& cell, const CellHealth& health)
+  GraphDrawing(const model::Cell& cell, const CellHealth& health)
       : cell_(cell), health_(health), layout_(lay_out(cell, health)) {}
 
   std::string draw() {
@@ -63,7 +63,7 @@ class Drawing {
     for (const Wire& wire : layout_.wires) draw_wire(wire);
     for (const Wire& wire : layout_.wires) draw_label(wire);
     draw_legend();
-    return canvas_.document("The cell " + cell_.name, kColours, kDarkColours);
+    return canvas_.document("The cell " + cell_.name, kGraphColours, kDarkGraphColours);
   }
 
  private:
@@ -93,7 +93,7 @@ class Drawing {
   Canvas canvas_;
 };
 
-void Drawing::draw_title() {
+void GraphDrawing::draw_title() {
   canvas_.text(kMargin, kMargin + 14, kLarge + 4, "title", cell_.name);
   std::string about =
       count(cell_.devices.size(), "device") + ", " + count(cell_.connections.size(), "connection");
@@ -103,7 +103,7 @@ void Drawing::draw_title() {
   canvas_.text(kMargin, kMargin + 34, kNormal, "faint", about);
 }
 
-void Drawing::draw_column(const Column& column) {
+void GraphDrawing::draw_column(const Column& column) {
   const double x = column.left + kInside;
   if (column.outside)
     canvas_.open_group("programs that are not Takt's");
@@ -120,7 +120,7 @@ void Drawing::draw_column(const Column& column) {
   canvas_.text(x, column.bottom - 12, kSmall, "faint", "and " + count(column.left_out, "module") + " more");
 }
 
-void Drawing::draw_box(const Column& column, const Box& box) {
+void GraphDrawing::draw_box(const Column& column, const Box& box) {
   const double left = column.left + kInside;
   const double right = column.right() - kInside;
   const double x = left + kInside / 2;
@@ -136,7 +136,7 @@ void Drawing::draw_box(const Column& column, const Box& box) {
   canvas_.close_group();
 }
 
-std::string Drawing::title_of(const Wire& wire) const {
+std::string GraphDrawing::title_of(const Wire& wire) const {
   const Connection& connection = connection_of(wire);
   const auto* health = health_of(wire);
   return end_text(connection.from) + " -> " + end_text(connection.to) + ": " + described(connection) +
@@ -144,7 +144,7 @@ std::string Drawing::title_of(const Wire& wire) const {
 }
 
 /// Its name and a mark that points as the data goes, at the side of its wires.
-void Drawing::draw_port(double left, double right, const Port& port) {
+void GraphDrawing::draw_port(double left, double right, const Port& port) {
   const bool at_right = port.named_at_right();
   const double outer = at_right ? right - 5 : left + 5;
   const double inner = at_right ? outer - 7 : outer + 7;
@@ -171,7 +171,7 @@ void Drawing::draw_port(double left, double right, const Port& port) {
   }
 }
 
-void Drawing::draw_wire(const Wire& wire) {
+void GraphDrawing::draw_wire(const Wire& wire) {
   const Connection& connection = connection_of(wire);
   const CellHealth::Connection* health = health_of(wire);
   std::string classes = connection.kind == ConnectionKind::queue ? "wire queue" : "wire";
@@ -188,7 +188,7 @@ void Drawing::draw_wire(const Wire& wire) {
   canvas_.close_group();
 }
 
-void Drawing::draw_label(const Wire& wire) {
+void GraphDrawing::draw_label(const Wire& wire) {
   const Column& column = layout_.columns[wire.to.column];
   const auto put = [&](double y, std::string_view classes, const std::string& text) {
     if (wire.to.at_right) {
@@ -205,7 +205,7 @@ void Drawing::draw_label(const Wire& wire) {
 }
 
 /// Of what is in the picture.
-void Drawing::draw_legend() {
+void GraphDrawing::draw_legend() {
   const double left = kMargin + 6;
   double y = layout_.bottom + 24;
   const auto entry = [&](std::string_view text) {
@@ -245,7 +245,7 @@ void Drawing::draw_legend() {
 }  // namespace
 
 std::string graph_svg(const model::Cell& cell, const CellHealth& health) {
-  return Drawing{cell, health}.draw();
+  return GraphDrawing{cell, health}.draw();
 }
 
 }  // namespace takt::tool

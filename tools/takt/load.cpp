@@ -32,4 +32,9 @@ Result<Loaded> load(const std::string& file, Problems* missing) {
 
 void complain(const Problems& problems) { std::fprintf(stderr, "%s\n", to_text(problems).c_str()); }
 
+int refuse(const Problems& problems) {
+  complain(problems);
+  return 1;
+}
+
 }  // namespace takt::tool

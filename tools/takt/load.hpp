@@ -28,5 +28,7 @@ Result<Loaded> load_remote(const std::string& file);
 
 /// Prints problems as `file:line: error: ...`, one a line, on standard error.
 void complain(const Problems& problems);
+/// Prints them in the same way and returns the exit status 1.
+int refuse(const Problems& problems);
 
 }  // namespace takt::tool

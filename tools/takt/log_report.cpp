@@ -48,7 +48,7 @@ char mark_of(model::Severity severity) {
 }
 
 // Each character takes a column.
-std::size_t columns_of(std::string_view text) {
+std::size_t printed_columns(std::string_view text) {
   std::size_t columns = 0;
   for (; !text.empty(); ++columns) text.remove_prefix(std::max<std::size_t>(utf8_length(text), 1));
   return columns;
@@ -62,7 +62,7 @@ std::vector<std::string> lines_of(const std::string& text, std::size_t width) {
     const std::string_view word = rest.substr(0, rest.find(' '));
     rest.remove_prefix(std::min(word.size() + 1, rest.size()));
     if (word.empty()) continue;
-    if (lines.empty() || columns_of(lines.back()) + 1 + columns_of(word) > width)
+    if (lines.empty() || printed_columns(lines.back()) + 1 + printed_columns(word) > width)
       lines.emplace_back(word);
     else
       lines.back().append(" ").append(word);
@@ -103,7 +103,7 @@ std::string log_text(const std::vector<model::Fault>& events, std::string& day, 
     text += style.colour
                 ? colour_of(severity) + kind + "\033[0m" + padded.substr(std::min(kind.size(), padded.size()))
                 : padded;
-    if (columns_of(head) + columns_of(padded) + 1 + columns_of(cause) <= width) {
+    if (printed_columns(head) + printed_columns(padded) + 1 + printed_columns(cause) <= width) {
       text += " " + cause + "\n";
       continue;
     }

@@ -27,7 +27,7 @@ std::string positive_seconds(const std::string& text) {
              : "'" + text + "' is no number of seconds above 0 and up to 1e9";
 }
 
-int serve(int argc, char** argv) {
+int run_program(int argc, char** argv) {
   using namespace takt::tool;
   CLI::App app{"Takt: real-time component middleware for industrial cells.", "takt"};
   app.set_version_flag("--version", TAKT_VERSION);
@@ -154,7 +154,7 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int status = serve(argc, argv);
+  const int status = run_program(argc, argv);
   // Not by way of the static objects of Fast DDS, which sleep for a while in their destructors.
   std::fflush(nullptr);
   std::_Exit(status);

@@ -27,7 +27,7 @@ struct NewOptions {
 };
 
 /// Nothing that is there is overwritten: either all files are new, or none is written.
-Result<void> write(const fs::path& folder, const std::vector<NewFile>& files) {
+Result<void> write_new_files(const fs::path& folder, const std::vector<NewFile>& files) {
   std::error_code error;
   for (const NewFile& file : files) {
     if (fs::exists(folder / file.name, error))
@@ -63,7 +63,7 @@ int make(const NewOptions& options) {
     return 1;
   }
   const fs::path folder = options.folder.empty() ? fs::path{name} : fs::path{options.folder};
-  if (auto written = write(folder, *files); !written) {
+  if (auto written = write_new_files(folder, *files); !written) {
     complain(written.problems());
     return 1;
   }

@@ -14,15 +14,15 @@ namespace takt::tool {
 
 namespace {
 
-using Options = std::vector<const CLI::Option*>;
+using OptionList = std::vector<const CLI::Option*>;
 
 /// Those that --help shows.
 bool is_shown(const CLI::Option* option) { return !option->get_group().empty(); }
 
-Options positionals_of(const CLI::App& app) {
+OptionList positionals_of(const CLI::App& app) {
   return app.get_options([](const CLI::Option* o) { return o->get_positional() && is_shown(o); });
 }
-Options options_of(const CLI::App& app) {
+OptionList options_of(const CLI::App& app) {
   return app.get_options([](const CLI::Option* o) { return !o->get_positional() && is_shown(o); });
 }
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {
@@ -77,7 +77,7 @@ std::string synopsis(const std::string& name, const CLI::App& app) {
   return roff;
 }
 
-std::string option_items(const Options& options) {
+std::string option_items(const OptionList& options) {
   std::string roff;
   for (const auto* option : options) {
     roff += ".TP\n";
@@ -190,7 +190,7 @@ void replace(std::string* text, std::string_view from, std::string_view to) {
     text->replace(at, from.size(), to);
 }
 
-bool write(const std::filesystem::path& path, const std::string& text) {
+bool write_page(const std::filesystem::path& path, const std::string& text) {
   std::error_code error;
   std::filesystem::create_directories(path.parent_path(), error);
   std::ofstream file{path};
@@ -210,7 +210,7 @@ std::string manual_page(const CLI::App& program, const std::string& command, int
                      escaped("Takt " TAKT_VERSION) + "\" \"Takt\"\n";
   roff += ".SH NAME\n" + escaped(name) + " \\- " + line(app.get_description());
   roff += ".SH SYNOPSIS\n" + synopsis(spoken, app);
-  if (const Options positionals = positionals_of(app); !positionals.empty())
+  if (const OptionList positionals = positionals_of(app); !positionals.empty())
     roff += ".SH ARGUMENTS\n" + option_items(positionals);
   roff += ".SH OPTIONS\n" + option_items(options_of(app));
   if (const auto commands = commands_of(app); !commands.empty()) {
@@ -291,12 +291,12 @@ int write_pages(const CLI::App& program, const std::string& folder, int section)
   const std::string number = std::to_string(section);
   const fs::path manual = fs::path{folder} / "man" / ("man" + number);
   const std::string name = program.get_name();
-  bool ok = write(manual / (name + "." + number), manual_page(program, "", section));
+  bool ok = write_page(manual / (name + "." + number), manual_page(program, "", section));
   for (const auto* command : commands_of(program))
-    ok = write(manual / (name + "-" + command->get_name() + "." + number),
-               manual_page(program, command->get_name(), section)) &&
+    ok = write_page(manual / (name + "-" + command->get_name() + "." + number),
+                    manual_page(program, command->get_name(), section)) &&
          ok;
-  ok = write(fs::path{folder} / "completions" / name, bash_completion(program)) && ok;
+  ok = write_page(fs::path{folder} / "completions" / name, bash_completion(program)) && ok;
   return ok ? 0 : 1;
 }
 

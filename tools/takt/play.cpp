@@ -32,11 +32,10 @@ namespace takt::tool {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
-constexpr Nanoseconds kFound = seconds{3};             // readers, before the first sample
-constexpr Nanoseconds kDelivered = milliseconds{200};  // the last samples, before the end
-constexpr Nanoseconds kLook = milliseconds{50};        // for Ctrl-C
+constexpr Nanoseconds kReadersFound = std::chrono::seconds{3};  // readers, before the first sample
+constexpr Nanoseconds kDelivered = milliseconds{200};           // the last samples, before the end
+constexpr Nanoseconds kLook = milliseconds{50};                 // for Ctrl-C
 constexpr std::uint32_t kDepth = 256;
 
 struct PlayOptions {
@@ -52,7 +51,7 @@ struct PlayOptions {
 
 std::int64_t in_ns(double s) { return static_cast<std::int64_t>(std::llround(s * 1e9)); }
 
-int list(const Recording& recording, const std::string& file) {
+int print_recording(const Recording& recording, const std::string& file) {
   Page page{terminal_style()};
   const double length = static_cast<double>(recording.last_ns() - recording.first_ns()) / 1e9;
   page.heading(0, on_one_line(file),
@@ -135,7 +134,7 @@ Result<std::map<std::int64_t, std::string>> chosen_ports(const Recording& record
 /// Two would write one port: the module that does, and we.
 Result<void> nobody_else_writes(const Client& client, const Recording& recording,
                                 const std::map<std::int64_t, std::string>& topics) {
-  client.observer->settle(seconds{1});
+  client.observer->settle(std::chrono::seconds{1});
   Problems problems;
   for (const PortOfRecording& port : recording.ports()) {
     const auto topic = topics.find(port.id);
@@ -250,7 +249,7 @@ class Player {
 void wait_for_readers(const std::map<std::int64_t, std::shared_ptr<dds::Feed>>& feeds,
                       const std::map<std::int64_t, std::string>& topics, const os::SignalQueue& signals) {
   const auto read = [&](std::int64_t id) { return feeds.at(id)->health().matched > 0; };
-  const Instant until = os::now() + kFound;
+  const Instant until = os::now() + kReadersFound;
   while (os::now() < until &&
          !std::all_of(feeds.begin(), feeds.end(), [&](const auto& f) { return read(f.first); }))
     if (os::wait_readable({&signals.fd()}, 20)) return;
@@ -269,7 +268,7 @@ int play(const PlayOptions& options) {
   };
   auto recording = Recording::open(options.file);
   if (!recording) return refuse(recording.problems());
-  if (options.list) return list(*recording, options.file);
+  if (options.list) return print_recording(*recording, options.file);
 
   Selection selection;
   const std::int64_t first = recording->first_ns();

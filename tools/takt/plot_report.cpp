@@ -16,10 +16,10 @@ namespace {
 // Pixels.
 constexpr double kPanel = 200;
 constexpr double kGap = 34;  // between panels, for a title and the legend's first line
-constexpr double kWide = static_cast<double>(kPlotColumns);
-constexpr std::size_t kColours = 8;  // then from the first again
-constexpr std::size_t kShapes = 5;   // so that the first 40 curves differ in one of both
-constexpr double kApart = 90;        // from a curve's shape to its next
+constexpr double kPlotWide = static_cast<double>(kPlotColumns);
+constexpr std::size_t kCurveColours = 8;  // then from the first again
+constexpr std::size_t kShapes = 5;        // so that the first 40 curves differ in one of both
+constexpr double kApart = 90;             // from a curve's shape to its next
 
 constexpr std::string_view kColourWords = R"(.axis { stroke: #8a96a3; stroke-width: 1; }
 .curve { fill: none; stroke-width: 1.4; stroke-linejoin: round; }
@@ -86,7 +86,7 @@ bool are_whole(const PlotPanel& panel) {
 }
 
 /// With as many digits as marks that are a step apart differ in.
-std::string number(double value, double step) {
+std::string mark_text(double value, double step) {
   if (value == 0) return "0";
   const double size = std::abs(value);
   if (size >= 1e6 || size < 1e-4) {
@@ -97,9 +97,9 @@ std::string number(double value, double step) {
   return fmt::format("{:.{}f}", value, digits);
 }
 
-class Drawing {
+class PlotDrawing {
  public:
-  explicit Drawing(const Plot& plot)
+  explicit PlotDrawing(const Plot& plot)
       : plot_(plot), unit_(unit_of_time(plot.to > plot.from ? plot.to - plot.from : plot.to)) {}
 
   std::string svg() {
@@ -135,7 +135,7 @@ class Drawing {
       for (double value = std::ceil(extent.low); value <= extent.high; ++value) values.push_back(value);
       step = 1;
     }
-    for (const double value : values) marks.push_back({value, number(value, step)});
+    for (const double value : values) marks.push_back({value, mark_text(value, step)});
     return marks;
   }
   [[nodiscard]] double label_width() const {
@@ -147,7 +147,7 @@ class Drawing {
   }
   [[nodiscard]] double x_of(double time) const {
     const double length = plot_.to - plot_.from;
-    return left_ + kWide * (length > 0 ? std::clamp((time - plot_.from) / length, 0.0, 1.0) : 0.5);
+    return left_ + kPlotWide * (length > 0 ? std::clamp((time - plot_.from) / length, 0.0, 1.0) : 0.5);
   }
 
   /// Returns where the next one may begin.
@@ -160,9 +160,9 @@ class Drawing {
       const double share = (value / 2 - extent.low / 2) / (extent.high / 2 - extent.low / 2);
       return y + kPanel * (1 - std::clamp(share, 0.0, 1.0));
     };
-    canvas_.rectangle(left_, y, kWide, kPanel, "panel");
+    canvas_.rectangle(left_, y, kPlotWide, kPanel, "panel");
     for (const Mark& mark : marks(panel)) {
-      canvas_.line(left_, y_of(mark.value), left_ + kWide, y_of(mark.value), "lane");
+      canvas_.line(left_, y_of(mark.value), left_ + kPlotWide, y_of(mark.value), "lane");
       canvas_.text_before(left_ - 6, y_of(mark.value) + 3.5, kSmall, "faint", mark.text);
     }
     for (const double mark : time_marks()) canvas_.line(x_of(mark), y, x_of(mark), y + kPanel, "lane");
@@ -177,7 +177,7 @@ class Drawing {
           continue;
         }
         if (curve.size() == 1) {
-          canvas_.circle(x_of(curve[0].time), y_of(curve[0].value), 2, fmt::format("d{}", i % kColours));
+          canvas_.circle(x_of(curve[0].time), y_of(curve[0].value), 2, fmt::format("d{}", i % kCurveColours));
           continue;
         }
         std::vector<Point> points;
@@ -187,19 +187,19 @@ class Drawing {
           if (!panel.labels.empty() && !points.empty()) points.push_back({x_of(point.time), points.back().y});
           points.push_back({x_of(point.time), y_of(point.value)});
         }
-        canvas_.path(points, fmt::format("curve c{}", i % kColours));
+        canvas_.path(points, fmt::format("curve c{}", i % kCurveColours));
         if (panel.series.size() > 1) next = shapes(i, points, next);
       }
       canvas_.close_group();
     }
     canvas_.line(left_, y, left_, y + kPanel, "axis");
-    canvas_.line(left_, y + kPanel, left_ + kWide, y + kPanel, "axis");
+    canvas_.line(left_, y + kPanel, left_ + kPlotWide, y + kPanel, "axis");
     return y + kPanel + kGap - 20;
   }
 
   /// A curve is told from the others by a shape too: by who sees no colours, and on paper that has none.
   void shape(std::size_t series, Point at) {
-    const std::string look = fmt::format("d{}", series % kColours);
+    const std::string look = fmt::format("d{}", series % kCurveColours);
     constexpr double r = 3.5;
     switch (series % kShapes) {
       case 0:
@@ -233,11 +233,11 @@ class Drawing {
     y += 12;
     for (std::size_t i = 0; i < panel.series.size(); ++i) {
       const double wide = 24 + width_of(panel.series[i].name, kSmall) + 16;
-      if (x > kMargin && x + wide > left_ + kWide) {
+      if (x > kMargin && x + wide > left_ + kPlotWide) {
         x = kMargin;
         y += 15;
       }
-      canvas_.rectangle(x, y - 5, 18, 2, fmt::format("d{}", i % kColours));
+      canvas_.rectangle(x, y - 5, 18, 2, fmt::format("d{}", i % kCurveColours));
       if (panel.series.size() > 1) shape(i, {x + 9, y - 4});
       canvas_.text(x + 24, y, kSmall, "faint", panel.series[i].name);
       x += wide;
@@ -255,13 +255,13 @@ class Drawing {
     const double step = all.size() > 1 ? (all[1] - all[0]) / unit_.seconds : 1;
     double free = 0;  // from here on
     for (const double mark : all) {
-      const std::string text = number(mark / unit_.seconds, step);
+      const std::string text = mark_text(mark / unit_.seconds, step);
       const double half = width_of(text, kSmall) / 2;
       if (x_of(mark) - half < free) continue;
       canvas_.centred(x_of(mark), y, kSmall, "faint", text);
       free = x_of(mark) + half + 8;
     }
-    canvas_.centred(left_ + kWide / 2, y + 18, kSmall, "faint", fmt::format("time in {}", unit_.name));
+    canvas_.centred(left_ + kPlotWide / 2, y + 18, kSmall, "faint", fmt::format("time in {}", unit_.name));
   }
 
   const Plot& plot_;
@@ -300,6 +300,6 @@ std::vector<double> ticks(double from, double to, std::size_t about) {
   return marks;
 }
 
-std::string plot_svg(const Plot& plot) { return Drawing{plot}.svg(); }
+std::string plot_svg(const Plot& plot) { return PlotDrawing{plot}.svg(); }
 
 }  // namespace takt::tool

@@ -36,7 +36,7 @@ namespace takt::tool {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 /// All nodes are here: from the moment on that all are ready to the first row.
 constexpr std::chrono::milliseconds kLead{500};
@@ -50,7 +50,7 @@ struct Node {
   os::MessageSocket lifetime;  ///< it ends in order when this closes
   bool ended = false;          ///< the process
   bool told = false;           ///< what it has to say at the end is known
-  json report{};
+  Json report{};
   std::vector<std::string> failures{};
 };
 
@@ -68,7 +68,7 @@ class Run {
   /// Ends the nodes.
   void end_nodes();
 
-  [[nodiscard]] json report() const;
+  [[nodiscard]] Json report() const;
   [[nodiscard]] std::vector<std::string> failures() const;
   /// Whether the first row was agreed; else there is nothing to report but why not.
   [[nodiscard]] bool went() const noexcept { return went_; }
@@ -268,14 +268,14 @@ void Run::end_nodes() {
   }
 }
 
-json Run::report() const {
-  json devices = json::array();
+Json Run::report() const {
+  Json devices = Json::array();
   for (const auto& node : nodes_) {
-    const json nothing{{"name", node->device},
+    const Json nothing{{"name", node->device},
                        {"alive", false},
                        {"real_time", false},
-                       {"executors", json::array()},
-                       {"modules", json::array()}};
+                       {"executors", Json::array()},
+                       {"modules", Json::array()}};
     devices.push_back(node->report.is_object() ? node->report : nothing);
   }
   return {{"cell", loaded_.cell.name}, {"devices", devices}};
@@ -299,7 +299,7 @@ std::map<std::string, std::string> machine() {
   return facts;
 }
 
-Result<void> write_profile(const std::string& file, const json& report) {
+Result<void> write_profile(const std::string& file, const Json& report) {
   std::ofstream out{file};
   out << model::profile_json(profile_of(report), machine());
   if (!out.flush())
@@ -343,7 +343,7 @@ int run(const RunOptions& options) {
   }
   run.end_nodes();
 
-  const json report = run.report();
+  const Json report = run.report();
   if (run.went() && !options.profile.empty()) {
     const auto written = write_profile(options.profile, report);
     if (!written) problems.insert(problems.end(), written.problems().begin(), written.problems().end());

@@ -12,10 +12,10 @@ namespace takt::tool {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 // Three digits that matter: 0.05, 12.3, 1450.
-std::string us(const json& value) {
+std::string us(const Json& value) {
   const double v = value.get<double>();
   const double size = v < 0 ? -v : v;
   return fmt::format("{:.{}f}", v, size < 10 ? 2 : size < 100 ? 1 : 0);
@@ -25,16 +25,16 @@ std::string us(const json& value) {
 std::string one_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 // The ports that a connection names.
-std::string ports_text(const json& device) {
+std::string ports_text(const Json& device) {
   struct Row {
     std::string name;
-    const json* port;
+    const Json* port;
   };
   std::vector<Row> rows;
   std::size_t width = 4;
-  for (const json& m : device["modules"]) {
+  for (const Json& m : device["modules"]) {
     if (!m.contains("ports")) continue;
-    for (const json& port : m["ports"]) {
+    for (const Json& port : m["ports"]) {
       if (port["connections"].get<std::uint64_t>() == 0) continue;
       rows.push_back({m["name"].get<std::string>() + "." + port["name"].get<std::string>(), &port});
       width = std::max(width, rows.back().name.size());
@@ -44,7 +44,7 @@ std::string ports_text(const json& device) {
   std::string text = fmt::format("  {:<{}} {:<5} {:>7} {:>10} {:>7} {:>7} {:>6} {:>10}\n", "port", width, "",
                                  "matched", "samples", "lost", "dropped", "late", "age");
   for (const auto& [name, pointer] : rows) {
-    const json& p = *pointer;
+    const Json& p = *pointer;
     const auto count = [&p](const char* key) { return p[key].get<std::uint64_t>(); };
     text += fmt::format(
         "  {:<{}} {:<5} {:>7} {:>10} {:>7} {:>7} {:>6} {:>10}{}\n", name, width,
@@ -56,7 +56,7 @@ std::string ports_text(const json& device) {
   return text;
 }
 
-std::string device_text(const json& device, std::size_t width) {
+std::string device_text(const Json& device, std::size_t width) {
   // A word on what it does, but for one that runs as it should.
   std::string state = device.value("state", "");
   if (state == "running") state.clear();
@@ -67,7 +67,7 @@ std::string device_text(const json& device, std::size_t width) {
       "device {}{}{}{}\n", device["name"].get<std::string>(), device["alive"].get<bool>() ? "" : "  LOST",
       device["real_time"].get<bool>() || !device["alive"].get<bool>() ? "" : "  NOT REAL-TIME", state);
   if (!device["alive"].get<bool>()) {
-    for (const json& m : device["modules"]) {
+    for (const Json& m : device["modules"]) {
       text += fmt::format("  {:<{}} {:<10} when it was last heard\n", m["name"].get<std::string>(), width,
                           m["state"].get<std::string>());
     }
@@ -76,8 +76,8 @@ std::string device_text(const json& device, std::size_t width) {
   if (device["executors"].empty() && device["modules"].empty()) return text;
   text += fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "executor", width, "cycles",
                       "missed", "jitter", "p50", "p99", "max", "margin");
-  for (const json& e : device["executors"]) {
-    const json& j = e["jitter_us"];
+  for (const Json& e : device["executors"]) {
+    const Json& j = e["jitter_us"];
     text +=
         fmt::format("  {:<{}} {:>10} {:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", e["name"].get<std::string>(),
                     width, e["cycles"].get<std::uint64_t>(), e["missed"].get<std::uint64_t>(), us(j["mean"]),
@@ -85,8 +85,8 @@ std::string device_text(const json& device, std::size_t width) {
   }
   text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n", "module", width,
                       "state", "cycles", "jitter", "p50", "p99", "run p50", "run max", "overruns", "errors");
-  for (const json& m : device["modules"]) {
-    const json& j = m["jitter_us"];
+  for (const Json& m : device["modules"]) {
+    const Json& j = m["jitter_us"];
     text += fmt::format("  {:<{}} {:<10} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8} {:>8} {:>6}\n",
                         m["name"].get<std::string>(), width, m["state"].get<std::string>(),
                         m["cycles"].get<std::uint64_t>(), us(j["mean"]), us(j["p50"]), us(j["p99"]),
@@ -100,15 +100,15 @@ std::string device_text(const json& device, std::size_t width) {
 
 }  // namespace
 
-std::string run_text(const json& status) {
+std::string run_text(const Json& status) {
   std::size_t width = 8;
-  for (const json& device : status["devices"]) {
+  for (const Json& device : status["devices"]) {
     for (const char* list : {"executors", "modules"}) {
-      for (const json& entry : device[list]) width = std::max(width, entry["name"].get<std::string>().size());
+      for (const Json& entry : device[list]) width = std::max(width, entry["name"].get<std::string>().size());
     }
   }
   std::string text = fmt::format("\ncell {}\n", status["cell"].get<std::string>());
-  for (const json& device : status["devices"]) text += device_text(device, width);
+  for (const Json& device : status["devices"]) text += device_text(device, width);
   return text +
          "\n  times in us. jitter: release minus start, its mean; p50, p99 and max are of its size. missed: "
          "rows\n"
@@ -121,9 +121,9 @@ std::string run_text(const json& status) {
          "  value was older than its deadline.\n";
 }
 
-std::string run_json(json status) {
-  for (json& device : status["devices"]) {
-    for (json& executor : device["executors"]) executor.erase("margin_us");
+std::string run_json(Json status) {
+  for (Json& device : status["devices"]) {
+    for (Json& executor : device["executors"]) executor.erase("margin_us");
   }
   return model::json_text(status) + "\n";
 }

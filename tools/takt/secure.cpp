@@ -40,11 +40,6 @@ struct SecureOptions {
 
 std::int64_t now_s() { return os::wall_ns() / 1'000'000'000; }
 
-int refuse(const Problems& problems) {
-  complain(problems);
-  return 1;
-}
-
 std::string date(std::int64_t seconds) {
   const auto time = static_cast<std::time_t>(seconds);
   std::tm parts{};
@@ -85,7 +80,7 @@ Result<void> admit_devices(Authority& authority, const Plan& plan, int days) {
   return {};
 }
 
-int show(const std::string& folder) {
+int show_authority(const std::string& folder) {
   const auto authority = Authority::open(folder);
   if (!authority) return refuse(authority.problems());
   const auto domain = authority->domain();
@@ -131,7 +126,7 @@ int init(const SecureOptions& options) {
       if (!issued) return refuse(issued.problems());
     }
   }
-  return show(options.folder);
+  return show_authority(options.folder);
 }
 
 int add(const SecureOptions& options) {
@@ -153,10 +148,10 @@ int add(const SecureOptions& options) {
   }
   if (auto issued = authority->issue(subject, *plan, options.days, now_s()); !issued)
     return refuse(issued.problems());
-  return show(options.folder);
+  return show_authority(options.folder);
 }
 
-int update(const SecureOptions& options) {
+int update_authority(const SecureOptions& options) {
   auto authority = Authority::open(options.folder);
   if (!authority) return refuse(authority.problems());
   std::string text;
@@ -185,7 +180,7 @@ int update(const SecureOptions& options) {
         "device %s is not in the cell any more, and its identity is valid; takt secure revoke %s %s\n",
         member.subject.name.c_str(), options.folder.c_str(), member.subject.name.c_str());
   }
-  return show(options.folder);
+  return show_authority(options.folder);
 }
 
 /// Those that are meant; all where none is named. A problem for a name that nobody has.
@@ -211,7 +206,7 @@ int revoke(const SecureOptions& options) {
     if (auto revoked = authority->revoke(subject, now_s()); !revoked) return refuse(revoked.problems());
   }
   std::printf("copy crl.pem to every machine of the cell; its nodes refuse it from their next start on\n");
-  return show(options.folder);
+  return show_authority(options.folder);
 }
 
 int renew(const SecureOptions& options) {
@@ -230,7 +225,7 @@ int renew(const SecureOptions& options) {
     if (auto issued = authority->issue(subject, *plan, options.days, now_s(), true); !issued)
       return refuse(issued.problems());
   }
-  return show(options.folder);
+  return show_authority(options.folder);
 }
 
 }  // namespace
@@ -292,7 +287,7 @@ void add_secure(CLI::App& app, Chosen& chosen) {
   {
     const auto [made, options] = command(
         "update", "The cell has changed: permissions for all anew, identities for devices that are new",
-        update);
+        update_authority);
     folder(made, *options);
     made->add_option("FILE", options->file, "the cell")->required();
     days(made, *options);
@@ -314,7 +309,7 @@ void add_secure(CLI::App& app, Chosen& chosen) {
   }
   {
     const auto [made, options] = command("show", "Who there is, and how long each is valid",
-                                         [](const SecureOptions& o) { return show(o.folder); });
+                                         [](const SecureOptions& o) { return show_authority(o.folder); });
     folder(made, *options);
   }
 }

@@ -85,9 +85,9 @@ class Trace final : public simulation::Listener {
   bool written_ = true;
 };
 
-int show(const SimulateOptions& options, const model::Cell& cell,
-         const std::vector<schedule::DevicePlan>& plans, const model::CellPorts& ports,
-         simulation::Options simulated) {
+int show_simulation(const SimulateOptions& options, const model::Cell& cell,
+                    const std::vector<schedule::DevicePlan>& plans, const model::CellPorts& ports,
+                    simulation::Options simulated) {
   std::unique_ptr<Trace> trace;
   if (!options.trace.empty()) {
     auto opened = Trace::open(options.trace, cell);
@@ -179,7 +179,7 @@ int simulate(const SimulateOptions& options) {
   if (options.is_random) {
     const simulation::RandomCell random = simulation::random_cell(options.random_cell);
     if (!options.json && !print(words_of(random))) return 1;
-    return show(options, random.cell, random.plans, {}, random.options);
+    return show_simulation(options, random.cell, random.plans, {}, random.options);
   }
   Problems missing;  // the components themselves are not needed
   const auto loaded = load(options.file, &missing);
@@ -226,7 +226,7 @@ int simulate(const SimulateOptions& options) {
         "deadline: %s; state their budgets, or measure them: takt run --profile\n",
         guessed.c_str());
   }
-  return show(options, loaded->cell, loaded->plans, loaded->ports, std::move(simulated));
+  return show_simulation(options, loaded->cell, loaded->plans, loaded->ports, std::move(simulated));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace takt::tool {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kWorst = 10;
 constexpr const char* kFormat = "takt trace 1";
@@ -60,7 +60,7 @@ std::vector<OfCause> by_cause(const TraceSummary& summary) {
 
 }  // namespace
 
-Result<TraceSummary> summary_of(const json& trace) {
+Result<TraceSummary> summary_of(const Json& trace) {
   const auto none = [](const std::string& what) {
     return fail(what, "give a file that takt trace or a node wrote");
   };
@@ -69,7 +69,7 @@ Result<TraceSummary> summary_of(const json& trace) {
   if (!ours) return none("it is no trace of takt");
   TraceSummary summary;
   try {
-    const json& about = trace.at("otherData");
+    const Json& about = trace.at("otherData");
     summary.cell = about.at("cell");
     summary.device = about.at("device");
     summary.machine = about.at("machine");
@@ -80,7 +80,7 @@ Result<TraceSummary> summary_of(const json& trace) {
     summary.left_out_us = about.value("left_out_us", 0.0);
     summary.lost = about.at("lost");
     std::map<std::uint64_t, std::string> names;
-    for (const json& thread : about.at("threads")) {
+    for (const Json& thread : about.at("threads")) {
       names[thread.at("thread")] = thread.at("executor");
       if (!thread.contains("basic_period_us")) continue;
       summary.executors.push_back({.name = thread.at("executor"),
@@ -90,12 +90,12 @@ Result<TraceSummary> summary_of(const json& trace) {
                                    .holds_us = thread.value("holds_us", 0.0),
                                    .late_beyond_us = thread.at("late_beyond_us")});
     }
-    for (const json& event : trace.at("traceEvents")) {
+    for (const Json& event : trace.at("traceEvents")) {
       const std::string kind = event.value("cat", "");
       if (kind == "state") ++summary.changes[event.at("name")];
       if ((kind != "row" && kind != "run") || !event.contains("args") || !event["args"].contains("cause"))
         continue;
-      const json& said = event["args"];
+      const Json& said = event["args"];
       const std::string executor = names[event.at("tid")];
       summary.late.push_back(
           {.what = kind == "row" ? executor : executor + "." + event.at("name").get<std::string>(),
@@ -104,7 +104,7 @@ Result<TraceSummary> summary_of(const json& trace) {
            .cause = said.at("cause"),
            .why = said.at("why")});
     }
-  } catch (const json::exception& exception) {
+  } catch (const Json::exception& exception) {
     return none(std::string{"something is missing in it: "} + exception.what());
   }
   std::stable_sort(summary.late.begin(), summary.late.end(),
@@ -152,8 +152,8 @@ std::string trace_report(const TraceSummary& s, const Style& style) {
   return std::move(page).take();
 }
 
-json trace_json_report(const TraceSummary& s) {
-  json executors = json::array();
+Json trace_json_report(const TraceSummary& s) {
+  Json executors = Json::array();
   for (const TracedExecutor& e : s.executors) {
     executors.push_back({{"name", e.name},
                          {"rows", e.rows},
@@ -162,14 +162,14 @@ json trace_json_report(const TraceSummary& s) {
                          {"holds_us", e.holds_us},
                          {"lost", e.lost}});
   }
-  json causes = json::object();
+  Json causes = Json::object();
   for (const OfCause& of : by_cause(s)) {
     causes[of.cause] = {{"count", of.late_us.size()},
                         {"p50_us", quantile(of.late_us, 0.5)},
                         {"p99_us", quantile(of.late_us, 0.99)},
                         {"max_us", of.late_us.back()}};
   }
-  json worst = json::array();
+  Json worst = Json::array();
   for (std::size_t i = 0; i < std::min(kWorst, s.late.size()); ++i) {
     const TracedStart& start = s.late[i];
     worst.push_back({{"what", start.what},

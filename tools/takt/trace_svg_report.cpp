@@ -17,19 +17,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kColours = R"(
+constexpr std::string_view kTraceColours = R"(
 .row { fill: #9aa6b2; }
 .late { fill: #b3261e; }
 .late-word { fill: #b3261e; font-weight: bold; }
 )";
-constexpr std::string_view kDarkColours = R"(
+constexpr std::string_view kDarkTraceColours = R"(
 .row { fill: #5c6773; }
 .late { fill: #ff8a80; }
 .late-word { fill: #ff8a80; }
 )";
 
-constexpr double kWide = 900;
-constexpr double kLane = 18;
+constexpr double kTraceWide = 900;
+constexpr double kTraceLane = 18;
 constexpr double kThin = 0.8;  // of a bar at least
 constexpr std::size_t kNamedLate = 8;
 
@@ -94,9 +94,9 @@ std::vector<Group> groups_of(const Json& trace) {
   return groups;
 }
 
-class Drawing {
+class TraceDrawing {
  public:
-  Drawing(const TraceSummary& summary, std::vector<Group> groups)
+  TraceDrawing(const TraceSummary& summary, std::vector<Group> groups)
       : summary_(summary), groups_(std::move(groups)), to_us_(summary.lasts_us) {
     leave_out();
     unit_ = unit_of_time((to_us_ - from_us_) / 1e6);
@@ -120,7 +120,7 @@ class Drawing {
     if (groups_.empty()) y = nothing(y + 10);
     axis(y);
     late(y + 44);
-    return canvas_.document(title, kColours, kDarkColours);
+    return canvas_.document(title, kTraceColours, kDarkTraceColours);
   }
 
  private:
@@ -148,7 +148,7 @@ class Drawing {
   }
   [[nodiscard]] double x_of(double us) const {
     const double share = (us - from_us_) / std::max(to_us_ - from_us_, 1e-9);
-    return left_ + kWide * std::clamp(share, 0.0, 1.0);
+    return left_ + kTraceWide * std::clamp(share, 0.0, 1.0);
   }
 
   double draw(const Group& group, double y) {
@@ -156,13 +156,13 @@ class Drawing {
     y += 8;
     bool odd = false;
     for (std::size_t i = 0; i < group.lanes.size(); ++i)
-      canvas_.rectangle(left_, y + kLane * static_cast<double>(i), kWide, kLane,
+      canvas_.rectangle(left_, y + kTraceLane * static_cast<double>(i), kTraceWide, kTraceLane,
                         (odd = !odd) ? "panel" : "odd");
-    grid(y, y + kLane * static_cast<double>(group.lanes.size()));
+    grid(y, y + kTraceLane * static_cast<double>(group.lanes.size()));
     for (const Lane& lane : group.lanes) {
       canvas_.text(kMargin + 10, y + 13, kSmall, "", lane.name);
       for (const Bar& bar : lane.bars) draw(lane, bar, y);
-      y += kLane;
+      y += kTraceLane;
     }
     return y;
   }
@@ -171,21 +171,21 @@ class Drawing {
     const double left = x_of(bar.begin_us);
     const double wide = std::max(x_of(bar.begin_us + bar.took_us) - left, kThin);
     if (bar.late_us <= 0) {
-      canvas_.rectangle(left, y + 3, wide, kLane - 6, lane.look);
+      canvas_.rectangle(left, y + 3, wide, kTraceLane - 6, lane.look);
       return;
     }
     canvas_.open_group(fmt::format("{}: {} late: {}", lane.name, span(bar.late_us), bar.why));
-    canvas_.rectangle(left, y + 3, wide, kLane - 6, lane.look);
-    canvas_.diamond(left, y + kLane / 2, 4, "late");
+    canvas_.rectangle(left, y + 3, wide, kTraceLane - 6, lane.look);
+    canvas_.diamond(left, y + kTraceLane / 2, 4, "late");
     canvas_.close_group();
   }
 
   /// An empty lane.
   double nothing(double y) {
-    canvas_.rectangle(left_, y, kWide, kLane, "panel");
-    grid(y, y + kLane);
+    canvas_.rectangle(left_, y, kTraceWide, kTraceLane, "panel");
+    grid(y, y + kTraceLane);
     canvas_.text(left_ + 10, y + 13, kSmall, "faint", "nothing ran in this time");
-    return y + kLane;
+    return y + kTraceLane;
   }
 
   [[nodiscard]] std::vector<double> marks() const {
@@ -206,7 +206,8 @@ class Drawing {
       canvas_.line(x, bottom, x, bottom + 4, "grid");
       canvas_.centred(x, bottom + 14, kSmall, "faint", fmt::format("{:.6g}", mark + 0.0));  // not -0
     }
-    canvas_.centred(left_ + kWide / 2, bottom + 30, kSmall, "faint", fmt::format("time in {}", unit_.name));
+    canvas_.centred(left_ + kTraceWide / 2, bottom + 30, kSmall, "faint",
+                    fmt::format("time in {}", unit_.name));
   }
 
   void late(double y) {
@@ -245,7 +246,7 @@ Result<std::string> trace_svg(const Json& trace) {
   const auto summary = summary_of(trace);
   if (!summary) return summary.problems();
   try {
-    return Drawing{*summary, groups_of(trace)}.svg();
+    return TraceDrawing{*summary, groups_of(trace)}.svg();
   } catch (const Json::exception&) {
     return fail("its events are not those of a trace of takt");
   }

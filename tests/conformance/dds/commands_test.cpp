@@ -19,7 +19,7 @@
 #include "domain.hpp"
 #include "peer.hpp"
 
-namespace takt::dds_test {
+namespace takt::dds_test::commands_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -252,14 +252,19 @@ TEST(Commands, MoreThanANodeTakesAreDroppedAndCountedAndThoseOfOthersAreNot) {
   for (int i = 0; i < 5000; ++i) flood.send("flood " + std::to_string(i));
   Peer other{{"client", "d", "other", "0"}};
   EXPECT_EQ(other.wait(), 0) << "its command was answered";
-  server.say("refused");
   bool said = false;
   bool counted = false;
-  while (const auto line = server.line(5s)) {
-    said |= line->find("refused: more than 100 commands a second of one asker") != std::string::npos;
-    if (!line->starts_with("refused ")) continue;
-    counted = std::stoul(line->substr(8)) > 1000;
-    break;
+  // A busy machine overwrites most of a flood before it arrives.
+  for (int again = 0; again < 20 && !counted; ++again) {
+    server.say("refused");
+    while (const auto line = server.line(5s)) {
+      said |= line->find("refused: more than 100 commands a second of one asker") != std::string::npos;
+      if (!line->starts_with("refused ")) continue;
+      counted = std::stoul(line->substr(8)) > 1000;
+      break;
+    }
+    for (int i = 0; i < 2000 && !counted; ++i)
+      flood.send("more " + std::to_string(again) + " " + std::to_string(i));
   }
   EXPECT_TRUE(said);
   EXPECT_TRUE(counted);
@@ -298,4 +303,4 @@ TEST(Commands, ForgedOnesAreRefusedAndCountedAndTheServerGoesOn) {
 }
 
 }  // namespace
-}  // namespace takt::dds_test
+}  // namespace takt::dds_test::commands_test

@@ -24,7 +24,7 @@
 #include "peer.hpp"
 #include "sample.hpp"
 
-namespace takt::dds_test {
+namespace takt::dds_test::gateway_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -425,4 +425,4 @@ TEST_F(GatewayTest, ASampleOfTheLargestSizeFitsThroughAndBack) {
 }
 
 }  // namespace
-}  // namespace takt::dds_test
+}  // namespace takt::dds_test::gateway_test

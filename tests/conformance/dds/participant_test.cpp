@@ -20,7 +20,7 @@
 #include "peer.hpp"
 #include "sample.hpp"
 
-namespace takt::dds_test {
+namespace takt::dds_test::participant_test {
 namespace {
 
 using testing::HasSubstr;
@@ -227,4 +227,4 @@ TEST(Participant, EndsAtOnceWithAllThatWasMade) {
 }
 
 }  // namespace
-}  // namespace takt::dds_test
+}  // namespace takt::dds_test::participant_test

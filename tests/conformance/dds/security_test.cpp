@@ -19,7 +19,7 @@
 #include "peer.hpp"
 #include "sample.hpp"
 
-namespace takt::dds_test {
+namespace takt::dds_test::security_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -258,4 +258,4 @@ TEST_F(Security, WhatIsWrongWithTheFilesIsSaid) {
 }
 
 }  // namespace
-}  // namespace takt::dds_test
+}  // namespace takt::dds_test::security_test

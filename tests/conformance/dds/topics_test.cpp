@@ -22,7 +22,7 @@
 #include "domain.hpp"
 #include "peer.hpp"
 
-namespace takt::dds_test {
+namespace takt::dds_test::topics_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -325,4 +325,4 @@ TEST(Keys, AreTheSameWhoeverComputesThemAtTheSameTime) {
 }
 
 }  // namespace
-}  // namespace takt::dds_test
+}  // namespace takt::dds_test::topics_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt::bench {
+namespace takt::bench::bare_loop_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -53,4 +53,4 @@ TEST(LoopOnGrid, WithoutAnInstantHasNoCycle) {
 }
 
 }  // namespace
-}  // namespace takt::bench
+}  // namespace takt::bench::bare_loop_test

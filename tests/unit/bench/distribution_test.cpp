@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-namespace takt::bench {
+namespace takt::bench::distribution_test {
 namespace {
 
 TEST(Distribution, OfNothingIsNothing) {
@@ -58,4 +58,4 @@ TEST(Percentile, OfAscendingSizesStaysWithinThem) {
 }
 
 }  // namespace
-}  // namespace takt::bench
+}  // namespace takt::bench::distribution_test

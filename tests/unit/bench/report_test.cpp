@@ -7,7 +7,7 @@
 
 #include "surroundings.hpp"
 
-namespace takt::bench {
+namespace takt::bench::report_test {
 namespace {
 
 using testing::ContainsRegex;
@@ -71,4 +71,4 @@ TEST(Surroundings, TimesHaveThreeDigitsThatMatter) {
 }
 
 }  // namespace
-}  // namespace takt::bench
+}  // namespace takt::bench::report_test

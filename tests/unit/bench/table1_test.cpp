@@ -18,7 +18,7 @@
 
 #include "../reports/pictures.hpp"
 
-namespace takt::bench {
+namespace takt::bench::table1_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -262,4 +262,4 @@ TEST(ClassesOf, AreTenADecadeAboveTheSmallest) {
 }
 
 }  // namespace
-}  // namespace takt::bench
+}  // namespace takt::bench::table1_test

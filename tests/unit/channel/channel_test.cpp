@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace takt::channel {
+namespace takt::channel::channel_test {
 namespace {
 
 /// A second descriptor of the same memory, as another process would hold.
@@ -103,4 +103,4 @@ TEST(Channel, TooSmallIsRefused) {
 }
 
 }  // namespace
-}  // namespace takt::channel
+}  // namespace takt::channel::channel_test

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <thread>
 
-namespace takt::channel {
+namespace takt::channel::flight_record_test {
 namespace {
 
 constexpr std::uint64_t kCapacity = 16;
@@ -148,4 +148,4 @@ TEST(FlightRecord, IsReadWhileItIsWritten) {
 }
 
 }  // namespace
-}  // namespace takt::channel
+}  // namespace takt::channel::flight_record_test

@@ -17,7 +17,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/shared_memory.hpp>
 
-namespace takt::channel {
+namespace takt::channel::link_test {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -418,4 +418,4 @@ INSTANTIATE_TEST_SUITE_P(Depths, LinkOfTwoProcesses, testing::Values(1, 2, 7),
                          [](const auto& depth) { return "Depth" + std::to_string(depth.param); });
 
 }  // namespace
-}  // namespace takt::channel
+}  // namespace takt::channel::link_test

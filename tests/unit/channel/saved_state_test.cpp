@@ -8,7 +8,7 @@
 #include <memory>
 #include <thread>
 
-namespace takt::channel {
+namespace takt::channel::saved_state_test {
 namespace {
 
 using Words = std::array<std::uint64_t, 64>;
@@ -108,4 +108,4 @@ TEST_F(Saved, ACopyIsWholeWhileSomebodySaves) {
 }
 
 }  // namespace
-}  // namespace takt::channel
+}  // namespace takt::channel::saved_state_test

@@ -18,7 +18,7 @@
 #include <takt/os/futex.hpp>
 #include <takt/os/shared_memory.hpp>
 
-namespace takt::channel {
+namespace takt::channel::seat_test {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -417,4 +417,4 @@ TEST(BellBit, OfAProgramIsNeverThatOfTheSporadicThreads) {
 }
 
 }  // namespace
-}  // namespace takt::channel
+}  // namespace takt::channel::seat_test

@@ -6,7 +6,7 @@
 
 #include <takt/dds/words.hpp>
 
-namespace takt::client {
+namespace takt::client::history_test {
 namespace {
 
 using testing::DoubleNear;
@@ -143,4 +143,4 @@ TEST(History, OfTooManyModulesTheFirstAreKept) {
 }
 
 }  // namespace
-}  // namespace takt::client
+}  // namespace takt::client::history_test

@@ -24,7 +24,7 @@ class Ramp : public takt::Component {
 };
 TAKT_COMPONENT(Ramp)
 
-namespace takt {
+namespace takt::component_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -130,4 +130,4 @@ TEST(ErrorType, HasTheNumbersOfTheCInterface) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::component_test

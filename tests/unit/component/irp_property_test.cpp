@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+namespace irp_property_test {
 namespace {
 
 using testing::AllOf;
@@ -84,3 +85,4 @@ TEST(IrpProperty, WithBoundsIncludesThem) {
 }
 
 }  // namespace
+}  // namespace irp_property_test

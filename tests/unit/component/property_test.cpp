@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt {
+namespace takt::property_test {
 namespace {
 
 using testing::HasSubstr;
@@ -237,4 +237,4 @@ TEST(Property, TakesARangeThatOnlyTheModuleKnows) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::property_test

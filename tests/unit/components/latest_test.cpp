@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+namespace latest_test {
 namespace {
 
 TEST(Latest, HasNothingUntilSomethingIsPublished) {
@@ -46,3 +47,4 @@ TEST(Latest, IsWholeWhileBothSidesWork) {
 }
 
 }  // namespace
+}  // namespace latest_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace modbus {
+namespace modbus::modbus_groups_test {
 namespace {
 
 std::string text(const std::vector<Group>& groups) {
@@ -59,4 +59,4 @@ TEST(Groups, ReachTheLastAddress) {
 }
 
 }  // namespace
-}  // namespace modbus
+}  // namespace modbus::modbus_groups_test

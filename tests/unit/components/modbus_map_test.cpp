@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace modbus {
+namespace modbus::modbus_map_test {
 namespace {
 
 using testing::HasSubstr;
@@ -154,4 +154,4 @@ TEST(ModbusMap, OfManyMistakesThereIsAnEndInOneLineToo) {
 }
 
 }  // namespace
-}  // namespace modbus
+}  // namespace modbus::modbus_map_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace modbus {
+namespace modbus::modbus_value_test {
 namespace {
 
 std::array<std::uint16_t, 2> encoded(const Encoding& encoding, double value) {
@@ -74,4 +74,4 @@ TEST(Value, FitsOrDoesNot) {
 }
 
 }  // namespace
-}  // namespace modbus
+}  // namespace modbus::modbus_value_test

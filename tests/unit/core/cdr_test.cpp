@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt {
+namespace takt::cdr_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -32,7 +32,7 @@ CdrReader reader(const Bytes& bytes) {
 TEST(CdrWriter, BeginsWithItsEncapsulation) {
   EXPECT_EQ(written([](CdrWriter&) {}), (Bytes{0, 1, 0, 0}));
   EXPECT_EQ(written([](CdrWriter&) {}, 4), (Bytes{0, 1, 0, 0}));
-  for (const std::size_t room : {0, 1, 2, 3}) EXPECT_EQ(written([](CdrWriter&) {}, room), Bytes{});
+  for (const std::size_t room : {0U, 1U, 2U, 3U}) EXPECT_EQ(written([](CdrWriter&) {}, room), Bytes{});
 }
 
 TEST(CdrWriter, AlignsFromTheEndOfTheEncapsulation) {
@@ -157,4 +157,4 @@ TEST(CdrReader, KnowsOnlyPlainCdr) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::cdr_test

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-namespace takt {
+namespace takt::hex_test {
 namespace {
 
 TEST(Hex, IsReadAsItWasWritten) {
@@ -27,4 +27,4 @@ TEST(Hex, WhatIsNoneIsNone) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::hex_test

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace takt {
+namespace takt::statistics_test {
 namespace {
 
 std::unique_ptr<Statistics> empty() {
@@ -111,4 +111,4 @@ TEST(Statistics, CanBeReadAfterItsWriterDiedInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::statistics_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt {
+namespace takt::time_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -19,4 +19,4 @@ TEST(Time, IsWrittenInTheLargestUnitThatIsExact) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::time_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace takt {
+namespace takt::words_test {
 namespace {
 
 using std::string_literals::operator""s;
@@ -133,4 +133,4 @@ TEST(Words, Utf8LengthTakesOnlyTheShortestForm) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::words_test

@@ -4,7 +4,7 @@
 
 #include <takt/dds/commands.hpp>
 
-namespace takt::dds {
+namespace takt::dds::assembly_test {
 namespace {
 
 using Commands = Assembly<Command, WholeCommand>;
@@ -84,4 +84,4 @@ TEST(Assembly, WhatIsBegunAndNeverEndedTakesABoundedRoom) {
 }
 
 }  // namespace
-}  // namespace takt::dds
+}  // namespace takt::dds::assembly_test

@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+namespace handling_test {
 namespace {
 
 using takt::dds::Handling;
@@ -67,3 +68,4 @@ TEST(Handling, IsNotWaitedForForEver) {
 }
 
 }  // namespace
+}  // namespace handling_test

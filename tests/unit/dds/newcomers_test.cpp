@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt::dds {
+namespace takt::dds::newcomers_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -93,4 +93,4 @@ TEST_F(NewcomersTest, AreNoMoreInAllThanThereMayBe) {
 }
 
 }  // namespace
-}  // namespace takt::dds
+}  // namespace takt::dds::newcomers_test

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+namespace notices_test {
 namespace {
 
 using namespace takt::dds;
@@ -42,3 +43,4 @@ TEST(Notices, NobodyHasToListen) {
 }
 
 }  // namespace
+}  // namespace notices_test

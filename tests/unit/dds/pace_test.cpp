@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+namespace pace_test {
 namespace {
 
 using namespace takt::dds;
@@ -57,3 +58,4 @@ TEST(Pace, ATimeThatGoesBackTakesNothingAway) {
 }
 
 }  // namespace
+}  // namespace pace_test

@@ -4,7 +4,7 @@
 
 #include <takt/dds/words.hpp>
 
-namespace takt::dds {
+namespace takt::dds::picture_test {
 namespace {
 
 DeviceStatus device(const std::string& cell, const std::string& name, const std::string& node) {
@@ -187,4 +187,4 @@ TEST(Picture, DevicesAreInTheOrderOfTheirNames) {
 }
 
 }  // namespace
-}  // namespace takt::dds
+}  // namespace takt::dds::picture_test

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace takt::dds {
+namespace takt::dds::rtps_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -480,4 +480,4 @@ TEST(Rtps, BothByteOrdersAreRead) {
 }
 
 }  // namespace
-}  // namespace takt::dds
+}  // namespace takt::dds::rtps_test

@@ -4,7 +4,7 @@
 
 #include <takt/core/words.hpp>
 
-namespace takt::dds {
+namespace takt::dds::words_test {
 namespace {
 
 TEST(Cut, LeavesAloneWhatFits) {
@@ -66,4 +66,4 @@ TEST(Words, EveryEnumeratorHasAWord) {
 }
 
 }  // namespace
-}  // namespace takt::dds
+}  // namespace takt::dds::words_test

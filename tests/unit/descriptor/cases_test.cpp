@@ -14,7 +14,7 @@
 
 #include <takt/descriptor/descriptor.hpp>
 
-namespace takt::descriptor {
+namespace takt::descriptor::cases_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ TEST(DescriptorSchema, AgreesWithTheParserWhereItCan) {
 }
 
 }  // namespace
-}  // namespace takt::descriptor
+}  // namespace takt::descriptor::cases_test

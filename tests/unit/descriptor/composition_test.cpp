@@ -18,7 +18,7 @@
 
 #include "saying.hpp"
 
-namespace takt::descriptor {
+namespace takt::descriptor::composition_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -329,4 +329,4 @@ TEST(Parameters, StandForTheirValuesAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace takt::descriptor
+}  // namespace takt::descriptor::composition_test

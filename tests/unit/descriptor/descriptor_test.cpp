@@ -10,7 +10,7 @@
 #include <takt/descriptor/read_cell.hpp>
 #include <takt/descriptor/well_formed.hpp>
 
-namespace takt::descriptor {
+namespace takt::descriptor::descriptor_test {
 namespace {
 
 using testing::ElementsAre;
@@ -311,4 +311,4 @@ TEST(DescriptorFile, ThatIsEmptyIsSaidToBeEmpty) {
 }
 
 }  // namespace
-}  // namespace takt::descriptor
+}  // namespace takt::descriptor::descriptor_test

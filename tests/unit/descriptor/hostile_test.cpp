@@ -11,7 +11,7 @@
 #include <takt/descriptor/well_formed.hpp>
 #include <takt/model/validate.hpp>
 
-namespace takt::descriptor {
+namespace takt::descriptor::hostile_test {
 namespace {
 
 using testing::HasSubstr;
@@ -141,4 +141,4 @@ TEST(HostileText, DoesNotHideBehindItsName) {
 }
 
 }  // namespace
-}  // namespace takt::descriptor
+}  // namespace takt::descriptor::hostile_test

@@ -13,7 +13,7 @@
 
 #include <takt/descriptor/descriptor.hpp>
 
-namespace takt::descriptor {
+namespace takt::descriptor::mutation_test {
 namespace {
 
 std::string content_of(const std::string& file) {
@@ -454,4 +454,4 @@ TEST(DescriptorMutations, ThatChangeNothingAreRead) {
 }
 
 }  // namespace
-}  // namespace takt::descriptor
+}  // namespace takt::descriptor::mutation_test

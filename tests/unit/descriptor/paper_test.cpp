@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <takt/descriptor/descriptor.hpp>
 
-namespace takt::descriptor {
+namespace takt::descriptor::paper_test {
 namespace {
 
 using model::ModuleType;
@@ -169,4 +169,4 @@ TEST(CellDescriptor, GivesWhatACellCanSayBesides) {
 }
 
 }  // namespace
-}  // namespace takt::descriptor
+}  // namespace takt::descriptor::paper_test

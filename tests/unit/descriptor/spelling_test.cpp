@@ -15,7 +15,7 @@
 
 #include "saying.hpp"
 
-namespace takt::descriptor {
+namespace takt::descriptor::spelling_test {
 namespace {
 
 const std::string kGood = TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/";
@@ -157,4 +157,4 @@ TEST(DescriptorSpelling, OfDevicesAndConnectionsInAnyOrderIsAsGood) {
 }
 
 }  // namespace
-}  // namespace takt::descriptor
+}  // namespace takt::descriptor::spelling_test

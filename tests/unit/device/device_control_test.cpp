@@ -6,7 +6,7 @@
 
 #include "real_device.hpp"
 
-namespace takt::node {
+namespace takt::node::device_control_test {
 namespace {
 
 using nlohmann::json;
@@ -249,4 +249,4 @@ TEST_F(DeviceDeadlines, MissedAreErrorsWhereTheDescriptorSaysSo) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::device_control_test

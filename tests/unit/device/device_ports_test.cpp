@@ -3,7 +3,7 @@
 
 #include "real_device.hpp"
 
-namespace takt::node {
+namespace takt::node::device_ports_test {
 namespace {
 
 using nlohmann::json;
@@ -283,4 +283,4 @@ TEST_F(DevicePorts, APortWithoutAConnectionNeverHasNewsAndWritesNowhere) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::device_ports_test

@@ -5,7 +5,7 @@
 
 #include "real_device.hpp"
 
-namespace takt::node {
+namespace takt::node::device_swap_test {
 namespace {
 
 using nlohmann::json;
@@ -149,4 +149,4 @@ TEST_F(DeviceSwap, TheEndOfTheDeviceEndsIt) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::device_swap_test

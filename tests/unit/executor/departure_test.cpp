@@ -16,7 +16,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::executor {
+namespace takt::executor::departure_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -226,4 +226,4 @@ TEST_F(DepartureStep, WaitsForTheProgramsBody) {
 }
 
 }  // namespace
-}  // namespace takt::executor
+}  // namespace takt::executor::departure_test

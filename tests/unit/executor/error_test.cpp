@@ -4,7 +4,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::executor {
+namespace takt::executor::error_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -118,4 +118,4 @@ TEST_F(Error, OverrunTakesNothingOut) {
 }
 
 }  // namespace
-}  // namespace takt::executor
+}  // namespace takt::executor::error_test

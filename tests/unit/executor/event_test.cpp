@@ -14,7 +14,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::executor {
+namespace takt::executor::event_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -480,4 +480,4 @@ TEST(DeadlineOrder, IsThatOfTheRuleWhateverComesWhen) {
 }
 
 }  // namespace
-}  // namespace takt::executor
+}  // namespace takt::executor::event_test

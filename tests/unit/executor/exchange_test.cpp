@@ -7,7 +7,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::executor {
+namespace takt::executor::exchange_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -248,4 +248,4 @@ TEST_F(Limited, AnOverrunIsPutBackAndStillAnError) {
 }
 
 }  // namespace
-}  // namespace takt::executor
+}  // namespace takt::executor::exchange_test

@@ -9,7 +9,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::executor {
+namespace takt::executor::flight_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -179,4 +179,4 @@ TEST_F(Recorded, WithoutARecordAnExecutorRunsAsWell) {
 }
 
 }  // namespace
-}  // namespace takt::executor
+}  // namespace takt::executor::flight_test

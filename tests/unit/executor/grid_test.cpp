@@ -11,7 +11,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::executor {
+namespace takt::executor::grid_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -452,4 +452,4 @@ TEST(Executor, MarksTheRowWhileItIsWalked) {
 }
 
 }  // namespace
-}  // namespace takt::executor
+}  // namespace takt::executor::grid_test

@@ -8,7 +8,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::executor {
+namespace takt::executor::overrun_test {
 namespace {
 
 using model::Overrun;
@@ -251,4 +251,4 @@ TEST_F(Budget, ToleratesWhatBothTolerate) {
 }
 
 }  // namespace
-}  // namespace takt::executor
+}  // namespace takt::executor::overrun_test

@@ -10,7 +10,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::executor {
+namespace takt::executor::process_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -130,4 +130,4 @@ TEST(ProcessUnit, ServesEachReleaseOnceWhateverTheProgramDoes) {
 }
 
 }  // namespace
-}  // namespace takt::executor
+}  // namespace takt::executor::process_test

@@ -5,7 +5,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::executor {
+namespace takt::executor::sporadic_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -239,4 +239,4 @@ TEST_F(Sporadic, AProgramIsReleasedEachRowThatFindsItWaiting) {
 }
 
 }  // namespace
-}  // namespace takt::executor
+}  // namespace takt::executor::sporadic_test

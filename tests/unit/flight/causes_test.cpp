@@ -6,7 +6,7 @@
 
 #include "recordings.hpp"
 
-namespace takt::flight {
+namespace takt::flight::causes_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -260,4 +260,4 @@ TEST(InShort, HasThreeDigits) {
 }
 
 }  // namespace
-}  // namespace takt::flight
+}  // namespace takt::flight::causes_test

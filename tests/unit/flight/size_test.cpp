@@ -7,7 +7,7 @@
 #include <takt/channel/flight.hpp>
 #include <takt/model/cell.hpp>
 
-namespace takt::flight {
+namespace takt::flight::size_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -60,4 +60,4 @@ TEST(Size, IsBoundedWhateverTheCell) {
 }
 
 }  // namespace
-}  // namespace takt::flight
+}  // namespace takt::flight::size_test

@@ -4,7 +4,7 @@
 
 #include "recordings.hpp"
 
-namespace takt::flight {
+namespace takt::flight::timeline_test {
 namespace {
 
 using channel::FlightKind;
@@ -123,4 +123,4 @@ TEST(Timeline, RunsOfSporadicModulesNeedNoRow) {
 }
 
 }  // namespace
-}  // namespace takt::flight
+}  // namespace takt::flight::timeline_test

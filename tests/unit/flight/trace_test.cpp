@@ -10,7 +10,7 @@
 
 #include "recordings.hpp"
 
-namespace takt::flight {
+namespace takt::flight::trace_test {
 namespace {
 
 using json = nlohmann::json;
@@ -194,4 +194,4 @@ TEST(Trace, IsSoundWhateverTheRingHolds) {
 }
 
 }  // namespace
-}  // namespace takt::flight
+}  // namespace takt::flight::trace_test

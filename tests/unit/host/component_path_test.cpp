@@ -7,7 +7,7 @@
 
 #include <takt/os/environment.hpp>
 
-namespace takt::host {
+namespace takt::host::component_path_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,4 +56,4 @@ TEST_F(ComponentPath, MoreMayBeRequired) {
 }
 
 }  // namespace
-}  // namespace takt::host
+}  // namespace takt::host::component_path_test

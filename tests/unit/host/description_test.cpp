@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace takt::host {
+namespace takt::host::description_test {
 namespace {
 
 TEST(Description, OfPropertiesIsReadFromWhatAProgramSays) {
@@ -51,4 +51,4 @@ TEST(Description, OnlyAComponentInCppWithoutPropertiesTakesNone) {
 }
 
 }  // namespace
-}  // namespace takt::host
+}  // namespace takt::host::description_test

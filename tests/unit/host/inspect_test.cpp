@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::host {
+namespace takt::host::inspect_test {
 namespace {
 
 using testing::ElementsAre;
@@ -48,4 +48,4 @@ TEST(CheckComponents, SaysNothingOfThePortsOfAComponentThatIsRefused) {
 }
 
 }  // namespace
-}  // namespace takt::host
+}  // namespace takt::host::inspect_test

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace takt::host {
+namespace takt::host::live_properties_test {
 namespace {
 
 using testing::HasSubstr;
@@ -153,4 +153,4 @@ TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
 }
 
 }  // namespace
-}  // namespace takt::host
+}  // namespace takt::host::live_properties_test

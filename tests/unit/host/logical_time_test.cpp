@@ -12,7 +12,7 @@
 
 #include "../../system/components/sample.hpp"
 
-namespace takt {
+namespace takt::logical_time_test {
 namespace {
 
 using ::samples::Count;
@@ -164,4 +164,4 @@ TEST(LogicalTime, ShowsASampleFromTheEndOfThePeriodOn) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::logical_time_test

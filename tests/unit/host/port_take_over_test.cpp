@@ -12,7 +12,7 @@
 
 #include "../../system/components/sample.hpp"
 
-namespace takt::host {
+namespace takt::host::port_take_over_test {
 namespace {
 
 using Sample = samples::Count;
@@ -160,4 +160,4 @@ INSTANTIATE_TEST_SUITE_P(Ways, PortTakeOver, testing::Bool(),
                          [](const auto& way) { return way.param ? "AsObjects" : "AsBytes"; });
 
 }  // namespace
-}  // namespace takt::host
+}  // namespace takt::host::port_take_over_test

@@ -11,7 +11,7 @@
 #include "../../system/components/sample.hpp"
 #include "connected_service.hpp"
 
-namespace takt::host {
+namespace takt::host::real_time_path_test {
 namespace {
 
 TEST_F(RealTimePath, MakesNoSystemCallButItsSleepAndOneRingACycle) {
@@ -273,4 +273,4 @@ TEST_F(RealTimePath, ServicesAllocateAndLockNothingAndRingOnceACycle) {
 }
 
 }  // namespace
-}  // namespace takt::host
+}  // namespace takt::host::real_time_path_test

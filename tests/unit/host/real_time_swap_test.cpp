@@ -10,7 +10,7 @@
 
 #include "../../system/components/sample.hpp"
 
-namespace takt::host {
+namespace takt::host::real_time_swap_test {
 namespace {
 
 /// Real components in the place of module 1: it counts its runs in what it saves, and writes the count.
@@ -113,4 +113,4 @@ TEST_F(RealTimeSwap, AllocatesAndLocksNothingAndMissesNoCount) {
 }
 
 }  // namespace
-}  // namespace takt::host
+}  // namespace takt::host::real_time_swap_test

@@ -7,7 +7,7 @@
 #include <condition_variable>
 #include <mutex>
 
-namespace takt::host {
+namespace takt::host::real_time_traps_test {
 namespace {
 
 /// What is done once, in the hundredth cycle or, where that row is lost, in the next one.
@@ -92,4 +92,4 @@ TEST(Clock, MakesNoSystemCall) {
 }
 
 }  // namespace
-}  // namespace takt::host
+}  // namespace takt::host::real_time_traps_test

@@ -16,7 +16,7 @@
 #include "../../system/components/sample.hpp"
 #include "connected_service.hpp"
 
-namespace takt {
+namespace takt::service_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -264,7 +264,7 @@ TEST(ServiceType, IsDescribedAsItIsEncoded) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::service_test
 
 namespace takt::host {
 namespace {

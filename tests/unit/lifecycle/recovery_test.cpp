@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt::lifecycle {
+namespace takt::lifecycle::recovery_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -64,4 +64,4 @@ TEST(Recovery, TimeThatItHungIsNoLastingSuccess) {
 }
 
 }  // namespace
-}  // namespace takt::lifecycle
+}  // namespace takt::lifecycle::recovery_test

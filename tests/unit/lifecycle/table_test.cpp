@@ -8,7 +8,7 @@
 
 #include <takt/lifecycle/machine.hpp>
 
-namespace takt::lifecycle {
+namespace takt::lifecycle::table_test {
 namespace {
 
 // The table of the design written a second time, by hand, as words. What is not here is refused.
@@ -88,4 +88,4 @@ TEST(LifecycleMachine, CountsItsStepsWithoutGaps) {
 }
 
 }  // namespace
-}  // namespace takt::lifecycle
+}  // namespace takt::lifecycle::table_test

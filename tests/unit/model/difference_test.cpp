@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::model {
+namespace takt::model::difference_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -272,4 +272,4 @@ TEST(Difference, WhatTurnsOutNotToBePossibleInPlaceIsToldFirst) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::difference_test

@@ -6,7 +6,7 @@
 
 #include <takt/model/json.hpp>
 
-namespace takt::model {
+namespace takt::model::fault_test {
 namespace {
 
 using testing::ElementsAre;
@@ -118,4 +118,4 @@ TEST(FaultKinds, AreReadFromAList) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::fault_test

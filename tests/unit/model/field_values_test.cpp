@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt::model {
+namespace takt::model::field_values_test {
 namespace {
 
 Field of(std::string name, Scalar scalar) {
@@ -72,4 +72,4 @@ TEST(FieldValues, WhatIsWrongIsSaidWithWhatWouldBeRight) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::field_values_test

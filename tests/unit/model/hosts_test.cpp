@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace takt::model {
+namespace takt::model::hosts_test {
 namespace {
 
 using testing::ElementsAre;
@@ -80,4 +80,4 @@ TEST(Hosts, ADeviceOfNothingHasOne) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::hosts_test

@@ -4,7 +4,7 @@
 
 #include <takt/model/validate.hpp>
 
-namespace takt::model {
+namespace takt::model::names_test {
 namespace {
 
 TEST(Name, IsRefusedForEachOtherForm) {
@@ -85,4 +85,4 @@ TEST(TopicOf, IsTheConnectionsOwnOrThatOfItsWriter) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::names_test

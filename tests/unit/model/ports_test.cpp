@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::model {
+namespace takt::model::ports_test {
 namespace {
 
 Field field(std::string name, Scalar scalar, std::vector<std::size_t> dimensions = {}) {
@@ -147,10 +147,10 @@ TEST(Difference, IsTheFirstOne) {
 class Services : public Connections {
  protected:
   static Type around(const char* suffix, const char* field, const Type& inner) {
-    Field middle = ::takt::model::field(field, Scalar::structure);
+    Field middle = ports_test::field(field, Scalar::structure);
     middle.type_name = inner.name;
     middle.fields = inner.fields;
-    return {inner.name + suffix, {::takt::model::field("client", Scalar::uint64), middle}};
+    return {inner.name + suffix, {ports_test::field("client", Scalar::uint64), middle}};
   }
   void SetUp() override {
     Connections::SetUp();
@@ -229,4 +229,4 @@ TEST(PortsJson, KeepsWhatAPortIsThereFor) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::ports_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::model {
+namespace takt::model::profile_json_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -99,4 +99,4 @@ TEST(ProfileJson, RefusesANameThatIsNoModules) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::profile_json_test

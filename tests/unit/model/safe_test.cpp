@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::model {
+namespace takt::model::safe_test {
 namespace {
 
 /// robot.servo with the output `effort` (torque, mode), and the input `measured`.
@@ -121,4 +121,4 @@ TEST_F(Safe, QueuesEventsAndOtherProgramsHaveNone) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::safe_test

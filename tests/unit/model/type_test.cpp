@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::model {
+namespace takt::model::type_test {
 namespace {
 
 using testing::ElementsAre;
@@ -429,4 +429,4 @@ TEST(SampleBytes, AreNoneOfWhatIsNoJson) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::type_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::model {
+namespace takt::model::validate_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -485,7 +485,7 @@ TEST(Validate, NamesTheCellWhereThereIsNoFile) {
 }
 
 TEST(Validate, FindsWhatAServiceWasMadeOfAsRightAsTheService) {
-  Cell cell = takt::model::cell();
+  Cell cell = validate_test::cell();
   cell.services = {{.client = {"robot", "a", "ask"}, .server = {"robot", "b", "grip"}, .line = 7}};
   EXPECT_THAT(validate(cell), IsEmpty());
   connect_services(cell);
@@ -494,4 +494,4 @@ TEST(Validate, FindsWhatAServiceWasMadeOfAsRightAsTheService) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::validate_test

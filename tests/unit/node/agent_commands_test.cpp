@@ -6,7 +6,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node {
+namespace takt::node::agent_commands_test {
 namespace {
 
 using testing::HasSubstr;
@@ -248,4 +248,4 @@ TEST(AgentCommands, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::agent_commands_test

@@ -6,7 +6,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node {
+namespace takt::node::agent_faults_test {
 namespace {
 
 using model::FaultKind;
@@ -177,4 +177,4 @@ TEST_F(AgentFaultsTest, ADeviceOfTheCellThatIsLostIsAnEventOfEachThatSeesIt) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::agent_faults_test

@@ -11,7 +11,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node {
+namespace takt::node::agent_resume_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -182,4 +182,4 @@ TEST_F(Resuming, WithoutAFileItWaits) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::agent_resume_test

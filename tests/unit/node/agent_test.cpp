@@ -8,7 +8,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node {
+namespace takt::node::agent_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -507,4 +507,4 @@ TEST(Agent, EndingDuringThePreparationAnswersWhoAskedForIt) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::agent_test

@@ -11,7 +11,7 @@
 
 #include "fake_device.hpp"
 
-namespace takt::node {
+namespace takt::node::agent_update_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -486,4 +486,4 @@ TEST_F(AgentUpdate, ADeploymentThatEndsByItselfTakesItsUpdateAlong) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::agent_update_test

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace takt::node {
+namespace takt::node::conditions_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -108,4 +108,4 @@ TEST(Throttled, NamesTheExecutorAndTheCure) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::conditions_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-namespace takt::node {
+namespace takt::node::diagnosis_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -210,4 +210,4 @@ TEST(Diagnosis, AContainerThatMayTellTheKernelNothingIsMendedFromOutside) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::diagnosis_test

@@ -9,7 +9,7 @@
 #include <limits>
 #include <memory>
 
-namespace takt::node {
+namespace takt::node::fault_record_test {
 namespace {
 
 using model::Fault;
@@ -353,4 +353,4 @@ TEST(ReadRecord, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::fault_record_test

@@ -5,7 +5,7 @@
 #include <random>
 #include <tuple>
 
-namespace takt::node {
+namespace takt::node::fault_sieve_test {
 namespace {
 
 using model::Fault;
@@ -111,4 +111,4 @@ TEST_F(FaultSieveTest, LosesNoCountHoweverTheyCome) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::fault_sieve_test

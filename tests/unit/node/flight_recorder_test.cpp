@@ -13,7 +13,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 
-namespace takt::node {
+namespace takt::node::flight_recorder_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -73,4 +73,4 @@ TEST(FlightRecorder, WritesATraceWhereTheOthersAreOfALaterTime) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::flight_recorder_test

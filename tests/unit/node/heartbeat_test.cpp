@@ -7,7 +7,7 @@
 
 #include <takt/dds/words.hpp>
 
-namespace takt::node {
+namespace takt::node::heartbeat_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -106,4 +106,4 @@ TEST(Heartbeat, AChangeIsSaidAtOnce) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::heartbeat_test

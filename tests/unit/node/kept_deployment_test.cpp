@@ -10,7 +10,7 @@
 #include <takt/node/whole_file.hpp>
 #include <takt/os/environment.hpp>
 
-namespace takt::node {
+namespace takt::node::kept_deployment_test {
 namespace {
 
 using namespace std::string_literals;
@@ -121,4 +121,4 @@ TEST(StateFolder, IsTheOneThatTheEnvironmentNames) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::kept_deployment_test

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-namespace takt::node {
+namespace takt::node::outbox_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -96,4 +96,4 @@ TEST(Outbox, WhatIsPutWhileItWaitsGoesOut) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::outbox_test

@@ -15,7 +15,7 @@
 #include <takt/node/whole_file.hpp>
 #include <takt/os/environment.hpp>
 
-namespace takt::node {
+namespace takt::node::retained_test {
 namespace {
 
 using testing::HasSubstr;
@@ -127,4 +127,4 @@ TEST_F(Retain, WhatCannotBeWrittenIsSaidOnceAndWhenItCanBeAgain) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::retained_test

@@ -9,7 +9,7 @@
 // Has a name and a place in this file.
 extern "C" [[gnu::noinline]] int takt_symbols_test_function(int x) { return x + std::rand(); }
 
-namespace takt::node {
+namespace takt::node::symbols_test {
 namespace {
 
 using testing::AllOf;
@@ -41,4 +41,4 @@ TEST(Symbols, APlaceThatNothingIsKnownOfIsANumber) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::symbols_test

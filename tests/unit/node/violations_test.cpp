@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace takt::node {
+namespace takt::node::violations_test {
 namespace {
 
 TEST(Violations, ASentenceNamesTheModulesOwnCalls) {
@@ -30,4 +30,4 @@ TEST(Violations, WhatHasNoPlaceIsSaidAllTheSame) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::violations_test

@@ -6,7 +6,7 @@
 
 #include <takt/channel/seat.hpp>
 
-namespace takt::node {
+namespace takt::node::wiring_test {
 namespace {
 
 using model::Direction;
@@ -379,4 +379,4 @@ TEST_F(WiringPlanned, TheSafeValueOfAnotherDeviceComesLater) {
 }
 
 }  // namespace
-}  // namespace takt::node
+}  // namespace takt::node::wiring_test

@@ -4,7 +4,7 @@
 
 #include <csignal>
 
-namespace takt::os {
+namespace takt::os::core_dump_test {
 namespace {
 
 TEST(CoreGlob, NamesWhatIsKnownAndLeavesTheRestOpen) {
@@ -20,4 +20,4 @@ TEST(FindCoreDump, ThereIsNoneOfWhoWasKilledOtherwise) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::core_dump_test

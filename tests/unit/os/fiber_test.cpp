@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt::os {
+namespace takt::os::fiber_test {
 namespace {
 
 constexpr std::size_t kStack = 64 * 1024;
@@ -76,4 +76,4 @@ void return_from_a_body() {
 TEST(FiberDeathTest, DoesNotReturnFromItsBody) { EXPECT_DEATH(return_from_a_body(), "does not return"); }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::fiber_test

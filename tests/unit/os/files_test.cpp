@@ -10,7 +10,7 @@
 #include <future>
 #include <thread>
 
-namespace takt::os {
+namespace takt::os::files_test {
 namespace {
 
 using testing::HasSubstr;
@@ -146,4 +146,4 @@ TEST_F(Files, WhatIsNoWholeObjectHasNoSection) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::files_test

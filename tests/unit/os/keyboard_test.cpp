@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace takt::os {
+namespace takt::os::keyboard_test {
 namespace {
 
 using testing::ElementsAre;
@@ -49,4 +49,4 @@ TEST(Keyboard, WaitsForTheRestOfASequence) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::keyboard_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace takt::os {
+namespace takt::os::library_test {
 namespace {
 
 using testing::HasSubstr;
@@ -83,4 +83,4 @@ TEST(Library, ThatIsTextIsRefusedWithTheLoadersReason) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::library_test

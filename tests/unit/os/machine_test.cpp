@@ -10,7 +10,7 @@
 
 #include <takt/os/kernel_news.hpp>
 
-namespace takt::os {
+namespace takt::os::machine_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -271,4 +271,4 @@ TEST(KernelNews, WhatWasSaidBeforeIsNoNews) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::machine_test

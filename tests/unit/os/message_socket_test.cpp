@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace takt::os {
+namespace takt::os::message_socket_test {
 namespace {
 
 class TwoEnds : public testing::Test {
@@ -101,4 +101,4 @@ TEST_F(TwoEnds, DoNotBelieveALengthThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::message_socket_test

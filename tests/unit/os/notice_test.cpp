@@ -6,7 +6,7 @@
 
 #include <takt/os/signals.hpp>
 
-namespace takt::os {
+namespace takt::os::notice_test {
 namespace {
 
 TEST(Notice, IsTakenOnceHoweverOftenItWasGiven) {
@@ -31,4 +31,4 @@ TEST(Notice, EndsAWait) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::notice_test

@@ -7,7 +7,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 
-namespace takt::os {
+namespace takt::os::platform_test {
 namespace {
 
 TEST(Platform, SaysWhatItRunsOn) {
@@ -38,4 +38,4 @@ TEST(MemoryOf, IsThatOfAProcessAndOfNoneNothing) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::platform_test

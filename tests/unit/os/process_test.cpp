@@ -16,7 +16,7 @@
 #include <takt/os/message_socket.hpp>
 #include <takt/os/shared_memory.hpp>
 
-namespace takt::os {
+namespace takt::os::process_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -189,4 +189,4 @@ TEST(InChild, AnExitIsNoResult) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::process_test

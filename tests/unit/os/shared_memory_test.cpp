@@ -11,7 +11,7 @@
 #include <new>
 #include <utility>
 
-namespace takt::os {
+namespace takt::os::shared_memory_test {
 namespace {
 
 TEST(SharedMemory, IsZeroWhenCreated) {
@@ -64,4 +64,4 @@ TEST(SharedMemory, OfNoDescriptorOrNoSizeIsRefused) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::shared_memory_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/syscall.h>
 
-namespace takt::os {
+namespace takt::os::system_calls_test {
 namespace {
 
 TEST(SystemCalls, HaveTheNamesOfTheirNumbers) {
@@ -18,4 +18,4 @@ TEST(SystemCalls, OnesThatNobodyKnowsAreNumbers) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::system_calls_test

@@ -11,7 +11,7 @@
 
 #include <takt/os/real_time.hpp>
 
-namespace takt::os {
+namespace takt::os::thread_test {
 namespace {
 
 TEST(Thread, HasItsNameCutToWhatLinuxShows) {
@@ -137,4 +137,4 @@ TEST(AllowedCpus, AreAtLeastOneAndAscend) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::thread_test

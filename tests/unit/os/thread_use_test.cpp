@@ -7,7 +7,7 @@
 
 #include <takt/os/real_time.hpp>
 
-namespace takt::os {
+namespace takt::os::thread_use_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +89,4 @@ TEST_F(ThreadUseTest, StolenTimeIsOfEachProcessor) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::thread_use_test

@@ -4,7 +4,7 @@
 
 #include <takt/os/real_time.hpp>
 
-namespace takt::os {
+namespace takt::os::trial_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -50,4 +50,4 @@ TEST(Trial, LeavesNoTraceInThisProcess) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::trial_test

@@ -11,7 +11,7 @@
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 
-namespace takt::os {
+namespace takt::os::waker_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -131,4 +131,4 @@ TEST(Waker, ThatOnlySleepsHasNoMargin) {
 }
 
 }  // namespace
-}  // namespace takt::os
+}  // namespace takt::os::waker_test

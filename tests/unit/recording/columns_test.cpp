@@ -8,7 +8,7 @@
 #include "recording/csv.hpp"
 #include "recording/patterns.hpp"
 
-namespace takt::tool {
+namespace takt::tool::columns_test {
 namespace {
 
 using testing::ElementsAre;
@@ -129,4 +129,4 @@ TEST(Patterns, APortHasThreeNames) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::columns_test

@@ -13,7 +13,7 @@
 
 #include "recording/reader.hpp"
 
-namespace takt::tool {
+namespace takt::tool::writer_test {
 namespace {
 
 using testing::HasSubstr;
@@ -346,4 +346,4 @@ TEST_F(RecordingFile, ATimeAndPortsAreChosen) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::writer_test

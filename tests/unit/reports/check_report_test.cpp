@@ -11,7 +11,7 @@
 #include "cells.hpp"
 #include "pictures.hpp"
 
-namespace takt::tool {
+namespace takt::tool::check_report_test {
 namespace {
 
 using namespace cells;
@@ -556,4 +556,4 @@ TEST(CheckSvg, NeedsNothingFromElsewhere) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::check_report_test

@@ -6,7 +6,7 @@
 
 #include <sstream>
 
-namespace takt::tool {
+namespace takt::tool::describe_report_test {
 namespace {
 
 using testing::AllOf;
@@ -191,4 +191,4 @@ TEST(ComponentList, IsByFolderWithASentenceEach) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::describe_report_test

@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-namespace takt::tool {
+namespace takt::tool::doctor_report_test {
 namespace {
 
 using json = nlohmann::ordered_json;
@@ -76,4 +76,4 @@ TEST(DoctorReport, SaysThatItIsNotRoot) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::doctor_report_test

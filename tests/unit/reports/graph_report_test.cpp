@@ -12,7 +12,7 @@
 #include "graph_layout.hpp"
 #include "pictures.hpp"
 
-namespace takt::tool {
+namespace takt::tool::graph_report_test {
 namespace {
 
 using namespace cells;
@@ -495,4 +495,4 @@ TEST(GraphSvg, EscapesNamesAndNeedsNothingFromElsewhere) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::graph_report_test

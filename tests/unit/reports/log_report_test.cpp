@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <ctime>
 
-namespace takt::tool {
+namespace takt::tool::log_report_test {
 namespace {
 
 using model::Fault;
@@ -106,4 +106,4 @@ TEST_F(LogReportTest, SinceIsHowLongAgoOrWhen) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::log_report_test

@@ -12,7 +12,7 @@
 
 #include "pictures.hpp"
 
-namespace takt::tool {
+namespace takt::tool::plot_report_test {
 namespace {
 
 using testing::DoubleEq;
@@ -139,4 +139,4 @@ TEST(Plot, HasNoNumbersThatAreNone) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::plot_report_test

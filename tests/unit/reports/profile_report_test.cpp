@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt::tool {
+namespace takt::tool::profile_report_test {
 namespace {
 
 using json = nlohmann::ordered_json;
@@ -37,4 +37,4 @@ TEST(ProfileReport, CountsNoRunsWhereNoneWasMeasured) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::profile_report_test

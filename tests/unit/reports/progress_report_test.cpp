@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace takt::tool {
+namespace takt::tool::progress_report_test {
 namespace {
 
 using testing::ElementsAre;
@@ -43,4 +43,4 @@ TEST(BringUp, SaysHowManyAreReadyAndWhatIsWaitedFor) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::progress_report_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::tool {
+namespace takt::tool::run_report_test {
 namespace {
 
 using json = nlohmann::ordered_json;
@@ -101,4 +101,4 @@ TEST(RunText, SaysThatADeviceIsNotRealTime) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::run_report_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::tool {
+namespace takt::tool::scaffold_test {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -69,4 +69,4 @@ TEST(Scaffold, RefusesNamesThatWouldNotBuild) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::scaffold_test

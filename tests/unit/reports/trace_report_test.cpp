@@ -14,7 +14,7 @@
 
 #include "pictures.hpp"
 
-namespace takt::tool {
+namespace takt::tool::trace_report_test {
 namespace {
 
 using json = nlohmann::ordered_json;
@@ -247,4 +247,4 @@ TEST(TraceSvg, OfWhatIsNoTraceIsRefused) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::trace_report_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::tool {
+namespace takt::tool::violations_report_test {
 namespace {
 
 using json = nlohmann::ordered_json;
@@ -42,4 +42,4 @@ TEST(ViolationsReport, NamesModulesAndExecutorsWithTheCalls) {
 }
 
 }  // namespace
-}  // namespace takt::tool
+}  // namespace takt::tool::violations_report_test

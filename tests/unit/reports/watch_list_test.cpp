@@ -6,7 +6,7 @@
 
 #include "watch_cells.hpp"
 
-namespace takt::tool::watch {
+namespace takt::tool::watch::watch_list_test {
 namespace {
 
 using testing::ElementsAre;
@@ -163,4 +163,4 @@ TEST(WatchState, ConnectionsSayWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace takt::tool::watch
+}  // namespace takt::tool::watch::watch_list_test

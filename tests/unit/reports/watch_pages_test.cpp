@@ -4,7 +4,7 @@
 
 #include "watch_cells.hpp"
 
-namespace takt::tool::watch {
+namespace takt::tool::watch::watch_pages_test {
 namespace {
 
 using testing::HasSubstr;
@@ -155,4 +155,4 @@ TEST(WatchHelp, FitsATerminalOfEightyColumns) {
 }
 
 }  // namespace
-}  // namespace takt::tool::watch
+}  // namespace takt::tool::watch::watch_pages_test

@@ -8,7 +8,7 @@
 
 #include "watch_cells.hpp"
 
-namespace takt::tool::watch {
+namespace takt::tool::watch::watch_screen_test {
 namespace {
 
 using testing::ContainsRegex;
@@ -31,8 +31,8 @@ TEST(WatchScreen, FillsTheTerminalAndNoMoreWhateverIsLookedAt) {
                                 .health = CellHealth::Connection{}});
   }
   for (const Place place : {Place::list, Place::details, Place::connections, Place::help}) {
-    for (const std::size_t lines : {1, 2, 3, 4, 5, 8, 24, 60}) {
-      for (const std::size_t columns : {1, 2, 5, 20, 40, 79, 80, 81, 100, 133, 200, 400}) {
+    for (const std::size_t lines : {1U, 2U, 3U, 4U, 5U, 8U, 24U, 60U}) {
+      for (const std::size_t columns : {1U, 2U, 5U, 20U, 40U, 79U, 80U, 81U, 100U, 133U, 200U, 400U}) {
         for (const bool unicode : {false, true}) {
           View view{.place = place, .chosen = "robot.m3", .message = std::string(200, 'm')};
           const Screen screen = draw(seen, view, columns, lines, {.unicode = unicode});
@@ -159,4 +159,4 @@ TEST(WatchLine, IsCutBetweenCharactersAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace takt::tool::watch
+}  // namespace takt::tool::watch::watch_screen_test

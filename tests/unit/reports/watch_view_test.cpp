@@ -4,7 +4,7 @@
 
 #include <takt/os/keyboard.hpp>
 
-namespace takt::tool::watch {
+namespace takt::tool::watch::watch_view_test {
 namespace {
 
 using Keyboard = os::Keyboard;
@@ -247,4 +247,4 @@ TEST(WatchView, QuitsFromEverywhere) {
 }
 
 }  // namespace
-}  // namespace takt::tool::watch
+}  // namespace takt::tool::watch::watch_view_test

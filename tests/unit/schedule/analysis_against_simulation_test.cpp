@@ -11,7 +11,7 @@
 
 #include "simulated_device.hpp"
 
-namespace takt::schedule {
+namespace takt::schedule::analysis_against_simulation_test {
 namespace {
 
 using model::Device;
@@ -191,4 +191,4 @@ TEST_P(AnalysisAgainstSimulation, NeverAcceptsWhatMisses) {
 INSTANTIATE_TEST_SUITE_P(Batch, AnalysisAgainstSimulation, testing::Range(0, kBatches));
 
 }  // namespace
-}  // namespace takt::schedule
+}  // namespace takt::schedule::analysis_against_simulation_test

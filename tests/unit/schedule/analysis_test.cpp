@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace takt::schedule {
+namespace takt::schedule::analysis_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -362,4 +362,4 @@ TEST(WorstCase, LeavesOutWhatIsNotRealTime) {
 }
 
 }  // namespace
-}  // namespace takt::schedule
+}  // namespace takt::schedule::analysis_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt::schedule {
+namespace takt::schedule::contender_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -73,4 +73,4 @@ TEST(Recurring, ThatNeverEndsTakesTheWholeWindow) {
 }
 
 }  // namespace
-}  // namespace takt::schedule
+}  // namespace takt::schedule::contender_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::schedule {
+namespace takt::schedule::longest_runs_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -87,4 +87,4 @@ TEST(AllStateBudgets, LooksAtWhatIsRealTime) {
 }
 
 }  // namespace
-}  // namespace takt::schedule
+}  // namespace takt::schedule::longest_runs_test

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-namespace takt::schedule {
+namespace takt::schedule::offsets_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -148,4 +148,4 @@ TEST(Offsets, OfPeriodsThatHardlyMeetAreZero) {
 }
 
 }  // namespace
-}  // namespace takt::schedule
+}  // namespace takt::schedule::offsets_test

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace takt::schedule {
+namespace takt::schedule::placement_test {
 namespace {
 
 using testing::ElementsAre;
@@ -111,4 +111,4 @@ TEST(Priorities, OfProgramsAndSporadicModulesAreBelowTheirExecutor) {
 }
 
 }  // namespace
-}  // namespace takt::schedule
+}  // namespace takt::schedule::placement_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::schedule {
+namespace takt::schedule::plan_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -376,4 +376,4 @@ TEST(Plan, HasAPriorityForEachOfManyPeriods) {
 }
 
 }  // namespace
-}  // namespace takt::schedule
+}  // namespace takt::schedule::plan_test

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::schedule {
+namespace takt::schedule::table_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -340,4 +340,4 @@ TEST(LongestPair, IsAsDefinedForManyModuleSets) {
 }
 
 }  // namespace
-}  // namespace takt::schedule
+}  // namespace takt::schedule::table_test

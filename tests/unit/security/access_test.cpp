@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+namespace access_test {
 namespace {
 
 using namespace takt;
@@ -146,3 +147,4 @@ TEST(Documents, NameWhomTheyAreForAndSayNoToTheRest) {
 }
 
 }  // namespace
+}  // namespace access_test

@@ -10,6 +10,7 @@
 #include <takt/os/files.hpp>
 #include <takt/security/choice.hpp>
 
+namespace authority_test {
 namespace {
 
 using namespace takt;
@@ -260,3 +261,4 @@ TEST(Prefix, IsOfOneSubjectAndNoOther) {
 }
 
 }  // namespace
+}  // namespace authority_test

@@ -8,6 +8,7 @@
 #include <takt/os/environment.hpp>
 #include <takt/security/authority.hpp>
 
+namespace signature_test {
 namespace {
 
 using namespace takt;
@@ -92,3 +93,4 @@ TEST_F(Signature, NeedsAFileAndACertificate) {
 }
 
 }  // namespace
+}  // namespace signature_test

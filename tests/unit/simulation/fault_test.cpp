@@ -4,7 +4,7 @@
 
 #include <takt/simulation/random_cell.hpp>
 
-namespace takt::simulation {
+namespace takt::simulation::fault_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -142,4 +142,4 @@ TEST(Faults, AreDrawnInTheNumberAskedForAndInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace takt::simulation
+}  // namespace takt::simulation::fault_test

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace takt::simulation {
+namespace takt::simulation::invariants_test {
 namespace {
 
 using lifecycle::State;
@@ -368,4 +368,4 @@ TEST_F(InvariantsTest, ARowThatACrashCutShortIsMissed) {
 }
 
 }  // namespace
-}  // namespace takt::simulation
+}  // namespace takt::simulation::invariants_test

@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace takt::simulation {
+namespace takt::simulation::kernel_test {
 namespace {
 
 using testing::ElementsAre;
@@ -158,4 +158,4 @@ TEST(Kernel, NothingBehindTheEndHappensBeforeItIsTime) {
 }
 
 }  // namespace
-}  // namespace takt::simulation
+}  // namespace takt::simulation::kernel_test

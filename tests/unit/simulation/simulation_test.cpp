@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <string>
 
+#include <full_form.hpp>
 #include <gmock/gmock.h>
 
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/simulation/random_cell.hpp>
 
-namespace takt::simulation {
+namespace takt::simulation::simulation_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -292,17 +293,19 @@ TEST(Simulation, RunTimesAreThoseOfTheProfile) {
 
 /// Cells by chance, then the demo: what must hold, with everything going wrong that can.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kRandomCells = 320;  // each takes fifty times as long
-constexpr std::uint64_t kDemoCells = 16;
+constexpr std::uint64_t kSlower = 20;  // each takes fifty times as long
 #else
-constexpr std::uint64_t kRandomCells = 4000;
-constexpr std::uint64_t kDemoCells = 320;
+constexpr std::uint64_t kSlower = 1;
 #endif
 constexpr std::uint64_t kParts = 16;
+/// `full` of them in tools/test --full, else an eighth.
+std::uint64_t seeds(std::uint64_t full) {
+  return std::max(kParts, full / kSlower / (full_form() ? 1 : 8));
+}
 class Seeds : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(Seeds, OfRandomCellsHoldWhatMustHold) {
-  for (std::uint64_t seed = GetParam(); seed < kRandomCells; seed += kParts) {
+  for (std::uint64_t seed = GetParam(); seed < seeds(4000); seed += kParts) {
     const RandomCell random = random_cell(seed);
     const auto course = simulate(random.cell, random.plans, {}, random.options);
     ASSERT_TRUE(course.ok()) << to_text(course.problems());
@@ -314,7 +317,7 @@ TEST_P(Seeds, OfRandomCellsHoldWhatMustHold) {
 TEST_P(Seeds, OfTheDemoHoldWhatMustHold) {
   auto cell = descriptor::load(TAKT_SOURCE_DIR "/deploy/palletizing.xml");
   const auto plans = schedule::plan(*cell);
-  for (std::uint64_t seed = GetParam(); seed < kDemoCells; seed += kParts) {
+  for (std::uint64_t seed = GetParam(); seed < seeds(320); seed += kParts) {
     const auto course = simulate(
         *cell, *plans, {},
         {.seed = seed, .length = milliseconds{200}, .faults_per_second = static_cast<double>(seed % 50)});
@@ -328,4 +331,4 @@ TEST_P(Seeds, OfTheDemoHoldWhatMustHold) {
 INSTANTIATE_TEST_SUITE_P(Simulation, Seeds, testing::Range(std::uint64_t{0}, kParts));
 
 }  // namespace
-}  // namespace takt::simulation
+}  // namespace takt::simulation::simulation_test

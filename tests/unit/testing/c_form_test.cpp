@@ -5,6 +5,7 @@
 
 #include <basic.hpp>
 
+namespace c_form_test {
 namespace {
 
 using takt::lifecycle::State;
@@ -91,3 +92,4 @@ TEST(ModuleInC, IsGivenPropertiesBeforeItIsInitialisedOnly) {
 }
 
 }  // namespace
+}  // namespace c_form_test

@@ -7,6 +7,7 @@
 #include <basic.hpp>
 #include <line.hpp>
 
+namespace component_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -393,3 +394,4 @@ TEST(Answer, IsShownByGoogleTestInItsWords) {
 }
 
 }  // namespace
+}  // namespace component_test

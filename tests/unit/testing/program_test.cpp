@@ -6,6 +6,7 @@
 
 #include <basic.hpp>
 
+namespace program_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -176,3 +177,4 @@ TEST(Program, TakesItsPropertiesWhenItStartsOnly) {
 }
 
 }  // namespace
+}  // namespace program_test

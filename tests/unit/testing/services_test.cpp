@@ -7,6 +7,7 @@
 
 #include <basic.hpp>
 
+namespace services_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -204,3 +205,4 @@ TEST_F(TestedClient, MayAskAgainAfterItsModuleRecovered) {
 }
 
 }  // namespace
+}  // namespace services_test

@@ -5,6 +5,7 @@
 
 #include <basic.hpp>
 
+namespace sporadic_program_test {
 namespace {
 
 using takt::testing::Module;
@@ -29,3 +30,4 @@ TEST(SporadicProgram, IsRefusedWhereTheTestSaysPeriodic) {
 }
 
 }  // namespace
+}  // namespace sporadic_program_test

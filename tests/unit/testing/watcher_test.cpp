@@ -5,6 +5,7 @@
 
 #include <basic.hpp>
 
+namespace watcher_test {
 namespace {
 
 using takt::lifecycle::State;
@@ -90,3 +91,4 @@ TEST(SafeValue, IsNoneForAQueue) {
 }
 
 }  // namespace
+}  // namespace watcher_test

@@ -13,7 +13,7 @@
 #include "heap_watch.hpp"
 #include "values.hpp"
 
-namespace takt {
+namespace takt::c_type_test {
 namespace {
 
 using types_test::allocations_of;
@@ -150,4 +150,4 @@ TEST_F(CStruct, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::c_type_test

@@ -15,7 +15,7 @@
 #include "heap_watch.hpp"
 #include "values.hpp"
 
-namespace takt {
+namespace takt::port_type_test {
 namespace {
 
 using eprosima::fastcdr::Cdr;
@@ -332,4 +332,4 @@ TEST(Numbers, KeepEveryBit) {
 }
 
 }  // namespace
-}  // namespace takt
+}  // namespace takt::port_type_test

@@ -14,7 +14,7 @@
 #include "heap_watch.hpp"
 #include "values.hpp"
 
-namespace takt::model {
+namespace takt::model::sample_test {
 namespace {
 
 using eprosima::fastcdr::Cdr;
@@ -189,4 +189,4 @@ TEST(Sample, IsOneExactlyWhenItIsDecoded) {
 }
 
 }  // namespace
-}  // namespace takt::model
+}  // namespace takt::model::sample_test

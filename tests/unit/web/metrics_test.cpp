@@ -8,7 +8,7 @@
 
 #include "seen.hpp"
 
-namespace takt::tool::web {
+namespace takt::tool::web::metrics_test {
 namespace {
 
 using namespace seen;
@@ -114,4 +114,4 @@ TEST(Metrics, EscapeWhatALabelMayNotHold) {
 }
 
 }  // namespace
-}  // namespace takt::tool::web
+}  // namespace takt::tool::web::metrics_test

@@ -7,7 +7,7 @@
 #include "said.hpp"
 #include "seen.hpp"
 
-namespace takt::tool::web {
+namespace takt::tool::web::period_test {
 namespace {
 
 using namespace seen;
@@ -165,4 +165,4 @@ TEST(Period, NeedsTwoMacroPeriodsOfTraceAndNoMoreThanTenSeconds) {
 }
 
 }  // namespace
-}  // namespace takt::tool::web
+}  // namespace takt::tool::web::period_test

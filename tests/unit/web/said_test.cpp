@@ -4,7 +4,7 @@
 
 #include "seen.hpp"
 
-namespace takt::tool::web {
+namespace takt::tool::web::said_test {
 namespace {
 
 using namespace seen;
@@ -126,4 +126,4 @@ TEST(Said, AnEventOfTheRecordIsToldWhole) {
 }
 
 }  // namespace
-}  // namespace takt::tool::web
+}  // namespace takt::tool::web::said_test

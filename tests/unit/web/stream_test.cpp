@@ -7,7 +7,7 @@
 
 #include "server.hpp"
 
-namespace takt::tool::web {
+namespace takt::tool::web::stream_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -91,4 +91,4 @@ TEST(OwnName, IsAnAddressOrLocalhostOrTheMachinesName) {
 }
 
 }  // namespace
-}  // namespace takt::tool::web
+}  // namespace takt::tool::web::stream_test

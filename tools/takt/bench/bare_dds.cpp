@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 constexpr const char* kSettings = "TAKT_BENCH_WRITER";  // "DOMAIN PERIOD_NS LENGTH_NS"
 constexpr std::size_t kHead = 4;                        // bytes before the fields: how they are encoded
 constexpr std::size_t kBytes = kHead + 64;
-constexpr Nanoseconds kLimit = 10s;  // to find each other
+constexpr Nanoseconds kMatchLimit = 10s;  // to find each other
 
 dds::Flow flow() {
   return {.topic = "rt/takt_bench",
@@ -79,7 +79,7 @@ int serve_as_writer() {
   if (!participant) return 1;
   const auto feed = dds::Feed::create(*participant, flow());
   if (!feed) return 1;
-  for (const Instant limit = os::now() + kLimit; (*feed)->health().matched == 0;) {
+  for (const Instant limit = os::now() + kMatchLimit; (*feed)->health().matched == 0;) {
     if (os::now() > limit) return 1;
     os::sleep_until(os::now() + 10ms);
   }

@@ -23,9 +23,9 @@ namespace {
 using json = nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
-constexpr double kSeconds = 10;
-constexpr Nanoseconds kPeriod = 10ms;
-constexpr Nanoseconds kLimit = 60s;  // for nodes to be there
+constexpr double kCellSeconds = 10;
+constexpr Nanoseconds kCellPeriod = 10ms;
+constexpr Nanoseconds kCellFound = 60s;  // for nodes to be there
 
 std::string device_name(int device) { return fmt::format("bench{}", device); }
 std::string recording_name(int device, int pair) { return fmt::format("ages{}_{}", device, pair); }
@@ -98,7 +98,7 @@ class Nodes {
 
   /// Until each of them is on the network.
   Result<void> wait_for_all() {
-    const Instant limit = os::now() + kLimit;
+    const Instant limit = os::now() + kCellFound;
     while (true) {
       const auto seen = status();
       if (!seen) return seen.problems();
@@ -146,8 +146,8 @@ Row times_row(const char* name, const std::vector<std::int64_t>& times) {
 }  // namespace
 
 Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
-  const Nanoseconds period = settings.period.value_or(kPeriod);
-  const Nanoseconds length = settings.length(kSeconds);
+  const Nanoseconds period = settings.period.value_or(kCellPeriod);
+  const Nanoseconds length = settings.length(kCellSeconds);
   const int domain = settings.domain.value_or(0);
   auto patience = Patience::create();
   if (!patience) return patience.problems();
@@ -158,7 +158,7 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   if (!file) return file.problems();
 
   Section times{.title = fmt::format("{} devices of {} modules at {}, all on this machine",
-                                     settings.cell.devices, 2 * settings.cell.pairs, to_text(period)),
+                                     settings.cell.devices, 2 * settings.cell.pairs, takt::to_text(period)),
                 .columns = {"s"}};
   Nodes nodes{settings.cell, domain, *folder, *patience};
   Course course{settings, 5};

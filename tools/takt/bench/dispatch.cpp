@@ -29,10 +29,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kSeconds = 3;
-constexpr int kTurns = 3;
+constexpr double kDispatchSeconds = 3;
+constexpr int kDispatchTurns = 3;
 constexpr std::size_t kMany = 1000;
-constexpr Nanoseconds kPeriod = 1ms;
+constexpr Nanoseconds kDispatchPeriod = 1ms;
 
 double chain = 1;
 
@@ -68,7 +68,7 @@ class Table {
       model::Module module;
       module.name = "m" + std::to_string(i);
       module.executor = device.executors.front().name;
-      module.period = kPeriod;
+      module.period = kDispatchPeriod;
       module.type = type;
       device.modules.push_back(module);
       blocks_[i].in_tables.store(1);
@@ -77,7 +77,7 @@ class Table {
                        .body = thread ? &bodies_[i] : nullptr,
                        .seat = thread ? nullptr : &seats_[i],
                        .block = &blocks_[i],
-                       .period = kPeriod});
+                       .period = kDispatchPeriod});
       bare_.push_back(&bodies_[i]);
     }
     const auto plan = *schedule::plan(model::Cell{}, device);
@@ -210,7 +210,7 @@ Result<Section> recorded(const Place& place, Nanoseconds length, Course& course,
 // ---- A thousand modules at 1 ms
 
 /// A way to run them, with the time that each of its cycles took.
-struct Seen {
+struct SeenCycles {
   Loop loop;
   std::vector<std::int64_t> taken;  ///< ns
 };
@@ -245,7 +245,7 @@ Result<Loop> a_thread_for_each(const Place& place, Nanoseconds length) {
   std::vector<Loop> loops(kMany);
   std::vector<os::Thread> threads;
   std::atomic<std::uint32_t> go{0};
-  Grid grid{.period = kPeriod, .length = length};
+  Grid grid{.period = kDispatchPeriod, .length = length};
   Problems refused;
   for (Loop& loop : loops) {
     auto thread = os::Thread::start(
@@ -273,11 +273,11 @@ Result<Loop> a_thread_for_each(const Place& place, Nanoseconds length) {
   return all;
 }
 
-Row row_of(const std::string& name, const Seen& seen, Nanoseconds length) {
+Row row_of(const std::string& name, const SeenCycles& seen, Nanoseconds length) {
   const Distribution jitter = distribution_of(seen.loop.jitter);
   const Distribution taken = distribution_of(seen.taken);
   const bool one = taken.count != 0;
-  const auto cycles = static_cast<double>(length / kPeriod);
+  const auto cycles = static_cast<double>(length / kDispatchPeriod);
   return {name,
           {static_cast<double>(seen.loop.processor_time.count()) / 1e3 / cycles,
            one ? taken.p50 / 1e3 : std::nan(""), one ? taken.p99 / 1e3 : std::nan(""), jitter.p50 / 1e3,
@@ -285,16 +285,16 @@ Row row_of(const std::string& name, const Seen& seen, Nanoseconds length) {
 }
 
 Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
-  Seen table;
-  Seen bare;
-  Seen threads;
+  SeenCycles table;
+  SeenCycles bare;
+  SeenCycles threads;
   Table modules{kMany};
-  for (int turn = 0; turn < kTurns; ++turn) {
-    for (Seen* seen : {&table, &bare}) {
+  for (int turn = 0; turn < kDispatchTurns; ++turn) {
+    for (SeenCycles* seen : {&table, &bare}) {
       course.next(fmt::format("{} modules: {}", kMany, seen == &table ? "one table" : "bare calls"));
-      seen->taken.reserve(seen->taken.size() + static_cast<std::size_t>(length / kPeriod));
+      seen->taken.reserve(seen->taken.size() + static_cast<std::size_t>(length / kDispatchPeriod));
       const auto loop = run_at(place, [&] {
-        const Grid grid = Grid::from_now(kPeriod, length / kTurns);
+        const Grid grid = Grid::from_now(kDispatchPeriod, length / kDispatchTurns);
         return seen == &table ? walk_table(modules, grid, seen->taken)
                               : call_bare(modules, grid, seen->taken);
       });
@@ -302,14 +302,14 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& cours
       seen->loop.add(*loop);
     }
     course.next(fmt::format("{} modules: a thread for each", kMany));
-    const auto all = a_thread_for_each(place, length / kTurns);
+    const auto all = a_thread_for_each(place, length / kDispatchTurns);
     if (!all) return all.problems();
     threads.loop.add(*all);
   }
-  for (const Seen* seen : {&table, &bare, &threads}) add_once(refused, seen->loop.refused);
+  for (const SeenCycles* seen : {&table, &bare, &threads}) add_once(refused, seen->loop.refused);
   Section section{
-      .title = fmt::format("{} modules at {}, processor {}, priority {}: us", kMany, to_text(kPeriod),
-                           place.cpu, place.priority),
+      .title = fmt::format("{} modules at {}, processor {}, priority {}: us", kMany,
+                           takt::to_text(kDispatchPeriod), place.cpu, place.priority),
       .columns = {"processor", "cycle p50", "cycle p99", "jitter p50", "jitter p99", "jitter max", "missed"}};
   section.rows = {row_of("one table", table, length), row_of("bare calls", bare, length),
                   row_of("a thread for each", threads, length)};
@@ -335,8 +335,8 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& cours
 
 Result<std::vector<Section>> dispatch(const Settings& settings, Problems& refused) {
   const Place place{.cpu = cpu_of(settings)};
-  const Nanoseconds length = settings.length(kSeconds);
-  Course course{settings, 4 + 3 + 3 * kTurns};
+  const Nanoseconds length = settings.length(kDispatchSeconds);
+  Course course{settings, 4 + 3 + 3 * kDispatchTurns};
   auto rows = row_after_row(place, length / 3, course, refused);
   if (!rows) return rows.problems();
   auto record = recorded(place, length / 3, course, refused);

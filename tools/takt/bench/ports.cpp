@@ -20,7 +20,7 @@ namespace {
 
 using Sample = ::bench::Sample64;
 
-constexpr double kSeconds = 3;
+constexpr double kPortSeconds = 3;
 
 /// A writer and a reader of a connection.
 class Pair {
@@ -118,7 +118,7 @@ Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) 
         {"shared memory, queue: write to a full one", [&] { shared_unread.write(); }}};
     std::vector<std::function<void()>> functions;
     for (const auto& [name, step] : steps) functions.push_back(step);
-    const std::vector<double> times = each_by_turns(settings.length(kSeconds), functions);
+    const std::vector<double> times = each_by_turns(settings.length(kPortSeconds), functions);
     for (std::size_t i = 0; i < steps.size(); ++i)
       section.rows.push_back({steps[i].first, {times[i], times[i] / times[0]}});
     return Loop{};

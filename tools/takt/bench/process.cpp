@@ -21,22 +21,22 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kSeconds = 5;
-constexpr Nanoseconds kPeriod = 1ms;
-constexpr int kTurns = 2;
+constexpr double kProcessSeconds = 5;
+constexpr Nanoseconds kProcessPeriod = 1ms;
+constexpr int kProcessTurns = 2;
 
-struct Seen {
+struct SeenWakes {
   std::vector<std::int64_t> jitter;
   std::uint64_t missed = 0;
 };
 
 // The scheduler of the paper, with nothing else to do: at each release it wakes the other process.
-Result<Seen> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nanoseconds period, Nanoseconds length,
-                         Problems& refused) {
+Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nanoseconds period,
+                              Nanoseconds length, Problems& refused) {
   const Grid now = Grid::from_now(period, length);
   auto peer = Peer::start(by, {.cpu = other_cpu, .priority = place.priority - 1}, now.instants() + 1);
   if (!peer) return peer.problems();
-  Seen seen;
+  SeenWakes seen;
   const auto loop = run_at(place, [&] {
     const std::atomic<std::uint32_t> stop{0};
     os::Waker waker{model::Wakeup::hybrid, os::margin_cap(period, model::Executor{}.spin_share), stop};
@@ -62,8 +62,8 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
   // Where a node puts its programs.
   const auto other = std::find_if(cpus.begin(), cpus.end(), [&place](int cpu) { return cpu != place.cpu; });
   const int other_cpu = other == cpus.end() ? place.cpu : *other;
-  const Nanoseconds period = settings.period.value_or(kPeriod);
-  const Nanoseconds length = settings.length(kSeconds) / kTurns;
+  const Nanoseconds period = settings.period.value_or(kProcessPeriod);
+  const Nanoseconds length = settings.length(kProcessSeconds) / kProcessTurns;
   auto patience = Patience::create();
   if (!patience) return patience.problems();
   const auto folder = ScratchFolder::create();
@@ -73,13 +73,13 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
   one.measured = model::ModuleType::process;
 
   const std::vector<std::string> names{"process module", "futex", "signal"};
-  std::vector<Seen> seen(names.size());
-  const auto add = [&seen](std::size_t way, const Seen& more) {
+  std::vector<SeenWakes> seen(names.size());
+  const auto add = [&seen](std::size_t way, const SeenWakes& more) {
     seen[way].jitter.insert(seen[way].jitter.end(), more.jitter.begin(), more.jitter.end());
     seen[way].missed += more.missed;
   };
-  Course course{settings, kTurns * static_cast<int>(names.size())};
-  for (int turn = 0; turn < kTurns; ++turn) {
+  Course course{settings, kProcessTurns * static_cast<int>(names.size())};
+  for (int turn = 0; turn < kProcessTurns; ++turn) {
     course.next(names[0]);
     const auto measured = run_measured(one,
                                        {.period = period,
@@ -103,7 +103,7 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
   }
   Section section{
       .title = fmt::format("from release to body in another process, at {}, from processor {} to {}",
-                           to_text(period), place.cpu, other_cpu),
+                           takt::to_text(period), place.cpu, other_cpu),
       .columns = time_columns()};
   section.columns.emplace_back("cycles");
   section.columns.emplace_back("missed");

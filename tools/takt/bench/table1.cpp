@@ -19,7 +19,7 @@ namespace takt::bench {
 namespace {
 
 constexpr int kPriority = 80;
-constexpr double kSeconds = 10;
+constexpr double kTable1Seconds = 10;
 
 class Table1Run {
  public:
@@ -49,7 +49,7 @@ class Table1Run {
   // Of the bare loop, in parts, so that nobody who has no patience any more waits for long.
   Result<void> run_half(CaseResult& measured) {
     constexpr Nanoseconds kPart = std::chrono::seconds{1};
-    for (Nanoseconds left = settings_.length(kSeconds) / 2; left >= result_.period; left -= kPart) {
+    for (Nanoseconds left = settings_.length(kTable1Seconds) / 2; left >= result_.period; left -= kPart) {
       if (patience_.ended()) return asked_to_end();
       const auto loop = run_bare_loop({.cpu = result_.cpu, .priority = result_.priority}, result_.period,
                                       std::min(left, kPart));
@@ -66,7 +66,7 @@ class Table1Run {
                             {.period = result_.period,
                              .cpu = result_.cpu,
                              .priority = result_.priority,
-                             .length = settings_.length(kSeconds),
+                             .length = settings_.length(kTable1Seconds),
                              .domain = settings_.domain},
                             folder_, patience_);
     if (!ran) return ran.problems();
@@ -92,7 +92,7 @@ Result<Table1Result> run_table1(const Settings& settings, const Table1Progress& 
   Table1Result result{.machine = os::describe_platform(),
                       .wall_ns = os::wall_ns(),
                       .period = settings.period.value_or(kTable1Period),
-                      .seconds = settings.seconds.value_or(kSeconds),
+                      .seconds = settings.seconds.value_or(kTable1Seconds),
                       .cpu = cpu_of(settings),
                       .priority = kPriority,
                       .processors = static_cast<int>(os::allowed_cpus().size()),

@@ -16,8 +16,8 @@ namespace {
 using model::Wakeup;
 using namespace std::chrono_literals;
 
-constexpr double kSeconds = 5;
-constexpr int kTurns = 5;
+constexpr double kWakeSeconds = 5;
+constexpr int kWakeTurns = 5;
 constexpr int kWays = 4;
 
 Loop wait_by(Wakeup strategy, Nanoseconds period, Nanoseconds length) {
@@ -34,22 +34,24 @@ Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds le
     std::function<Loop()> loop;
     Loop seen{};
   };
-  const auto by = [=](Wakeup strategy) { return [=] { return wait_by(strategy, period, length / kTurns); }; };
+  const auto by = [=](Wakeup strategy) {
+    return [=] { return wait_by(strategy, period, length / kWakeTurns); };
+  };
   std::array<Way, kWays> ways{
-      {{"bare loop", [=] { return loop_on_grid(Grid::from_now(period, length / kTurns), sleep_to); }},
+      {{"bare loop", [=] { return loop_on_grid(Grid::from_now(period, length / kWakeTurns), sleep_to); }},
        {"sleep", by(Wakeup::sleep)},
        {"hybrid", by(Wakeup::hybrid)},
        {"spin", by(Wakeup::spin)}}};
-  for (int turn = 0; turn < kTurns; ++turn) {
+  for (int turn = 0; turn < kWakeTurns; ++turn) {
     for (Way& way : ways) {
-      course.next(fmt::format("wake-up by {} at {}", way.name, to_text(period)));
+      course.next(fmt::format("wake-up by {} at {}", way.name, takt::to_text(period)));
       const auto loop = run_at(place, way.loop);
       if (!loop) return loop.problems();
       way.seen.add(*loop);
     }
   }
   Section section{.title = fmt::format("wake-up at {}, processor {}, priority {}: after the instant by",
-                                       to_text(period), place.cpu, place.priority),
+                                       takt::to_text(period), place.cpu, place.priority),
                   .columns = time_columns()};
   for (const char* column : {"cycles", "missed", "processor %"}) section.columns.emplace_back(column);
   for (const Way& way : ways) {
@@ -70,10 +72,11 @@ Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds le
 Result<std::vector<Section>> wake(const Settings& settings, Problems& refused) {
   std::vector<Nanoseconds> periods{100us, 1ms};
   if (settings.period) periods = {*settings.period};
-  Course course{settings, static_cast<int>(periods.size()) * kTurns * kWays};
+  Course course{settings, static_cast<int>(periods.size()) * kWakeTurns * kWays};
   std::vector<Section> sections;
   for (const Nanoseconds period : periods) {
-    auto section = at_period(period, {.cpu = cpu_of(settings)}, settings.length(kSeconds), course, refused);
+    auto section =
+        at_period(period, {.cpu = cpu_of(settings)}, settings.length(kWakeSeconds), course, refused);
     if (!section) return section.problems();
     sections.push_back(std::move(*section));
   }

@@ -31,7 +31,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr Nanoseconds kTapped = seconds{30};        // a port is published for us so long
+constexpr Nanoseconds kTappedFor = seconds{30};     // a port is published for us so long
 constexpr Nanoseconds kAskAgain = seconds{5};       // while all are there
 constexpr Nanoseconds kLookAgain = seconds{1};      // while some are not
 constexpr Nanoseconds kAtOnce = milliseconds{100};  // after news of a device
@@ -125,7 +125,7 @@ class Recorder {
                            .device = name->device,
                            .module = name->module,
                            .property = name->port,
-                           .time_ns = os::wall_ns() + kTapped.count(),
+                           .time_ns = os::wall_ns() + kTappedFor.count(),
                            .limit = kAnswered});
       asked.push_back(path);
     }
@@ -156,7 +156,7 @@ class Recorder {
           (last.deployment == deployment && os::now() - last.at < kExpandAgain)) {
         continue;
       }
-      if (std::none_of(options_.ports.begin(), options_.ports.end(), [&](const std::string& pattern) {
+      if (std::none_of(options_.ports.begin(), options_.ports.end(), [&name = name](const std::string& pattern) {
             return is_pattern(pattern) && may_match(pattern, name);
           }))
         continue;

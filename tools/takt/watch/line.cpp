@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include <takt/core/words.hpp>
 
 namespace takt::tool::watch {
@@ -47,6 +49,12 @@ std::size_t columns_of(std::string_view text) {
   std::size_t columns = 0;
   for (std::size_t at = 0; at < text.size(); ++columns) at += length_of_first(text.substr(at));
   return columns;
+}
+
+std::string in_us(double us) {
+  return us < 10     ? fmt::format("{:.2f}", us)
+         : us < 1000 ? fmt::format("{:.1f}", us)
+                     : fmt::format("{:.0f}", us);
 }
 
 Line& Line::add(std::string_view text, Ink ink) {

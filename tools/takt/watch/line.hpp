@@ -15,6 +15,8 @@ enum class Ink { plain, good, warning, bad, dim, title };
 
 /// Each character takes a column.
 std::size_t columns_of(std::string_view text);
+/// Microseconds, with fewer decimals the more there are.
+std::string in_us(double us);
 
 /// What others wrote is shown as one line; where the terminal has no Unicode, "?" stands for what it cannot
 /// show.

@@ -158,12 +158,6 @@ std::array<std::size_t, kLaid.size()> widths_of(std::size_t columns) {
   return widths;
 }
 
-std::string in_us(double us) {
-  return us < 10     ? fmt::format("{:.2f}", us)
-         : us < 1000 ? fmt::format("{:.1f}", us)
-                     : fmt::format("{:.0f}", us);
-}
-
 Ink ink_of_share(double share) { return share > 1 ? Ink::bad : share > 0.8 ? Ink::warning : Ink::plain; }
 
 void measured_columns(Line& line, const Row& row, const std::array<std::size_t, kLaid.size()>& widths,

@@ -14,13 +14,6 @@ namespace {
 
 constexpr std::size_t kLabel = 13;
 
-/// "12:34:56.789" in local time.
-std::string in_us(double us) {
-  return us < 10     ? fmt::format("{:.2f}", us)
-         : us < 1000 ? fmt::format("{:.1f}", us)
-                     : fmt::format("{:.0f}", us);
-}
-
 Line labelled(const std::string& label) {
   Line line;
   line.gap(2).left(label, kLabel, Ink::dim);
@@ -28,8 +21,8 @@ Line labelled(const std::string& label) {
 }
 
 /// A text that may be long, on as many lines as it takes.
-void wrapped(std::vector<Line>& page, const std::string& label, const std::string& text, std::size_t columns,
-             Ink ink = Ink::plain) {
+void add_wrapped(std::vector<Line>& page, const std::string& label, const std::string& text,
+                 std::size_t columns, Ink ink = Ink::plain) {
   const std::size_t room = columns > kLabel + 12 ? columns - kLabel - 2 : 10;
   std::string rest = text;
   for (bool is_first = true; is_first || !rest.empty(); is_first = false) {
@@ -157,7 +150,7 @@ std::vector<Line> module_page(const Device& device, const Module& module, std::s
   page.push_back(labelled("state").add(state.text, state.ink));
   if (!device.alive)
     page.push_back(labelled("").add("the node of its device is gone; this was heard last", Ink::dim));
-  if (!module.text.empty()) wrapped(page, "why", module.text, columns);
+  if (!module.text.empty()) add_wrapped(page, "why", module.text, columns);
   if (module.planned) {
     const Planned& planned = *module.planned;
     page.push_back(labelled("runs").add(planned.words));
@@ -185,7 +178,7 @@ std::vector<Line> device_page(const Device& device, std::size_t columns, ScreenS
   const State state = state_of(device, style);
   page.push_back(labelled("state").add(state.text, state.ink));
   page.push_back(labelled("health").add(device.health, device.health == "ok" ? Ink::good : Ink::bad));
-  if (!device.text.empty()) wrapped(page, "why", device.text, columns);
+  if (!device.text.empty()) add_wrapped(page, "why", device.text, columns);
   page.push_back(labelled("cell").add(device.cell.empty() ? "none; it waits for a deployment" : device.cell));
   page.push_back(labelled("machine").add(device.machine));
   page.push_back(labelled("node").add(fmt::format("process {}", device.process_id)));

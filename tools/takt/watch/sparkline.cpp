@@ -47,13 +47,17 @@ std::vector<std::string> chart(const std::vector<double>& values, std::size_t co
   for (const double value : shown) most = std::isnan(value) ? most : std::max(most, value);
   std::vector<std::string> picture(lines);
   for (const double value : shown) {
+    if (std::isnan(value)) {
+      for (std::string& line : picture) line += " ";
+      continue;
+    }
     // Of each value at least one step is seen.
     const double steps = static_cast<double>(lines * kLevels);
     const double height = most > 0 ? std::max(value / most * steps, 1.0) : 1.0;
     for (std::size_t i = 0; i < lines; ++i) {
       const double above = height - static_cast<double>((lines - 1 - i) * kLevels);
       const auto filled = static_cast<std::size_t>(std::clamp(std::round(above), 0.0, double{kLevels}));
-      picture[i] += std::isnan(value) || filled == 0 ? " " : level(filled - 1, style);
+      picture[i] += filled == 0 ? " " : level(filled - 1, style);
     }
   }
   return picture;

@@ -24,7 +24,7 @@ constexpr std::size_t kTrend = 120;        // seconds of jitter that a page is t
 constexpr milliseconds kTogether{20};      // news so close are told at once
 constexpr milliseconds kTurn{100};
 constexpr seconds kMeasures{1};
-constexpr seconds kAnswered{3};
+constexpr seconds kNodeAnswered{3};
 constexpr seconds kAskAgain{10};  // for the descriptor
 
 std::string state_event(bool whole, Json devices, Json modules) {
@@ -283,7 +283,7 @@ void Gateway::read_records() {
   for (const dds::SeenDevice& seen : client_.observer->devices()) {
     if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
     const client::Log read =
-        client::read_log(*client_.asker, {.device = seen.name(), .last = kMostFaults}, kAnswered);
+        client::read_log(*client_.asker, {.device = seen.name(), .last = kMostFaults}, kNodeAnswered);
     add_record(read);
     follower_->go_on_after(read);
   }
@@ -329,7 +329,7 @@ void Gateway::look_for_cell() {
   std::string descriptor;
   if (!deployment.empty()) {
     const auto reply = client::accepted(
-        client_.asker->ask({.kind = COMMAND_DESCRIPTOR, .device = device, .limit = kAnswered}));
+        client_.asker->ask({.kind = COMMAND_DESCRIPTOR, .device = device, .limit = kNodeAnswered}));
     if (!reply) return;  // asked again at the next turn
     asked_ = now;
     if (deployment == deployment_ && reply->data == descriptor_) return;

@@ -18,7 +18,7 @@ namespace {
 
 using std::chrono::seconds;
 
-constexpr seconds kAnswered{3};
+constexpr seconds kQuestionAnswered{3};
 constexpr seconds kLong{30};  // a component may take so long to stop
 
 /// "device.module" in two.
@@ -161,7 +161,7 @@ Answer Questions::properties(const std::string& module, const std::shared_ptr<co
                          .device = name->first,
                          .module = name->second,
                          .property = text_in(property, "name"),
-                         .limit = kAnswered});
+                         .limit = kQuestionAnswered});
   const auto replies = asker_.ask(questions);
   for (std::size_t i = 0; i < properties.size(); ++i) {
     const bool there = replies[i] && replies[i]->head.code() == REPLY_OK;
