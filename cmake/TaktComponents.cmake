@@ -5,6 +5,8 @@
 #
 #   takt_add_component_test(servo servo_test.cpp ...)           tests of one of these, with GoogleTest and <takt/testing.hpp>
 #
+# CMAKE_UNITY_BUILD has no effect on them: sources of authors need not be fit for being compiled together.
+#
 # Components are built into ${TAKT_COMPONENT_DIR}, by default the folder `components` of the build tree. The types of their ports are
 # libraries of takt_add_idl().
 
@@ -16,14 +18,19 @@ function(takt_add_component name)
   # A second module of the same file gets its own copy of the file's variables; GNU_UNIQUE symbols would be shared.
   target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
   target_link_libraries(${name} PRIVATE takt_component ${MODULE_TYPES})
-  set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".so" LIBRARY_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR})
+  set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".so" LIBRARY_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR}
+                        UNITY_BUILD OFF)
+  if(COMMAND takt_precompile)  # in Takt's own build
+    set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "")  # else each has options of its own
+    takt_precompile(${name} component takt/component.hpp)
+  endif()
 endfunction()
 
 function(takt_add_process name)
   cmake_parse_arguments(MODULE "" "" "TYPES" ${ARGN})
   add_executable(${name} ${MODULE_UNPARSED_ARGUMENTS})
   target_link_libraries(${name} PRIVATE takt_process ${MODULE_TYPES})
-  set_target_properties(${name} PROPERTIES SUFFIX ".exe" RUNTIME_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR})
+  set_target_properties(${name} PROPERTIES SUFFIX ".exe" RUNTIME_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR} UNITY_BUILD OFF)
 endfunction()
 
 # The tests are named servo.SUITE.TEST in CTest. A program is compiled a second time for them, as a library whose main() they call.
@@ -51,7 +58,7 @@ function(takt_add_component_test name)
     get_target_property(sources ${name} SOURCES)
     add_library(${tested} MODULE ${sources})
     set_target_properties(${tested} PROPERTIES PREFIX "" OUTPUT_NAME ${name} SUFFIX ".exe.so"
-                          LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+                          LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} UNITY_BUILD OFF)
     foreach(property COMPILE_OPTIONS COMPILE_DEFINITIONS COMPILE_FEATURES INCLUDE_DIRECTORIES)
       set_target_properties(${tested} PROPERTIES ${property} "$<TARGET_PROPERTY:${name},${property}>")
     endforeach()
@@ -62,12 +69,18 @@ function(takt_add_component_test name)
   endif()
 
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_tested.cpp)
-  file(GENERATE OUTPUT ${file} CONTENT "#include <takt/testing.hpp>
+  file(GENERATE OUTPUT ${file} CONTENT "#include <takt/testing/tested_file.hpp>
 namespace { const takt::testing::detail::TestedFile file{\"$<TARGET_FILE:${tested}>\"}; }
 ")
   add_executable(${name}_test ${ARGN} ${file})
+  set_target_properties(${name}_test PROPERTIES UNITY_BUILD OFF)
   add_dependencies(${name}_test ${tested})
   target_link_libraries(${name}_test PRIVATE takt_testing ${libraries} GTest::gmock GTest::gtest_main)
-  gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST TEST_PREFIX ${name}. PROPERTIES TIMEOUT 120)
+  if(COMMAND takt_discover_tests)  # in Takt's own build
+    target_compile_options(${name}_test PRIVATE -O0)
+    takt_discover_tests(${name}_test PREFIX ${name}. TIMEOUT 120)
+  else()
+    gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST TEST_PREFIX ${name}. PROPERTIES TIMEOUT 120)
+  endif()
   set_property(GLOBAL APPEND PROPERTY TAKT_COMPONENT_TESTS ${name}_test)
 endfunction()

@@ -78,7 +78,7 @@ install(TARGETS takt_core takt_lifecycle ARCHIVE COMPONENT dev)
 install(TARGETS takt_testing LIBRARY COMPONENT dev)
 takt_finds_libraries_from(${lib} takt_testing)
 install(FILES framework/lifecycle/table.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/lifecycle COMPONENT dev)
-install(FILES framework/testing/testing.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/testing COMPONENT dev)
+install(FILES framework/testing/testing.hpp framework/testing/tested_file.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/testing COMPONENT dev)
 install(DIRECTORY framework/core framework/component DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt COMPONENT dev
         FILES_MATCHING PATTERN *.hpp PATTERN *.h)
 list(TRANSFORM TAKT_CHANNEL_FOR_AUTHORS PREPEND framework/channel/)

@@ -8,6 +8,10 @@
 # Headers are included as <takt/ROOM/NAME.hpp>. The include root of a room holds nothing but a link to its folder.
 
 set(TAKT_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+# A unity source includes the sources it combines, so GCC takes their private types for those of a header.
+if(CMAKE_UNITY_BUILD)
+  list(APPEND TAKT_WARNINGS $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
+endif()
 # What no real-time thread calls is optimised for who waits for the build: it takes two thirds of the time.
 if(CMAKE_BUILD_TYPE STREQUAL "RelWithDebInfo" AND NOT TAKT_SANITIZE AND NOT TAKT_FUZZ)
   set(TAKT_NOT_REAL_TIME -O1)
@@ -15,6 +19,8 @@ endif()
 
 # Headers that only one room may name. A room that may not finds, first on its include path, a header of the same name
 # that says so. What the C++ library itself includes (unistd.h, pthread.h, ...) is let through from there.
+# Level 2 is an include in a header that a source includes; where sources are compiled together, it is one level deeper.
+set(named "__INCLUDE_LEVEL__ <= 2 || (__INCLUDE_LEVEL__ == 3 && defined(TAKT_TOGETHER))")
 set(TAKT_GUARDED_tinyxml2 tinyxml2.h)
 # All of Fast DDS, but for the text of fixed size that generated types are made of.
 find_path(TAKT_FASTDDS_INCLUDE fastdds/dds/domain/DomainParticipant.hpp)
@@ -32,7 +38,7 @@ set(TAKT_OWNER_linux "framework/os")
 foreach(library tinyxml2 fastdds linux)
   foreach(header IN LISTS TAKT_GUARDED_${library})
     file(WRITE ${CMAKE_BINARY_DIR}/rooms/.guard/${library}/${header}.new
-"#if __INCLUDE_LEVEL__ <= 2
+"#if ${named}
 #error \"<${header}> is named only in ${TAKT_OWNER_${library}}; use that room's interface\"
 #else
 #include_next <${header}>
@@ -43,19 +49,21 @@ foreach(library tinyxml2 fastdds linux)
   endforeach()
 endforeach()
 
-# takt_precompile(target large.hpp ...): what takes long to read is read once for the target.
-# takt_precompile(target REUSE_FROM other): it was read for another target, which is compiled with the same options.
-# It hides nothing: each header of a room is compiled without.
-function(takt_precompile target)
-  cmake_parse_arguments(PRECOMPILE "" "REUSE_FROM" "" ${ARGN})
-  if(TAKT_FUZZ OR NOT ARGN)
+# takt_precompile(target KIND large.hpp ...): what takes long to read is read once for all targets of a kind, which are compiled with the
+# same options. It hides nothing: the preset `debug` compiles each header of a room without.
+function(takt_precompile target kind)
+  get_target_property(sources ${target} SOURCES)
+  if(TAKT_FUZZ OR TAKT_SANITIZE OR sources MATCHES "\\.c(;|$)")
     return()
   endif()
-  foreach(header IN LISTS PRECOMPILE_UNPARSED_ARGUMENTS)
-    target_precompile_headers(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:<${header}$<ANGLE-R>>")
-  endforeach()
-  if(PRECOMPILE_REUSE_FROM)
-    target_precompile_headers(${target} REUSE_FROM ${PRECOMPILE_REUSE_FROM})
+  get_property(first GLOBAL PROPERTY TAKT_PRECOMPILED_${kind})
+  if(first)
+    target_precompile_headers(${target} REUSE_FROM ${first})
+  else()
+    set_property(GLOBAL PROPERTY TAKT_PRECOMPILED_${kind} ${target})
+    foreach(header IN LISTS ARGN)
+      target_precompile_headers(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:<${header}$<ANGLE-R>>")
+    endforeach()
   endif()
   # GCC 12 forgets that what it precompiled are the system's headers, and warns of std::string in them.
   target_compile_options(${target} PRIVATE
@@ -68,7 +76,7 @@ file(GLOB headers RELATIVE ${TAKT_OPENSSL_INCLUDE} ${TAKT_OPENSSL_INCLUDE}/opens
 foreach(header IN LISTS headers)
   file(WRITE ${CMAKE_BINARY_DIR}/rooms/.guard/fastdds/${header}.new
 "#pragma GCC system_header
-#if __INCLUDE_LEVEL__ <= 2 && !defined(TAKT_MAY_NAME_OPENSSL)
+#if (${named}) && !defined(TAKT_MAY_NAME_OPENSSL)
 #error \"<${header}> is named only in framework/security; use that room's interface\"
 #else
 #include_next <${header}>
@@ -93,9 +101,9 @@ function(takt_room name)
   file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.hpp)
   list(TRANSFORM ROOM_EXCEPT PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/${name}/)
   list(REMOVE_ITEM sources ${ROOM_EXCEPT})
-  # Every header compiles on its own and obeys the guard: each is the first include of its source, or of one that is made here. Once
-  # is enough.
-  if(TAKT_SANITIZE OR TAKT_FUZZ)
+  # Every header compiles on its own: each is the first include of its source, or of one that is made here. That shows only where sources
+  # are compiled one by one, as the preset `debug` does.
+  if(CMAKE_UNITY_BUILD OR TAKT_FUZZ)
     set(headers)
   endif()
   foreach(header IN LISTS headers)
@@ -118,6 +126,7 @@ function(takt_room name)
     set(kind SHARED)
   endif()
   add_library(takt_${name} ${kind} ${sources})
+  set_target_properties(takt_${name} PROPERTIES UNITY_BUILD_CODE_BEFORE_INCLUDE "#define TAKT_TOGETHER 1")
   target_include_directories(takt_${name} PUBLIC ${root})
   target_compile_options(takt_${name} PRIVATE ${TAKT_WARNINGS})
   if(ROOM_NOT_REAL_TIME)
@@ -135,5 +144,7 @@ function(takt_room name)
     target_link_libraries(takt_${name} PUBLIC takt_${room})
   endforeach()
   target_link_libraries(takt_${name} PUBLIC ${ROOM_LINKS})
-  takt_precompile(takt_${name} ${ROOM_PRECOMPILED})
+  if(ROOM_PRECOMPILED)
+    takt_precompile(takt_${name} ${name} ${ROOM_PRECOMPILED})
+  endif()
 endfunction()

@@ -6,6 +6,7 @@
 #include <takt/lifecycle/machine.hpp>
 #include <takt/schedule/plan.hpp>
 #include <takt/testing/subject.hpp>
+#include <takt/testing/tested_file.hpp>
 #include <takt/testing/testing.hpp>
 
 namespace takt::testing {

@@ -364,13 +364,6 @@ class Module {
   std::unique_ptr<Inside> inside_;
 };
 
-namespace detail {
-/// Which component takt_add_component_test() named.
-struct TestedFile {
-  explicit TestedFile(const char* path);
-};
-}  // namespace detail
-
 template <class T>
 std::uint32_t In<T>::encode(const T& value, std::byte* to) {
   const std::uint32_t size = PortType<T>::encode(value, to, PortType<T>::info.max_size);

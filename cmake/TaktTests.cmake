@@ -1,0 +1,23 @@
+# takt_discover_tests(program [PREFIX text] [TIMEOUT seconds] [PROPERTIES ...]): the tests of a GoogleTest program, for CTest.
+#
+# Each TEST is a test of CTest. Under sanitizers the whole program is one, named asan.PROGRAM or tsan.PROGRAM: a process that starts
+# under AddressSanitizer takes longer than most tests.
+
+include(GoogleTest)
+# In a fixed place, because ThreadSanitizer does not know where a newer kernel may put things.
+if(TAKT_SANITIZE STREQUAL "thread")
+  find_program(SETARCH setarch REQUIRED)
+  set(TAKT_RUN_FIXED ${SETARCH} ${CMAKE_HOST_SYSTEM_PROCESSOR} --addr-no-randomize)
+endif()
+
+function(takt_discover_tests program)
+  cmake_parse_arguments(TESTS "" "PREFIX;TIMEOUT" "PROPERTIES" ${ARGN})
+  if(NOT TAKT_SANITIZE)
+    gtest_discover_tests(${program} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${TESTS_PREFIX}"
+                         PROPERTIES TIMEOUT ${TESTS_TIMEOUT} ${TESTS_PROPERTIES})
+    return()
+  endif()
+  get_filename_component(preset ${CMAKE_BINARY_DIR} NAME)
+  add_test(NAME ${preset}.${program} COMMAND ${TAKT_RUN_FIXED} $<TARGET_FILE:${program}> --gtest_brief=1)
+  set_tests_properties(${preset}.${program} PROPERTIES TIMEOUT 1800 LABELS ${preset} ${TESTS_PROPERTIES})
+endfunction()
