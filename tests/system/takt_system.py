@@ -3,8 +3,9 @@
 A test derives from Case. Whatever it starts carries a mark of its own in the environment, which children inherit, so that
 the processes of one run are found whoever their parent is by now, and never those of another run on the same machine.
 
-TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them. Each test has a DDS domain of its own that
-nobody on this machine uses, of those in TAKT_TEST_DOMAINS ("1-100" unless set), and uses the loopback interface alone.
+TAKT_BIN is the folder of the programs; TAKT_COMPONENT_PATH is passed on to them. Each test program has a machine of its own
+(machine.py), and each test a DDS domain that nobody on it uses, of those in TAKT_TEST_DOMAINS ("1-100" unless set); it uses the
+loopback interface alone. TAKT_TEST_FULL=1: what has a short and a full form runs in full.
 """
 
 import json
@@ -24,6 +25,8 @@ import unittest
 import uuid
 from collections import namedtuple
 
+import machine  # noqa: F401, moves this process to a machine of its own
+
 BIN = os.environ.get("TAKT_BIN", "")
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 STATES = ("IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT")
@@ -34,6 +37,20 @@ NEVER_RAN = ["IDLE", "INITIALIZE", "START", "DESTRUCT"]
 MARK = "TAKT_TEST_RUN"
 os.environ.setdefault("TAKT_INTERFACE", "127.0.0.1")
 os.environ.pop("TAKT_DOMAIN", None)
+
+FULL = os.environ.get("TAKT_TEST_FULL", "") == "1"
+
+
+def how_much(variable, short, full):
+    """How long or how often a test does something: what this environment variable says, else by the form in which tests run."""
+    return type(full)(os.environ.get(variable) or (full if FULL else short))
+
+
+def timing(why):
+    """Marks a test that asserts on time, for the reason that it gives: CTest runs nothing beside it. Virtual time cannot show the same."""
+    assert why
+    return lambda test: test
+
 
 Line = namedtuple("Line", "at device module text")  # `at` as the node wrote it, in seconds of the day
 Step = namedtuple("Step", "at source target text")
@@ -341,6 +358,43 @@ class Run:
         return states
 
 
+class Watcher:
+    """What `takt watch` says, line by line as it comes: the state of each device and module as it was last told."""
+    DEVICE = re.compile(r"^\S+ ([\w-]+): (\w+)(?:, (\d+) of (\d+) modules EXECUTING)?")
+    MODULE = re.compile(r"^\S+ ([\w-]+)\.([\w-]+): \w+ -> (\w+)")
+
+    def __init__(self, run):
+        self._run = run
+        self._heard = 0
+        self._modules = {}  # by device
+        self._whole = {}  # of a device: its state, EXECUTING where all of its modules are
+
+    def _hear(self):
+        lines = self._run.out_lines[self._heard:]
+        self._heard += len(lines)
+        for _, line in lines:
+            if match := self.MODULE.match(line):
+                self._modules.setdefault(match[1], {})[match[2]] = match[3]
+            elif match := self.DEVICE.match(line):
+                self._whole[match[1]] = "EXECUTING" if match[3] and match[3] == match[4] else match[2]
+
+    def holds(self, wanted):
+        """As Case.wait_for_states(). Modules of an earlier deployment may deceive it."""
+        self._hear()
+        for device, states in wanted.items():
+            found = self._modules.get(device, {})
+            if isinstance(states, str):
+                if self._whole.get(device) != states and (not found or set(found.values()) != {states}):
+                    return False
+            elif any(found.get(module) != state for module, state in states.items()):
+                return False
+        return True
+
+    @property
+    def ended(self):
+        return self._run.status is not None
+
+
 class Case(unittest.TestCase):
     """Each test works in a folder of its own, and leaves nothing behind."""
 
@@ -348,6 +402,7 @@ class Case(unittest.TestCase):
         self.assertTrue(os.path.exists(os.path.join(BIN, "takt")), "set TAKT_BIN to the folder of the programs")
         self.folder = tempfile.mkdtemp(prefix="takt-system-")
         self.runs = []
+        self._watcher = None
         self.addCleanup(release_domains)
         self.domain = free_domain()
         self._shared_before = set(os.listdir("/dev/shm"))
@@ -428,14 +483,25 @@ class Case(unittest.TestCase):
         return run
 
     def wait_for_states(self, wanted, limit=15.0):
-        """Until takt status says so: {"device": "EXECUTING"} or {"device": {"module": "START"}}. Returns it, by device."""
+        """Until takt status says so: {"device": "EXECUTING"} or {"device": {"module": "START"}}. Returns it, by device. It is asked when
+        takt watch has said so, and now and then in any case."""
+        if self._watcher is None:
+            self._watcher = Watcher(self.start("watch"))
+        asked = 0.0
+
         def holds():
+            nonlocal asked
+            if not self._watcher.holds(wanted) and not self._watcher.ended and time.monotonic() < asked + 1:
+                return None
+            asked = time.monotonic()
             run = self.takt("status", "--json")
             if run.status != 0:  # nobody was found in time: the machine stands still
                 return None
             status = {d["name"]: d for d in run.report["devices"]}
             for device, states in wanted.items():
                 found = {m["name"]: m["state"] for m in status.get(device, {"modules": []})["modules"]}
+                if found and not status[device]["alive"]:
+                    return None  # these are the states that others heard last
                 if isinstance(states, str):
                     if not found or set(found.values()) != {states}:
                         return None

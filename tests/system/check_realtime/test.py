@@ -47,6 +47,7 @@ class CheckRealtime(takt_system.Case):
             self.assertNotIn("takt-host", "".join(violation["backtrace"]))
         return here
 
+    @takt_system.timing("each module has to run within the second that it is given")
     def test_each_kind_in_a_component(self):
         run = self.run_these(*[module("m_" + sin, "sins.so", sin=sin) for sin in SINS], module("clean", "sins.so"),
                              module("m_new", "sins.so", sin="new"))
@@ -89,6 +90,7 @@ class CheckRealtime(takt_system.Case):
         self.assertRegex(run.out, r"not real-time:\n  d\.m run\(\): system call clock_nanosleep, \d+ times\n(      .*\n)*"
                                   r"      sin_sleep\(\) at sins\.h:\d+ in sins\.so\n")
 
+    @takt_system.timing("each module has to run within the second that it is given")
     def test_ready_components_and_the_executor_do_nothing_of_the_kind(self):
         for descriptor in ("module.xml", "palletizing.xml"):
             run = self.takt("run", os.path.join(takt_system.SOURCE, "deploy", descriptor), "--for", "2", "--json", "--check-realtime")

@@ -194,4 +194,4 @@ class Cyclone(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    takt_system.main()

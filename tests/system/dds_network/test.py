@@ -12,6 +12,7 @@ import uuid
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import networks
+import takt_system
 
 PEER = os.environ["TAKT_DDS_PEER"]
 
@@ -162,4 +163,4 @@ class Interfaces(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    takt_system.main()

@@ -1,4 +1,3 @@
-import ctypes
 import glob
 import json
 import os
@@ -10,24 +9,11 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import machine
 import takt_system
 from takt_system import LIFE, wait_until
 
-CLONE_NEWNS = 0x20000
 MODULES = ("grid", "source", "keeps", "program")
-
-
-def own_mounts():
-    """Gives this process mounts that are its own and that of what it starts; they end with it. Why not, or an empty text."""
-    if os.geteuid() != 0:
-        return "mounts need root"
-    if ctypes.CDLL(None, use_errno=True).unshare(CLONE_NEWNS) != 0:
-        return "no mount namespace can be made here: " + os.strerror(ctypes.get_errno())
-    made = subprocess.run(["mount", "--make-rprivate", "/"], capture_output=True, text=True)
-    return made.stderr.strip() if made.returncode != 0 else ""
-
-
-WITHOUT_MOUNTS = own_mounts()
 
 
 def fill(folder):
@@ -69,7 +55,7 @@ class Exhaustion(takt_system.Case):
         self.assertEqual(0, strayed, "releases beside the grid")
 
 
-@unittest.skipIf(WITHOUT_MOUNTS, WITHOUT_MOUNTS)
+@unittest.skipIf(machine.MISSING, machine.MISSING)
 class FullDisk(Exhaustion):
     def setUp(self):
         super().setUp()

@@ -19,7 +19,7 @@ from ear import Ear, Monitor, Record
 from takt_system import wait_until
 from wear import Wear
 
-FAULTS = int(os.environ.get("TAKT_FAULTS", "30"))
+FAULTS = takt_system.how_much("TAKT_FAULTS", 12, 1000)
 SEED = int(os.environ.get("TAKT_FAULTS_SEED", "0")) or random.randrange(1, 1 << 30)
 KINDS_WANTED = [kind for kind in os.environ.get("TAKT_FAULTS_KINDS", "").split(",") if kind]
 
@@ -466,6 +466,7 @@ class Faults(networks.NetworkCase):
         self.assertEqual(0, run.status, run.err)
         self.assertTrue(self.wait_heard(self.all_execute, 30), self.not_executing())
 
+    @takt_system.timing("each fault has to be stated within what the kernel and DDS need for it")
     def test_what_goes_wrong_is_detected_and_mended_and_reaches_nobody(self):
         print("seed %d" % SEED, flush=True)
         self.number = 0

@@ -38,6 +38,7 @@ class LogicalTime(takt_system.Case):
             return [self.read(name) for name in PERIODS]
         self.fail("not one of 20 runs without an overrun")
 
+    @takt_system.timing("it compares runs row by row, and a missed row differs")
     def test_depends_on_nothing_but_the_cell(self):
         one = self.computed(1, "let")
         for name, text in zip(PERIODS, one):
@@ -46,6 +47,7 @@ class LogicalTime(takt_system.Case):
         self.assertEqual(one, self.computed(2, "let"))
         self.assertEqual(one, self.computed(2, "let"))
 
+    @takt_system.timing("it compares two runs row by row, and a missed row differs")
     def test_without_it_depends_on_run_times(self):
         self.assertNotEqual(self.computed(2, "direct"), self.computed(2, "direct"))
 

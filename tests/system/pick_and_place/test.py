@@ -53,6 +53,7 @@ class PickAndPlace(takt_system.Case):
     def press(self, button, down):
         self.assertEqual(0, self.takt("set", f"line.{button}", "down", down).status)
 
+    @takt_system.timing("the parts placed are compared with those that the timing predicts")
     def test_places_what_its_timing_predicts_and_halts_at_the_emergency_stop(self):
         cell = self.demo()
         cell.wait_for_state("panel", "EXECUTING")
@@ -92,6 +93,7 @@ class PickAndPlace(takt_system.Case):
 
     @unittest.skipUnless(os.path.realpath(takt_system.BIN) == os.path.join(takt_system.SOURCE, "build", "release", "bin"),
                          "tools/demo builds and runs build/release")
+    @takt_system.timing("the parts placed are compared with those that the timing predicts")
     def test_the_demo_presses_the_emergency_stop_and_ends_by_itself(self):
         demo = takt_system.Run([os.path.join(takt_system.SOURCE, "tools", "demo"), "--for", "20"], self.folder,
                                environment={"TAKT_DOMAIN": str(self.domain)})

@@ -12,7 +12,7 @@ import takt_system
 from takt_system import wait_until
 from wear import Wear
 
-SECONDS = float(os.environ.get("TAKT_SOAK_SECONDS", "180"))
+SECONDS = takt_system.how_much("TAKT_SOAK_SECONDS", 25.0, 1800.0)
 SEED = int(os.environ.get("TAKT_SOAK_SEED", "0")) or random.randrange(1, 1 << 30)
 DEVICES = ("left", "right")
 

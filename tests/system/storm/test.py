@@ -1,6 +1,6 @@
 """A cell on machines of its own, and somebody beside it who throws whatever he likes at every port that is open.
 
-TAKT_STORM_SECONDS: how long each storm lasts, and the quiet before the first (20). TAKT_STORM_RATE: packets a second (5000).
+TAKT_STORM_SECONDS: how long each storm lasts, and the quiet before the first (5, in full 20). TAKT_STORM_RATE: packets a second (5000).
 TAKT_STORM_SEED: of what is thrown; printed."""
 import json
 import os
@@ -16,7 +16,7 @@ import takt_system
 from takt_system import wait_until
 
 DEVICES = ("robot", "line")
-SECONDS = float(os.environ.get("TAKT_STORM_SECONDS", "20"))
+SECONDS = takt_system.how_much("TAKT_STORM_SECONDS", 5.0, 20.0)
 RATE = float(os.environ.get("TAKT_STORM_RATE", "5000"))
 SEED = int(os.environ.get("TAKT_STORM_SEED", random.randrange(10 ** 6)))
 ATTACK = os.path.join(os.path.dirname(os.path.abspath(__file__)), "attack.py")

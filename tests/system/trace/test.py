@@ -154,6 +154,7 @@ class Trace(takt_system.Case):
         self.assertGreater(late["args"]["missed"], 20)
         self.end({"robot": node})
 
+    @takt_system.timing("the crash has to be in the last rows that the recorder holds")
     def test_a_crash_leaves_its_last_rows(self):
         node = self.deployed(module("segv", "segv.so", 1), module("fine", "fine.so", 2))
         node.wait_for_line(r"takt trace (\S+\.trace\.json)")

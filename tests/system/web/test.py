@@ -75,6 +75,7 @@ class Web(takt_system.Case):
                    "the button %s" % verb)
         self.page.click(button)
 
+    @takt_system.timing("the last faults that it looks for must not make way for those of a machine that stands still")
     def test_what_is_shown_is_what_is_on_dds(self):
         web = self.serve()
         page = self.look("#/modules")

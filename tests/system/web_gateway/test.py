@@ -446,7 +446,7 @@ class Gateway(takt_system.Case):
         short = self.write("short", "abc\n")
         os.chmod(short, 0o600)
         self.refused({
-            "web --listen foo.bar": r"error: foo\.bar:8080: the page cannot be served there; --listen wants an address|foo\.bar:8080: error: the page cannot be served there; --listen wants an address",
+            "web --listen foo.bar": r"foo\.bar:8080: (error: )?the page cannot be served there(: [^;]+)?; --listen wants an address",
             "web --port %d" % taken.getsockname()[1]: r"error: 127\.0\.0\.1:\d+: the page cannot be served there.*choose another --port|127\.0\.0\.1:\d+: error: the page cannot be served there.*choose another --port",
             "web --listen 192.0.2.1 --port 0": "the page cannot be served there.*an address of this machine",
             "web --token-file %s" % secret: "others may read it.*chmod 600",
