@@ -47,7 +47,7 @@ class Search {
     best_places_.assign(modules_.size(), 0);
     least_ = std::max((all_ + static_cast<std::int64_t>(rows_) - 1) / static_cast<std::int64_t>(rows_),
                       heaviest());
-    place(0, heaviest());
+    place_all();
     for (const std::size_t i : free_) {
       offsets[i] = Nanoseconds{static_cast<std::int64_t>(best_places_[i] * basic_)};
     }
@@ -90,35 +90,55 @@ class Search {
     return most + modules_[i].weight;
   }
 
+  struct Place {
+    std::int64_t load;
+    std::uint64_t first;
+  };
+  /// What is still to be tried of one module, while those before it stand where they do.
+  struct Level {
+    std::vector<Place> places;
+    std::size_t next = 0;
+    bool stands = false;
+  };
+
+  [[nodiscard]] Level level(std::size_t depth, std::int64_t heaviest) {
+    Level result;
+    // Where nothing is yet, all places are alike.
+    const std::uint64_t to_try = depth == 0 && all_alike() ? 1 : stride(free_[depth]);
+    for (std::uint64_t first = 0; first < to_try; ++first) {
+      const std::int64_t load = std::max(heaviest, heaviest_with(free_[depth], first));
+      if (load < best_) result.places.push_back({load, first});
+    }
+    std::stable_sort(result.places.begin(), result.places.end(),
+                     [](const Place& a, const Place& b) { return a.load < b.load; });
+    return result;
+  }
+
   // Depth first, the lightest places first, so that the first answer is a good one already; what cannot be
   // better than the best so far is not followed.
-  void place(std::size_t depth, std::int64_t heaviest) {
-    if (heaviest >= best_) return;
-    if (depth == free_.size()) {
-      best_ = heaviest;
-      best_places_ = places_;
-      return;
-    }
-    const std::size_t i = free_[depth];
-    struct Place {
-      std::int64_t load;
-      std::uint64_t first;
-    };
-    std::vector<Place> places;
-    // Where nothing is yet, all places are alike.
-    const std::uint64_t places_to_try = depth == 0 && all_alike() ? 1 : stride(i);
-    for (std::uint64_t first = 0; first < places_to_try; ++first) {
-      const std::int64_t load = std::max(heaviest, heaviest_with(i, first));
-      if (load < best_) places.push_back({load, first});
-    }
-    std::stable_sort(places.begin(), places.end(),
-                     [](const Place& a, const Place& b) { return a.load < b.load; });
-    for (const Place& candidate : places) {
-      if (candidate.load >= best_ || best_ <= least_ || steps_ > kMaxSearchSteps) return;
+  void place_all() {
+    std::vector<Level> levels;
+    if (!free_.empty()) levels.push_back(level(0, heaviest()));
+    while (!levels.empty()) {
+      Level& last = levels.back();
+      const std::size_t i = free_[levels.size() - 1];
+      if (last.stands) put(i, places_[i], -modules_[i].weight);
+      last.stands = false;
+      if (last.next == last.places.size() || last.places[last.next].load >= best_ || best_ <= least_ ||
+          steps_ > kMaxSearchSteps) {
+        levels.pop_back();
+        continue;
+      }
+      const Place candidate = last.places[last.next++];
       places_[i] = candidate.first;
       put(i, candidate.first, modules_[i].weight);
-      place(depth + 1, candidate.load);
-      put(i, candidate.first, -modules_[i].weight);
+      last.stands = true;
+      if (levels.size() < free_.size()) {
+        levels.push_back(level(levels.size(), candidate.load));
+      } else {
+        best_ = candidate.load;
+        best_places_ = places_;
+      }
     }
   }
   [[nodiscard]] bool all_alike() const { return free_.size() == modules_.size(); }

@@ -142,6 +142,12 @@ TEST(Offsets, OfManyModulesTakeNoTimeAndAreNeverWorse) {
   }
 }
 
+TEST(Offsets, OfTwoHundredThousandModulesDoNotExhaustTheStack) {
+  std::vector<Shiftable> modules(200'000, {.period = 2ms, .weight = 1});
+  modules.push_back({.period = 1ms, .weight = 1});
+  EXPECT_EQ(fullest(modules, flatten(modules)), 100'001);
+}
+
 TEST(Offsets, OfPeriodsThatHardlyMeetAreZero) {
   const std::vector<Shiftable> modules{{.period = 999'983ns}, {.period = 1'000'003ns}};
   EXPECT_THAT(flatten(modules), ElementsAre(0ns, 0ns));
