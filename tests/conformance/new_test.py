@@ -56,7 +56,7 @@ def test_every_kind(folder):
         described = json.loads(run("takt", "describe", file, "--json", cwd=place).stdout)
         assert {p["name"] for p in described["ports"]} == {"in", "out"} and [p["name"] for p in described["properties"]] == ["gain"], described
         run("takt", "check", name + ".xml", cwd=place)
-        report = json.loads(run("takt", "run", name + ".xml", "--for", "1", "--json", cwd=place).stdout)
+        report = json.loads(run("takt", "run", name + ".xml", "--for", "3", "--json", cwd=place).stdout)
         module, executor = report["devices"][0]["modules"][0], report["devices"][0]["executors"][0]
         assert (module["type"], module["operation"], module["state"], module["errors"]) == (kind[0], kind[1], "DESTRUCT", 0), module
         if kind[1] == "periodic":
