@@ -1,7 +1,8 @@
 # takt_discover_tests(program [PREFIX text] [TIMEOUT seconds] [PROPERTIES ...]): the tests of a GoogleTest program, for CTest.
 #
 # Each TEST is a test of CTest. Under sanitizers the whole program is one, named asan.PROGRAM or tsan.PROGRAM: a process that starts
-# under AddressSanitizer takes longer than most tests.
+# under AddressSanitizer takes longer than most tests. There, those of the ready components have the label `full`: tools/test leaves them
+# to tools/test --full.
 
 include(GoogleTest)
 # In a fixed place, because ThreadSanitizer does not know where a newer kernel may put things.
@@ -18,6 +19,10 @@ function(takt_discover_tests program)
     return()
   endif()
   get_filename_component(preset ${CMAKE_BINARY_DIR} NAME)
+  set(labels ${preset})
+  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${CMAKE_SOURCE_DIR}/components(/|$)")
+    list(APPEND labels full)
+  endif()
   add_test(NAME ${preset}.${program} COMMAND ${TAKT_RUN_FIXED} $<TARGET_FILE:${program}> --gtest_brief=1)
-  set_tests_properties(${preset}.${program} PROPERTIES TIMEOUT 1800 LABELS ${preset} ${TESTS_PROPERTIES})
+  set_tests_properties(${preset}.${program} PROPERTIES TIMEOUT 1800 COST 20 LABELS "${labels}" ${TESTS_PROPERTIES})
 endfunction()

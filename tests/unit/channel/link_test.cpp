@@ -16,15 +16,10 @@
 
 #include <takt/os/clock.hpp>
 #include <takt/os/shared_memory.hpp>
+#include <full_form.hpp>
 
 namespace takt::channel::link_test {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 
 /// A link in memory of its own.
 class Memory {
@@ -256,7 +251,7 @@ TEST(Link, LeadsNobodyOutOfItsMemoryWhateverIsWrittenIntoIt) {
 
 void stress(std::uint32_t depth, bool slow_reader, bool slow_writer) {
   const Memory memory{queue(depth, 256)};
-  const Instant end = os::now() + std::chrono::milliseconds{kSanitized ? 1500 : 700};
+  const Instant end = os::now() + std::chrono::milliseconds{full_form() ? 1500 : 300};
   std::atomic<bool> over{false};
   std::thread thread{[&] {
     LinkWriter writer{memory.link()};

@@ -3,6 +3,7 @@
 #include <takt/channel/seat.hpp>
 
 #include <gtest/gtest.h>
+#include <full_form.hpp>
 #include <sched.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -21,11 +22,7 @@
 namespace takt::channel::seat_test {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint32_t kReleases = 20'000;
-#else
-constexpr std::uint32_t kReleases = 200'000;
-#endif
+constexpr std::uint32_t kReleases = kSanitized ? 20'000 : 200'000;
 
 struct Shared {
   Seat seat;

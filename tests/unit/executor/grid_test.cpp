@@ -2,6 +2,7 @@
 // whose period divides n x basic period, less their offset, are due, by priority, then by their place in the
 // file. What slots that have passed were to release is left out, or made up by who catches up.
 #include <gtest/gtest.h>
+#include <full_form.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -17,11 +18,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kCyclesPerSeed = 12'500;
-#else
-constexpr int kCyclesPerSeed = 125'000;
-#endif
+constexpr int kCyclesPerSeed = kSanitized ? 12'500 : 125'000;
 
 /// A number that depends on nothing but its arguments, so that the model draws what the device drew.
 std::uint64_t noise(std::uint64_t a, std::uint64_t b) {

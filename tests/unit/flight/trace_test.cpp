@@ -1,6 +1,7 @@
 #include <takt/flight/trace.hpp>
 
 #include <gtest/gtest.h>
+#include <full_form.hpp>
 
 #include <map>
 #include <random>
@@ -169,7 +170,8 @@ TEST(Trace, IsSoundWhateverTheRingHolds) {
   const auto any = [&random](std::int64_t most) {
     return std::uniform_int_distribution<std::int64_t>{0, most}(random);
   };
-  for (int turn = 0; turn < 300; ++turn) {
+  const int count = how_often(300);
+  for (int turn = 0; turn < count; ++turn) {
     Made made;
     std::int64_t now = 0;
     for (int i = 0; i < 50; ++i) {

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <full_form.hpp>
 
 #include <atomic>
 #include <memory>
@@ -101,11 +102,7 @@ TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
   for (int i = 0; i < 30; ++i)
     more.push_back(std::make_unique<Property<std::string>>(drive, "more" + std::to_string(i), "0"));
   live.serve(drive.properties(), "Drive");
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  constexpr std::int64_t kRequests = 2'000;
-#else
-  constexpr std::int64_t kRequests = 20'000;
-#endif
+  constexpr std::int64_t kRequests = kSanitized ? 2'000 : 20'000;
   const auto text_of = [](std::int64_t n) {
     std::string text(static_cast<std::size_t>(n % 60), 'x');  // some have memory of their own
     return text + std::to_string(n);

@@ -292,11 +292,7 @@ TEST(Simulation, RunTimesAreThoseOfTheProfile) {
 }
 
 /// Cells by chance, then the demo: what must hold, with everything going wrong that can.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kSlower = 20;  // each takes fifty times as long
-#else
-constexpr std::uint64_t kSlower = 1;
-#endif
+constexpr std::uint64_t kSlower = kSanitized ? 20 : 1;  // each takes fifty times as long
 constexpr std::uint64_t kParts = 16;
 /// `full` of them in tools/test --full, else an eighth.
 std::uint64_t seeds(std::uint64_t full) {
