@@ -52,6 +52,11 @@ def timing(why):
     return lambda test: test
 
 
+def occupies_a_processor(test):
+    """Marks a test whose real-time threads keep a processor for themselves: CTest runs one of these at a time, so that one is left."""
+    return test
+
+
 Line = namedtuple("Line", "at device module text")  # `at` as the node wrote it, in seconds of the day
 Step = namedtuple("Step", "at source target text")
 

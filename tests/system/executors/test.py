@@ -25,6 +25,7 @@ class Executors(takt_system.Case):
         rows = run.executor("fast", "d")
         return rows["missed"] / (rows["cycles"] + rows["missed"])
 
+    @takt_system.timing("two executors share one processor, and the rows that one of them misses are counted")
     def test_a_slow_table_does_not_delay_a_fast_one(self):
         # Of 20 rows the slow module takes 9. A machine that stands still takes some in any case: one run without that will do.
         together = [self.missed("80") for _ in range(3)]

@@ -119,6 +119,7 @@ class Services(takt_system.Case):
         self.assertGreater(seen["nobody"], 100)
         self.end({"ask": nodes["ask"]})
 
+    @takt_system.timing("that the other clients get their answers within a second is what a hang must not change")
     def test_a_handler_that_hangs_costs_its_module(self):
         run = self.running("hang.xml")
         run.wait_for_line("answers: EXECUTING -> RECOVER .*the handler of a service did not return within 5 s", limit=30)

@@ -2,6 +2,7 @@
 // refused, with few words and without taking many times its size of memory; none throws or ends the process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <full_form.hpp>
 
 #include <random>
 #include <string>
@@ -29,6 +30,9 @@ std::string filled(const std::string& before, const std::string& unit, const std
   while (text.size() + unit.size() + after.size() <= size) text += unit;
   return text + after;
 }
+
+/// Of what is slow to read.
+std::size_t bytes() { return static_cast<std::size_t>(kSanitized && !full_form() ? 3'000'000 : 8'000'000); }
 
 /// The problems, each of which a person could read.
 Problems refused(const std::string& xml) {
@@ -91,14 +95,14 @@ TEST(HostileText, OfFewLargePartsIsRefused) {
 
 TEST(HostileText, OfMoreThanTheBoundsOfACellIsRefused) {
   EXPECT_THAT(
-      first_of(filled("<cell name='c'>" + kDevice, "<connection from='d.a.o'/>", "</cell>", 6'000'000)),
+      first_of(filled("<cell name='c'>" + kDevice, "<connection from='d.a.o'/>", "</cell>", bytes())),
       HasSubstr("more than 100000 connections"));
   EXPECT_EQ(
       refused(filled("<cell name='c' discovery='peers' peers='", " a", "'>" + kDevice + "</cell>")).size(),
       1U);
-  EXPECT_THAT(first_of(filled("<cell name='c'>", "<device name='d'/>", "</cell>", 8'000'000)),
+  EXPECT_THAT(first_of(filled("<cell name='c'>", "<device name='d'/>", "</cell>", bytes())),
               HasSubstr(" devices"));
-  EXPECT_THAT(first_of(filled("<root>", "<executor name='e'/>", kModule + "</root>", 8'000'000)),
+  EXPECT_THAT(first_of(filled("<root>", "<executor name='e'/>", kModule + "</root>", bytes())),
               HasSubstr("executors"));
 }
 
@@ -110,9 +114,9 @@ TEST(HostileText, OfMistakesThatAskForGuessesIsRefused) {
     devices += "<device name='" + long_name + std::to_string(i) + "'>" + kModule + "</device>";
   const std::string connection =
       "<connection from='" + long_name + "xxx.a.o' to='" + long_name + "yyy.a.i'/>";
-  EXPECT_EQ(refused(filled("<cell name='c'>" + devices, connection, "</cell>", 8'000'000)).size(),
+  EXPECT_EQ(refused(filled("<cell name='c'>" + devices, connection, "</cell>", bytes())).size(),
             model::kMaxProblems);
-  EXPECT_EQ(refused(filled("<root>", "<modul" + std::string(50, 'e') + "/>", "</root>", 8'000'000)).size(),
+  EXPECT_EQ(refused(filled("<root>", "<modul" + std::string(50, 'e') + "/>", "</root>", bytes())).size(),
             model::kMaxProblems);
 }
 

@@ -1,6 +1,7 @@
 // Sporadic modules that events release: how often, when, in which order, and what a storm of events does to
 // the rows.
 #include <gtest/gtest.h>
+#include <full_form.hpp>
 
 #include <algorithm>
 #include <cstdlib>
@@ -220,7 +221,7 @@ TEST_P(StormOfEvents, NeverMovesARow) {
   constexpr std::uint32_t kDepth = 16;
   constexpr auto kPeriod = milliseconds{1};
   constexpr auto kWork = microseconds{50};
-  constexpr auto kLength = seconds{60};
+  const auto length = seconds{how_often(60)};
   FakeDevice device{
       {thread(kPeriod), event_module(milliseconds{20}, GetParam().interarrival, GetParam().dispatch)}};
   LinkMemory memory{{.depth = kDepth, .payload = 8, .is_queue = true}};
@@ -264,7 +265,7 @@ TEST_P(StormOfEvents, NeverMovesARow) {
   std::mt19937_64 random{7};
   std::exponential_distribution<double> gap{20'000.0 / 1e9};
   const auto next_gap = [&] { return Nanoseconds{1 + static_cast<std::int64_t>(gap(random))}; };
-  const Instant end = device.t0 + kLength;
+  const Instant end = device.t0 + length;
   Instant event = device.t0 + next_gap();
   std::uint64_t written = 0;
   const auto publish_due = [&] {
@@ -292,7 +293,7 @@ TEST_P(StormOfEvents, NeverMovesARow) {
   EXPECT_EQ(written, taken + dropped + waiting);
   EXPECT_LE(waiting, kDepth);
   const auto most =
-      static_cast<std::uint64_t>(kLength / std::max(GetParam().interarrival, Nanoseconds{kWork})) + 1;
+      static_cast<std::uint64_t>(length / std::max(GetParam().interarrival, Nanoseconds{kWork})) + 1;
   EXPECT_LE(taken, most);
   EXPECT_GT(taken, 0U);
   if (GetParam().interarrival > Nanoseconds{kWork} && GetParam().dispatch == model::Dispatch::row) {
