@@ -53,7 +53,8 @@ def timing(why):
 
 
 def occupies_a_processor(test):
-    """Marks a test whose real-time threads keep a processor for themselves: CTest runs one of these at a time, so that one is left."""
+    """Marks a test whose real-time threads keep a processor for themselves. Executors are all placed on the last processor, so those of
+    tests beside it would not run: CTest runs nothing beside it."""
     return test
 
 

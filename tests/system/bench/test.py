@@ -37,7 +37,6 @@ class Bench(takt_system.Case):
     def rows(self, report, section):
         return {row["name"]: row for row in report["sections"][section]["rows"]}
 
-    @takt_system.occupies_a_processor
     def test_table1_has_ten_cases_and_a_page(self):
         page = os.path.join(self.folder, "table1.html")
         report = self.measured("table1", "--for", "0.2", "--html", page)
@@ -65,7 +64,6 @@ class Bench(takt_system.Case):
         self.assertNotIn("script", seen.elements)
         self.assertTrue(all(reference.startswith("#case") for reference in seen.references), seen.references)
 
-    @takt_system.occupies_a_processor
     def test_table1_is_told_its_period(self):
         run = self.takt("bench", "table1", "--for", "0.05", "--period", "1000", limit=150.0)
         self.assertEqual((0, ""), (run.status, run.err))
@@ -94,21 +92,18 @@ class Bench(takt_system.Case):
             for row in rows.values():
                 self.assertEqual(["name"] + TIMES + ["cycles", "missed", "processor_%"], list(row))
 
-    @takt_system.occupies_a_processor
     def test_process_is_beside_a_futex_and_a_signal(self):
         rows = self.rows(self.measured("process", "--for", "0.2"), 0)
         self.assertEqual(["process module", "futex", "signal"], list(rows))
         for row in rows.values():
             self.assertGreater(row["cycles"], 0)
 
-    @takt_system.occupies_a_processor
     def test_ports_are_beside_memcpy(self):
         rows = self.rows(self.measured("ports", "--for", "0.1"), 0)
         self.assertEqual(1, rows["memcpy, there and back"]["of_memcpy"])
         self.assertEqual(11, len(rows))
         self.assertEqual(3, len([name for name in rows if "with a safe value" in name]))
 
-    @takt_system.occupies_a_processor
     def test_cell_is_deployed_and_its_samples_arrive(self):
         report = self.measured("cell", "--for", "1", "--devices", "2")
         self.assertEqual(["nodes started and seen", "takt deploy", "takt status", "takt undeploy"], list(self.rows(report, 0)))
@@ -136,7 +131,6 @@ class Bench(takt_system.Case):
                 self.assertEqual((2, ""), (run.status, run.out), run.err)
                 self.assertIn("Usage: takt", run.err)
 
-    @takt_system.occupies_a_processor
     def test_a_load_runs_beside_it_and_ends_with_it(self):
         with open(os.path.join(self.folder, "stress-ng"), "w") as file:
             file.write('#!/bin/sh\necho "$$ $*" > %s/load\nexec sleep 1000\n' % self.folder)

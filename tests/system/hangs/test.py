@@ -50,7 +50,6 @@ class Hangs(takt_system.Case):
         self.assertEqual(1, run.status)
         self.assertIn("device initialize: error: its node was killed by SIGKILL (Killed)", run.other_lines)
 
-    @takt_system.occupies_a_processor
     def test_while_it_runs_and_at_its_end(self):
         run = self.start("run", "running.xml", "--json")
         run.wait_for_line("after: recovery, attempt 1", limit=30)

@@ -10,7 +10,6 @@ MODULE = ("<module><name>%s</name><filename>%s</filename><moduletype>%s</modulet
 
 
 class Many(takt_system.Case):
-    @takt_system.occupies_a_processor
     def test_a_thousand_modules_run_in_every_row(self):
         threads = ["m%d" % i for i in range(1000)]
         copies = ["c%d" % i for i in range(50)]

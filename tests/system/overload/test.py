@@ -24,7 +24,6 @@ class Overload(takt_system.Case):
         cell = self.write("cell.xml", '<cell name="c"><device name="d"><executor name="main" %s/>%s</device></cell>\n' % (executor, modules))
         return self.takt("run", cell, "--for", seconds, "--json")
 
-    @takt_system.occupies_a_processor
     def test_skip_and_catch_up(self):
         run = self.run_cell(HOG + module("skips", "grid.so", 1, file="skips") +
                             module("all", "grid.so", 2, "<overrun limit=\"1000\">catch-up</overrun>", file="all") +
@@ -70,7 +69,6 @@ class Overload(takt_system.Case):
         self.assertRegex(run.err, r"module d\.vital: error: overrun: \d+ release.*another <overrun> than stop-device")
         self.assertEqual("DESTRUCT", run.states("hog")[-1])
 
-    @takt_system.occupies_a_processor
     def test_a_program_is_given_what_it_is_owed(self):
         hog = dict(ns=35000000, every=20)
         run = self.run_cell(module("skips", "slow.exe", 1, **hog) +

@@ -111,7 +111,6 @@ class Trace(takt_system.Case):
         self.assertEqual(["slow"], sorted({body["name"] for events in bodies for body in events}))
         self.end({"robot": node})
 
-    @takt_system.occupies_a_processor
     def test_overrun_and_predecessor(self):
         node = self.deployed(module("long", "slow.so", 1, ns=7000000, every=50), module("other", "fine.so", 2))
         self.wait_for_states({"robot": "EXECUTING"})
@@ -130,7 +129,6 @@ class Trace(takt_system.Case):
         self.end({"robot": node})
 
     @unittest.skipUnless(os.geteuid() == 0, "needs a priority")
-    @takt_system.occupies_a_processor
     def test_preemption(self):
         node = self.deployed(module("fine", "fine.so", 1))
         self.wait_for_states({"robot": "EXECUTING"})

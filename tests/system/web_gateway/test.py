@@ -341,7 +341,13 @@ class Gateway(takt_system.Case):
             with urllib.request.urlopen(self.address + "metrics", timeout=30) as response:
                 self.assertEqual("text/plain; version=0.0.4; charset=utf-8", response.headers["Content-Type"])
                 return {f.name: f for f in text_string_to_metric_families(response.read().decode())}
-        found = wait_until(lambda: (lambda f: f if "takt_module_cycles" in f and "takt_connection_matched" in f else None)(families()), 15, "measures")
+
+        def measured():
+            found = families()
+            ran = any(s.value > 100 for s in found["takt_module_cycles"].samples if s.labels["module"] == "source") \
+                if "takt_module_cycles" in found else False
+            return found if ran and "takt_connection_matched" in found else None
+        found = wait_until(measured, 30, "measures")
 
         def value(family, **labels):
             values = [s.value for s in found[family].samples if labels.items() <= s.labels.items()]
