@@ -60,6 +60,8 @@ class Progress(takt_system.Case):
         for share in (r"\d{1,2}", r"[5-9]\d"):
             terminal.wait_for(FILLED + share + r" %  wake-up by [a-z ]+ at 1 ms$", 30)
         self.ends(terminal, run, "^  spin ")
+
+    def test_of_a_benchmark_of_ten_cases(self):
         terminal, run = self.in_terminal("bench", "table1", "--for", "0.2")
         terminal.wait_for(BAR + "case [2-5] of 10: (Takt|the bare loop)", 60)
         terminal.wait_for("^ 1 .*")  # above it is what was measured
