@@ -19,7 +19,8 @@ def _enter():
     for command in (["mount", "--make-rprivate", "/"], ["mount", "-t", "tmpfs", "tmpfs", "/dev/shm"], ["ip", "link", "set", "lo", "up"]):
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode != 0:
-            raise RuntimeError("%s: %s" % (" ".join(command), done.stderr.strip()))
+            chroot = "; in a chroot, its root has to be a mount point: mount --bind ROOT ROOT" if not os.path.ismount("/") else ""
+            raise RuntimeError("%s: %s%s" % (" ".join(command), done.stderr.strip(), chroot))
     return ""
 
 
