@@ -18,7 +18,8 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
-/// How often something is tried. Under sanitizers it takes ten times as long, so in the short form there is a tenth of it.
+/// How often something is tried. Under sanitizers it takes ten times as long, so in the short form there is a
+/// tenth of it.
 inline int how_often(int all) { return kSanitized && !full_form() ? all / 10 : all; }
 
 }  // namespace takt

@@ -3,9 +3,9 @@
 // every step, which tries all orders and does not look twice at the same state.
 #include <takt/channel/link.hpp>
 
-#include <full_form.hpp>
 #include <gtest/gtest.h>
 #include <ucontext.h>
+#include <full_form.hpp>
 
 #include <algorithm>
 #include <array>

@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
+#include <full_form.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/shared_memory.hpp>
-#include <full_form.hpp>
 
 namespace takt::channel::link_test {
 namespace {

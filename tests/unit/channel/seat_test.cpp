@@ -3,11 +3,11 @@
 #include <takt/channel/seat.hpp>
 
 #include <gtest/gtest.h>
-#include <full_form.hpp>
 #include <sched.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <full_form.hpp>
 
 #include <atomic>
 #include <random>

@@ -94,9 +94,8 @@ TEST(HostileText, OfFewLargePartsIsRefused) {
 }
 
 TEST(HostileText, OfMoreThanTheBoundsOfACellIsRefused) {
-  EXPECT_THAT(
-      first_of(filled("<cell name='c'>" + kDevice, "<connection from='d.a.o'/>", "</cell>", bytes())),
-      HasSubstr("more than 100000 connections"));
+  EXPECT_THAT(first_of(filled("<cell name='c'>" + kDevice, "<connection from='d.a.o'/>", "</cell>", bytes())),
+              HasSubstr("more than 100000 connections"));
   EXPECT_EQ(
       refused(filled("<cell name='c' discovery='peers' peers='", " a", "'>" + kDevice + "</cell>")).size(),
       1U);

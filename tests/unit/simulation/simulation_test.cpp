@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include <full_form.hpp>
 #include <gmock/gmock.h>
+#include <full_form.hpp>
 
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/simulation/random_cell.hpp>
@@ -295,9 +295,7 @@ TEST(Simulation, RunTimesAreThoseOfTheProfile) {
 constexpr std::uint64_t kSlower = kSanitized ? 20 : 1;  // each takes fifty times as long
 constexpr std::uint64_t kParts = 16;
 /// `full` of them in tools/test --full, else an eighth.
-std::uint64_t seeds(std::uint64_t full) {
-  return std::max(kParts, full / kSlower / (full_form() ? 1 : 8));
-}
+std::uint64_t seeds(std::uint64_t full) { return std::max(kParts, full / kSlower / (full_form() ? 1 : 8)); }
 class Seeds : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(Seeds, OfRandomCellsHoldWhatMustHold) {
