@@ -137,7 +137,7 @@ class Installed(takt_system.Case):
         in_c = [header for header in headers if header.endswith(".h")]
         in_cpp = [header for header in headers if header not in in_c]
         for compiler, standard, of_it in (("gcc", "c11", in_c), ("g++", "c++20", in_cpp)):
-            # Whether each is whole by itself is shown by the preset `debug` too; here, what is installed is.
+            # The preset `debug` compiles each header alone. In the short form, this shows only that every header they need is installed.
             for together in [[header] for header in of_it] if takt_system.FULL else [of_it]:
                 run = subprocess.run([compiler, "-x", "c" if of_it is in_c else "c++", "-std=" + standard, "-Wall", "-Wextra",
                                       "-fsyntax-only", "-I", include, "-"],
