@@ -47,15 +47,17 @@ def how_much(variable, short, full):
 
 
 def timing(why):
-    """Marks a test that asserts on time, for the reason that it gives: CTest runs nothing beside it. Virtual time cannot show the same."""
+    """Marks a test that asserts on time, for the reason that it gives: of these, CTest runs one at a time. Virtual time cannot show the
+    same."""
     assert why
     return lambda test: test
 
 
-def occupies_a_processor(test):
-    """Marks a test whose real-time threads keep a processor for themselves. Executors are all placed on the last processor, so those of
-    tests beside it would not run: CTest runs nothing beside it."""
-    return test
+def alone(why):
+    """Marks a test beside which CTest runs no other, for the reason that it gives. Executors are all placed on the last processor: one that
+    keeps that busy starves those of tests beside it, and a test that counts missed rows counts theirs too."""
+    assert why
+    return lambda test: test
 
 
 Line = namedtuple("Line", "at device module text")  # `at` as the node wrote it, in seconds of the day

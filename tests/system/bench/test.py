@@ -70,7 +70,7 @@ class Bench(takt_system.Case):
         self.assertIn("at a basic period of 1 ms", run.out)
         self.assertEqual(10, len([line for line in run.out.splitlines() if " paper " in line]))
 
-    @takt_system.occupies_a_processor
+    @takt_system.alone("the benchmark keeps a processor busy")
     def test_dispatch_shows_rows_and_a_thousand_modules(self):
         report = self.measured("dispatch", "--for", "0.1")
         self.assertEqual(["10 modules", "100 modules", "1000 modules"], list(self.rows(report, 0)))
@@ -83,7 +83,7 @@ class Bench(takt_system.Case):
         self.assertGreater(thousand["one table"]["processor"], 0)
         self.assertTrue(any("beyond the modules' own work" in note for note in report["sections"][2]["notes"]))
 
-    @takt_system.occupies_a_processor
+    @takt_system.alone("the benchmark keeps a processor busy")
     def test_wake_has_each_strategy_at_each_period(self):
         report = self.measured("wake", "--for", "0.1")
         for section in (0, 1):

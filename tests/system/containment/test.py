@@ -82,7 +82,7 @@ class Containment(takt_system.Case):
         self.assertEqual(0, json.loads(self.read("far"))["wrong"])
         self.assert_untouched(run, hosts=3)
 
-    @takt_system.occupies_a_processor
+    @takt_system.alone("an endless loop at a real-time priority keeps a processor busy")
     def test_an_endless_loop_is_ended_with_its_host_alone(self):
         # The next instance comes to its endless loop after a second: the end is asked for before.
         run = self.run_with(("segv.so", "endless.so"), ('<value name="after">1000000', '<value name="after">250'))

@@ -79,7 +79,7 @@ class Crashes(takt_system.Case):
     def test_stack_overflow(self):
         self.crash("overflow", SEGV % "run")
 
-    @takt_system.occupies_a_processor
+    @takt_system.alone("an endless loop at a real-time priority keeps a processor busy")
     def test_endless_loop(self):
         run = self.crash("endless", r"run\(\) did not return within 1\.01 s, so the host was ended")
         self.assertGreaterEqual(run.executor()["missed"], 1000, "nobody walked the rows while it spun")

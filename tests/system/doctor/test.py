@@ -80,7 +80,7 @@ class Doctor(takt_system.Case):
 
     @unittest.skipUnless(os.getuid() == 0 and kept_by_the_kernel() and len(os.sched_getaffinity(0)) > 1,
                          "the kernel keeps nothing from real-time threads here, or there are none")
-    @takt_system.occupies_a_processor
+    @takt_system.alone("an executor that is throttled keeps a processor busy")
     def test_an_executor_that_is_throttled_is_named_with_the_cure(self):
         cpu = max(os.sched_getaffinity(0))  # the node gives the executor the highest
         run = self.start("run", "spin.xml", "--json")

@@ -466,7 +466,7 @@ class Faults(networks.NetworkCase):
         self.assertEqual(0, run.status, run.err)
         self.assertTrue(self.wait_heard(self.all_execute, 30), self.not_executing())
 
-    @takt_system.timing("each fault has to be stated within what the kernel and DDS need for it")
+    @takt_system.alone("each fault has to be stated within what the kernel and DDS need for it")
     def test_what_goes_wrong_is_detected_and_mended_and_reaches_nobody(self):
         print("seed %d" % SEED, flush=True)
         self.number = 0

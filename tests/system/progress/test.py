@@ -54,7 +54,7 @@ class Progress(takt_system.Case):
         self.ends(terminal, run, "^  other +DESTRUCT ")
         self.assertNotRegex(terminal.text, r"robot\.grid: (START|EXECUTING)$")
 
-    @takt_system.occupies_a_processor
+    @takt_system.alone("the benchmark keeps a processor busy")
     def test_of_a_benchmark(self):
         terminal, run = self.in_terminal("bench", "wake", "--period", "1000", "--for", "2.5")
         for share in (r"\d{1,2}", r"[5-9]\d"):

@@ -92,7 +92,7 @@ class Trace(takt_system.Case):
             self.assertIn(culprit, {e["args"].get("culprit") for e in found})
         return found
 
-    @takt_system.occupies_a_processor
+    @takt_system.alone("its program keeps a processor busy")
     def test_a_device_that_runs(self):
         node = self.deployed(module("source", "port_source.so", 1), module("sink", "port_sink.so", 2),
                              module("slow", "slow.exe", 3, kind="process"),
