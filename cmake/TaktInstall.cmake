@@ -73,21 +73,16 @@ install(CODE "
   configure_file(\"${CMAKE_SOURCE_DIR}/config/takt-node@.service.in\"
                  \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/systemd/system/takt-node@.service\" @ONLY)" COMPONENT runtime)
 
-# For authors. What <takt/NAME> includes is a part of its room; a link would name the source tree.
+# For authors.
 install(TARGETS takt_core takt_lifecycle ARCHIVE COMPONENT dev)
 install(TARGETS takt_testing LIBRARY COMPONENT dev)
 takt_finds_libraries_from(${lib} takt_testing)
-install(FILES framework/lifecycle/table.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/lifecycle COMPONENT dev)
-install(FILES framework/testing/testing.hpp framework/testing/tested_file.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/testing COMPONENT dev)
-install(DIRECTORY framework/core framework/component DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt COMPONENT dev
-        FILES_MATCHING PATTERN *.hpp PATTERN *.h)
-list(TRANSFORM TAKT_CHANNEL_FOR_AUTHORS PREPEND framework/channel/)
-install(FILES ${TAKT_CHANNEL_FOR_AUTHORS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/channel COMPONENT dev)
-get_property(headers GLOBAL PROPERTY TAKT_FOR_AUTHORS)
-foreach(header IN LISTS headers)
-  get_filename_component(name ${header} NAME)
-  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/for_authors/${name} CONTENT "#include <takt/${header}>\n")
-  install(FILES ${CMAKE_BINARY_DIR}/for_authors/${name} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt COMPONENT dev)
+foreach(room core component testing)
+  install(DIRECTORY framework/${room}/include/takt DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
+endforeach()
+install(FILES framework/lifecycle/include/takt/lifecycle/table.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/lifecycle COMPONENT dev)
+foreach(header activity flight layout link saved_state seat)  # the headers above include these
+  install(FILES framework/channel/include/takt/channel/${header}.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/channel COMPONENT dev)
 endforeach()
 install(FILES idl/basic.idl idl/line.idl idl/motion.idl idl/takt.idl DESTINATION ${share}/idl COMPONENT dev)
 

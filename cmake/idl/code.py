@@ -229,7 +229,7 @@ def c_header(file):
     lines = [f"/* The types of ports of C modules. Made of {os.path.basename(file.path)} by takt_idl.py; changes are "
              "lost. */",
              f"#ifndef {guard}", f"#define {guard}", "", "#include <stdbool.h>", "#include <stdint.h>", "",
-             "#include <takt/component/type.h>",
+             "#include <takt/type.h>",
              ""] + [f'#include "{stem}_c.h"' for stem in included_stems(file)]
     lines += ["", "#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
     for declared in file.declares:

@@ -106,8 +106,8 @@ for name in set(elements) & set(sections):
                     failures.append(f"<{name}>: the row of {row} does not say {word}: {where.strip()}")
 
 # The bounds as the code has them.
-for header in ("framework/model/validate.hpp", "framework/descriptor/well_formed.hpp", "framework/descriptor/include.hpp",
-               "framework/descriptor/template.hpp"):
+for header in ("framework/model/include/takt/model/validate.hpp", "framework/descriptor/src/well_formed.hpp", "framework/descriptor/src/include.hpp",
+               "framework/descriptor/src/template.hpp"):
     code = open(os.path.join(source, header), encoding="utf-8").read()
     bounds = re.findall(r"inline constexpr (?:int|std::size_t) (kM\w+) = ([0-9']+);", code)
     if not bounds:

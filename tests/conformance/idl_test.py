@@ -82,7 +82,7 @@ def test_good(scratch):
     plain = os.path.join(out, "plain")
     result = run(fastddsgen, "-replace", "-cs", "-t", scratch, "-d", out, *(f"{stem}.idl" for stem in stems), cwd=plain)
     expect(result.returncode == 0, "fastddsgen refuses what takt_idl.py writes for it", result)
-    includes = ["-I", out] + [f"-I{os.path.join(build, 'rooms', room)}" for room in ("core", "component")]
+    includes = ["-I", out] + [f"-I{os.path.join(source, 'framework', room, 'include')}" for room in ("core", "component")]
     for kind, end in (("classes", ".cxx"), ("types", "_types.cpp"), ("in_c", "_c.cpp")):
         unit = os.path.join(scratch, kind + ".cpp")
         with open(unit, "w", encoding="utf-8") as stream:

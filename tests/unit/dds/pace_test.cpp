@@ -1,4 +1,4 @@
-#include <takt/dds/pace.hpp>
+#include "pace.hpp"
 
 #include <gmock/gmock.h>
 

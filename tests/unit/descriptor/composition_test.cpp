@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include <takt/descriptor/bundle.hpp>
 #include <takt/descriptor/descriptor.hpp>
-#include <takt/descriptor/include.hpp>
-#include <takt/descriptor/parameters.hpp>
-#include <takt/descriptor/write.hpp>
+#include "bundle.hpp"
+#include "include.hpp"
+#include "parameters.hpp"
+#include "write.hpp"
 
 #include "saying.hpp"
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <stdexcept>
 
-#include <takt/descriptor/read_cell.hpp>
-#include <takt/descriptor/well_formed.hpp>
+#include "read_cell.hpp"
+#include "well_formed.hpp"
 
 namespace takt::descriptor::descriptor_test {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <takt/descriptor/descriptor.hpp>
-#include <takt/descriptor/well_formed.hpp>
 #include <takt/model/validate.hpp>
+#include "well_formed.hpp"
 
 namespace takt::descriptor::hostile_test {
 namespace {

@@ -1,4 +1,4 @@
-#include <takt/flight/causes.hpp>
+#include "causes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <takt/flight/timeline.hpp>
+#include "timeline.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Properties that are set while their component runs.
 #include <takt/host/live_properties.hpp>
 
-#include <takt/component/component.hpp>
+#include <takt/component.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -21,10 +21,10 @@
 #include <takt/channel/flight_record.hpp>
 #include <takt/channel/layout.hpp>
 #include <takt/channel/seat.hpp>
-#include <takt/host/executor_threads.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/schedule/plan.hpp>
+#include "executor_threads.hpp"
 
 #include "system_call_trap.hpp"
 

@@ -3,7 +3,7 @@
 #include "real_time_path.hpp"
 
 #include <takt/channel/saved_state.hpp>
-#include <takt/component/component.hpp>
+#include <takt/component.hpp>
 #include <takt/component/in_port.hpp>
 #include <takt/component/out_port.hpp>
 #include <takt/host/live_properties.hpp>

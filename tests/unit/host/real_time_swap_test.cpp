@@ -6,7 +6,7 @@
 
 #include <takt/channel/saved_state.hpp>
 #include <takt/component/in_port.hpp>
-#include <takt/host/swap.hpp>
+#include "swap.hpp"
 
 #include "../../system/components/sample.hpp"
 

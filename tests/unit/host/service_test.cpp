@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <thread>
 
-#include <takt/host/executor_threads.hpp>
-#include <takt/host/service_thread.hpp>
 #include <takt/model/type.hpp>
 #include <takt/os/clock.hpp>
+#include "executor_threads.hpp"
+#include "service_thread.hpp"
 
 #include "../../system/components/sample.hpp"
 #include "connected_service.hpp"

@@ -1,4 +1,4 @@
-#include <takt/node/agent.hpp>
+#include "agent.hpp"
 
 #include <gmock/gmock.h>
 

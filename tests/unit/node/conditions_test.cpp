@@ -1,4 +1,4 @@
-#include <takt/node/conditions.hpp>
+#include "conditions.hpp"
 
 #include <gmock/gmock.h>
 

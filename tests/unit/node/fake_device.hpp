@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/node/agent.hpp>
 #include <takt/node/log.hpp>
+#include "agent.hpp"
 
 namespace takt::node {
 

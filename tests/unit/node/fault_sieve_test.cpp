@@ -1,4 +1,4 @@
-#include <takt/node/fault_sieve.hpp>
+#include "fault_sieve.hpp"
 
 #include <gmock/gmock.h>
 

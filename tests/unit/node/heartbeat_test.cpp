@@ -1,4 +1,4 @@
-#include <takt/node/heartbeat.hpp>
+#include "heartbeat.hpp"
 
 #include <gmock/gmock.h>
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-#include <takt/node/whole_file.hpp>
 #include <takt/os/environment.hpp>
+#include "whole_file.hpp"
 
 namespace takt::node::kept_deployment_test {
 namespace {

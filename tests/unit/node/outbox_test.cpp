@@ -1,4 +1,4 @@
-#include <takt/node/outbox.hpp>
+#include "outbox.hpp"
 
 #include <gmock/gmock.h>
 

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include <takt/node/whole_file.hpp>
 #include <takt/os/environment.hpp>
+#include "whole_file.hpp"
 
 namespace takt::node::retained_test {
 namespace {

@@ -1,4 +1,4 @@
-#include <takt/schedule/contender.hpp>
+#include "contender.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <takt/schedule/offsets.hpp>
+#include "offsets.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // A sound course, and what is said of one that is not: each test spoils one thing.
-#include <takt/simulation/invariants.hpp>
+#include "invariants.hpp"
 
 #include <string>
 #include <vector>

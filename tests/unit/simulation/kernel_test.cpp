@@ -1,4 +1,4 @@
-#include <takt/simulation/kernel.hpp>
+#include "kernel.hpp"
 
 #include <string>
 #include <vector>

@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Rejects wrong includes: a room may include itself, the rooms that it names under USES, and no library that another room owns.
+
+Usage: check_includes.py SOURCE_DIRECTORY ROOMS_FILE
+
+ROOMS_FILE has a line for each room: NAME;ROOMS IT USES;LIBRARIES IT OWNS, each list separated by commas. CMake writes it from the calls of
+takt_room(). Prints an error for each wrong include and exits with 1 if there is any.
+"""
+import re
+import sys
+from pathlib import Path
+
+# The headers of a library that only its owners may include.
+LIBRARIES = {
+    "tinyxml2": r"tinyxml2\.h",
+    # Generated types contain the fixed-size string, which needs nothing else of Fast DDS.
+    "fastdds": r"(fastdds|fastrtps)/(?!utils/fixed_size_string\.hpp).*|takt/wire/taktPubSubTypes\.h",
+    "openssl": r"openssl/.*",
+    "linux": r"(dlfcn|elf|fcntl|link|poll|pthread|sched|signal|spawn|syscall|ucontext|unistd)\.h|(linux|sys|net|netinet|arpa)/.*",
+}
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")')
+
+
+def read_rooms(file):
+    rooms = {}
+    for line in Path(file).read_text().splitlines():
+        name, uses, owns = line.split(";")
+        rooms[name] = (uses.split(",") if uses else [], owns.split(",") if owns else [])
+    return rooms
+
+
+def listed(names):
+    return ", ".join(names) or "no other room"
+
+
+def room_of(included, source):
+    """The room that has the header <takt/ROOM/NAME.hpp>, or <takt/NAME.hpp> for the authors of components; None for a header of no room."""
+    found = re.match(r"takt/([a-z]+)/", included)
+    if found:
+        return found[1]
+    return next((path.parts[-4] for path in source.glob(f"framework/*/include/{included}")), None) if included.startswith("takt/") else None
+
+
+def complaint(source, room, included, rooms):
+    """What is wrong with `included` in a source of `room`, or in a source of tools/ if that is None; else None."""
+    uses, owns = rooms[room] if room else (list(rooms), [])
+    for library, headers in LIBRARIES.items():
+        if re.fullmatch(headers, included) and library not in owns:
+            owners = [name for name, (_, theirs) in rooms.items() if library in theirs]
+            return f"only {' and '.join(owners)} may include <{included}>; use the interface of {owners[0]}"
+    other = room_of(included, source)
+    if room and other and other not in (room, *uses):
+        return f"room {room} may not include <{included}> of room {other}; it uses {listed(uses)} (framework/CMakeLists.txt)"
+    return None
+
+
+def check(source, rooms):
+    errors = []
+    for file in sorted(p for top in ("framework", "tools") for p in (source / top).rglob("*") if p.suffix in (".cpp", ".hpp", ".c", ".h")):
+        path = file.relative_to(source)
+        room = path.parts[1] if path.parts[0] == "framework" else None
+        if "templates" in path.parts:
+            continue
+        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+            found = INCLUDE.match(line)
+            if not found:
+                continue
+            if room and ".." in (found[1] or found[2]):
+                errors.append(f"{path}:{number}: error: an include must not contain '..'; include <takt/ROOM/NAME.hpp>")
+                continue
+            wrong = complaint(source, room, found[1], rooms) if found[1] else None
+            if wrong:
+                errors.append(f"{path}:{number}: error: {wrong}")
+    return errors
+
+
+if __name__ == "__main__":
+    found = check(Path(sys.argv[1]), read_rooms(sys.argv[2]))
+    print("\n".join(found), file=sys.stderr, end="\n" if found else "")
+    sys.exit(1 if found else 0)

@@ -1,0 +1,292 @@
+#include <takt/client/deploy.hpp>
+
+#include <algorithm>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
+#include <takt/model/ports.hpp>
+#include <takt/model/safe.hpp>
+#include "answers.hpp"
+
+namespace takt::client {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+class Deployment {
+ public:
+  Deployment(Operator& asker, const model::Cell& cell, const DeployOptions& options)
+      : asker_(asker), cell_(cell), options_(options), id_(new_id()) {}
+
+  Problems find();
+  Problems prepare(const std::string& text);
+  Problems run(std::int64_t t0_ns);
+  void undo();
+  [[nodiscard]] const std::string& id() const noexcept { return id_; }
+
+ private:
+  [[nodiscard]] bool cancelled() const { return options_.cancelled && options_.cancelled(); }
+  void tell(const std::string& text) const {
+    if (options_.progress) options_.progress(text);
+  }
+  Question question(CommandKind kind, const std::string& device) const;
+  // One answer of each device, and every reason why one is not a yes.
+  Problems ask(const std::vector<Question>& questions, std::vector<dds::WholeReply>* replies = nullptr);
+
+  Operator& asker_;
+  const model::Cell& cell_;
+  const DeployOptions& options_;
+  std::string id_;
+  std::string safe_;  // the safe values of all outputs: each device knows its own components only
+  SignOfLife sign_of_life_;
+};
+
+Question Deployment::question(CommandKind kind, const std::string& device) const {
+  Question question{.kind = kind, .device = device, .deployment = id_};
+  const auto process = options_.process_ids.find(device);
+  if (process != options_.process_ids.end()) question.process_id = process->second;
+  return question;
+}
+
+Problems Deployment::ask(const std::vector<Question>& questions, std::vector<dds::WholeReply>* replies) {
+  Problems problems;
+  std::vector<std::string> names;
+  for (const model::Device& device : cell_.devices) names.push_back(device.name);
+  sign_of_life_.given();
+  auto answers = asker_.ask(questions, [&] {
+    sign_of_life_.give(asker_, names,
+                       [this](CommandKind kind, const std::string& name) { return question(kind, name); });
+    return cancelled();
+  });
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const auto answer = accepted(std::move(answers[i]));
+    if (answer && replies != nullptr) replies->push_back(*answer);
+    if (answer) continue;
+    const Problems reasons = of_device(questions[i].device, answer.problems());
+    problems.insert(problems.end(), reasons.begin(), reasons.end());
+  }
+  if (cancelled()) return {fail("it was given up before all devices were ready")};
+  return problems;
+}
+
+// Every device exactly once, and free.
+Problems Deployment::find() {
+  const auto nodes = [](const std::vector<dds::SeenDevice>& devices, const model::Device& device) {
+    std::vector<dds::SeenDevice> found;
+    for (const dds::SeenDevice& seen : devices) {
+      if (seen.alive && seen.name() == device.name) found.push_back(seen);
+    }
+    return found;
+  };
+  const auto expected = [this](const dds::SeenDevice& seen) {
+    const auto process = options_.process_ids.find(seen.name());
+    return process == options_.process_ids.end() || process->second == seen.status.process_id();
+  };
+  std::set<std::string> missing;
+  asker_.observer().wait(
+      [&](const std::vector<dds::SeenDevice>& devices) {
+        std::set<std::string> now;
+        for (const model::Device& device : cell_.devices) {
+          const auto found = nodes(devices, device);
+          if (std::none_of(found.begin(), found.end(), expected)) now.insert(device.name);
+        }
+        if (now != missing && !now.empty()) {
+          std::string names;
+          for (const std::string& name : now) names += (names.empty() ? "" : ", ") + name;
+          tell("waiting for " + names);
+        }
+        missing = now;
+        return missing.empty() || cancelled();
+      },
+      options_.discovery);
+  if (cancelled()) return {fail("it was given up before all devices were found")};
+
+  Problems problems;
+  const auto devices = asker_.observer().devices();
+  const std::string domain = "domain " + std::to_string(asker_.domain());
+  for (const model::Device& device : cell_.devices) {
+    const std::string where = "device " + device.name;
+    const auto found = nodes(devices, device);
+    if (found.empty()) {
+      problems.push_back(
+          {where, "it is not on " + domain,
+           "start it: takt-node --device " + device.name + " --domain " + std::to_string(asker_.domain())});
+    } else if (found.size() > 1) {
+      std::string places;
+      for (const dds::SeenDevice& seen : found) {
+        places += (places.empty() ? "process " : ", process ") + std::to_string(seen.status.process_id()) +
+                  " on " + seen.status.host_name().to_string();
+      }
+      problems.push_back(
+          {where, std::to_string(found.size()) + " nodes of this name are on " + domain + ": " + places,
+           "end all but one of them, or use another domain"});
+    } else if (!expected(found[0])) {
+      problems.push_back({where, "another node has this name on " + domain, "use another domain"});
+    } else if (found[0].status.cell() != std::string{dds::kNoCell}) {
+      const std::string cell = found[0].status.cell().to_string();
+      const bool over = found[0].status.state() == DEVICE_ENDED;
+      std::string fix = "undeploy it first: takt undeploy " + cell;
+      if (!over && cell == cell_.name) fix += "; or change it while it runs: takt deploy --update";
+      problems.push_back(
+          {where, over ? "it still holds cell " + cell + ", which has ended" : "it already runs cell " + cell,
+           fix});
+    }
+  }
+  return problems;
+}
+
+Problems Deployment::prepare(const std::string& text) {
+  tell("preparing " + std::to_string(cell_.devices.size()) +
+       (cell_.devices.size() == 1 ? " device" : " devices"));
+  std::vector<Question> questions;
+  for (const model::Device& device : cell_.devices) {
+    Question q = question(COMMAND_PREPARE, device.name);
+    q.property = options_.require_real_time ? dds::kRequireRealTime : "";
+    q.value = dds::cut(cell_.file, 255);
+    q.data = text;
+    q.limit.reset();
+    questions.push_back(std::move(q));
+  }
+  std::vector<dds::WholeReply> replies;
+  if (Problems problems = ask(questions, &replies); !problems.empty()) return problems;
+  const model::CellPorts ports = ports_of(cell_, replies);
+  safe_ = model::safe_json(model::safe_outputs(cell_, ports));
+  return model::check_connections(cell_, ports);
+}
+
+Problems Deployment::run(std::int64_t t0_ns) {
+  std::vector<Question> questions;
+  for (const model::Device& device : cell_.devices) {
+    Question q = question(COMMAND_RUN, device.name);
+    q.time_ns = t0_ns;
+    q.data = safe_;
+    const Nanoseconds left = Nanoseconds{t0_ns - wall_ns()} - options_.margin;
+    q.limit = std::max(std::chrono::floor<std::chrono::milliseconds>(left), std::chrono::milliseconds{1});
+    questions.push_back(std::move(q));
+  }
+  return ask(questions);
+}
+
+void Deployment::undo() {
+  tell("undoing it");
+  Devices devices{.names = {}, .process_ids = options_.process_ids, .deployment = id_};
+  for (const model::Device& device : cell_.devices) {
+    // One that is not there has nothing to undo, and is not waited for.
+    const auto seen = asker_.observer().devices(device.name);
+    if (std::any_of(seen.begin(), seen.end(), [](const dds::SeenDevice& s) { return s.alive; }))
+      devices.names.push_back(device.name);
+  }
+  auto undone = undeploy(asker_, devices, [this] { static_cast<void>(cancelled()); });
+  if (options_.undone != nullptr) *options_.undone = std::move(undone);
+}
+
+}  // namespace
+
+Result<Deployed> deploy(Operator& asker, const model::Cell& cell, const std::string& text,
+                        const DeployOptions& options) {
+  if (text.size() > dds::kMaxData)
+    return fail("the descriptor has more than " + std::to_string(dds::kMaxData >> 20U) + " MiB",
+                "make it smaller");
+  Deployment deployment{asker, cell, options};
+  if (Problems problems = deployment.find(); !problems.empty()) return problems;
+  if (Problems problems = deployment.prepare(text); !problems.empty()) {
+    deployment.undo();
+    return problems;
+  }
+  const std::int64_t t0_ns = wall_ns() + options.lead.count();
+  if (Problems problems = deployment.run(t0_ns); !problems.empty()) {
+    deployment.undo();
+    return problems;
+  }
+  return Deployed{.id = deployment.id(), .t0_ns = t0_ns};
+}
+
+std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
+                                 const std::function<void()>& meanwhile) {
+  std::vector<Question> questions;
+  for (const std::string& device : devices.names) {
+    const auto process = devices.process_ids.find(device);
+    questions.push_back({.kind = COMMAND_UNDEPLOY,
+                         .device = device,
+                         .deployment = devices.deployment,
+                         .limit = std::nullopt,
+                         .process_id = process == devices.process_ids.end() ? 0 : process->second});
+  }
+  std::vector<Undeployed> all;
+  auto answers = asker.ask(questions, [&meanwhile] {
+    if (meanwhile) meanwhile();
+    return false;
+  });
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    Undeployed one{.device = devices.names[i]};
+    const auto answer = accepted(std::move(answers[i]));
+    if (answer) {
+      const json data = model::parse_json(answer->data);
+      if (data.is_object()) {
+        one.report = data.value("report", json{});
+        for (const std::string& failure : data.value("failures", std::vector<std::string>{})) {
+          // A module that failed in the same way twice is told of once.
+          if (std::find(one.failures.begin(), one.failures.end(), failure) == one.failures.end())
+            one.failures.push_back(failure);
+        }
+      }
+    } else {
+      one.problems = of_device(one.device, answer.problems());
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
+  const Observer& observer = asker.observer();
+  const auto of_cell = [&cell](const std::vector<dds::SeenDevice>& devices) {
+    std::set<std::string> names;
+    for (const dds::SeenDevice& seen : devices) {
+      if (seen.alive && seen.status.cell() == cell) names.insert(seen.name());
+    }
+    return names;
+  };
+  constexpr std::chrono::seconds kFound{3};
+  observer.wait([&](const auto& devices) { return !of_cell(devices).empty(); }, kFound);
+  std::set<std::string> names = of_cell(observer.devices());
+  if (names.empty()) {
+    std::set<std::string> cells;
+    for (const dds::SeenDevice& seen : observer.devices()) {
+      if (seen.alive && seen.status.cell() != std::string{dds::kNoCell})
+        cells.insert(seen.status.cell().to_string());
+    }
+    std::string list;
+    for (const std::string& name : cells) list += (list.empty() ? "" : ", ") + name;
+    return fail("no device on domain " + std::to_string(asker.domain()) + " runs a cell " + cell,
+                list.empty() ? "none runs any cell" : "there is " + list);
+  }
+  // Any of them knows which devices the cell has; those that are there and were not found yet are waited for.
+  const auto answer = accepted(asker.ask({.kind = COMMAND_REPORT, .device = *names.begin()}));
+  std::set<std::string> lost;
+  if (answer) {
+    const json report = model::parse_json(answer->data);
+    std::set<std::string> whole;
+    if (report.is_object()) {
+      for (const json& device : report.value("lost", json::array())) lost.insert(device.value("name", ""));
+      for (const json& device : report.value("devices", json::array()))
+        whole.insert(device.get<std::string>());
+    }
+    for (const std::string& name : lost) whole.erase(name);
+    observer.wait(
+        [&](const auto& devices) {
+          const auto found = of_cell(devices);
+          return std::includes(found.begin(), found.end(), whole.begin(), whole.end());
+        },
+        kFound);
+    names = of_cell(observer.devices());
+  }
+  for (const std::string& name : names) lost.erase(name);
+  return CellDevices{.names = {names.begin(), names.end()}, .lost = {lost.begin(), lost.end()}};
+}
+
+}  // namespace takt::client

@@ -1,0 +1,232 @@
+#include <takt/client/log.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/dds/fault.hpp>
+#include <takt/dds/topics.hpp>
+#include <takt/model/json.hpp>
+#include "reports.hpp"
+
+namespace takt::client {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using json = nlohmann::ordered_json;
+
+/// Within which the last events of a node have come that was found.
+constexpr std::chrono::seconds kLastEvents{3};
+
+Question question_of(const std::string& device, const model::FaultFilter& filter) {
+  return {.kind = COMMAND_LOG, .device = device, .data = model::json_text(model::to_json(filter))};
+}
+
+Problem unreadable(const std::string& device) {
+  return {"device " + device, "its log cannot be read", "is it of the same version?"};
+}
+
+// Each once: two nodes of one name are said by whatever they are asked.
+void add_new(Problems& problems, const Problems& more) {
+  for (const Problem& problem : more) {
+    if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
+  }
+}
+
+// What one node answered; the devices that it misses go to `missed`.
+void add_events_of(Log& log, const std::string& device, const dds::WholeReply& reply,
+                   std::set<std::string>* missed) {
+  const json value = model::parse_json(reply.data);
+  try {
+    DeviceLog own{.device = device,
+                  .file = value.at("file").is_null() ? "" : value.at("file").get<std::string>(),
+                  .newest = value.at("newest"),
+                  .newest_time_ns = value.at("newest_time_ns"),
+                  .overwritten = value.at("overwritten"),
+                  .damaged = value.at("damaged")};
+    for (const json& event : value.at("events")) {
+      auto fault = model::fault_from(event);
+      if (!fault) throw std::invalid_argument{"no event"};
+      log.events.push_back(std::move(*fault));
+    }
+    for (const json& name : value.at("lost")) {
+      if (missed != nullptr) missed->insert(name.get<std::string>());
+    }
+    log.devices.push_back(std::move(own));
+  } catch (const std::exception&) {
+    log.problems.push_back(unreadable(device));
+  }
+}
+
+}  // namespace
+
+void sort_by_time(std::vector<model::Fault>& events) {
+  // What was put together may be older than what was let through before it: it keeps its place.
+  std::stable_sort(events.begin(), events.end(),
+                   [](const auto& a, const auto& b) { return a.sequence < b.sequence; });
+  std::map<std::string, std::int64_t> newest;
+  std::vector<std::pair<std::int64_t, model::Fault>> placed;
+  for (model::Fault& event : events) {
+    std::int64_t& time = newest[event.device];
+    time = std::max(time, event.time_ns);
+    placed.emplace_back(time, std::move(event));
+  }
+  std::stable_sort(placed.begin(), placed.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  events.clear();
+  for (auto& [time, event] : placed) events.push_back(std::move(event));
+}
+
+Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limit) {
+  std::set<std::string> names;
+  std::set<std::string> missed;
+  std::set<std::string> not_found;
+  Log log;
+  if (!filter.device.empty()) {
+    names.insert(filter.device);
+  } else {
+    const auto reports = all_reports(asker, limit);
+    if (!reports) {
+      log.problems = reports.problems();
+      log.problems[0].fix += "; of a node that is gone, read its file with --file";
+      return log;
+    }
+    log.problems = reports->problems;
+    for (const dds::SeenDevice& seen : asker.observer().devices())
+      (seen.alive ? names : missed).insert(seen.name());
+    for (const auto& [name, modules] : reports->lost) missed.insert(name);
+    not_found = reports->missing();
+  }
+  std::vector<Question> questions;
+  for (const std::string& name : names) questions.push_back(question_of(name, filter));
+  auto answers = asker.ask(questions);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const auto answer = accepted(std::move(answers[i]));
+    if (answer)
+      add_events_of(log, questions[i].device, *answer, filter.device.empty() ? &missed : nullptr);
+    else
+      add_new(log.problems, answer.problems());
+  }
+  for (const std::string& name : missed) {
+    if (names.contains(name)) continue;
+    log.problems.push_back({"device " + name, "it is lost: what it recorded is on its machine alone",
+                            "start its node again, or read its file there with takt log --file"});
+  }
+  for (const std::string& name : not_found) {
+    if (names.contains(name) || missed.contains(name)) continue;
+    log.problems.push_back(
+        {"device " + name,
+         "others of its cell name it, and it was not found from here within " + takt::to_text(limit),
+         "ask again, or read its file on its machine with takt log --file"});
+  }
+  sort_by_time(log.events);
+  if (filter.last && log.events.size() > *filter.last)
+    log.events.erase(log.events.begin(), log.events.end() - static_cast<std::ptrdiff_t>(*filter.last));
+  return log;
+}
+
+struct LogFollower::Inside {
+  struct Place {
+    std::uint64_t sequence = 0;
+    std::int64_t time_ns = 0;
+    std::optional<Clock::time_point> found{};  ///< after us
+  };
+
+  std::mutex mutex;
+  std::condition_variable came;
+  std::deque<model::Fault> news;
+  std::map<std::string, Place> places;  ///< by device: what was told last
+  std::int64_t began_ns = 0;
+  std::optional<dds::Reader<FaultEvent>> reader;  // last: nothing is heard after it is gone
+};
+
+LogFollower::LogFollower(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
+LogFollower::~LogFollower() = default;
+
+Result<std::unique_ptr<LogFollower>> LogFollower::create(std::shared_ptr<dds::Participant> participant) {
+  auto inside = std::make_unique<Inside>();
+  Inside* const place = inside.get();
+  place->began_ns =
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  auto reader = dds::Reader<FaultEvent>::create(std::move(participant),
+                                                {.sample = [place](const FaultEvent& event, dds::WriterId) {
+                                                  {
+                                                    const std::lock_guard lock{place->mutex};
+                                                    place->news.push_back(dds::from_wire(event));
+                                                  }
+                                                  place->came.notify_all();
+                                                }});
+  if (!reader) return reader.problems();
+  inside->reader.emplace(std::move(*reader));
+  return std::unique_ptr<LogFollower>{new LogFollower{std::move(inside)}};
+}
+
+void LogFollower::go_on_after(const Log& log) {
+  for (const DeviceLog& device : log.devices)
+    inside_->places[device.device] = {device.newest, device.newest_time_ns};
+}
+
+std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, Problems& problems) {
+  std::deque<model::Fault> news;
+  {
+    std::unique_lock lock{inside_->mutex};
+    inside_->came.wait_for(lock, limit, [this] { return !inside_->news.empty(); });
+    news.swap(inside_->news);
+  }
+  std::vector<model::Fault> told;
+  const auto tell = [&told](Inside::Place& place, model::Fault fault) {
+    place.sequence = fault.sequence;
+    place.time_ns = std::max(place.time_ns, fault.time_ns);
+    told.push_back(std::move(fault));
+  };
+  for (model::Fault& fault : news) {
+    const auto [at, added] = inside_->places.try_emplace(fault.device);
+    Inside::Place& place = at->second;
+    const auto now = Clock::now();
+    if (added) place.found = now;
+    // Its node came after us and tells its last events at once: what was before us is no news. Afterwards all
+    // is, whatever its clock.
+    if (place.found && now - *place.found < kLastEvents && fault.time_ns < inside_->began_ns) {
+      place.sequence = fault.sequence;
+      place.time_ns = std::max(place.time_ns, fault.time_ns);
+      continue;
+    }
+    if (added) {
+      tell(place, std::move(fault));
+      continue;
+    }
+    if (fault.sequence <= place.sequence) {
+      // Told already; unless its node lost its record and counts from 1 again.
+      if (fault.time_ns > place.time_ns) tell(place, std::move(fault));
+      continue;
+    }
+    if (fault.sequence > place.sequence + 1 && place.sequence != 0) {
+      model::FaultFilter missing{.after = place.sequence};
+      const auto answer = accepted(asker.ask(question_of(fault.device, missing)));
+      Log log;
+      if (answer) add_events_of(log, fault.device, *answer, nullptr);
+      for (model::Fault& each : log.events) {
+        if (each.sequence > place.sequence && each.sequence < fault.sequence) tell(place, std::move(each));
+      }
+      if (fault.sequence > place.sequence + 1) {
+        problems.push_back({"device " + fault.device,
+                            std::to_string(fault.sequence - place.sequence - 1) + " events before number " +
+                                std::to_string(fault.sequence) + " are missing",
+                            ""});
+      }
+    }
+    tell(place, std::move(fault));
+  }
+  return told;
+}
+
+}  // namespace takt::client

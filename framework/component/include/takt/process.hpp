@@ -1,0 +1,24 @@
+// What the author of a program in C++ includes: the functions of <takt/process.h>, ports and properties.
+// These are global variables, or are there before initPeriodExe() or initSporadicExe() is called:
+//
+//   TAKT_TEXT("Holds a joint in its place.");
+//   takt::InPort<motion::JointState> measured{"measured"};
+//   takt::Property<double> gain{"gain", 60, {.unit = "1/s", .min = 1, .max = 200, .text = "Proportional."}};
+//   takt::Saved<Kept> kept{1};
+//
+//   int main() {
+//     initPeriodExe();
+//     while (true) {
+//       waitPeriod();
+//       if (measured.read()) ... gain ...
+//     }
+//   }
+#pragma once
+
+#include <takt/process.h>
+#include <takt/component/event_port.hpp>
+#include <takt/component/in_port.hpp>
+#include <takt/component/out_port.hpp>
+#include <takt/component/property.hpp>
+#include <takt/component/saved.hpp>
+#include <takt/component/service.hpp>

@@ -1,0 +1,119 @@
+#include <takt/component.hpp>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include <takt/module.h>
+#include <takt/component/current_cycle.hpp>
+#include <takt/component/failure.hpp>
+#include <takt/core/fixed_text.hpp>
+
+namespace takt {
+
+const char* to_text(ErrorType type) noexcept {
+  switch (type) {
+    case ErrorType::none:
+      return "none";
+    case ErrorType::failure:
+      return "failure";
+    case ErrorType::budget:
+      return "budget";
+    case ErrorType::start:
+      return "start";
+    case ErrorType::crash:
+      return "crash";
+    case ErrorType::hang:
+      return "hang";
+    case ErrorType::deadline:
+      return "deadline";
+    case ErrorType::stale:
+      return "stale";
+    case ErrorType::overrun:
+      return "overrun";
+  }
+  return "?";
+}
+
+namespace {
+// The host links with this library, so its thread-local storage is in place before any thread starts.
+thread_local FixedText<kFailureText> said [[gnu::tls_model("initial-exec")]];
+thread_local bool has_said [[gnu::tls_model("initial-exec")]] = false;
+thread_local const Cycle* served [[gnu::tls_model("initial-exec")]] = nullptr;
+}  // namespace
+
+void say_failure(std::string_view text) noexcept {
+  said.assign(text.empty() ? "no reason given" : text);
+  has_said = true;
+}
+
+const char* take_failure() noexcept {
+  if (!has_said) return nullptr;
+  has_said = false;
+  return said.c_str();
+}
+
+void serve_cycle(const Cycle* cycle) noexcept { served = cycle; }
+const Cycle* served_cycle() noexcept { return served; }
+
+Nanoseconds Component::period() noexcept { return served == nullptr ? Nanoseconds{0} : served->period; }
+
+void Component::fail(const char* text) noexcept { say_failure(text); }
+
+Result<void> Component::restore(const SavedBefore& before) {
+  return takt::fail(
+      "it was saved by version " + std::to_string(before.version) + " of what it saves, and this is another",
+      "override restore() to take over what is still right");
+}
+
+void ServiceBase::enlist(Component& owner) { owner.services_.push_back(this); }
+
+bool Component::condition() {
+  return std::any_of(ports_.begin(), ports_.end(), [](const PortBase* port) {
+    return port->direction() == PortDirection::event && port->has_news();
+  });
+}
+
+namespace {
+/// Of the module that this thread loads: its constructors run within dlopen(). Null when the thread's list is
+/// gone already; ports that are global variables end after it.
+template <class T>
+std::vector<T*>* loose() {
+  thread_local bool gone = false;
+  struct List {
+    std::vector<T*> all;
+    ~List() { gone = true; }
+  };
+  thread_local List list;
+  return gone ? nullptr : &list.all;
+}
+template <class T>
+void remove_loose(T& one) noexcept {
+  if (auto* all = loose<T>()) std::erase(*all, &one);
+}
+}  // namespace
+
+std::vector<PortBase*> take_loose_ports() { return std::exchange(*loose<PortBase>(), {}); }
+std::vector<PropertyBase*> take_loose_properties() { return std::exchange(*loose<PropertyBase>(), {}); }
+std::vector<SavedBase*> take_loose_saved() { return std::exchange(*loose<SavedBase>(), {}); }
+
+namespace detail {
+const char* take_said() noexcept { return take_failure(); }
+void add_loose_port(PortBase& port) { loose<PortBase>()->push_back(&port); }
+void remove_loose_port(PortBase& port) noexcept { remove_loose(port); }
+void add_loose_property(PropertyBase& property) { loose<PropertyBase>()->push_back(&property); }
+void remove_loose_property(PropertyBase& property) noexcept { remove_loose(property); }
+void add_loose_saved(SavedBase& saved) { loose<SavedBase>()->push_back(&saved); }
+void remove_loose_saved(SavedBase& saved) noexcept { remove_loose(saved); }
+}  // namespace detail
+
+}  // namespace takt
+
+extern "C" {
+
+void takt_fail(const char* text) { takt::say_failure(text == nullptr ? "" : text); }
+
+uint64_t takt_cycle(void) { return takt::served == nullptr ? 0 : takt::served->number; }
+int64_t takt_release_ns(void) { return takt::served == nullptr ? 0 : takt::to_ns(takt::served->time); }
+int64_t takt_period_ns(void) { return takt::served == nullptr ? 0 : takt::served->period.count(); }
+}

@@ -1,0 +1,367 @@
+// libtakt_process: the other side of channel/seat.hpp, inside the user's own program.
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <takt/process.h>
+#include <takt/channel/module_watch.hpp>
+#include <takt/channel/seat.hpp>
+#include <takt/channel/violations.hpp>
+#include <takt/component/port.hpp>
+#include <takt/component/saved.hpp>
+#include <takt/component/service.hpp>
+#include <takt/core/hex.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/os/futex.hpp>
+#include <takt/os/message_socket.hpp>
+#include <takt/os/real_time.hpp>
+#include <takt/os/shared_memory.hpp>
+#include <takt/os/waker.hpp>
+#include "program_properties.hpp"
+
+/// Of a program in C that has a TAKT_SAVED.
+extern "C" __attribute__((weak)) const takt_saved_state takt_saved;
+
+namespace {
+
+using namespace takt;
+
+/// Of the program, in the order in which they were constructed.
+std::vector<PortBase*>& ports() {
+  static std::vector<PortBase*> all;
+  return all;
+}
+std::vector<SavedBase*>& saved() {
+  static std::vector<SavedBase*> all;
+  return all;
+}
+
+/// This program's place in the scheduler, from the first line of main to its end.
+class Guest {
+ public:
+  void attach(channel::SeatKind kind, const char* function);
+  void wait(const char* function);
+
+  [[nodiscard]] const channel::Seat* seat() const { return seat_; }
+  [[nodiscard]] const channel::Taken& taken() const { return taken_; }
+
+ private:
+  [[noreturn]] static void refuse(const char* function, const std::string& what);
+  static void check_ports(const char* function);
+  void find_saved(const char* function);
+  void restore() const;
+  void describe(channel::SeatKind kind) const;
+  static void check_properties(const char* function);
+  void connect_ports(const char* function);
+  [[nodiscard]] static std::int64_t event_at();
+  bool released() const {
+    return seat_->released.load(std::memory_order_acquire) != taken_.count;
+  }  // SYNC: released
+  void body_done();
+  void spin_until_release();
+  bool release_by_event();
+  void sleep_on_bell();
+  void end_if_told() const;
+
+  os::SharedMemory seat_memory_;
+  os::SharedMemory bell_memory_;
+  channel::Seat* seat_ = nullptr;
+  channel::Bell* bell_ = nullptr;
+  os::WakeMargin margin_{Nanoseconds{0}};
+  std::vector<os::SharedMemory> link_memories_;
+  PortContext context_;
+  takt_saved_state saved_{};  // what it saves; no data: nothing
+  channel::Taken taken_;      // the release that is served, or was last
+  Instant started_{};
+  channel::ModuleWatch watch_;
+  std::uint32_t watched_as_ = 0;
+};
+
+void Guest::refuse(const char* function, const std::string& what) {
+  std::fprintf(stderr, "takt: %s(): %s\n", function, what.c_str());
+  std::exit(1);
+}
+
+void Guest::check_ports(const char* function) {
+  for (const PortBase* port : ports()) {
+    const auto same = [port](const PortBase* other) { return other->name() == port->name(); };
+    if (std::count_if(ports().begin(), ports().end(), same) > 1)
+      refuse(function, "there are two ports '" + port->name() + "'; give each a name of its own");
+  }
+}
+
+void Guest::find_saved(const char* function) {
+  std::vector<takt_saved_state> all;
+  for (const SavedBase* one : saved()) all.push_back({one->version(), one->size(), one->data()});
+  if (&takt_saved != nullptr) all.push_back(takt_saved);
+  if (all.empty()) return;
+  if (all.size() > 1) refuse(function, "there is more than one variable to save; put them into one struct");
+  saved_ = all[0];
+  if (saved_.data == nullptr || saved_.size == 0 || saved_.size > channel::kMostSaved) {
+    refuse(function, "it saves " + std::to_string(saved_.size) + " bytes; at most " +
+                         std::to_string(channel::kMostSaved) + " are saved");
+  }
+}
+
+// What another version saved is not for this one.
+void Guest::restore() const {
+  const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : seat_->saved.saved();
+  if (before == nullptr) return;
+  const bool same = before->version == saved_.version && before->size == saved_.size;
+  if (same) std::memcpy(saved_.data, before->bytes.data(), saved_.size);
+  for (SavedBase* one : saved()) one->set_restored(same);
+  if (same) {
+    std::puts("takt: what it saved is restored");
+  } else {
+    std::printf(
+        "takt: what version %u of it saved (%u bytes) is not restored: this is version %u (%u bytes)\n",
+        before->version, before->size, saved_.version, saved_.size);
+  }
+}
+
+// Whoever started us only asks what we are: answered, and the program ends before it does anything.
+void Guest::describe(channel::SeatKind kind) const {
+  os::MessageSocket asker{os::take_fd_from_environment("TAKT_DESCRIBE_FD")};
+  if (!asker.fd()) return;
+  const auto member = [](const char* name, std::string_view text) {
+    return in_json(name) + ":" + in_json(text);
+  };
+  std::string list;
+  for (const PortBase* port : ports()) {
+    list += (list.empty() ? "{" : ",{") + member("name", port->name()) + "," +
+            member("direction", to_text(port->direction())) + "," + member("role", to_text(port->role())) +
+            "," + member("description", port->type().description) + "," + member("text", port->text()) + "," +
+            member("safe", in_hex(port->safe())) + "}";
+  }
+  std::string problems;
+  for (const Problem& problem : check_program_properties()) {
+    problems += (problems.empty() ? "{" : ",{") + member("what", problem.what) + "," +
+                member("fix", problem.fix) + "}";
+  }
+  std::string kept;
+  if (saved_.data != nullptr)
+    kept = R"(,"saved":{"version":)" + std::to_string(saved_.version) + R"(,"bytes":)" +
+           std::to_string(saved_.size) + "}";
+  asker.send_wait("{" + member("operation", kind == channel::SeatKind::periodic ? "periodic" : "sporadic") +
+                  R"(,"ports":[)" + list + R"(],"properties":)" + program_properties_json() +
+                  R"(,"problems":[)" + problems + "]" + kept + "}");
+  std::_Exit(0);
+}
+
+void Guest::check_properties(const char* function) {
+  const Problems problems = check_program_properties();
+  for (const Problem& problem : problems)
+    std::fprintf(stderr, "takt: %s(): %s\n", function, in_words({problem}).c_str());
+  if (!problems.empty()) std::exit(1);
+}
+
+// TAKT_LINKS is "PORT=FD,PORT=FD"; a port may be there several times.
+void Guest::connect_ports(const char* function) {
+  const std::string links = os::take_from_environment("TAKT_LINKS");
+  std::string_view rest = links;
+  while (!rest.empty()) {
+    const std::string_view one = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(rest.size(), one.size() + 1));
+    const std::string_view name = one.substr(0, one.find('='));
+    const std::string_view number = one.substr(std::min(one.size(), name.size() + 1));
+    int fd = -1;
+    std::from_chars(number.data(), number.data() + number.size(), fd);
+    auto memory = os::SharedMemory::attach(os::adopt_fd(fd));
+    if (!memory || !channel::Link::is_link(memory->data(), memory->size()))
+      refuse(function, "takt-node is of another version than libtakt_process");
+    const auto port =
+        std::find_if(ports().begin(), ports().end(), [name](const PortBase* p) { return p->name() == name; });
+    if (port == ports().end()) {
+      refuse(function, "there is no port '" + std::string{name} +
+                           "', which a connection names; construct it before this call");
+    }
+    const channel::Link link{memory->data()};
+    if (link.stride() < (*port)->type().max_size)
+      refuse(function, "the type of port '" + std::string{name} + "' has changed; deploy the cell again");
+    (*port)->connect(link, nullptr);
+    link_memories_.push_back(std::move(*memory));
+  }
+}
+
+// When the first event that is there becomes valid.
+std::int64_t Guest::event_at() {
+  std::int64_t first = channel::kNever;
+  for (const PortBase* port : ports()) {
+    if (port->direction() == PortDirection::event) first = std::min(first, port->news_at());
+  }
+  return first;
+}
+
+void Guest::attach(channel::SeatKind kind, const char* function) {
+  // Lines are to be seen when they are written, also through a pipe.
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  if (seat_ != nullptr) refuse(function, "called twice; call it once, before the first wait");
+  check_ports(function);
+  find_saved(function);
+  describe(kind);
+  check_properties(function);
+  os::Fd seat = os::take_fd_from_environment("TAKT_SEAT_FD");
+  os::Fd bell = os::take_fd_from_environment("TAKT_BELL_FD");
+  if (!seat || !bell)
+    refuse(function, "this program was not started by takt-node; name it in a descriptor and run that");
+  auto seat_memory = os::SharedMemory::attach(std::move(seat));
+  auto bell_memory = os::SharedMemory::attach(std::move(bell));
+  if (!seat_memory || !bell_memory) refuse(function, "the memory shared with takt-node cannot be mapped");
+  seat_memory_ = std::move(*seat_memory);
+  bell_memory_ = std::move(*bell_memory);
+  seat_ = reinterpret_cast<channel::Seat*>(seat_memory_.data());
+  bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
+  if (seat_memory_.size() < sizeof(channel::Seat) || seat_->magic != channel::Seat::kMagic) {
+    refuse(function, "takt-node is of another version than libtakt_process");
+  }
+  if (seat_->kind != kind) {
+    refuse(function, seat_->kind == channel::SeatKind::periodic
+                         ? "the descriptor says periodic; use initPeriodExe() and waitPeriod()"
+                     : seat_->kind == channel::SeatKind::sporadic
+                         ? "the descriptor says sporadic; use initSporadicExe() and waitSporadic()"
+                         : "the descriptor says non-real; such a program is not released and needs no call");
+  }
+  context_ = {.start_ns = to_ns(os::now()), .bell = bell_};
+  for (PortBase* port : ports()) port->serve(context_);
+  connect_ports(function);
+  restore();
+  margin_ = os::WakeMargin{Nanoseconds{seat_->margin_cap_ns}};
+  if (seat_->lock_memory != 0) static_cast<void>(os::lock_memory());
+  const std::string index = os::take_from_environment(channel::kCheckModule);
+  const auto watch = channel::ModuleWatch::find();
+  if (!watch) refuse(function, in_words(watch.problems()));
+  watch_ = *watch;
+  if (watch_) watched_as_ = static_cast<std::uint32_t>(std::strtoul(index.c_str(), nullptr, 10));
+  seat_->thread.store(os::thread_id(), std::memory_order_relaxed);
+  seat_->phase.store(channel::SeatPhase::attached, std::memory_order_release);
+}
+
+void Guest::end_if_told() const {
+  if (seat_->end.load(std::memory_order_acquire) != 0) std::exit(0);
+}
+
+// The release is expected one period after the last. It comes a little later than its instant, after the
+// modules before it in the row, so the spin goes on for as long behind the instant as the margin may be
+// before it.
+void Guest::spin_until_release() {
+  const Instant expected = from_ns(taken_.release_ns + seat_->period_ns);
+  const Instant wake = expected - margin_.value();
+  const Instant patience = expected + Nanoseconds{seat_->margin_cap_ns};
+  Instant now = os::now();
+  if (now < wake) {
+    os::sleep_until(wake);
+    now = os::now();
+    margin_.observe(now - wake);
+    seat_->margin_ns.store(margin_.value().count(), std::memory_order_relaxed);
+  }
+  while (!released() && now < patience) {
+    os::cpu_relax();
+    now = os::now();
+  }
+}
+
+// The scheduler leaves a program that is dispatched at once to its events.
+bool Guest::release_by_event() {
+  const Instant now = os::now();
+  if (to_ns(now) < std::max(event_at(), channel::not_before_ns(*seat_))) return false;
+  if (channel::begin(*seat_, to_ns(now))) return true;
+  taken_.count =
+      seat_->released.load(std::memory_order_relaxed);  // it was shut out in between: nothing to serve
+  return false;
+}
+
+void Guest::sleep_on_bell() {
+  const std::uint32_t rings = bell_->rings.load(std::memory_order_seq_cst);
+  seat_->sleeping.store(1, std::memory_order_seq_cst);  // SYNC: sleeping
+  bool due = seat_->released.load(std::memory_order_seq_cst) != taken_.count ||
+             seat_->end.load(std::memory_order_seq_cst) != 0;
+  std::optional<Instant> until;
+  // Whoever writes an event or opens the seat rings after it, so what is not seen here ends the sleep.
+  const std::int64_t event = seat_->immediate != 0 ? event_at() : channel::kNever;
+  if (event != channel::kNever && seat_->open.load(std::memory_order_seq_cst) != 0) {
+    until = from_ns(std::max(event, channel::not_before_ns(*seat_)));
+    due |= *until <= os::now();
+  }
+  if (!due) os::futex_wait(bell_->rings, rings, seat_->bell_bit, until);
+  seat_->sleeping.store(0, std::memory_order_seq_cst);
+}
+
+void Guest::body_done() {
+  const Instant now = os::now();
+  seat_->run.record((now - started_).count());
+  seat_->body_began_ns.store(to_ns(started_), std::memory_order_relaxed);
+  seat_->body_ended_ns.store(to_ns(now), std::memory_order_relaxed);
+  if (saved_.data != nullptr) seat_->saved.save(saved_.data, saved_.size, saved_.version, to_ns(started_));
+  if (seat_->deadline_ns == 0) return;
+  const std::int64_t late = to_ns(now) - taken_.release_ns - seat_->deadline_ns;
+  if (late <= 0) return;
+  seat_->late_by_ns.store(late, std::memory_order_relaxed);
+  seat_->late.fetch_add(1, std::memory_order_release);  // SYNC: late
+}
+
+void Guest::wait(const char* function) {
+  if (seat_ == nullptr) refuse(function, "call initPeriodExe() or initSporadicExe() first");
+  const bool first = taken_.count == 0;
+  if (watch_ && !first) watch_.leave(0);
+  if (!first) body_done();
+  // What was written for somebody who waits is rung for once a body.
+  if (const std::uint32_t bits = bell_->take_pending(); bits != 0) {
+    bell_->rings.fetch_add(1, std::memory_order_seq_cst);
+    os::futex_wake(bell_->rings, bits);
+  }
+  seat_->done.store(taken_.count, std::memory_order_release);  // SYNC: done
+  if (first) seat_->phase.store(channel::SeatPhase::ready, std::memory_order_release);
+
+  end_if_told();
+  const bool immediate = seat_->immediate != 0;
+  if (!immediate && !first && !released()) spin_until_release();
+  while (!released()) {
+    end_if_told();
+    if (!immediate || !release_by_event()) sleep_on_bell();
+  }
+  taken_ = channel::take(*seat_, taken_.count);
+  started_ = os::now();
+  const bool logical = seat_->logical != 0;
+  context_.start_ns = logical ? taken_.release_ns : to_ns(started_);
+  context_.valid_ns = logical ? taken_.release_ns + seat_->period_ns : 0;
+  seat_->jitter.record(taken_.release_ns - to_ns(started_));
+  if (watch_) watch_.enter(watched_as_, channel::Doing::run);
+}
+
+Guest guest;
+
+}  // namespace
+
+namespace takt {
+
+std::vector<PortBase*> take_loose_ports() { return ports(); }
+std::vector<SavedBase*> take_loose_saved() { return saved(); }
+
+namespace detail {
+const char* take_said() noexcept { return nullptr; }
+void add_loose_port(PortBase& port) { ports().push_back(&port); }
+void remove_loose_port(PortBase& port) noexcept { std::erase(ports(), &port); }
+void add_loose_saved(SavedBase& one) { saved().push_back(&one); }
+void remove_loose_saved(SavedBase& one) noexcept { std::erase(saved(), &one); }
+}  // namespace detail
+
+}  // namespace takt
+
+extern "C" {
+
+void initPeriodExe(void) { guest.attach(channel::SeatKind::periodic, "initPeriodExe"); }
+void initSporadicExe(void) { guest.attach(channel::SeatKind::sporadic, "initSporadicExe"); }
+void waitPeriod(void) { guest.wait("waitPeriod"); }
+void waitSporadic(void) { guest.wait("waitSporadic"); }
+
+uint64_t takt_cycle(void) { return guest.taken().cycle; }
+int64_t takt_release_ns(void) { return guest.taken().release_ns; }
+int64_t takt_period_ns(void) { return guest.seat() == nullptr ? 0 : guest.seat()->period_ns; }
+}

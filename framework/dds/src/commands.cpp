@@ -1,0 +1,563 @@
+#include <takt/dds/commands.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <takt/wire/taktPubSubTypes.h>
+#include <takt/dds/assembly.hpp>
+#include <takt/dds/guarded.hpp>
+#include <takt/dds/inside.hpp>
+#include <takt/dds/question.hpp>
+#include <takt/dds/sensible.hpp>
+#include <takt/dds/words.hpp>
+#include "pace.hpp"
+#include "watch.hpp"
+
+namespace takt::dds {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::int32_t kDepth = 32;
+constexpr std::size_t kPaced = kDepth / 2;  // parts that are sent before their arrival is waited for
+constexpr std::size_t kRemembered = 256;    // commands: answered, in work or waiting
+constexpr std::size_t kMostWaitingBytes = 4 * kMaxData;  // of those waiting, of the answers
+constexpr auto kResend = milliseconds{1000};
+constexpr auto kSlowestResend = milliseconds{8000};  // of what has many parts
+constexpr auto kAcknowledge = milliseconds{2000};
+constexpr auto kMatchWait = milliseconds{3000};  // for the asker's reader; then the reply is sent anyway
+// A writer asks after what is not acknowledged; by default after 3 s, and a reader lets 5 ms pass.
+constexpr Nanoseconds kCommandHeartbeat = milliseconds{10};
+constexpr Nanoseconds kCommandNackDelay = milliseconds{1};
+constexpr Nanoseconds kCommandFirstAck = milliseconds{10};
+
+std::int64_t wall_ns() {
+  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+template <class Qos>
+void set_command_quality(Qos& qos) {
+  qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = kDepth;
+  qos.resource_limits().max_samples = kDepth;
+  qos.resource_limits().max_instances = 1;
+  qos.resource_limits().max_samples_per_instance = kDepth;
+  qos.resource_limits().allocated_samples = 4;
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.data_sharing().off();
+}
+
+/// Writes data in parts; waits now and then for the other side to have them, because the history keeps 32.
+template <class Whole>
+bool write_parts(fast::DataWriter& writer, const Whole& whole) {
+  auto head = whole.head;
+  const std::size_t parts = std::max<std::size_t>(1, (whole.data.size() + kPart - 1) / kPart);
+  head.parts(static_cast<std::uint32_t>(parts));
+  for (std::size_t i = 0; i < parts; ++i) {
+    head.part(static_cast<std::uint32_t>(i));
+    const auto begin = whole.data.begin() + static_cast<std::ptrdiff_t>(i * kPart);
+    const auto end =
+        whole.data.begin() + static_cast<std::ptrdiff_t>(std::min(whole.data.size(), (i + 1) * kPart));
+    head.data(std::vector<std::uint8_t>(begin, end));
+    if (!writer.write(&head)) return false;
+    if (i % kPaced == kPaced - 1) static_cast<void>(writer.wait_for_acknowledgments(duration(kAcknowledge)));
+  }
+  return true;
+}
+
+/// A writer of one topic and a reader of the other.
+class Ends : Remade {
+ public:
+  explicit Ends(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {}
+  ~Ends() override { end(); }
+
+  /// `also_in`: another topic of the type of `in`, or null.
+  Result<void> begin(const char* out, const fast::TypeSupport& out_type, const char* in,
+                     const fast::TypeSupport& in_type, const char* also_in,
+                     fast::DataWriterListener* writer_listener, fast::DataReaderListener* reader_listener,
+                     std::function<void()> matches_are_gone) {
+    OwnParticipant& mine = own(*participant_);
+    writer_listener_ = writer_listener;
+    reader_listener_ = reader_listener;
+    matches_are_gone_ = std::move(matches_are_gone);
+    auto topic = mine.topic(out, out_type);
+    if (!topic) return topic.problems();
+    out_topic_ = *topic;
+    topic = mine.topic(in, in_type);
+    if (!topic) return topic.problems();
+    in_topic_ = *topic;
+    if (also_in != nullptr) {
+      topic = mine.topic(also_in, in_type);
+      if (!topic) return topic.problems();
+      also_in_topic_ = *topic;
+    }
+    undecoded_ = &undecoded(mine.participant(), *in_topic_);
+    if (auto made = make(); !made) return made.problems();
+    mine.enlist(*this);
+    return {};
+  }
+
+  /// There are no calls of the listeners afterwards.
+  void end() {
+    own(*participant_).dismiss(*this);
+    unmake();
+    for (fast::Topic** topic : {&in_topic_, &also_in_topic_, &out_topic_}) {
+      if (*topic != nullptr) own(*participant_).release(*topic);
+      *topic = nullptr;
+    }
+  }
+
+  template <class Whole>
+  void write(const Whole& whole) {
+    const std::lock_guard lock{using_it_};
+    if (writer_ != nullptr) write_parts(*writer_, whole);
+  }
+  [[nodiscard]] OwnParticipant& participant() noexcept { return own(*participant_); }
+  [[nodiscard]] std::uint64_t not_decoded() const {
+    return undecoded_->count.load(std::memory_order_relaxed);
+  }
+
+ private:
+  Result<void> make() {
+    OwnParticipant& mine = own(*participant_);
+    fast::DataWriterQos writer_qos;
+    set_command_quality(writer_qos);
+    writer_qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
+    writer_qos.reliable_writer_qos().times.heartbeatPeriod = duration(kCommandHeartbeat);
+    writer_qos.reliable_writer_qos().times.nackResponseDelay = duration(kCommandNackDelay);
+    writer_ = mine.publisher().create_datawriter(out_topic_, writer_qos, writer_listener_,
+                                                 fast::StatusMask::publication_matched());
+    fast::DataReaderQos reader_qos;
+    set_command_quality(reader_qos);
+    reader_qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
+    reader_qos.reliable_reader_qos().times.initialAcknackDelay = duration(kCommandFirstAck);
+    reader_ = mine.make_reader(in_topic_, reader_qos, reader_listener_, fast::StatusMask::data_available());
+    if (also_in_topic_ != nullptr) {
+      also_reader_ =
+          mine.make_reader(also_in_topic_, reader_qos, reader_listener_, fast::StatusMask::data_available());
+    }
+    if (writer_ == nullptr || reader_ == nullptr || (also_in_topic_ != nullptr && also_reader_ == nullptr))
+      return fail("DDS made no writer or reader for commands", "see what it printed");
+    return {};
+  }
+  void unmake() {
+    own(*participant_).end(reader_);
+    own(*participant_).end(also_reader_);
+    own(*participant_).end(writer_);
+  }
+  void remake() override {
+    const std::lock_guard lock{using_it_};
+    unmake();
+    matches_are_gone_();
+    static_cast<void>(make());
+  }
+
+  std::shared_ptr<Participant> participant_;
+  fast::DataWriterListener* writer_listener_ = nullptr;
+  fast::DataReaderListener* reader_listener_ = nullptr;
+  std::function<void()> matches_are_gone_;
+  fast::Topic* out_topic_ = nullptr;
+  fast::Topic* in_topic_ = nullptr;
+  fast::Topic* also_in_topic_ = nullptr;
+  std::mutex using_it_;
+  fast::DataWriter* writer_ = nullptr;
+  fast::DataReader* reader_ = nullptr;
+  fast::DataReader* also_reader_ = nullptr;
+  Undecoded* undecoded_ = nullptr;
+};
+
+std::uint64_t participant_of(const rtps::InstanceHandle_t& handle) {
+  rtps::GuidPrefix_t prefix;
+  for (std::size_t i = 0; i < 12; ++i) prefix.value[i] = handle.value[i];
+  return number_of(prefix);
+}
+
+}  // namespace
+
+// ---- A node's end
+
+struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterListener {
+  struct Asked {
+    std::uint64_t asker = 0;  // the participant
+    bool answered = false;
+    WholeReply reply;
+  };
+  struct Outgoing {
+    WholeReply reply;
+    std::uint64_t asker = 0;
+    Clock::time_point since;
+  };
+
+  std::string device;
+  std::string node;
+  std::function<void(const WholeCommand&)> handle;
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool ending = false;
+  Assembly<Command, WholeCommand> assembly;
+  std::deque<WholeCommand> to_handle;
+  std::size_t to_handle_bytes = 0;
+  std::deque<Outgoing> to_send;
+  std::map<std::string, Asked> asked;
+  std::deque<std::string> asked_order;
+  std::size_t answer_bytes = 0;
+  std::uint64_t senseless = 0;
+  std::uint64_t too_many = 0;
+  Pace pace;
+  std::multiset<std::uint64_t> matched;  // participants of reply readers
+  std::thread handler;
+  std::thread sender;
+  Ends ends;
+
+  explicit Inside(std::shared_ptr<Participant> participant) : ends(std::move(participant)) {}
+  ~Inside() override {
+    {
+      const std::lock_guard lock{mutex};
+      ending = true;
+    }
+    changed.notify_all();
+    if (handler.joinable()) handler.join();
+    if (sender.joinable()) sender.join();
+    ends.end();
+  }
+
+  void on_data_available(fast::DataReader* from) override {
+    Command command;
+    fast::SampleInfo info;
+    while (from->take_next_sample(&command, &info) == ReturnCode::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      const std::lock_guard lock{mutex};
+      if (!make_sensible(command)) {
+        ++senseless;
+        continue;
+      }
+      if (device != command.device().c_str()) continue;
+      if (command.node().size() != 0 && node != command.node().c_str()) continue;
+      const rtps::GuidPrefix_t& prefix = info.sample_identity.writer_guid().guidPrefix;
+      const std::uint64_t asker = number_of(prefix);
+      // Of what has several parts the first counts: those after one that was not taken are of no use.
+      if (command.part() == 0 && !pace.admit(asker, Clock::now())) {
+        ++too_many;
+        ends.participant().notices().tell("refused: more than " +
+                                          std::to_string(static_cast<int>(Pace::kEach.a_second)) +
+                                          " commands a second of one asker, or " +
+                                          std::to_string(static_cast<int>(Pace::kAll.a_second)) + " in all");
+        continue;
+      }
+      WholeCommand whole;
+      if (!assembly.add(command, std::to_string(asker) + '/' + command.id().c_str(), whole)) continue;
+      Watch* const watch = ends.participant().watch();
+      const bool only_looks = from->get_topicdescription()->get_name() == security::kQuestionTopic;
+      if (only_looks && watch != nullptr && !is_question(command.kind()))
+        refuse(std::move(whole), asker, watch->who(prefix));
+      else
+        arrived(std::move(whole), asker);
+    }
+  }
+
+  void refuse(WholeCommand command, std::uint64_t asker, const std::string& who) {
+    ends.participant().notices().tell("refused: " + who + " asked to " + to_text(command.head.kind()) +
+                                      ", which only an operator may");
+    const std::string id = command.head.id().to_string();
+    if (asked.contains(id)) return arrived(std::move(command), asker);  // is answered again
+    if (!make_room(0)) return;
+    asked[id].asker = asker;
+    asked_order.push_back(id);
+    WholeReply reply;
+    reply.head.id(id);
+    reply.head.code(REPLY_REFUSED);
+    reply.head.text((who + " may look and not " + to_text(command.head.kind())).substr(0, 255));
+    answered(reply);
+  }
+
+  void arrived(WholeCommand command, std::uint64_t asker) {
+    const std::string id = command.head.id().to_string();
+    if (const auto found = asked.find(id); found != asked.end()) {
+      found->second.asker = asker;
+      if (found->second.answered) to_send.push_back({found->second.reply, asker, Clock::now()});
+    } else if (make_room(command.data.size())) {
+      asked[id].asker = asker;
+      asked_order.push_back(id);
+      to_handle_bytes += command.data.size();
+      to_handle.push_back(std::move(command));
+    }  // else it will be asked again
+    changed.notify_all();
+  }
+
+  // For one more command. False where as many as may be are still without an answer.
+  bool make_room(std::size_t bytes) {
+    if (to_handle_bytes + bytes > kMostWaitingBytes) return false;
+    if (asked_order.size() < kRemembered) return true;
+    return forget_an_answer();
+  }
+  bool forget_an_answer() {
+    const auto oldest = std::find_if(asked_order.begin(), asked_order.end(),
+                                     [this](const std::string& id) { return asked[id].answered; });
+    if (oldest == asked_order.end()) return false;
+    answer_bytes -= asked[*oldest].reply.data.size();
+    asked.erase(*oldest);
+    asked_order.erase(oldest);
+    return true;
+  }
+
+  void answered(const WholeReply& reply) {
+    const auto found = asked.find(reply.head.id().to_string());
+    if (found == asked.end() || found->second.answered) return;
+    WholeReply full = reply;
+    full.head.device(device.c_str());
+    full.head.node(node.c_str());
+    if (full.data.size() > kMaxData) {
+      full.data.clear();
+      full.head.code(REPLY_FAILED);
+      full.head.text("the answer is longer than 16 MiB");
+    }
+    to_send.push_back({full, found->second.asker, Clock::now()});
+    answer_bytes += full.data.size();
+    found->second.reply = std::move(full);
+    while (answer_bytes > kMostWaitingBytes && forget_an_answer()) {
+    }
+    found->second.answered = true;  // now it may be forgotten too
+    changed.notify_all();
+  }
+
+  void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
+    const std::lock_guard lock{mutex};
+    const std::uint64_t who = participant_of(status.last_subscription_handle);
+    if (status.current_count_change > 0) {
+      matched.insert(who);
+    } else if (const auto found = matched.find(who); found != matched.end()) {
+      matched.erase(found);
+    }
+    changed.notify_all();
+  }
+
+  void matches_are_gone() {
+    const std::lock_guard lock{mutex};
+    matched.clear();
+  }
+
+  void serve() {
+    std::unique_lock lock{mutex};
+    while (!ending) {
+      if (to_handle.empty()) {
+        changed.wait(lock);
+        continue;
+      }
+      const WholeCommand command = std::move(to_handle.front());
+      to_handle.pop_front();
+      to_handle_bytes -= command.data.size();
+      lock.unlock();
+      handle(command);
+      lock.lock();
+    }
+  }
+
+  // The asker's reader may match later than its command came: a reply before that would be lost.
+  void send() {
+    std::unique_lock lock{mutex};
+    while (!ending) {
+      const auto now = Clock::now();
+      const auto found = std::find_if(to_send.begin(), to_send.end(), [&](const Outgoing& each) {
+        return matched.count(each.asker) > 0 || now - each.since > kMatchWait;
+      });
+      if (found == to_send.end()) {
+        if (to_send.empty())
+          changed.wait(lock);
+        else
+          changed.wait_for(lock, milliseconds{50});
+        continue;
+      }
+      const WholeReply reply = std::move(found->reply);
+      to_send.erase(found);
+      lock.unlock();
+      ends.write(reply);
+      lock.lock();
+    }
+  }
+};
+
+Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> participant, std::string device,
+                                            std::string node,
+                                            std::function<void(const WholeCommand&)> handle) {
+  auto inside = std::make_unique<Inside>(std::move(participant));
+  inside->device = std::move(device);
+  inside->node = std::move(node);
+  inside->handle = std::move(handle);
+  // Without security nobody has less rights than another, and everybody asks on takt/command.
+  const char* questions = inside->ends.participant().watch() == nullptr ? nullptr : security::kQuestionTopic;
+  if (auto made =
+          inside->ends.begin("takt/reply", fast::TypeSupport{new Guarded<ReplyPubSubType>}, "takt/command",
+                             fast::TypeSupport{new Guarded<CommandPubSubType>}, questions, inside.get(),
+                             inside.get(), [me = inside.get()] { me->matches_are_gone(); });
+      !made) {
+    return made.problems();
+  }
+  inside->handler = std::thread{[me = inside.get()] { me->serve(); }};
+  inside->sender = std::thread{[me = inside.get()] { me->send(); }};
+  return CommandServer{std::move(inside)};
+}
+
+CommandServer::CommandServer(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
+CommandServer::CommandServer(CommandServer&&) noexcept = default;
+CommandServer& CommandServer::operator=(CommandServer&&) noexcept = default;
+CommandServer::~CommandServer() = default;
+
+void CommandServer::reply(const WholeReply& reply) {
+  const std::lock_guard lock{inside_->mutex};
+  inside_->answered(reply);
+}
+
+std::uint64_t CommandServer::refused() const {
+  const std::lock_guard lock{inside_->mutex};
+  return inside_->senseless + inside_->too_many + inside_->assembly.refused() + inside_->ends.not_decoded();
+}
+
+// ---- The asker's end
+
+struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterListener {
+  struct Open {
+    WholeCommand command;
+    Clock::time_point again;
+    milliseconds pause = kResend;
+    bool sent = false;
+  };
+
+  std::function<void(const WholeReply&)> heard;
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool ending = false;
+  int matched = 0;
+  Assembly<Reply, WholeReply> assembly;
+  std::map<std::string, Open> open;
+  std::thread sender;
+  Ends ends;
+
+  explicit Inside(std::shared_ptr<Participant> participant) : ends(std::move(participant)) {}
+  ~Inside() override {
+    {
+      const std::lock_guard lock{mutex};
+      ending = true;
+    }
+    changed.notify_all();
+    if (sender.joinable()) sender.join();
+    ends.end();
+  }
+
+  void on_data_available(fast::DataReader* from) override {
+    Reply reply;
+    fast::SampleInfo info;
+    while (from->take_next_sample(&reply, &info) == ReturnCode::RETCODE_OK) {
+      if (!info.valid_data || !make_sensible(reply)) continue;
+      Watch* const watch = ends.participant().watch();
+      const rtps::GUID_t& writer = info.sample_identity.writer_guid();
+      if (watch != nullptr && !watch->is_device(writer, reply.device().to_string())) {
+        watch->impostor(writer, "takt/reply", reply.device().to_string());
+        continue;
+      }
+      WholeReply whole;
+      {
+        const std::lock_guard lock{mutex};
+        // Replies to everybody come here; only those to our commands are ours.
+        const auto mine = open.find(reply.id().c_str());
+        if (mine == open.end()) continue;
+        const std::string key = std::string{reply.id().c_str()} + '/' + reply.node().c_str();
+        if (!assembly.add(reply, key, whole)) continue;
+        open.erase(mine);
+      }
+      heard(whole);
+    }
+  }
+
+  void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
+    const std::lock_guard lock{mutex};
+    matched = status.current_count;
+    if (status.current_count_change > 0) {  // somebody has come who has not heard what is open
+      for (auto& each : open) each.second.again = Clock::now();
+    }
+    changed.notify_all();
+  }
+
+  void matches_are_gone() {
+    const std::lock_guard lock{mutex};
+    matched = 0;
+  }
+
+  void send() {
+    std::unique_lock lock{mutex};
+    while (!ending) {
+      const auto now = Clock::now();
+      const std::int64_t wall = wall_ns();
+      // After its deadline it is sent only to be answered: who has it already answers again.
+      const auto due = std::find_if(open.begin(), open.end(), [&](const auto& each) {
+        const Open& one = each.second;
+        return matched > 0 && one.again <= now && (one.sent || one.command.head.deadline_ns() >= wall);
+      });
+      if (due == open.end()) {
+        if (open.empty())
+          changed.wait(lock);
+        else
+          changed.wait_for(lock, milliseconds{20});
+        continue;
+      }
+      const WholeCommand command = due->second.command;
+      if (command.data.size() > kPart) due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
+      due->second.again = now + due->second.pause;
+      due->second.sent = true;
+      lock.unlock();
+      ends.write(command);
+      lock.lock();
+    }
+  }
+};
+
+Result<CommandClient> CommandClient::create(std::shared_ptr<Participant> participant,
+                                            std::function<void(const WholeReply&)> heard) {
+  auto inside = std::make_unique<Inside>(std::move(participant));
+  inside->heard = std::move(heard);
+  Watch* const watch = inside->ends.participant().watch();
+  const bool only_looks = watch != nullptr && watch->mine().subject.role == security::Role::observer;
+  const char* const topic = only_looks ? security::kQuestionTopic : "takt/command";
+  if (auto made = inside->ends.begin(topic, fast::TypeSupport{new Guarded<CommandPubSubType>}, "takt/reply",
+                                     fast::TypeSupport{new Guarded<ReplyPubSubType>}, nullptr, inside.get(),
+                                     inside.get(), [me = inside.get()] { me->matches_are_gone(); });
+      !made) {
+    return made.problems();
+  }
+  inside->sender = std::thread{[me = inside.get()] { me->send(); }};
+  return CommandClient{std::move(inside)};
+}
+
+CommandClient::CommandClient(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
+CommandClient::CommandClient(CommandClient&&) noexcept = default;
+CommandClient& CommandClient::operator=(CommandClient&&) noexcept = default;
+CommandClient::~CommandClient() = default;
+
+bool CommandClient::send(const WholeCommand& command) {
+  if (command.data.size() > kMaxData) return false;
+  const std::lock_guard lock{inside_->mutex};
+  inside_->open[command.head.id().to_string()] = {.command = command, .again = Clock::now()};
+  inside_->changed.notify_all();
+  return true;
+}
+
+void CommandClient::forget(const std::string& id) {
+  const std::lock_guard lock{inside_->mutex};
+  inside_->open.erase(id);
+}
+
+}  // namespace takt::dds

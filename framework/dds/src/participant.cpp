@@ -1,0 +1,416 @@
+#include <takt/dds/participant.hpp>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <cstdlib>
+#include <functional>
+#include <sstream>
+#include <string_view>
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+
+#include <takt/core/check.hpp>
+#include <takt/dds/inside.hpp>
+#include <takt/dds/sieved_transport.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/os/network.hpp>
+#include <takt/os/real_time.hpp>
+#include "log.hpp"
+#include "spent_tokens.hpp"
+#include "watch.hpp"
+
+namespace takt::dds {
+
+namespace {
+
+constexpr const char* kServerPrefix =
+    "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the first server's, as the manual has it
+constexpr std::uint16_t kServerPort = 11811;
+constexpr std::uint32_t kReceiveBuffer = 4 * 1024 * 1024;
+/// Participants of one machine that are tried where only its address is known.
+constexpr std::uint32_t kPeerParticipants = 40;
+/// More than a participant takes on a machine of a few networks. Fast DDS ends a process that has too few.
+constexpr std::size_t kDescriptors = 48;
+
+std::atomic<bool> there_is_one{false};
+
+// What stands in the environment, or in a file of the working directory, is for other programs of this
+// machine; it would change how ours are found.
+void ignore_environment() {
+  ::setenv("SKIP_DEFAULT_XML", "1", 1);
+  for (const char* name : {"FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_DISCOVERY_SERVER", "FASTDDS_STATISTICS"})
+    ::unsetenv(name);
+}
+
+Result<rtps::Locator_t> locator(const std::string& host, std::uint32_t port) {
+  auto address = os::resolve_ipv4(host);
+  if (!address) return address.problems();
+  rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  rtps::IPLocator::setIPv4(locator, *address);
+  locator.port = port;
+  return locator;
+}
+
+Result<rtps::Locator_t> server_locator(const std::string& server) {
+  const std::size_t colon = server.rfind(':');
+  std::uint16_t port = kServerPort;
+  if (colon != std::string::npos) {
+    const std::string_view text = std::string_view{server}.substr(colon + 1);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+    if (error != std::errc{} || end != text.data() + text.size() || port == 0) {
+      return fail("the discovery server '" + server + "' has no port",
+                  "say host:port, for example 10.0.0.1:11811");
+    }
+  }
+  return locator(server.substr(0, colon), port);
+}
+
+bool only_loopback(const std::vector<std::string>& addresses) {
+  return std::all_of(addresses.begin(), addresses.end(),
+                     [](const std::string& address) { return address.starts_with("127."); });
+}
+
+Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discovery& discovery) {
+  auto& builtin = qos.wire_protocol().builtin;
+  auto& config = builtin.discovery_config;
+  config.leaseDuration = {3, 0};
+  // Who is found answers at once, but to one that may not be listening yet; it is heard with the next one.
+  config.leaseDuration_announcementperiod = {0, 250'000'000};
+  // The first announcement of one that starts is lost on another that starts at the same time.
+  config.initial_announcements.count = 25;
+  config.initial_announcements.period = {0, 20'000'000};
+  switch (discovery.kind) {
+    case model::Discovery::Kind::multicast:
+      break;
+    case model::Discovery::Kind::peers:
+      for (const std::string& peer : discovery.peers) {
+        auto place = locator(peer, 0);
+        if (!place) return place.problems();
+        builtin.initialPeersList.push_back(*place);
+      }
+      break;
+    case model::Discovery::Kind::server: {
+      auto place = server_locator(discovery.server);
+      if (!place) return place.problems();
+      if (discovery.serve) {
+        config.discoveryProtocol = rtps::DiscoveryProtocol::SERVER;
+        std::istringstream{kServerPrefix} >> qos.wire_protocol().prefix;
+        builtin.metatrafficUnicastLocatorList.push_back(*place);
+      } else {
+        config.discoveryProtocol = rtps::DiscoveryProtocol::CLIENT;
+        rtps::RemoteServerAttributes server;
+        server.ReadguidPrefix(kServerPrefix);
+        server.metatrafficUnicastLocatorList.push_back(*place);
+        config.m_DiscoveryServers.push_back(server);
+      }
+      break;
+    }
+  }
+  return {};
+}
+
+Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<std::string>& interfaces,
+                           const std::vector<std::string>& mine, std::shared_ptr<Sieve> sieve) {
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->receiveBufferSize = kReceiveBuffer;
+  udp->non_blocking_send = true;
+  udp->maxInitialPeersRange = kPeerParticipants;
+  for (const std::string& address : interfaces) {
+    if (std::find(mine.begin(), mine.end(), address) == mine.end()) {
+      std::string known;
+      for (const std::string& each : mine) known += (known.empty() ? "" : ", ") + each;
+      return fail("this machine has no interface with the address '" + address + "'",
+                  known.empty() ? "it has none that is up" : "it has " + known);
+    }
+    udp->interfaceWhiteList.push_back(address);
+  }
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(
+      std::make_shared<SievedDescriptor>(std::move(udp), std::move(sieve)));
+  return {};
+}
+
+/// The identity of this folder, if it is in order and for this domain.
+Result<security::Identity> identity_for(const ParticipantOptions& options) {
+  if (options.discovery.kind == model::Discovery::Kind::server) {
+    return fail("DDS Security and a discovery server exclude each other in this version of Fast DDS",
+                "find each other by multicast or by --peers");
+  }
+  auto identity = security::read_identity(options.security, os::wall_ns() / 1'000'000'000);
+  if (!identity) return identity;
+  const std::vector<int>& domains = identity->domains;
+  if (std::find(domains.begin(), domains.end(), options.domain) != domains.end()) return identity;
+  if (domains.empty()) {
+    return Problem{options.security, "this identity may write and read nothing in its cell",
+                   "a program has the topics of connections that have one end"};
+  }
+  std::string known;
+  for (const int domain : domains) known += (known.empty() ? "" : ", ") + std::to_string(domain);
+  return Problem{
+      options.security,
+      "this identity is for domain " + known + " and not for domain " + std::to_string(options.domain),
+      "use that domain, or takt secure update --domain " + std::to_string(options.domain)};
+}
+
+void set_security(fast::DomainParticipantQos& qos, const security::Identity& identity) {
+  auto& properties = qos.properties().properties();
+  const auto file = [&](const std::string& property, const char* name) {
+    properties.emplace_back(property, "file://" + identity.folder + "/" + name);
+  };
+  const std::string identity_plugin = "dds.sec.auth.builtin.PKI-DH.";
+  properties.emplace_back("dds.sec.auth.plugin", "builtin.PKI-DH");
+  file(identity_plugin + "identity_ca", security::kIdentityAuthority);
+  file(identity_plugin + "identity_certificate", security::kCertificate);
+  file(identity_plugin + "private_key", security::kPrivateKey);
+  file(identity_plugin + "identity_crl", security::kRevoked);
+  const std::string access_plugin = "dds.sec.access.builtin.Access-Permissions.";
+  properties.emplace_back("dds.sec.access.plugin", "builtin.Access-Permissions");
+  file(access_plugin + "permissions_ca", security::kAccessAuthority);
+  file(access_plugin + "governance", security::kGovernance);
+  file(access_plugin + "permissions", security::kPermissions);
+  properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+}
+
+}  // namespace
+
+Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOptions& options) {
+  if (options.domain < 0 || options.domain > 232)
+    return fail("there is no DDS domain " + std::to_string(options.domain), "a domain is 0 to 232");
+  if (os::is_real_time()) {
+    return fail(
+        "a participant of DDS cannot be made on a real-time thread: its threads would be real-time too",
+        "make it before the thread is made real-time, or on another thread");
+  }
+  if (there_is_one.exchange(true)) return fail("this process has a DDS participant already", "use that one");
+  const auto refuse = [](Problems problems) {
+    there_is_one = false;
+    return problems;
+  };
+  const auto addresses = os::ipv4_addresses();
+  if (!addresses) return refuse(addresses.problems());
+  if (auto room = os::can_open(kDescriptors); !room) return refuse(room.problems());
+  ignore_environment();
+  log_to_standard_error();
+  eprosima::fastrtps::LibrarySettingsAttributes library;
+  library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+
+  fast::DomainParticipantQos qos;
+  qos.name(options.name.c_str());
+  if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
+  auto notices = std::make_unique<Notices>(options.refused);
+  auto sieve = std::make_shared<Sieve>(*notices, !options.security.empty());
+  if (auto set = set_transport(qos, options.interfaces, *addresses, sieve); !set)
+    return refuse(set.problems());
+
+  std::unique_ptr<Watch> watch;
+  if (!options.security.empty()) {
+    auto identity = identity_for(options);
+    if (!identity) return refuse(identity.problems());
+    set_security(qos, *identity);
+    drop_spent_tokens();
+    watch = std::make_unique<Watch>(std::move(*identity), *notices, sieve->newcomers);
+  }
+
+  auto* factory = fast::DomainParticipantFactory::get_instance();
+  fast::DomainParticipant* made = factory->create_participant(static_cast<fast::DomainId_t>(options.domain),
+                                                              qos, watch.get(), fast::StatusMask::none());
+  if (made == nullptr) {
+    return refuse({fail("DDS cannot be used on domain " + std::to_string(options.domain),
+                        "see what it printed; each process takes ports from " +
+                            std::to_string(7400 + 250 * options.domain) +
+                            " upwards, and about 120 of them fit on one machine")});
+  }
+  fast::Publisher* publisher = made->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
+  fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
+  std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
+      made, publisher, subscriber, options.interfaces.empty() && only_loopback(*addresses),
+      std::move(notices), std::move(watch), std::move(sieve));
+  if (publisher == nullptr || subscriber == nullptr) return fail("DDS made no publisher or subscriber");
+  return participant;
+}
+
+OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
+                               fast::Subscriber* subscriber, bool only_loopback,
+                               std::unique_ptr<Notices> notices, std::unique_ptr<Watch> watch,
+                               std::shared_ptr<Sieve> sieve)
+    : notices_(std::move(notices)),
+      watch_(std::move(watch)),
+      sieve_(std::move(sieve)),
+      participant_(participant),
+      publisher_(publisher),
+      subscriber_(subscriber),
+      only_loopback_(only_loopback) {
+  if (watch_ == nullptr) return;
+  identity_ = watch_->mine();
+  look_at_log([watch = watch_.get()](const std::string& message) { return watch->look(message); });
+}
+
+OwnParticipant::~OwnParticipant() {
+  look_at_log(nullptr);
+  participant_->delete_contained_entities();
+  fast::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  there_is_one = false;
+}
+
+void OwnParticipant::rescan_interfaces() {
+  // Without a descriptor left nobody is told of any, and Fast DDS would complain each time.
+  const auto addresses = os::ipv4_addresses();
+  if (!addresses) return;
+  fast::DomainParticipantQos qos;
+  if (participant_->get_qos(qos) == ReturnCode::RETCODE_OK) participant_->set_qos(qos);
+  const std::lock_guard lock{remaking_};
+  if (!only_loopback_ || only_loopback(*addresses)) return;
+  only_loopback_ = false;
+  for (Remade* each : remade_) each->remake();
+}
+
+void OwnParticipant::enlist(Remade& one) {
+  const std::lock_guard lock{remaking_};
+  remade_.push_back(&one);
+}
+
+void OwnParticipant::dismiss(Remade& one) {
+  const std::lock_guard lock{remaking_};
+  std::erase(remade_, &one);
+}
+
+Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::TypeSupport& type) {
+  const std::lock_guard lock{mutex_};
+  const std::string& type_name = type.get_type_name();
+  const fast::TopicDataType& decoder = *type;
+  if (const auto found = types_.find(type_name);
+      found != types_.end() &&
+      (found->second.size != type->m_typeSize || found->second.decoder != typeid(decoder))) {
+    return fail("there are two types of the name '" + type_name + "' in this process",
+                "components that are built with different versions of a type cannot be used together");
+  }
+  if (const auto found = topics_.find(name); found != topics_.end()) {
+    if (found->second.topic->get_type_name() != type_name) {
+      return fail("the topic '" + name + "' has the type '" + found->second.topic->get_type_name() + "' here",
+                  "give the topic of type '" + type_name + "' another name");
+    }
+    ++found->second.users;
+    return found->second.topic;
+  }
+  Known& known = types_[type_name];
+  if (known.topics == 0) {
+    known.size = type->m_typeSize;
+    known.decoder = typeid(decoder);
+    participant_->register_type(type, type_name);
+  }
+  fast::Topic* made = participant_->create_topic(name, type_name, fast::TOPIC_QOS_DEFAULT);
+  if (made == nullptr) {
+    if (known.topics == 0) {
+      participant_->unregister_type(type_name);
+      types_.erase(type_name);
+    }
+    return fail("DDS made no topic '" + name + "' of type '" + type_name + "'", "see what it printed");
+  }
+  ++known.topics;
+  topics_[name] = {made, 1};
+  return made;
+}
+
+void OwnParticipant::end(fast::DataWriter*& writer) {
+  if (writer == nullptr) return;
+  writer->set_listener(nullptr);
+  std::size_t removed = 0;
+  static_cast<void>(writer->clear_history(&removed));
+  publisher_->delete_datawriter(writer);
+  writer = nullptr;
+}
+
+fast::DataReader* OwnParticipant::make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
+                                              fast::DataReaderListener* listener,
+                                              const fast::StatusMask& mask) {
+  const Handling::Pause pause{sieve_->handling};
+  return subscriber_->create_datareader(topic, qos, listener, mask);
+}
+
+void OwnParticipant::end(fast::DataReader*& reader) {
+  if (reader == nullptr) return;
+  reader->set_listener(nullptr);
+  const Handling::Pause pause{sieve_->handling};
+  subscriber_->delete_datareader(reader);
+  reader = nullptr;
+}
+
+void OwnParticipant::release(fast::Topic* topic) {
+  const std::lock_guard lock{mutex_};
+  const auto found = topics_.find(topic->get_name());
+  TAKT_CHECK(found != topics_.end());
+  if (--found->second.users > 0) return;
+  const std::string type = topic->get_type_name();
+  participant_->delete_topic(topic);
+  topics_.erase(found);
+  if (--types_[type].topics > 0) return;
+  participant_->unregister_type(type);
+  types_.erase(type);
+}
+
+OwnParticipant& own(Participant& participant) { return static_cast<OwnParticipant&>(participant); }
+
+eprosima::fastrtps::Duration_t duration(Nanoseconds time) {
+  const auto ns = time.count();
+  return {static_cast<std::int32_t>(ns / 1'000'000'000), static_cast<std::uint32_t>(ns % 1'000'000'000)};
+}
+
+namespace {
+
+template <class Bytes>
+std::uint64_t hash(const Bytes& bytes) {
+  std::uint64_t value = 14695981039346656037ULL;  // FNV-1a
+  for (const auto byte : bytes) value = (value ^ static_cast<std::uint8_t>(byte)) * 1099511628211ULL;
+  return value;
+}
+
+}  // namespace
+
+std::uint64_t number_of(const rtps::GUID_t& guid) {
+  rtps::InstanceHandle_t handle;
+  handle = guid;
+  return number_of(handle);
+}
+
+std::uint64_t number_of(const rtps::InstanceHandle_t& handle) {
+  std::array<std::uint8_t, 16> bytes{};
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = handle.value[i];
+  return hash(bytes);
+}
+
+std::uint64_t number_of(const rtps::GuidPrefix_t& prefix) { return hash(prefix.value); }
+
+std::string policy_name(fast::QosPolicyId_t id) {
+  switch (id) {
+    case fast::DURABILITY_QOS_POLICY_ID:
+      return "durability";
+    case fast::DEADLINE_QOS_POLICY_ID:
+      return "deadline";
+    case fast::LIVELINESS_QOS_POLICY_ID:
+      return "liveliness";
+    case fast::RELIABILITY_QOS_POLICY_ID:
+      return "reliability";
+    case fast::OWNERSHIP_QOS_POLICY_ID:
+      return "ownership";
+    case fast::DESTINATIONORDER_QOS_POLICY_ID:
+      return "destination order";
+    case fast::LATENCYBUDGET_QOS_POLICY_ID:
+      return "latency budget";
+    case fast::PARTITION_QOS_POLICY_ID:
+      return "partition";
+    case fast::PRESENTATION_QOS_POLICY_ID:
+      return "presentation";
+    default:
+      return "policy " + std::to_string(static_cast<unsigned>(id));
+  }
+}
+
+}  // namespace takt::dds

@@ -1,0 +1,382 @@
+#include <takt/dds/topics.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <takt/wire/takt.h>
+#include <takt/wire/taktPubSubTypes.h>
+#include <takt/dds/guarded.hpp>
+#include <takt/dds/inside.hpp>
+#include <takt/dds/sensible.hpp>
+#include "watch.hpp"
+
+namespace takt::dds {
+
+namespace {
+
+constexpr int kMaxKeys =
+    16384;  ///< modules, or ports, of all devices on a domain; 10 by default, and further ones are lost
+constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
+constexpr std::int32_t kReaderDepth =
+    64;  ///< so that a burst is not overwritten before the listener has taken it
+constexpr std::int32_t kEventsKept = 64;  ///< of a device, for who comes later
+// A writer asks after what is not acknowledged; by default after 3 s, and a reader lets 5 ms pass before it
+// answers. A transition must not wait that long for the one before it.
+constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{5};
+constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
+constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
+constexpr Nanoseconds kStep = std::chrono::milliseconds{20};  ///< of a wait, in which nobody else gets at it
+
+/// A state is kept for who comes later and its writer's life is watched; of events the last few are kept;
+/// what is measured is not.
+enum class Sort { state, measure, event };
+
+/// What the contract says of each topic.
+template <class T>
+struct TopicOf;
+template <>
+struct TopicOf<LifecycleStatus> {
+  using Generated = LifecycleStatusPubSubType;
+  static constexpr const char* name = "takt/lifecycle";
+  static constexpr Sort sort = Sort::state;
+};
+template <>
+struct TopicOf<DeviceStatus> {
+  using Generated = DeviceStatusPubSubType;
+  static constexpr const char* name = "takt/device";
+  static constexpr Sort sort = Sort::state;
+};
+template <>
+struct TopicOf<ModuleStatistics> {
+  using Generated = ModuleStatisticsPubSubType;
+  static constexpr const char* name = "takt/statistics";
+  static constexpr Sort sort = Sort::measure;
+};
+template <>
+struct TopicOf<ExecutorStatistics> {
+  using Generated = ExecutorStatisticsPubSubType;
+  static constexpr const char* name = "takt/executor";
+  static constexpr Sort sort = Sort::measure;
+};
+template <>
+struct TopicOf<PortStatus> {
+  using Generated = PortStatusPubSubType;
+  static constexpr const char* name = "takt/port";
+  static constexpr Sort sort = Sort::measure;
+};
+template <>
+struct TopicOf<FaultEvent> {
+  using Generated = FaultEventPubSubType;
+  static constexpr const char* name = "takt/fault";
+  static constexpr Sort sort = Sort::event;
+};
+
+template <class T, class Qos>
+void set_topic_quality(Qos& qos, std::int32_t depth) {
+  constexpr bool kKept = TopicOf<T>::sort != Sort::measure;
+  qos.reliability().kind = kKept ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
+  qos.durability().kind = kKept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = depth;
+  if (TopicOf<T>::sort == Sort::state) {
+    qos.liveliness().kind = fast::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+    qos.liveliness().lease_duration = duration(kLease);
+    qos.liveliness().announcement_period = duration(kLease / 3);
+  }
+  qos.resource_limits().max_instances = kMaxKeys;
+  qos.resource_limits().max_samples_per_instance = depth;
+  qos.resource_limits().max_samples = kMaxKeys * depth;
+  qos.resource_limits().allocated_samples = 16;
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.data_sharing().off();
+}
+
+template <class T>
+fast::TypeSupport type_of() {
+  return fast::TypeSupport{new Guarded<typename TopicOf<T>::Generated>};
+}
+
+/// "robot" of "cell/robot" and of "cell/robot/arm"; empty where there is none.
+std::string device_in(std::string_view path) {
+  const std::size_t begin = path.find('/');
+  if (begin == std::string_view::npos) return {};
+  const std::string_view rest = path.substr(begin + 1);
+  return std::string{rest.substr(0, rest.find('/'))};
+}
+
+/// With DDS Security a device speaks for itself alone, though all of them write these topics.
+template <class T>
+bool may_say(OwnParticipant& participant, const rtps::GUID_t& writer, const T& sample) {
+  Watch* const watch = participant.watch();
+  if (watch == nullptr) return true;
+  const std::string path = sample.path().to_string();
+  const std::string device = device_in(path);
+  const bool named =
+      sample.device().size() == 0 || sample.device().to_string() == device;  // none: a disposal
+  if (named && watch->is_device(writer, device)) return true;
+  watch->impostor(writer, TopicOf<T>::name, path);
+  return false;
+}
+
+template <class T>
+Problem no_entity(const char* what) {
+  return fail(std::string{"DDS made no "} + what + " of " + TopicOf<T>::name, "see what it printed");
+}
+
+}  // namespace
+
+template <class T>
+struct Writer<T>::Inside final : Remade {
+  std::shared_ptr<Participant> participant;
+  fast::Topic* topic = nullptr;
+  std::mutex using_it;
+  fast::DataWriter* writer = nullptr;
+  std::map<std::string, T> states;  // by path: what is to be said again
+  std::deque<T> events;             // the same, of events
+  std::atomic<std::uint64_t> failures{0};
+
+  ~Inside() override {
+    own(*participant).dismiss(*this);
+    own(*participant).end(writer);
+    if (topic != nullptr) own(*participant).release(topic);
+  }
+
+  Result<void> make() {
+    fast::DataWriterQos qos;
+    set_topic_quality<T>(qos, TopicOf<T>::sort == Sort::event ? kEventsKept : 1);
+    qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
+    qos.reliable_writer_qos().times.heartbeatPeriod = duration(kTopicHeartbeat);
+    qos.reliable_writer_qos().times.nackResponseDelay = duration(kTopicNackDelay);
+    qos.writer_data_lifecycle().autodispose_unregistered_instances = true;
+    writer = own(*participant).publisher().create_datawriter(topic, qos, nullptr, fast::StatusMask::none());
+    if (writer == nullptr) return no_entity<T>("writer");
+    return {};
+  }
+
+  void remake() override {
+    const std::lock_guard lock{using_it};
+    own(*participant).end(writer);
+    if (!make()) return;  // every write fails, and is counted
+    for (auto& [path, sample] : states) writer->write(&sample);
+    for (T& sample : events) writer->write(&sample);
+  }
+};
+
+template <class T>
+Result<Writer<T>> Writer<T>::create(std::shared_ptr<Participant> participant) {
+  auto inside = std::make_unique<Inside>();
+  inside->participant = std::move(participant);
+  OwnParticipant& mine = own(*inside->participant);
+  auto topic = mine.topic(TopicOf<T>::name, type_of<T>());
+  if (!topic) return topic.problems();
+  inside->topic = *topic;
+  if (auto made = inside->make(); !made) return made.problems();
+  mine.enlist(*inside);
+  return Writer{std::move(inside)};
+}
+
+template <class T>
+Writer<T>::Writer(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
+template <class T>
+Writer<T>::Writer(Writer&&) noexcept = default;
+template <class T>
+Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
+template <class T>
+Writer<T>::~Writer() = default;
+
+template <class T>
+bool Writer<T>::write(const T& sample) {
+  const std::lock_guard lock{inside_->using_it};
+  if constexpr (TopicOf<T>::sort == Sort::state)
+    inside_->states.insert_or_assign(sample.path().to_string(), sample);
+  if constexpr (TopicOf<T>::sort == Sort::event) {
+    inside_->events.push_back(sample);
+    if (inside_->events.size() > kEventsKept) inside_->events.pop_front();
+  }
+  // Fast DDS takes a pointer that is not const and does not write through it.
+  const bool taken = inside_->writer != nullptr && inside_->writer->write(const_cast<T*>(&sample));
+  if (!taken) inside_->failures.fetch_add(1, std::memory_order_relaxed);
+  return taken;
+}
+
+template <class T>
+void Writer<T>::dispose(const T& sample) {
+  const std::lock_guard lock{inside_->using_it};
+  inside_->states.erase(sample.path().to_string());
+  if (inside_->writer == nullptr) return;
+  T copy = sample;
+  inside_->writer->dispose(&copy, inside_->writer->lookup_instance(&copy));
+  inside_->writer->unregister_instance(&copy, rtps::c_InstanceHandle_Unknown);
+}
+
+template <class T>
+void Writer<T>::assert_liveliness() {
+  const std::lock_guard lock{inside_->using_it};
+  if (inside_->writer != nullptr) static_cast<void>(inside_->writer->assert_liveliness());
+}
+
+template <class T>
+bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
+  // In steps: others assert its liveliness meanwhile.
+  const auto end = std::chrono::steady_clock::now() + limit;
+  for (;;) {
+    const auto left = std::max(
+        Nanoseconds{0}, std::chrono::duration_cast<Nanoseconds>(end - std::chrono::steady_clock::now()));
+    const std::lock_guard lock{inside_->using_it};
+    if (inside_->writer == nullptr) return false;
+    if (inside_->writer->wait_for_acknowledgments(duration(std::min(left, kStep))) == ReturnCode::RETCODE_OK)
+      return true;
+    if (left <= kStep) return false;
+  }
+}
+
+template <class T>
+std::uint64_t Writer<T>::failures() const noexcept {
+  return inside_->failures.load(std::memory_order_relaxed);
+}
+
+template <class T>
+struct Reader<T>::Inside final : fast::DataReaderListener, Remade {
+  std::shared_ptr<Participant> participant;
+  Heard<T> heard;
+  fast::Topic* topic = nullptr;
+  fast::DataReader* reader = nullptr;
+  std::atomic<int> matched{0};
+  std::mutex calling;  // data and status come on different threads
+  T sample;
+  std::set<WriterId> living;
+  Undecoded* undecoded = nullptr;
+  std::atomic<std::uint64_t> refused{0};
+  // What was disposed comes without a key of its own, only with the handle of its instance.
+  std::map<rtps::InstanceHandle_t, std::string> paths;
+
+  ~Inside() override {
+    own(*participant).dismiss(*this);
+    unmake();
+    if (topic != nullptr) own(*participant).release(topic);
+  }
+
+  Result<void> make() {
+    fast::DataReaderQos qos;
+    set_topic_quality<T>(qos, kReaderDepth);
+    qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(Nanoseconds{0});
+    qos.reliable_reader_qos().times.initialAcknackDelay = duration(kTopicFirstAck);
+    fast::StatusMask mask = fast::StatusMask::data_available();
+    mask << fast::StatusMask::liveliness_changed() << fast::StatusMask::subscription_matched();
+    reader = own(*participant).make_reader(topic, qos, this, mask);
+    if (reader == nullptr) return no_entity<T>("reader");
+    return {};
+  }
+  void unmake() { own(*participant).end(reader); }
+  void remake() override {
+    unmake();
+    {
+      const std::lock_guard lock{calling};
+      matched = 0;
+      while (!living.empty()) is_lost(*living.begin());
+    }
+    static_cast<void>(make());
+  }
+
+  void lives(WriterId writer) {
+    if (living.insert(writer).second && heard.alive) heard.alive(writer);
+  }
+  void is_lost(WriterId writer) {
+    if (living.erase(writer) > 0 && heard.lost) heard.lost(writer);
+  }
+
+  void on_data_available(fast::DataReader* from) override {
+    const std::lock_guard lock{calling};
+    fast::SampleInfo info;
+    while (from->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK) {
+      const WriterId writer = number_of(info.sample_identity.writer_guid());
+      if (info.valid_data) {
+        if (!make_sensible(sample) ||
+            !may_say(own(*participant), info.sample_identity.writer_guid(), sample)) {
+          refused.fetch_add(1, std::memory_order_relaxed);
+          continue;
+        }
+        lives(writer);
+        if (heard.disposed) paths[info.instance_handle] = sample.path().to_string();
+        heard.sample(sample, writer);
+      } else if (const auto found = paths.find(info.instance_handle);
+                 info.instance_state == fast::NOT_ALIVE_DISPOSED_INSTANCE_STATE && found != paths.end()) {
+        T gone;
+        gone.path(found->second.c_str());
+        if (!may_say(own(*participant), info.sample_identity.writer_guid(), gone)) continue;
+        paths.erase(found);
+        heard.disposed(gone, writer);
+      }
+    }
+  }
+
+  void on_liveliness_changed(fast::DataReader*, const fast::LivelinessChangedStatus& status) override {
+    const std::lock_guard lock{calling};
+    const WriterId writer = number_of(status.last_publication_handle);
+    if (status.not_alive_count_change > 0) is_lost(writer);
+    if (status.alive_count_change > 0) lives(writer);
+  }
+
+  void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override {
+    const std::lock_guard lock{calling};
+    matched = status.current_count;
+    if (status.current_count_change < 0) is_lost(number_of(status.last_publication_handle));
+  }
+};
+
+template <class T>
+Result<Reader<T>> Reader<T>::create(std::shared_ptr<Participant> participant, Heard<T> heard) {
+  auto inside = std::make_unique<Inside>();
+  inside->participant = std::move(participant);
+  inside->heard = std::move(heard);
+  OwnParticipant& mine = own(*inside->participant);
+  auto topic = mine.topic(TopicOf<T>::name, type_of<T>());
+  if (!topic) return topic.problems();
+  inside->topic = *topic;
+  inside->undecoded = &undecoded(mine.participant(), **topic);
+  if (auto made = inside->make(); !made) return made.problems();
+  mine.enlist(*inside);
+  return Reader{std::move(inside)};
+}
+
+template <class T>
+Reader<T>::Reader(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
+template <class T>
+Reader<T>::Reader(Reader&&) noexcept = default;
+template <class T>
+Reader<T>& Reader<T>::operator=(Reader&&) noexcept = default;
+template <class T>
+Reader<T>::~Reader() = default;
+
+template <class T>
+int Reader<T>::matched() const noexcept {
+  return inside_->matched;
+}
+
+template <class T>
+std::uint64_t Reader<T>::refused() const noexcept {
+  return inside_->refused.load(std::memory_order_relaxed) +
+         inside_->undecoded->count.load(std::memory_order_relaxed);
+}
+
+template class Writer<LifecycleStatus>;
+template class Writer<DeviceStatus>;
+template class Writer<ModuleStatistics>;
+template class Writer<ExecutorStatistics>;
+template class Writer<PortStatus>;
+template class Writer<FaultEvent>;
+template class Reader<LifecycleStatus>;
+template class Reader<DeviceStatus>;
+template class Reader<ModuleStatistics>;
+template class Reader<ExecutorStatistics>;
+template class Reader<PortStatus>;
+template class Reader<FaultEvent>;
+
+}  // namespace takt::dds

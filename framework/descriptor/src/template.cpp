@@ -1,0 +1,257 @@
+#include "template.hpp"
+
+#include <algorithm>
+
+#include <takt/core/words.hpp>
+#include <takt/model/findings.hpp>
+#include <takt/model/validate.hpp>
+#include "element.hpp"
+#include "parameters.hpp"
+#include "read_module.hpp"
+
+namespace takt::descriptor {
+
+namespace {
+
+const Shape kTemplate{.attributes = {"name"}, .many = {"parameter", "module", "use", "connection", "export"}};
+const Shape kParameter{.attributes = {"name", "default"}};
+
+constexpr std::size_t kMostNamed = 5;  // of a circle
+
+std::size_t parts_of(const Node& node) {
+  std::size_t parts = 1 + node.attributes.size() + node.texts.size();
+  for (const Node& child : node.children) parts += parts_of(child);
+  return parts;
+}
+
+std::size_t sum(std::size_t a, std::size_t b) { return std::min(a + b, kUncountable); }
+
+}  // namespace
+
+void Templates::take_from(Node& root) {
+  take_out(root);
+  for (auto& [name, one] : all_) read(one);
+  count();
+}
+
+void Templates::take_out(Node& parent) {
+  std::vector<Node> kept;
+  for (Node& child : parent.children) {
+    if (child.name != "template") {
+      if (child.name == "device") take_out(child);
+      kept.push_back(std::move(child));
+      continue;
+    }
+    const Element element{child, kTemplate, report_};
+    const auto name = element.required_attribute("name");
+    if (!name || !model::is_valid_name(name->trimmed())) {
+      incomplete_ = true;
+      if (name)
+        report_.add(name->line, in_quotes(name->text) + " is not a valid template name", model::kNameRule);
+      continue;
+    }
+    child.incomplete = element.has_unknown_children();
+    const auto line = child.line;
+    const auto [known, is_new] =
+        all_.try_emplace(name->trimmed(), Template{name->trimmed(), std::move(child)});
+    // A file that two others include is there twice, and means the same.
+    const auto first = known->second.node.line;
+    const bool again = first.insertion != line.insertion && report_.place(first) == report_.place(line);
+    if (is_new || again) continue;
+    report_.add(
+        line, "duplicate template " + in_quotes(known->first),
+        "the first is " + report_.whereabouts(known->second.node.line) + "; give one of them another name");
+  }
+  parent.children = std::move(kept);
+}
+
+void Templates::read(Template& one) {
+  const Node& node = one.node;
+  std::vector<const Node*> parameters;
+  std::size_t members = 0;
+  for (const Node& child : node.children) {
+    if (child.name == "parameter") parameters.push_back(&child);
+    if (child.name == "module" || child.name == "use") ++members;
+    if (child.name != "use") continue;
+    const Attribute* used = child.attribute("template");
+    if (used == nullptr) continue;  // said when it is made
+    if (used->value.find("${") != std::string::npos) {
+      report_.add(used->line, "which template is used depends on a parameter", "write its name out");
+      one.broken = true;
+    } else {
+      one.uses.push_back(trimmed(used->value));
+    }
+  }
+  if (members == 0 && !node.incomplete) {
+    report_.add(node.line, "template " + in_quotes(one.name) + " holds nothing",
+                "give it at least one <module> or <use>");
+    one.broken = true;
+  }
+  for (const Node& child : node.children) {
+    if (child.name != "module" || child.child("name") != nullptr) continue;
+    one.alone = members == 1;
+    if (one.alone) continue;
+    // Something that is told of when it is made may have been meant to be the name.
+    if (std::any_of(child.children.begin(), child.children.end(),
+                    [](const Node& c) { return !is_of_module(c.name); })) {
+      one.node.incomplete = true;
+      continue;
+    }
+    report_.add(child.line,
+                "a module without a <name> in template " + in_quotes(one.name) + ", which holds several",
+                "give it a <name>: only a module that is alone is called as the use");
+    one.broken = true;
+  }
+  read_parameters(one, parameters);
+  check_references(one);
+  one.size = 1;
+  for (const Node& child : node.children) one.size += child.name == "parameter" ? 0 : parts_of(child);
+}
+
+void Templates::read_parameters(Template& one, const std::vector<const Node*>& nodes) {
+  for (const Node* node : nodes) {
+    const Element element{*node, kParameter, report_};
+    const auto name = element.required_attribute("name");
+    if (!name) {
+      one.broken = true;
+      continue;
+    }
+    Parameter parameter{name->trimmed(), std::nullopt, element.line()};
+    if (const auto given = element.attribute("default")) parameter.value = given->text;
+    const auto first = std::find_if(one.parameters.begin(), one.parameters.end(),
+                                    [&](const Parameter& other) { return other.name == parameter.name; });
+    const auto refuse = [&](std::string what, std::string fix) {
+      report_.add(name->line, std::move(what), std::move(fix));
+      one.broken = true;
+    };
+    if (!model::is_valid_name(parameter.name)) {
+      refuse(in_quotes(name->text) + " is not a valid parameter name", model::kNameRule);
+    } else if (parameter.name == kOwnName) {
+      refuse("a parameter is called name", "call it otherwise: ${name} is the name of each use");
+    } else if (first != one.parameters.end()) {
+      refuse("duplicate parameter " + in_quotes(parameter.name),
+             "the first is " + report_.whereabouts(first->line) + "; give one of them another name");
+    } else {
+      one.parameters.push_back(std::move(parameter));
+    }
+  }
+}
+
+/// Each reference has its parameter, and each parameter a reference.
+void Templates::check_references(Template& one) {
+  std::set<std::string_view> used;
+  std::vector<std::string_view> names{kOwnName};
+  for (const Parameter& parameter : one.parameters) names.push_back(parameter.name);
+  static const std::string kAnything;
+  const Meaning meaning = [&](std::string_view name) -> const std::string* {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) return nullptr;
+    used.insert(*found);
+    return &kAnything;
+  };
+  const bool all_known = !one.broken;
+  for (const Node& child : one.node.children) {
+    if (child.name == "parameter") {
+      const Attribute* value = child.attribute("default");
+      if (value == nullptr || value->value.find("${") == std::string::npos) continue;
+      report_.add(value->line, "the default of a parameter refers to another one", "write its value out");
+      one.broken = true;
+      continue;
+    }
+    Node copy = child;
+    substitute(copy, meaning, [&](model::Line line, std::optional<std::string_view> name) {
+      one.broken = true;
+      if (!name) {
+        report_.add(line, "a ${ that is not closed", "write ${NAME} for a parameter, $${ for a ${ as such");
+      } else if (all_known) {
+        report_.add(line, "unknown parameter " + in_quotes(*name) + " of template " + in_quotes(one.name),
+                    suggestion(*name, names) + "; a <parameter name=\"...\"> makes one known");
+      }
+    });
+  }
+  if (one.broken || one.node.incomplete) return;
+  for (const Parameter& parameter : one.parameters) {
+    if (used.count(parameter.name) > 0) continue;
+    report_.add(
+        parameter.line,
+        "parameter " + in_quotes(parameter.name) + " of template " + in_quotes(one.name) + " is used nowhere",
+        "remove it, or write ${" + parameter.name + "} where its value belongs");
+  }
+}
+
+/// From the templates that use none to those that use them. What is left over uses itself.
+void Templates::count() {
+  std::map<std::string_view, std::vector<Template*>> users;
+  std::map<std::string_view, std::size_t> open;
+  std::vector<Template*> ready;
+  std::set<std::string_view> left;
+  for (auto& [name, one] : all_) {
+    left.insert(name);
+    for (const std::string& used : one.uses) {
+      if (find(used) == nullptr) continue;
+      users[used].push_back(&one);
+      ++open[name];
+    }
+    one.depth = 1;
+    if (open[name] == 0) ready.push_back(&one);
+  }
+  while (!ready.empty()) {
+    const Template& done = *ready.back();
+    ready.pop_back();
+    left.erase(done.name);
+    for (Template* user : users[done.name]) {
+      user->size = sum(user->size, done.size);
+      user->depth = std::max(user->depth, done.depth + 1);
+      if (--open[user->name] == 0) ready.push_back(user);
+    }
+  }
+  for (auto& [name, one] : all_) {
+    if (left.count(name) > 0) one.broken = true;
+    if (one.depth != kMaxUseDepth + 1 || one.broken) continue;  // those that use it are deeper and no news
+    report_.add(
+        one.node.line,
+        "template " + in_quotes(name) + " uses templates more than " + std::to_string(kMaxUseDepth) + " deep",
+        "make them flatter");
+  }
+  for (auto& [name, one] : all_) one.broken = one.broken || one.depth > kMaxUseDepth;
+  report_circles(left);
+}
+
+void Templates::report_circles(const std::set<std::string_view>& in_circles) {
+  std::map<std::string_view, std::size_t> walked;  // and on which walk
+  std::size_t walk = 0;
+  for (const std::string_view start : in_circles) {
+    ++walk;
+    std::vector<const Template*> path;
+    const Template* at = find(start);
+    while (at != nullptr && walked.count(at->name) == 0) {
+      walked[at->name] = walk;
+      path.push_back(at);
+      const auto next = std::find_if(at->uses.begin(), at->uses.end(),
+                                     [&](const std::string& used) { return in_circles.count(used) > 0; });
+      at = next == at->uses.end() ? nullptr : find(*next);
+    }
+    if (at == nullptr || walked[at->name] != walk) continue;
+    std::string circle;
+    std::size_t named = 0;
+    for (auto each = std::find(path.begin(), path.end(), at); each != path.end() && named < kMostNamed;
+         ++each, ++named)
+      circle += brief((*each)->name) + " (" + brief(report_.place((*each)->node.line)) + ") uses ";
+    if (named == kMostNamed) circle += "others, and they ";
+    report_.add(at->node.line, "template " + in_quotes(at->name) + " uses itself: " + circle + "it again",
+                "let one of them do without the other");
+  }
+}
+
+const Template* Templates::find(std::string_view name) const {
+  const auto found = all_.find(name);
+  return found == all_.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string_view> Templates::names() const {
+  std::vector<std::string_view> names;
+  for (const auto& [name, one] : all_) names.push_back(name);
+  return names;
+}
+
+}  // namespace takt::descriptor

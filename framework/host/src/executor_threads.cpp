@@ -1,0 +1,153 @@
+#include "executor_threads.hpp"
+
+#include <cstdlib>
+#include <utility>
+
+#include <takt/os/futex.hpp>
+#include <takt/os/signals.hpp>
+#include <takt/os/waker.hpp>
+#include <takt/schedule/placement.hpp>
+
+namespace takt::host {
+
+namespace {
+
+channel::Crash* crash_place = nullptr;
+thread_local const channel::Activity* my_activity = nullptr;
+std::atomic_flag walks_stack;
+
+// Async-signal-safe: stores only.
+void say_who(int signal) noexcept {
+  if (my_activity != nullptr) {
+    crash_place->module.store(my_activity->module.load(std::memory_order_relaxed), std::memory_order_relaxed);
+    crash_place->doing.store(my_activity->doing.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  }
+  crash_place->signal.store(signal, std::memory_order_release);
+}
+
+void add_frame(const os::CodeAt& place) noexcept {
+  const std::uint32_t depth = crash_place->depth.load(std::memory_order_relaxed);
+  if (depth >= channel::Crash::kFrames) return;
+  crash_place->frames[depth].address = place.address;
+  crash_place->frames[depth].object.assign(place.object);
+  crash_place->depth.store(depth + 1, std::memory_order_release);  // SYNC: crash frame
+}
+
+// Who it was comes first: to walk a broken stack may crash again, and then this is called again.
+void last_words(int signal, std::uintptr_t at) noexcept {
+  if (crash_place == nullptr) return;
+  say_who(signal);
+  if (walks_stack.test_and_set(std::memory_order_relaxed)) return;
+  os::walk_stack(at, channel::Crash::kFrames, add_frame);
+}
+
+// A module that calls exit() ends the host as surely as one that crashes.
+void last_words_at_exit() {
+  if (crash_place != nullptr && my_activity != nullptr &&
+      my_activity->module.load(std::memory_order_relaxed) != 0)
+    say_who(channel::Crash::kExit);
+}
+
+void ring(channel::Bell& bell, std::uint32_t bits) noexcept {
+  bell.rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(bell.rings, bits);
+}
+
+}  // namespace
+
+void ring_pending(channel::Bell& bell) noexcept {
+  if (const std::uint32_t bits = bell.take_pending(); bits != 0) ring(bell, bits);
+}
+
+void report_crashes_to(channel::Crash& crash) {
+  crash_place = &crash;
+  os::on_crash(last_words);
+  static_cast<void>(std::atexit(last_words_at_exit));
+}
+
+void report_crashes_as(const channel::Activity* activity) {
+  my_activity = activity;
+  os::prepare_crash_stack();
+}
+
+ExecutorThreads::ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan,
+                                 std::vector<executor::Unit> periodic, std::vector<executor::Unit> sporadic,
+                                 channel::ExecutorBlock& block, channel::Bell& bell, executor::Flight flight)
+    : settings_(executor),
+      priority_(plan.priority),
+      has_rows_(plan.basic_period.count() > 0),
+      has_sporadic_(!sporadic.empty()),
+      block_(block),
+      bell_(bell),
+      executor_(plan, std::move(periodic), std::move(sporadic), block, clock_, flight) {}
+
+ExecutorThreads::~ExecutorThreads() {
+  ask_to_halt();
+  join();
+}
+
+Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Problems* refused) {
+  if (!has_rows_) return {};
+  if (has_sporadic_) {
+    auto thread = os::Thread::start(
+        {.name = settings_.name + "/s", .priority = schedule::sporadic_priority(priority_), .cpus = cpus},
+        [this] { serve_sporadic(); }, refused);
+    if (!thread) return thread.problems();
+    sporadic_ = std::move(*thread);
+  }
+  auto thread = os::Thread::start(
+      {.name = settings_.name, .priority = priority_, .cpus = cpus}, [this, t0] { walk_rows(t0); },
+      has_sporadic_ ? nullptr : refused);
+  if (!thread) return thread.problems();
+  rows_ = std::move(*thread);
+  return {};
+}
+
+void ExecutorThreads::walk_rows(Instant t0) {
+  report_crashes_as(&block_.row);
+  block_.row.thread.store(os::thread_id(), std::memory_order_relaxed);
+  const Nanoseconds cap = os::margin_cap(executor_.basic_period(), settings_.spin_share);
+  os::Waker waker{settings_.wakeup, cap, halt_};
+  executor_.join_grid(t0, os::now());
+  while (true) {
+    const Instant now = waker.wait_until(executor_.next_release());
+    if (halt_.load(std::memory_order_relaxed) != 0) return;
+    // What modules wrote for somebody who waits is rung for together with what the row released.
+    const std::uint32_t released = watch_ ? watched_cycle(now) : executor_.run_cycle(now);
+    if (const std::uint32_t bits = released | bell_.take_pending(); bits != 0) ring(bell_, bits);
+    block_.margin_ns.store(waker.margin().count(), std::memory_order_relaxed);
+  }
+}
+
+std::uint32_t ExecutorThreads::watched_cycle(Instant now) noexcept {
+  const std::uint64_t before = watch_.enter(watched_as_, channel::Doing::nothing);
+  const std::uint32_t released = executor_.run_cycle(now);
+  watch_.leave(before);
+  return released;
+}
+
+void ExecutorThreads::serve_sporadic() {
+  report_crashes_as(&block_.sporadic);
+  block_.sporadic.thread.store(os::thread_id(), std::memory_order_relaxed);
+  while (halt_.load(std::memory_order_seq_cst) == 0) {
+    // A ring after this load ends the wait below at once, so none is lost.
+    const std::uint32_t rings = bell_.rings.load(std::memory_order_seq_cst);
+    while (halt_.load(std::memory_order_relaxed) == 0 && executor_.run_sporadic()) {
+      ring_pending(bell_);
+    }
+    if (halt_.load(std::memory_order_seq_cst) == 0) os::futex_wait(bell_.rings, rings, channel::kSporadicBit);
+  }
+}
+
+void ExecutorThreads::ask_to_halt() noexcept {
+  halt_.store(1, std::memory_order_seq_cst);
+  os::futex_wake(halt_, ~0U);
+  ring(bell_, channel::kSporadicBit);
+}
+
+void ExecutorThreads::join() {
+  rows_.join();
+  sporadic_.join();
+}
+
+}  // namespace takt::host

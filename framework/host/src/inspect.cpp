@@ -1,0 +1,416 @@
+#include <takt/host/inspect.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/hex.hpp>
+#include <takt/core/words.hpp>
+#include <takt/host/component_path.hpp>
+#include <takt/host/thread_module.hpp>
+#include <takt/model/json.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/files.hpp>
+#include <takt/os/message_socket.hpp>
+#include <takt/os/process.hpp>
+#include <takt/os/signals.hpp>
+
+namespace takt::host {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+constexpr auto kLimit = std::chrono::seconds{5};
+
+json problems_json(const Problems& problems) {
+  json list = json::array();
+  for (const Problem& problem : problems) list.push_back({{"what", problem.what}, {"fix", problem.fix}});
+  return list;
+}
+
+Problems problems_from(const json& list) {
+  Problems problems;
+  for (const json& entry : list) problems.push_back(fail(entry.at("what"), entry.at("fix")));
+  return problems;
+}
+
+/// As model::parse_ports() reads it.
+std::string ports_of(const ThreadModule& module) {
+  json list = json::array();
+  for (const PortBase* port : module.ports()) {
+    list.push_back({{"name", port->name()},
+                    {"direction", to_text(port->direction())},
+                    {"role", to_text(port->role())},
+                    {"description", port->type().description},
+                    {"text", port->text()},
+                    {"object", port->value_size() != 0},
+                    {"safe", in_hex(port->safe())}});
+  }
+  return model::json_text({{"ports", list}});
+}
+
+/// What a program that ended with a mistake said of it on standard error: a problem a line, "what; fix".
+Problems said_by(const std::string& text) {
+  Problems problems;
+  std::istringstream lines{text};
+  for (std::string line; std::getline(lines, line);) {
+    const auto end = line.find("; ");
+    if (line.find_first_not_of(" \t") == std::string::npos) continue;
+    problems.push_back(fail(line.substr(0, end), end == std::string::npos ? "" : line.substr(end + 2)));
+  }
+  return problems;
+}
+
+/// What a program says of itself.
+struct ProgramAnswer {
+  std::string operation;
+  std::vector<model::Port> ports;
+  std::vector<PropertyDescription> properties;
+  Problems problems;  ///< of its properties, and of the values that they were given
+  std::optional<SavedDescription> saved{};
+};
+
+std::optional<SavedDescription> saved_of(const json& answer) {
+  const auto at = answer.find("saved");
+  if (at == answer.end()) return std::nullopt;
+  return SavedDescription{.version = at->at("version"), .bytes = at->at("bytes")};
+}
+
+Result<ProgramAnswer> parse_answer(const std::string& text) {
+  auto ports = model::parse_ports(text);
+  if (!ports) return ports.problems();
+  const json answer = model::parse_json(text);  // it is an object, or it had no ports
+  auto properties = parse_properties(model::json_text(answer.value("properties", json::array())));
+  if (!properties) return properties.problems();
+  return ProgramAnswer{answer.value("operation", ""), std::move(*ports), std::move(*properties),
+                       problems_from(answer.value("problems", json::array())), saved_of(answer)};
+}
+
+constexpr const char* kProcessLibrary = "libtakt_process.so";
+
+/// The strings of a file's dynamic symbols and libraries; empty where it is no ELF file.
+std::string dynamic_names(const std::string& path) { return os::read_section(path, ".dynstr").value_or(""); }
+
+/// A script may start anything. To start another program that cannot answer would be in vain, and rude.
+bool may_answer(const std::string& path) {
+  const std::string names = dynamic_names(path);
+  return names.empty() || names.find(kProcessLibrary) != std::string::npos;
+}
+
+/// What a program with these arguments says when it is told to say what it is and end. `refused`: it ended
+/// with words of its own about what it was given, which are the problems.
+Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& arguments,
+                                  bool* refused = nullptr) {
+  auto sockets = os::MessageSocket::pair();
+  if (!sockets) return sockets.problems();
+  os::MessageSocket& ours = sockets->first;
+  auto child =
+      os::Child::spawn({.program = path,
+                        .arguments = arguments,
+                        .environment = {{"TAKT_DESCRIBE_FD", std::to_string(sockets->second.fd().get())}},
+                        .inherit = {&sockets->second.fd()},
+                        .capture_output = true});
+  if (!child) return child.problems();
+  sockets->second.close();
+  std::string words;
+  const auto listen = [&] {
+    bool end = false;
+    words += os::read_available(child->error, &end);
+    os::read_available(child->output, &end);  // so that a program that prints is not held up
+  };
+  std::optional<os::ProcessEnd> ended;
+  for (const Instant limit = os::now() + kLimit; !ended && os::now() < limit;) {
+    if (const auto text = ours.receive()) return parse_answer(*text);
+    ended = child->poll();
+    listen();
+    if (!ended) os::wait_readable({&ours.fd()}, ours.closed() ? 1 : 20);
+  }
+  if (const auto text = ours.receive()) return parse_answer(*text);
+  if (ended && !ended->signalled && ended->code != 0) {
+    Problems said = said_by(words);
+    if (refused != nullptr) *refused = !said.empty();
+    if (!said.empty()) return said;
+  }
+  return fail(path + " did not say which ports it has" + (ended ? ": it " + ended->text() : ""),
+              "call initPeriodExe() or initSporadicExe() within " + std::to_string(kLimit.count()) +
+                  " s of the beginning of main(), and link with libtakt_process");
+}
+
+json describe_loaded(const ThreadModule& module, const std::string& path) {
+  json answer{
+      {"name", std::filesystem::path{path}.stem().string()}, {"interface", "c"}, {"hooks", module.hooks()}};
+  answer["properties"] = json::array();
+  answer["ports"] = ports_of(module);
+  if (module.component() != nullptr) {
+    answer["name"] = module.component_name();
+    answer["interface"] = "c++";
+  }
+  if (module.saves())
+    answer["saved"] = {{"version", module.saves()->version}, {"bytes", module.saves()->size}};
+  for (const PropertyBase* property : module.properties()) {
+    answer["properties"].push_back({{"name", property->name()},
+                                    {"type", to_text(property->type())},
+                                    {"default", property->default_text()},
+                                    {"range", property->range_text()},
+                                    {"min", property->min_text()},
+                                    {"max", property->max_text()},
+                                    {"unit", property->unit()},
+                                    {"text", property->text()}});
+  }
+  return answer;
+}
+
+// One load of a file serves all modules that are made of it.
+struct Use {
+  std::size_t device;
+  std::size_t module;
+};
+
+json check_uses(const std::string& path, const model::Cell& cell, const std::vector<Use>& uses) {
+  json answer = json::array();
+  std::set<std::size_t> loaded;  // devices whose host has loaded the file in C form already
+  for (const Use& use : uses) {
+    const model::Module& wanted = cell.devices[use.device].modules[use.module];
+    ThreadModule module;
+    const bool again = loaded.count(use.device) != 0;  // as the host will
+    Result<void> result = module.load(path, again ? os::Library::Globals::own : os::Library::Globals::shared,
+                                      wanted.operation == model::Operation::sporadic);
+    const bool is_loaded = result.ok();  // nobody knows the ports of one that is not
+    if (result && module.component() == nullptr) loaded.insert(use.device);
+    if (result && module.declares_properties()) {
+      irp::Property::Values values;
+      for (const model::PropertyValue& property : wanted.properties)
+        values.emplace_back(property.name, property.value);
+      result = module.set(values);
+    }
+    answer.push_back({{"problems", problems_json(result ? Problems{} : result.problems())},
+                      {"ports", is_loaded ? json(ports_of(module)) : json{}}});
+  }
+  return answer;
+}
+
+// Each problem at the line of the property that it names, else at the module's.
+void add_at(const model::Cell& cell, const model::Module& module, const Problems& found, Problems& problems) {
+  for (const Problem& problem : found) {
+    model::Line line = module.line;
+    for (const model::PropertyValue& property : module.properties) {
+      if (problem.what.find("'" + property.name + "'") != std::string::npos) line = property.line;
+    }
+    problems.push_back(
+        model::problem_at(cell.texts(), line, "module " + module.name + ": " + problem.what, problem.fix));
+  }
+}
+
+/// What a program calls says how it is released.
+Problems check_operation(const model::Module& module, const std::string& operation) {
+  const bool periodic = module.operation == model::Operation::periodic;
+  if (module.operation == model::Operation::non_real || operation.empty() ||
+      operation == (periodic ? "periodic" : "sporadic"))
+    return {};
+  return {fail(std::string{"the program calls "} + (periodic ? "initSporadicExe()" : "initPeriodExe()") +
+                   ", so it is " + operation,
+               "say <operationtype>" + operation + "</operationtype> and <" +
+                   (periodic ? "deadline" : "period") + ">")};
+}
+
+bool is_connected(const model::Cell& cell, const std::string& device, const std::string& module) {
+  return std::any_of(cell.connections.begin(), cell.connections.end(), [&](const model::Connection& c) {
+    return (c.from.device == device && c.from.module == module) ||
+           (c.to.device == device && c.to.module == module);
+  });
+}
+
+}  // namespace
+
+Arguments arguments_of(const model::Module& module) {
+  Arguments arguments;
+  for (const model::PropertyValue& property : module.properties)
+    arguments.push_back(property.name + "=" + property.value);
+  return arguments;
+}
+
+Result<Description> describe(const std::string& path, const Arguments& arguments) {
+  if (!os::is_shared_object(path)) {
+    if (!os::is_executable(path))
+      return fail(path + " is neither a shared object nor a program", "name a component's file");
+    Description program{.name = std::filesystem::path{path}.stem().string(),
+                        .text = component_text(path),
+                        .interface = "process",
+                        .operation = {},
+                        .hooks = {},
+                        .properties = {},
+                        .ports = {},
+                        .saved = {}};
+    if (!may_answer(path)) {
+      program.operation = to_text(model::Operation::non_real);
+      return program;
+    }
+    bool refused = false;
+    auto answer = ask_program(path, arguments, &refused);
+    if (!answer && !refused && arguments.empty()) return program;
+    if (!answer) return answer.problems();
+    if (!answer->problems.empty()) return answer->problems;
+    program.operation = std::move(answer->operation);
+    program.properties = std::move(answer->properties);
+    program.ports = std::move(answer->ports);
+    program.saved = answer->saved;
+    return program;
+  }
+  if (!arguments.empty())
+    return fail("the ports of " + path + " do not depend on properties", "leave out " + arguments[0]);
+  const auto work = [&path]() -> std::string {
+    ThreadModule module;
+    if (auto loaded = module.load(path, os::Library::Globals::shared, false); !loaded) {
+      return model::json_text({{"problems", problems_json(loaded.problems())}});
+    }
+    return model::json_text(describe_loaded(module, path));
+  };
+  auto text = os::in_child("loading " + path, work, kLimit);
+  if (!text) return text.problems();
+  const json answer = model::parse_json(*text);
+  if (answer.is_discarded()) return fail("loading " + path + " gave no answer");
+  if (answer.contains("problems")) return problems_from(answer["problems"]);
+  auto ports = model::parse_ports(answer["ports"]);
+  if (!ports) return ports.problems();
+  auto properties = parse_properties(model::json_text(answer["properties"]));
+  if (!properties) return properties.problems();
+  return Description{.name = answer["name"],
+                     .text = component_text(path),
+                     .interface = answer["interface"],
+                     .operation = {},
+                     .hooks = answer["hooks"],
+                     .properties = std::move(*properties),
+                     .ports = std::move(*ports),
+                     .saved = saved_of(answer)};
+}
+
+std::string component_text(const std::string& path) {
+  const auto section = os::read_section(path, "takt_text");
+  return section ? on_one_line(section->c_str()) : "";
+}
+
+std::vector<ComponentFile> list_components(const std::vector<std::string>& folders) {
+  std::map<std::string, ComponentFile> found;
+  for (const std::string& folder : folders) {
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator{folder, error}) {
+      const std::string path = entry.path().string();
+      const std::string name = entry.path().filename().string();
+      ComponentFile file{.path = path, .interface = {}, .text = component_text(path)};
+      if (os::is_shared_object(path)) {
+        const std::string names = dynamic_names(path);
+        const auto has = [&names](const char* symbol) {
+          return names.find(std::string{'\0'} + symbol + '\0') != std::string::npos;
+        };
+        if (has("takt_component_factory"))
+          file.interface = "c++";
+        else if (has("run"))
+          file.interface = "c";
+      } else if (os::is_executable(path)) {
+        const bool linked = dynamic_names(path).find(kProcessLibrary) != std::string::npos;
+        if (linked || !file.text.empty() || entry.path().extension() == ".exe") file.interface = "process";
+      }
+      if (!file.interface.empty()) found.emplace(name, std::move(file));
+    }
+  }
+  std::vector<ComponentFile> files;
+  for (auto& [name, file] : found) files.push_back(std::move(file));
+  return files;
+}
+
+Result<Components> check_components(const model::Cell& cell, Problems* missing) {
+  Problems problems;
+  Components found;
+  std::vector<ComponentPaths>& paths = found.paths;
+  std::map<std::string, std::vector<Use>> thread_modules;
+  // That connections name, or that are given properties, which may say which ports a program has.
+  std::map<std::pair<std::string, Arguments>, std::vector<Use>> programs;
+  for (std::size_t d = 0; d < cell.devices.size(); ++d) {
+    const model::Device& device = cell.devices[d];
+    paths.emplace_back();
+    found.ports.emplace_back(device.modules.size());
+    for (std::size_t m = 0; m < device.modules.size(); ++m) {
+      const model::Module& module = device.modules[m];
+      auto path = find_component(module.filename, cell.file);
+      paths.back().push_back(path ? *path : "");
+      if (!path) {
+        add_at(cell, module, path.problems(), missing != nullptr ? *missing : problems);
+      } else if (module.type == model::ModuleType::process) {
+        if (!os::is_executable(*path)) {
+          add_at(cell, module,
+                 {fail(*path + " is not a program that this user may execute", "build it, or chmod +x")},
+                 problems);
+        } else if (os::is_shared_object(*path)) {
+          add_at(
+              cell, module,
+              {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
+              problems);
+        } else if (is_connected(cell, device.name, module.name) || !module.safe.empty() ||
+                   (!module.properties.empty() && module.operation != model::Operation::non_real &&
+                    dynamic_names(*path).find(kProcessLibrary) != std::string::npos)) {
+          programs[{*path, arguments_of(module)}].push_back({d, m});
+        }
+      } else if (!os::is_shared_object(*path)) {
+        add_at(
+            cell, module,
+            {fail(*path + " is no shared object (.so) of this machine",
+                  "name one that takt_add_component made; a program is of <moduletype>process</moduletype>")},
+            problems);
+      } else {
+        thread_modules[*path].push_back({d, m});
+      }
+    }
+  }
+  for (const auto& [path, uses] : thread_modules) {
+    auto text = os::in_child(
+        "loading " + path,
+        [&path = path, &uses = uses, &cell] { return model::json_text(check_uses(path, cell, uses)); },
+        kLimit);
+    const json answer = text ? model::parse_json(*text) : json{};
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      const model::Module& module = cell.devices[uses[i].device].modules[uses[i].module];
+      if (answer.is_array()) {
+        add_at(cell, module, problems_from(answer[i].at("problems")), problems);
+        if (answer[i].at("ports").is_null()) continue;
+        auto ports = model::parse_ports(answer[i].at("ports"));
+        if (ports)
+          found.ports[uses[i].device][uses[i].module] = std::move(*ports);
+        else
+          add_at(cell, module, ports.problems(), problems);
+      } else {
+        Problem problem = text ? fail("loading " + path + " gave no answer") : text.problems()[0];
+        problem.fix = "mend its constructors, which run when it is loaded";
+        add_at(cell, module, {problem}, problems);
+      }
+    }
+  }
+  for (const auto& [started, uses] : programs) {
+    const auto answer = ask_program(started.first, started.second);
+    for (const Use& use : uses) {
+      const model::Device& device = cell.devices[use.device];
+      const model::Module& module = device.modules[use.module];
+      if (answer) {
+        found.ports[use.device][use.module] = answer->ports;
+        add_at(cell, module, answer->problems, problems);
+        add_at(cell, module, check_operation(module, answer->operation), problems);
+      } else if (is_connected(cell, device.name, module.name) || !module.safe.empty()) {
+        add_at(cell, module, answer.problems(), problems);
+      }
+    }
+  }
+  const Problems connections = model::check_connections(cell, found.ports);
+  problems.insert(problems.end(), connections.begin(), connections.end());
+  if (problems.empty()) return found;
+  std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
+    const auto line = [](const Problem& p) { return std::stoi(p.where.substr(p.where.rfind(':') + 1)); };
+    return line(a) < line(b);
+  });
+  return problems;
+}
+
+}  // namespace takt::host

@@ -1,0 +1,89 @@
+#include "service_thread.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <utility>
+
+#include <takt/core/check.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/futex.hpp>
+#include "executor_threads.hpp"
+
+namespace takt::host {
+
+namespace {
+// A host that died before it rang must not hold up what its modules asked.
+constexpr Nanoseconds kLongestSleep = std::chrono::milliseconds{100};
+}  // namespace
+
+struct ServiceThread::Shared {
+  Shared(const Options& options, std::function<bool()> asked, std::function<bool()> serves)
+      : index(options.index),
+        activity(options.activity),
+        bell(options.bell),
+        has_request(std::move(asked)),
+        serve_one(std::move(serves)) {}
+
+  std::uint32_t index;
+  channel::Activity& activity;
+  channel::Bell& bell;
+  std::function<bool()> has_request;
+  std::function<bool()> serve_one;
+  std::mutex in_module;  // held while the module is called
+  std::atomic<bool> serving{false};
+  std::atomic<bool> end{false};
+
+  void serve() {
+    report_crashes_as(&activity);
+    while (!end.load()) {
+      // A ring after this load ends the wait below at once, so none is lost.
+      const std::uint32_t rings = bell.rings.load(std::memory_order_seq_cst);
+      if (serve_next()) {
+        ring_pending(bell);
+        continue;
+      }
+      if (!end.load()) os::futex_wait(bell.rings, rings, channel::kServiceBit, os::now() + kLongestSleep);
+    }
+  }
+  bool serve_next() {
+    const std::lock_guard lock{in_module};
+    if (end.load() || !has_request()) return false;
+    activity.begin(index, channel::Doing::serve, to_ns(os::now()));
+    serving.store(true);
+    const bool served = serve_one();
+    // Given up in the meantime: what it says belongs to somebody else by now.
+    if (end.load()) return false;
+    serving.store(false);
+    activity.end();
+    return served;
+  }
+};
+
+ServiceThread::ServiceThread(const Options& options, std::function<bool()> has_request,
+                             std::function<bool()> serve)
+    : shared_(std::make_shared<Shared>(options, std::move(has_request), std::move(serve))) {
+  auto thread = os::Thread::start(
+      {.name = options.name, .cpus = options.cpus, .stack_bytes = 8 * 1024 * 1024},
+      [shared = shared_] { shared->serve(); }, nullptr);
+  TAKT_CHECK(thread.ok());
+  thread_ = std::move(*thread);
+}
+
+ServiceThread::~ServiceThread() {
+  shared_->end.store(true);
+  shared_->bell.rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(shared_->bell.rings, channel::kServiceBit);
+  // Whoever holds this never returns: a handler, or a hook that the thread waits for.
+  if (const std::unique_lock in_none{shared_->in_module, std::try_to_lock}; !in_none) thread_.detach();
+}
+
+std::unique_lock<std::mutex> ServiceThread::exclude() { return std::unique_lock{shared_->in_module}; }
+
+bool ServiceThread::give_up() {
+  if (!shared_->serving.load()) return false;
+  shared_->end.store(true);
+  shared_->activity.end();
+  return true;
+}
+
+}  // namespace takt::host

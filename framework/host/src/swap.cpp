@@ -1,0 +1,148 @@
+#include "swap.hpp"
+
+#include <utility>
+
+#include <takt/executor/exchange.hpp>
+#include <takt/os/clock.hpp>
+
+namespace takt::host {
+
+namespace {
+
+using channel::Doing;
+using State = executor::Exchange::State;
+using std::chrono::microseconds;
+
+/// Of what is to be translated and has changed meanwhile.
+constexpr int kMostAttempts = 1000;
+
+class Work {
+ public:
+  explicit Work(const Swap& swap) : swap_(swap) {}
+
+  Swapped carry_out() {
+    if (auto prepared = prepare(); !prepared) return undone(in_words(prepared.problems()));
+    executor::Exchange exchange{.index = swap_.index, .body = &swap_.body, .runs = kTrialRuns};
+    for (int attempt = 1;; ++attempt) {
+      switch (carry_out(exchange)) {
+        case State::kept:
+        case State::on_trial:  // and the device ends
+          begin_to_save();
+          return {true, "from row " + std::to_string(exchange.row) + " of its executor on"};
+        case State::put_back:
+          return undone(std::string{"the one before it was put back in cycle "} +
+                        std::to_string(exchange.cycle) + ": " + takt::to_text(exchange.error) + ": " +
+                        exchange.text.c_str());
+        case State::waiting:
+          return undone(swap_.ends() ? "the device ends" : "the module was taken out of its table meanwhile");
+        case State::not_now:
+          break;
+      }
+      if (attempt == kMostAttempts)
+        return undone("restore() was never done before the module's next run(), " + std::to_string(attempt) +
+                      " times; make it shorter");
+      wait_for_run();
+      if (auto followed = follow(); !followed) return undone(in_words(followed.problems()));
+    }
+  }
+
+ private:
+  template <class Call>
+  Result<void> in(Doing doing, Call&& call) {
+    swap_.activity.begin(swap_.index, doing, to_ns(os::now()));
+    Result<void> result = std::forward<Call>(call)();
+    swap_.activity.end();
+    if (result && swap_.ends()) return fail("the device ends");
+    return result;
+  }
+  static Result<void> said_by(const char* hook, Result<void> result) {
+    if (result) return result;
+    return fail(std::string{hook} + " failed: " + in_words(result.problems()));
+  }
+
+  Result<void> prepare() {
+    // An object that is loaded already would be the same again, whatever is in its file by now.
+    const auto globals =
+        os::Library::is_loaded(swap_.path) ? os::Library::Globals::own : os::Library::Globals::shared;
+    auto done = in(Doing::load, [&] {
+      auto loaded = swap_.next.load(swap_.path, globals, false);
+      if (loaded) loaded = swap_.next.match(swap_.before);
+      return loaded ? swap_.connect() : loaded;
+    });
+    if (!done) return done;
+    done = in(Doing::initialize, [&] {
+      return said_by("initialize()", swap_.next.initialize(irp::Property{swap_.properties}));
+    });
+    if (!done) return done;
+    initialized_ = true;
+    if (done = follow(); !done) return done;
+    return in(Doing::start, [&] { return said_by("start()", swap_.next.start()); });
+  }
+  Result<void> follow() {
+    return in(Doing::initialize, [&] { return swap_.next.follow(swap_.before); });
+  }
+
+  [[nodiscard]] bool out() const {
+    return swap_.block.in_tables.load(std::memory_order_relaxed) == 0 || swap_.ends();
+  }
+  // Handlers are called on another thread than rows: none is while the instances change places, so that none
+  // works for one that has left.
+  State carry_out(executor::Exchange& exchange) {
+    State state = State::waiting;
+    {
+      const auto no_handler = swap_.exclude();
+      swap_.threads.exchange(exchange);
+      state = wait_while(State::waiting, exchange);
+      if (state == State::on_trial || state == State::kept) hand_over(swap_.next, swap_.before);
+    }
+    if (state != State::on_trial) return state;
+    state = wait_while(State::on_trial, exchange);
+    if (state == State::put_back) {
+      const auto no_handler = swap_.exclude();
+      hand_over(swap_.before, swap_.next);
+    }
+    return state;
+  }
+  void hand_over(ThreadModule& to, ThreadModule& from) {
+    to.take_over_handlers(from);
+    swap_.handle_by(to);
+  }
+  // With `waiting`, it was withdrawn; with `on_trial`, the device ends.
+  State wait_while(State state, const executor::Exchange& exchange) {
+    while (exchange.state.load(std::memory_order_acquire) == state) {  // SYNC: exchange
+      if (state == State::waiting ? out() && swap_.threads.withdraw() : swap_.ends()) return state;
+      os::sleep_until(os::now() + microseconds{500});
+    }
+    return exchange.state.load(std::memory_order_acquire);
+  }
+  // On trial it saved nowhere, so that what the one before it saved is there until it is not needed any more.
+  // Nobody else may be given that from now on.
+  void begin_to_save() {
+    const std::uint64_t number = swap_.place.whole.load(std::memory_order_relaxed);
+    swap_.next.save_in(swap_.place);
+    while (swap_.next.saves() != nullptr && swap_.place.whole.load(std::memory_order_acquire) == number &&
+           !out())
+      os::sleep_until(os::now() + microseconds{500});
+  }
+  // The time until the next is the longest that there is.
+  void wait_for_run() const {
+    const std::uint64_t cycles = swap_.block.cycles.load(std::memory_order_relaxed);
+    while (swap_.block.cycles.load(std::memory_order_relaxed) == cycles && !out())
+      os::sleep_until(os::now() + microseconds{20});
+  }
+
+  Swapped undone(std::string text) {
+    if (initialized_ && !swap_.ends())
+      static_cast<void>(in(Doing::destruct, [&] { return swap_.next.destruct(); }));
+    return {false, std::move(text)};
+  }
+
+  const Swap& swap_;
+  bool initialized_ = false;
+};
+
+}  // namespace
+
+Swapped carry_out(const Swap& swap) { return Work{swap}.carry_out(); }
+
+}  // namespace takt::host

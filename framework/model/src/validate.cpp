@@ -1,0 +1,324 @@
+#include <takt/model/validate.hpp>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <takt/core/words.hpp>
+#include <takt/model/findings.hpp>
+#include "validate_network.hpp"
+
+namespace takt::model {
+
+namespace {
+
+class Validation {
+ public:
+  Validation(const Cell& cell, const Gaps& gaps, Findings& findings)
+      : cell_(cell), gaps_(gaps), findings_(findings) {
+    gaps_.of_device.resize(cell.devices.size());
+  }
+
+  void run();
+
+ private:
+  using OfDevice = Gaps::OfDevice;
+
+  void add(Line line, std::string what, std::string fix) {
+    findings_.add(line, std::move(what), std::move(fix));
+  }
+  template <class Named>
+  bool check_names(const char* kind, const std::vector<Named>& all, const std::string& owner);
+  void check_device(const Device& device, OfDevice& gaps);
+  void check_module_names(const Device& device, OfDevice& gaps);
+  void check_executor(const Executor& executor);
+  void check_module(const Module& module, const Device& device, const OfDevice& gaps);
+  void check_times(const Module& module);
+  void check_release(const Module& module);
+  void check_executor_of(const Module& module, const Device& device, const OfDevice& gaps);
+
+  const Cell& cell_;
+  Gaps gaps_;
+  Findings& findings_;
+};
+
+/// False when a name is not valid, so that nobody can refer to its owner.
+template <class Named>
+bool Validation::check_names(const char* kind, const std::vector<Named>& all, const std::string& owner) {
+  bool all_valid = true;
+  std::map<std::string_view, const Named*> first;
+  for (const Named& one : all) {
+    if (!is_valid_name(one.name)) {
+      add(one.line, in_quotes(one.name) + " is not a valid " + kind + " name", kNameRule);
+      all_valid = false;
+      continue;
+    }
+    const auto [seen, is_new] = first.emplace(one.name, &one);
+    if (is_new) continue;
+    add(one.line, "duplicate " + std::string{kind} + " " + in_quotes(one.name) + owner,
+        "the first is " + findings_.whereabouts(seen->second->line) + "; give one of them another name");
+  }
+  return all_valid;
+}
+
+void Validation::check_module_names(const Device& device, OfDevice& gaps) {
+  std::map<std::string_view, const Module*> first;
+  for (const Module& module : device.modules) {
+    const bool from_file = !module.lines.name.given() && module.name == file_stem(module.filename);
+    const Line line = module.lines.name.given() ? module.lines.name : module.line;
+    if (!is_valid_name(module.name)) {
+      gaps.modules = true;
+      if (from_file && module.filename.empty()) {
+        continue;  // said of the filename
+      } else if (from_file) {
+        add(line, in_quotes(module.name) + ", taken from the filename, is not a valid module name",
+            std::string{"give the module a <name>; "} + kNameRule);
+      } else {
+        add(line, in_quotes(module.name) + " is not a valid module name", kNameRule);
+      }
+      continue;
+    }
+    const auto [seen, is_new] = first.emplace(module.name, &module);
+    if (is_new) continue;
+    add(line, "duplicate module " + in_quotes(module.name) + " on device " + in_quotes(device.name),
+        "the first is " + findings_.whereabouts(seen->second->line) +
+            (from_file ? "; give one of them a <name>, for this one is taken from the filename"
+                       : "; give one of them another <name>"));
+  }
+}
+
+void Validation::check_executor(const Executor& executor) {
+  if (executor.priority < kMinExecutorPriority || executor.priority > kMaxExecutorPriority) {
+    add(executor.line,
+        "executor " + in_quotes(executor.name) + " has priority " + std::to_string(executor.priority),
+        "the priority of an executor is 2 to 98");
+  }
+  if (executor.cpu && (*executor.cpu < 0 || *executor.cpu > kMaxCpu)) {
+    add(executor.line, "executor " + in_quotes(executor.name) + " has cpu " + std::to_string(*executor.cpu),
+        "a cpu is 0 to 1023");
+  }
+}
+
+void Validation::check_times(const Module& module) {
+  const std::string name = in_quotes(module.name);
+  const auto or_module = [&](Line line) { return line.given() ? line : module.line; };
+  const Line period_line = or_module(module.lines.period);
+  const Line deadline_line = or_module(module.lines.deadline);
+  const auto positive = [&](const char* what, const std::optional<Nanoseconds>& time, Line line) {
+    if (!time || time->count() > 0) return;
+    add(line, "module " + name + " has a " + what + " of " + std::to_string(time->count()) + " ns",
+        std::string{"a "} + what + " is a whole number of nanoseconds, at least 1");
+  };
+  positive("period", module.period, period_line);
+  positive("deadline", module.deadline, deadline_line);
+  positive("budget", module.budget, or_module(module.lines.budget));
+
+  if (module.offset && module.operation != Operation::periodic) {
+    add(or_module(module.lines.offset),
+        to_text(module.operation) + std::string{" module "} + name + " has an <offset>",
+        "remove the <offset>, or make the module periodic: only the table has rows to shift it to");
+  } else if (module.offset && module.period &&
+             (module.offset->count() < 0 || *module.offset >= *module.period)) {
+    add(or_module(module.lines.offset),
+        "the offset of " + name + ", " + takt::to_text(*module.offset) + ", is not below its period, " +
+            takt::to_text(*module.period),
+        "an offset is 0 to below the period");
+  }
+  if (module.overrun && module.operation != Operation::periodic) {
+    add(or_module(module.lines.overrun),
+        to_text(module.operation) + std::string{" module "} + name + " has an <overrun>",
+        module.operation == Operation::sporadic
+            ? "remove the <overrun>; what a missed deadline is says <deadline miss=\"count\"> or \"error\""
+            : "remove the <overrun>: nobody waits for a module that is non-real");
+  }
+  const auto tolerated = [&](const char* what, const std::optional<int>& number) {
+    if (!number || (*number >= 1 && *number <= kMaxTolerance)) return;
+    add(or_module(module.lines.budget),
+        "the budget of " + name + " has " + what + " " + std::to_string(*number),
+        std::string{what} + " is 1 to 1000");
+  };
+  tolerated("times", module.tolerance.times);
+  tolerated("in-a-row", module.tolerance.in_a_row);
+
+  switch (module.operation) {
+    case Operation::periodic:
+      if (!module.period) {
+        add(module.line, "periodic module " + name + " has no <period>",
+            "give it one in nanoseconds, as in <period>1000000</period>");
+      }
+      if (module.deadline) {
+        add(deadline_line, "periodic module " + name + " has a <deadline>",
+            "its period is its deadline: remove the <deadline>, or make it sporadic");
+      }
+      break;
+    case Operation::sporadic:
+      if (!module.deadline) {
+        add(module.line, "sporadic module " + name + " has no <deadline>",
+            "give it one in nanoseconds, as in <deadline>1000000</deadline>");
+      }
+      if (module.period) {
+        add(period_line, "sporadic module " + name + " has a <period>",
+            "remove the <period>, or make the module periodic");
+      }
+      break;
+    case Operation::non_real:
+      if (module.period && module.type != ModuleType::thread) {
+        add(period_line, "non-real module " + name + " is a process and has a <period>",
+            "remove the <period>: a process that is non-real runs on its own");
+      }
+      if (module.deadline) {
+        add(deadline_line, "non-real module " + name + " has a <deadline>",
+            "remove the <deadline>, or make the module sporadic");
+      }
+      if (module.budget) {
+        add(or_module(module.lines.budget), "non-real module " + name + " has a <budget>",
+            "remove the <budget>: nobody waits for a module that is non-real");
+      }
+      break;
+  }
+}
+
+/// What only a sporadic module may say of its releases.
+void Validation::check_release(const Module& module) {
+  const std::string name = in_quotes(module.name);
+  const auto or_module = [&](Line line) { return line.given() ? line : module.line; };
+  if (module.interarrival && module.interarrival->count() <= 0) {
+    add(or_module(module.lines.interarrival),
+        "module " + name + " has an interarrival of " + std::to_string(module.interarrival->count()) + " ns",
+        "an interarrival is a whole number of nanoseconds, at least 1");
+  }
+  if (module.retain && module.type == ModuleType::process && module.operation == Operation::non_real) {
+    add(or_module(module.lines.retain), "non-real program " + name + " has a <retain>",
+        "remove it: a program that is not released keeps what it needs in files of its own");
+  }
+  if (module.operation == Operation::sporadic) return;
+  const std::string kind = std::string{to_text(module.operation)} + " module " + name;
+  const std::string reason = module.operation == Operation::periodic
+                                 ? ": its period says when it runs"
+                                 : ": what is non-real runs outside the scheduler";
+  if (module.lines.dispatch.given() || module.dispatch != Dispatch::row) {
+    add(or_module(module.lines.dispatch), kind + " has a <dispatch>",
+        "remove the <dispatch>, or make the module sporadic" + reason);
+  }
+  if (module.interarrival) {
+    add(or_module(module.lines.interarrival), kind + " has an <interarrival>",
+        "remove the <interarrival>, or make the module sporadic" + reason);
+  }
+  // With a deadline, that is what is wrong.
+  if (module.miss != Miss::count && !module.deadline) {
+    add(module.line, kind + " says what a missed deadline is and has none",
+        "leave that at count, or make the module sporadic");
+  }
+}
+
+void Validation::check_executor_of(const Module& module, const Device& device, const OfDevice& gaps) {
+  const Line line = module.lines.executor.given() ? module.lines.executor : module.line;
+  if (module.operation == Operation::non_real) {
+    if (module.executor.empty()) return;
+    add(line, "non-real module " + in_quotes(module.name) + " has an <executor>",
+        "remove the <executor>: a module that is non-real runs outside the scheduler");
+    return;
+  }
+  if (gaps.executors || device.executors.empty()) return;
+  const std::vector<std::string_view> names = names_of(device.executors);
+  if (module.executor.empty()) {
+    add(line,
+        "module " + in_quotes(module.name) + " has no <executor> and its device has " +
+            std::to_string(names.size()),
+        "say which: " + one_of(names));
+    return;
+  }
+  if (std::find(names.begin(), names.end(), module.executor) != names.end()) return;
+  const std::string_view meant = nearest(module.executor, names);
+  const std::string guess = meant.empty() ? "" : "did you mean " + brief(meant) + "? ";
+  add(line, "unknown executor " + in_quotes(module.executor) + " of module " + in_quotes(module.name),
+      guess + "device " + in_quotes(device.name) + " has " + one_of(names));
+}
+
+void Validation::check_module(const Module& module, const Device& device, const OfDevice& gaps) {
+  const Line filename_line = module.lines.filename.given() ? module.lines.filename : module.line;
+  if (module.filename.empty()) {
+    add(filename_line, "module " + in_quotes(module.name) + " has an empty filename",
+        "give the .so or the program that the module is");
+  } else if (module.filename.size() > kMaxFilename) {
+    add(filename_line, "the filename " + in_quotes(module.filename) + " is too long",
+        "it may have 4096 bytes");
+  } else if (module.filename.find('\0') != std::string::npos) {
+    add(filename_line, "the filename " + in_quotes(module.filename) + " has a zero byte", "remove it");
+  }
+  check_times(module);
+  check_release(module);
+  check_executor_of(module, device, gaps);
+
+  const Recovery& recovery = module.recovery;
+  if (recovery.attempts < 0 || recovery.attempts > kMaxAttempts) {
+    add(module.line,
+        "module " + in_quotes(module.name) + " tries recovery " + std::to_string(recovery.attempts) +
+            " times",
+        "attempts is 0 to 1000");
+  }
+  if (recovery.backoff.count() < 0 || recovery.backoff > kMaxBackoff) {
+    add(module.line,
+        "module " + in_quotes(module.name) + " waits " + takt::to_text(recovery.backoff) + " before recovery",
+        "backoff is 0 to 3600000000000 ns (1 h)");
+  }
+  check_names("property", module.properties, " of module " + in_quotes(module.name));
+  check_names("port", module.safe, " in <safe> of module " + in_quotes(module.name));
+}
+
+void Validation::check_device(const Device& device, OfDevice& gaps) {
+  const auto too_many = [&](std::size_t number, std::size_t most, const char* what) {
+    if (number <= most) return;
+    add(device.line, "device " + in_quotes(device.name) + " has " + std::to_string(number) + " " + what,
+        "a device has at most " + std::to_string(most));
+  };
+  too_many(device.executors.size(), kMaxExecutors, "executors");
+  too_many(device.modules.size(), kMaxModules, "modules");
+  if (device.executors.empty() && !gaps.executors) {
+    add(device.line, "device " + in_quotes(device.name) + " has no executor", "give it one, as main");
+  }
+  if (device.modules.empty() && !gaps.modules) {
+    add(device.line, "device " + in_quotes(device.name) + " has no module", "give it at least one <module>");
+  }
+  if (!check_names("executor", device.executors, " on device " + in_quotes(device.name)))
+    gaps.executors = true;
+  check_module_names(device, gaps);
+  if (device.executors.size() > kMaxExecutors)
+    gaps.executors = true;  // comparing with them all would take hours
+  for (const Executor& executor : device.executors) check_executor(executor);
+  for (const Module& module : device.modules) {
+    if (findings_.full()) return;
+    check_module(module, device, gaps);
+  }
+}
+
+void Validation::run() {
+  if (!is_valid_name(cell_.name))
+    add(cell_.line, in_quotes(cell_.name) + " is not a valid cell name", kNameRule);
+  if (cell_.domain < 0 || cell_.domain > kMaxDomain) {
+    add(cell_.line, "the cell has domain " + std::to_string(cell_.domain), "a domain is 0 to 232");
+  }
+  if (cell_.devices.empty() && !gaps_.devices)
+    add(cell_.line, "the cell has no device", "give it at least one <device>");
+  if (cell_.devices.size() > kMaxDevices) {
+    add(cell_.line, "the cell has " + std::to_string(cell_.devices.size()) + " devices",
+        "a cell has at most 1000");
+  }
+  if (!check_names("device", cell_.devices, " in cell " + in_quotes(cell_.name))) gaps_.devices = true;
+  for (std::size_t i = 0; i < cell_.devices.size(); ++i) check_device(cell_.devices[i], gaps_.of_device[i]);
+  validate_network(cell_, gaps_, findings_);
+}
+
+}  // namespace
+
+Problems validate(const Cell& cell) { return validate(cell, {}); }
+Problems validate(const Cell& cell, const Gaps& gaps) {
+  Findings findings{cell};
+  validate(cell, gaps, findings);
+  return findings.take();
+}
+void validate(const Cell& cell, const Gaps& gaps, Findings& findings) {
+  Validation{cell, gaps, findings}.run();
+}
+
+}  // namespace takt::model

@@ -1,0 +1,416 @@
+// What an agent is asked, and what it answers.
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/span.hpp>
+#include <takt/core/words.hpp>
+#include <takt/dds/question.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
+#include "agent_update.hpp"
+#include "limits.hpp"
+#include "problems_json.hpp"
+
+namespace takt::node {
+
+using json = nlohmann::ordered_json;
+using Phase = Supervised::Phase;
+
+void Agent::answer(const Command& command, ReplyCode code, const std::string& text, std::string data,
+                   std::optional<lifecycle::State> state, const std::string& value) {
+  dds::WholeReply reply;
+  reply.head.id(command.id());
+  dds::set(reply.head.device(), options_.device);
+  dds::set(reply.head.node(), options_.node);
+  reply.head.module_name(command.module_name());
+  reply.head.code(code);
+  if (state) reply.head.state(static_cast<LifecycleState>(*state));
+  dds::set(reply.head.text(), text);
+  dds::set(reply.head.value(), value);
+  reply.data = std::move(data);
+  outlet_.reply(reply);
+  note_answer(command, code, text);
+}
+
+void Agent::hear(const dds::WholeCommand& command) {
+  const Command& head = command.head;
+  const Nanoseconds late = span(head.deadline_ns(), options_.wall_ns());
+  // A device whose clock is another one can still be looked at.
+  if (head.deadline_ns() != 0 && late > Nanoseconds{0} && !dds::is_question(head.kind())) {
+    answer(head, REPLY_LATE,
+           std::string{takt::to_text(head.kind())} + " came " + takt::to_text(late) +
+               " after its deadline; synchronise the clocks of the devices, or give it more time");
+    return;
+  }
+  switch (head.kind()) {
+    case COMMAND_REPORT:
+      return report(head);
+    case COMMAND_DESCRIPTOR:
+      return descriptor(head);
+    case COMMAND_DESCRIBE:
+      return describe(head);
+    case COMMAND_PREPARE:
+      return prepare(command);
+    case COMMAND_RUN:
+      return run(command);
+    case COMMAND_UNDEPLOY:
+      return undeploy(head);
+    case COMMAND_INITIALIZE:
+      return order(head, Verb::initialize);
+    case COMMAND_START:
+      return order(head, Verb::start);
+    case COMMAND_STOP:
+      return order(head, Verb::stop);
+    case COMMAND_RECOVER:
+      return order(head, Verb::recover);
+    case COMMAND_RESET:
+      return order(head, Verb::reset);
+    case COMMAND_DESTRUCT:
+      return order(head, Verb::destruct);
+    case COMMAND_GET:
+    case COMMAND_SET:
+      return property(head);
+    case COMMAND_TAP:
+      return tap(head);
+    case COMMAND_LOG:
+      return log_asked(command);
+    case COMMAND_TRACE:
+      return trace(head);
+    case COMMAND_SWAP:
+      return swap(head);
+    case COMMAND_UPDATE:
+      return update(command);
+    case COMMAND_CHANGE:
+      return change(command);
+    case COMMAND_KEEP:
+      return keep(head);
+    case COMMAND_PUT_BACK:
+      return put_back(head);
+  }
+  answer(head, REPLY_REFUSED,
+         "this node does not know the command '" + std::to_string(static_cast<std::uint32_t>(head.kind())) +
+             "'");
+}
+
+void Agent::report(const Command& command) {
+  // Who prepares a cell asks for as long as its other devices take.
+  if (deployment_ && deployment_->ready_since && deployment_->id == command.deployment().to_string())
+    deployment_->ready_since = options_.now();
+  if (update_ && update_->after->id == command.deployment().to_string()) update_->heard = options_.now();
+  json report{{"name", options_.device},
+              {"alive", true},
+              {"real_time", options_.real_time},
+              {"executors", json::array()},
+              {"modules", json::array()}};
+  if (deployment_ && deployment_->supervised) report = deployment_->supervised->report();
+  const DeviceStatus now = status();
+  report["cell"] = deployment_ ? json(deployment_->cell.name) : json(nullptr);
+  report["state"] = takt::to_text(now.state());
+  if (now.text().size() != 0) report["text"] = now.text().to_string();
+  report["lost"] = lost_devices();
+  report["devices"] = json::array();
+  if (deployment_) {
+    for (const model::Device& device : deployment_->cell.devices) report["devices"].push_back(device.name);
+  }
+  report["heard"] = json::array();
+  for (const dds::SeenDevice& other : others_.devices()) {
+    if (other.alive) report["heard"].push_back(other.node());
+  }
+  report["searching"] = options_.now() - began_ < kFindsOthers;
+  answer(command, REPLY_OK, "", model::json_text(report));
+}
+
+// The other devices of this cell that do not live, as they were last heard: who comes later is told nothing
+// by them.
+json Agent::lost_devices() const {
+  json list = json::array();
+  if (!deployment_) return list;
+  for (const model::Device& device : deployment_->cell.devices) {
+    if (device.name == options_.device) continue;
+    const auto seen = others_.devices(device.name);
+    if (std::any_of(seen.begin(), seen.end(), [](const dds::SeenDevice& s) { return s.alive; })) continue;
+    json modules = json::array();
+    for (const model::Module& module : device.modules) {
+      std::string state = "UNKNOWN";
+      for (const dds::SeenDevice& s : seen) {
+        const auto status = s.deployment.modules.find(module.name);
+        if (status != s.deployment.modules.end()) state = takt::to_text(status->second.state());
+      }
+      modules.push_back({{"name", module.name},
+                         {"type", model::to_text(module.type)},
+                         {"operation", model::to_text(module.operation)},
+                         {"state", state}});
+    }
+    list.push_back({{"name", device.name}, {"modules", modules}});
+  }
+  return list;
+}
+
+void Agent::descriptor(const Command& command) {
+  if (!deployment_) {
+    answer(command, REPLY_REFUSED, "device " + options_.device + " has no deployment");
+    return;
+  }
+  answer(command, REPLY_OK, "", deployment_->text, {}, deployment_->file);
+}
+
+void Agent::describe(const Command& command) {
+  if (!deployment_ || !deployment_->supervised) {
+    answer(command, REPLY_REFUSED, "device " + options_.device + " has no deployment to describe");
+    return;
+  }
+  Deployment& d = *deployment_;
+  if (!d.description.empty()) {
+    answer(command, REPLY_OK, "", d.description);
+    return;
+  }
+  d.describers.push_back(command);
+  if (d.describing) return;
+  auto inspection = workshop_.inspect({.text = d.text,
+                                       .file = d.file,
+                                       .device = options_.device,
+                                       .as_written = options_.lent,
+                                       .describe = true,
+                                       .swapped = d.swapped});
+  if (inspection)
+    d.describing = std::move(*inspection);
+  else
+    described(inspection.problems());
+}
+
+void Agent::look_at_description() {
+  if (!deployment_ || !deployment_->describing) return;
+  if (const auto result = deployment_->describing->result(); result) {
+    deployment_->describing.reset();
+    described(*result);
+  }
+}
+
+void Agent::described(const Result<Inspected>& result) {
+  Deployment& d = *deployment_;
+  if (result) d.description = result->description;
+  for (const Command& describer : std::exchange(d.describers, {})) {
+    if (result)
+      answer(describer, REPLY_OK, "", d.description);
+    else
+      answer(describer, REPLY_FAILED, in_words(result.problems()),
+             model::json_text(problems_json(result.problems())));
+  }
+}
+
+/// An order to every module, answered when each has answered.
+struct Agent::WholeDevice {
+  Command command;
+  json outcomes = json::array();
+  std::size_t open = 0;
+  std::size_t done = 0;
+  std::size_t refused = 0;
+  std::string why;  ///< the first that did not
+};
+
+bool Agent::runs(const Command& command) {
+  if (deployment_ && deployment_->supervised && deployment_->supervised->phase() == Phase::running)
+    return true;
+  answer(command, REPLY_REFUSED,
+         deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
+                     : "device " + options_.device + " has no deployment");
+  return false;
+}
+
+std::optional<std::uint32_t> Agent::module_of(const Command& command) {
+  const std::vector<model::Module>& modules = deployment_->of_device().modules;
+  const std::string name = command.module_name().to_string();
+  const auto module =
+      std::find_if(modules.begin(), modules.end(), [&](const model::Module& m) { return m.name == name; });
+  if (module != modules.end()) return static_cast<std::uint32_t>(module - modules.begin());
+  std::vector<std::string_view> names;
+  for (const model::Module& m : modules) names.push_back(m.name);
+  answer(command, REPLY_REFUSED,
+         "device " + options_.device + " has no module " + in_quotes(name) + "; " + suggestion(name, names));
+  return std::nullopt;
+}
+
+void Agent::property(const Command& command) {
+  if (!runs(command)) return;
+  const auto module = module_of(command);
+  if (!module) return;
+  const auto done = [this, command](const Outcome& outcome) {
+    answer(command, outcome.code, outcome.text, {}, outcome.state, outcome.value);
+  };
+  const std::string name = command.property().to_string();
+  if (command.kind() == COMMAND_GET) {
+    deployment_->supervised->get(*module, name, done);
+  } else {
+    const auto set = [this, command, name, done](const Outcome& outcome) {
+      const std::string value = command.value().to_string();
+      if (outcome.code == REPLY_OK && deployment_)
+        deployment_->set[command.module_name().to_string()][name] = value;
+      done(outcome);
+    };
+    deployment_->supervised->set(*module, name, command.value().to_string(), set);
+  }
+}
+
+void Agent::tap(const Command& command) {
+  if (!runs(command)) return;
+  const auto module = module_of(command);
+  if (!module) return;
+  // Until when it is asked for says nothing where the asker's clock is another one.
+  const Nanoseconds asked = span(options_.wall_ns(), command.time_ns());
+  const Nanoseconds longer = asked > Nanoseconds{0} ? std::min(asked, kLongestTap) : kLongestTap;
+  const auto tapped =
+      deployment_->supervised->tap(*module, command.property().to_string(), options_.now() + longer);
+  if (!tapped) {
+    answer(command, REPLY_REFUSED, in_words(tapped.problems()));
+    return;
+  }
+  nlohmann::ordered_json told{
+      {"topic", tapped->topic}, {"type", tapped->type}, {"reliable", tapped->reliable}};
+  if (!tapped->reply_topic.empty())
+    told["reply"] = {{"topic", tapped->reply_topic}, {"type", tapped->reply_type}};
+  answer(command, REPLY_OK, "", model::json_text(told));
+}
+
+void Agent::trace(const Command& command) {
+  if (!deployment_ || !deployment_->supervised) {
+    answer(command, REPLY_REFUSED, "device " + options_.device + " has no deployment to trace");
+    return;
+  }
+  const std::string value = command.value().to_string();
+  std::int64_t ns = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), ns);
+  if (error != std::errc{} || end != value.data() + value.size() || ns <= 0) {
+    answer(command, REPLY_REFUSED, in_quotes(value) + " is no number of nanoseconds");
+    return;
+  }
+  deployment_->supervised->trace(Nanoseconds{ns}, dds::kMaxData,
+                                 [this, command](const Result<std::string>& trace) {
+                                   if (trace)
+                                     answer(command, REPLY_OK, "", *trace);
+                                   else
+                                     answer(command, REPLY_FAILED, in_words(trace.problems()));
+                                 });
+}
+
+void Agent::swap(const Command& command) {
+  if (!runs(command)) return;
+  const auto module = module_of(command);
+  if (!module) return;
+  Deployment& d = *deployment_;
+  if (update_) {
+    answer(command, REPLY_REFUSED, "device " + options_.device + " is just being updated; ask again");
+    return;
+  }
+  if (d.swap) {
+    answer(command, REPLY_REFUSED,
+           "device " + options_.device + " is still swapping " + d.swap->module_name().to_string() +
+               "; ask again");
+    return;
+  }
+  if (const auto may = d.supervised->may_swap(*module); !may) {
+    answer(command, REPLY_REFUSED, in_words(may.problems()));
+    return;
+  }
+  const std::string name = command.module_name().to_string();
+  const std::string file = command.value().to_string();
+  if (const std::size_t slash = file.rfind('/'); slash != std::string::npos && !options_.lent) {
+    const std::string target = options_.device + "." + name;
+    complain(command, REPLY_REFUSED,
+             {{"file " + file,
+               "it has a path, and device " + options_.device +
+                   " looks for it by its name alone, on its component path",
+               "copy it there, and takt swap " + target + " " + file.substr(slash + 1)}});
+    return;
+  }
+  auto looking = workshop_.inspect({.text = d.text,
+                                    .file = d.file,
+                                    .device = options_.device,
+                                    .as_written = options_.lent,
+                                    .only = name,
+                                    .swapped = {{name, file}}});
+  if (!looking) {
+    answer(command, REPLY_FAILED, in_words(looking.problems()));
+    return;
+  }
+  d.swap = command;
+  d.looking = std::move(*looking);
+}
+
+void Agent::look_at_swap() {
+  if (!deployment_ || !deployment_->looking) return;
+  Deployment& d = *deployment_;
+  const auto result = d.looking->result();
+  if (!result) return;
+  d.looking.reset();
+  const auto module = module_of(*d.swap);
+  if (!*result) {
+    const Command command = *std::exchange(d.swap, std::nullopt);
+    Problems problems = result->problems();
+    // Whoever ordered it named a file; the line of the descriptor where the module is says nothing of it.
+    for (Problem& problem : problems) problem.where = "file " + command.value().to_string();
+    complain(command, REPLY_REFUSED, problems);
+    return;
+  }
+  const std::string path = (*result)->paths.at(0);
+  d.supervised->swap(*module, path, [this, path, index = *module](const Outcome& outcome) {
+    Deployment& swapped = *deployment_;
+    const Command command = *std::exchange(swapped.swap, std::nullopt);
+    if (outcome.code == REPLY_OK) {
+      swapped.swapped[command.module_name().to_string()] = path;
+      swapped.found.paths.at(index) = path;
+      swapped.description.clear();
+    }
+    const bool ok = outcome.code == REPLY_OK;
+    const Problem why{"module " + options_.device + "." + command.module_name().to_string(), outcome.text,
+                      ""};
+    answer(command, outcome.code, outcome.text, ok ? "" : model::json_text(problems_json({why})),
+           outcome.state, ok ? path : "");
+  });
+}
+
+void Agent::order(const Command& command, Verb verb) {
+  if (!runs(command)) return;
+  const std::vector<model::Module>& modules = deployment_->of_device().modules;
+  if (command.module_name().size() != 0) {
+    const auto module = module_of(command);
+    if (!module) return;
+    deployment_->supervised->order(*module, verb, [this, command](const Outcome& outcome) {
+      const Problem why{"module " + options_.device + "." + command.module_name().to_string(), outcome.text,
+                        ""};
+      const bool failed = outcome.code == REPLY_FAILED;
+      answer(command, outcome.code, outcome.text, failed ? model::json_text(problems_json({why})) : "",
+             outcome.state);
+    });
+    return;
+  }
+  auto all = std::make_shared<WholeDevice>();
+  all->command = command;
+  all->open = modules.size();
+  for (std::uint32_t i = 0; i < modules.size(); ++i) {
+    deployment_->supervised->order(i, verb, [this, all, module = modules[i].name](const Outcome& outcome) {
+      all->done += outcome.code == REPLY_OK ? 1 : 0;
+      all->refused += outcome.code == REPLY_REFUSED ? 1 : 0;
+      if (outcome.code != REPLY_OK && all->why.empty()) all->why = module + ": " + outcome.text;
+      all->outcomes.push_back({{"module", module},
+                               {"ok", outcome.code == REPLY_OK},
+                               {"state", lifecycle::to_text(outcome.state)},
+                               {"text", outcome.text}});
+      if (--all->open != 0) return;
+      const std::size_t count = all->outcomes.size();
+      const ReplyCode code = all->done == count      ? REPLY_OK
+                             : all->refused == count ? REPLY_REFUSED
+                                                     : REPLY_FAILED;
+      answer(all->command, code,
+             code == REPLY_OK ? ""
+                              : std::to_string(count - all->done) + " of " + std::to_string(count) +
+                                    " modules did not do it: " + all->why,
+             model::json_text(all->outcomes));
+    });
+  }
+}
+
+}  // namespace takt::node

@@ -1,0 +1,473 @@
+// From a descriptor that was sent to a device that runs, and back.
+#include "agent_update.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/span.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
+#include <takt/node/log.hpp>
+#include <takt/schedule/plan.hpp>
+#include "limits.hpp"
+#include "problems_json.hpp"
+
+namespace takt::node {
+
+using json = nlohmann::ordered_json;
+using Phase = Supervised::Phase;
+
+namespace {
+
+// The device of a descriptor's text, with its plan made once, so that no later step can refuse it.
+struct Found {
+  model::Cell cell;
+  std::size_t device;
+};
+Result<Found> find_device(const std::string& text, const std::string& file, const std::string& name) {
+  auto cell = descriptor::parse(text, file);
+  if (!cell) return cell.problems();
+  const auto device = std::find_if(cell->devices.begin(), cell->devices.end(),
+                                   [&](const model::Device& d) { return d.name == name; });
+  if (device == cell->devices.end()) {
+    return Problem{file, "cell " + cell->name + " has no device " + name,
+                   "deploy it to the devices that it names"};
+  }
+  if (const auto plan = schedule::plan(*cell, *device); !plan) return plan.problems();
+  const auto index = static_cast<std::size_t>(device - cell->devices.begin());
+  return Found{std::move(*cell), index};
+}
+
+}  // namespace
+
+nlohmann::ordered_json Agent::Deployment::ports_of(const model::Device& device, const Inspected& found) {
+  json modules = json::array();
+  for (std::size_t i = 0; i < device.modules.size(); ++i) {
+    const bool known = i < found.ports.size() && found.ports[i];
+    modules.push_back(
+        {{"name", device.modules[i].name},
+         {"ports", known ? model::parse_json(model::ports_json(*found.ports[i])) : json(nullptr)}});
+  }
+  return {{"modules", modules}};
+}
+
+std::unique_ptr<Agent::Deployment> Agent::Deployment::afresh() const {
+  auto again = std::make_unique<Deployment>();
+  again->id = id;
+  again->file = file;
+  again->text = text;
+  again->require_real_time = require_real_time;
+  again->cell = cell;
+  again->device = device;
+  again->found = found;
+  again->swapped = swapped;
+  again->set = set;
+  again->t0_wall_ns = t0_wall_ns;
+  again->t0 = t0;
+  again->safe = safe;
+  return again;
+}
+
+// Why there can be no other deployment now.
+std::string Agent::occupied() const {
+  const std::string cell = " cell " + deployment_->cell.name + ", ";
+  const std::string device = "device " + options_.device;
+  if (deployment_->over) return device + " still holds" + cell + "which has ended";
+  if (!deployment_->supervised || deployment_->supervised->phase() == Phase::preparing)
+    return device + " already prepares" + cell + "wait for that, or undeploy it";
+  if (deployment_->supervised->phase() == Phase::stopping)
+    return device + " is just ending" + cell + "ask again";
+  return device + " already runs" + cell + "undeploy it first";
+}
+
+void Agent::prepare(const dds::WholeCommand& command) {
+  const Command& head = command.head;
+  const std::string id = head.deployment().to_string();
+  if (!clash_.empty()) {
+    answer(head, REPLY_REFUSED, clash_,
+           model::json_text(problems_json({{"device " + options_.device, clash_, "end one of them"}})));
+    return;
+  }
+  if (ending_) {
+    answer(head, REPLY_REFUSED, "the node of device " + options_.device + " is ending");
+    return;
+  }
+  if (update_) {
+    answer(head, REPLY_REFUSED, "device " + options_.device + " is just being updated; ask again");
+    return;
+  }
+  if (deployment_ && deployment_->id == id && !deployment_->over && deployment_->undeployers.empty()) {
+    if (deployment_->ready_since)
+      answer(head, REPLY_OK, "",
+             model::json_text(Deployment::ports_of(deployment_->of_device(), deployment_->found)));
+    else
+      deployment_->preparers.push_back(head);
+    return;
+  }
+  if (deployment_) {
+    Problem problem{"", occupied(), deployment_->over ? "undeploy it first" : ""};
+    answer(head, REPLY_REFUSED, in_words({problem}), model::json_text(problems_json({problem})));
+    return;
+  }
+  auto deployment = std::make_unique<Deployment>();
+  deployment->id = id;
+  deployment->file = head.value().to_string();
+  deployment->text = command.data;
+  deployment->require_real_time = options_.require_real_time || head.property() == dds::kRequireRealTime;
+  deployment->preparers.push_back(head);
+  begin(std::move(deployment));
+}
+
+void Agent::begin(std::unique_ptr<Deployment> deployment) {
+  last_refusal_.clear();
+  deployment_ = std::move(deployment);
+  auto found = find_device(deployment_->text, deployment_->file, options_.device);
+  if (!found) {
+    refuse(found.problems());
+    return;
+  }
+  if (auto secured = check_security(found->cell); !secured) {
+    deployment_->cell = std::move(found->cell);
+    refuse(secured.problems());
+    return;
+  }
+  deployment_->cell = std::move(found->cell);
+  deployment_->device = found->device;
+  log("prepares cell " + deployment_->cell.name);
+  auto inspection = workshop_.inspect({.text = deployment_->text,
+                                       .file = deployment_->file,
+                                       .device = options_.device,
+                                       .as_written = options_.lent});
+  if (!inspection) {
+    refuse(inspection.problems());
+    return;
+  }
+  deployment_->inspection = std::move(*inspection);
+}
+
+Result<void> Agent::check_security(const model::Cell& cell) const {
+  if (cell.security_required && options_.cell.empty()) {
+    return fail("cell " + cell.name + " requires security, and the node of device " + options_.device +
+                    " runs without",
+                "start it with --security FOLDER; takt secure makes such folders");
+  }
+  if (!options_.cell.empty() && options_.cell != cell.name) {
+    return fail("the identity of device " + options_.device + " is for cell " + options_.cell +
+                    ", not for cell " + cell.name,
+                "give the device an identity of that cell");
+  }
+  return {};
+}
+
+void Agent::look_at_inspection() {
+  if (!deployment_ || !deployment_->inspection) return;
+  const auto result = deployment_->inspection->result();
+  if (!result) return;
+  deployment_->inspection.reset();
+  if (!*result) {
+    refuse(result->problems());
+    return;
+  }
+  deployment_->found = **result;
+  bring_up();
+}
+
+void Agent::bring_up() {
+  Deployment& d = *deployment_;
+  for (const model::Module& module : d.of_device().modules) {
+    LifecycleStatus status;
+    dds::set(status.path(), dds::path_of(d.cell.name, options_.device, module.name));
+    dds::set(status.cell(), d.cell.name);
+    dds::set(status.device(), options_.device);
+    dds::set(status.name(), module.name);
+    status.state(STATE_IDLE);
+    status.previous_state(STATE_IDLE);
+    status.event(EVENT_NONE);
+    status.time_ns(options_.wall_ns());
+    outlet_.say(status);
+    d.modules.push_back(status);
+  }
+  model::Cell cell = d.cell;
+  for (model::Module& module : cell.devices[d.device].modules) {
+    for (const auto& [name, value] : d.set[module.name]) model::give_property(module, name, value);
+  }
+  d.supervised = workshop_.supervise(
+      {.cell = std::move(cell),
+       .device = d.device,
+       .paths = d.found.paths,
+       .ports = d.found.ports,
+       .require_real_time = d.require_real_time,
+       .stepped = [this](const Step& step) { stepped(step); },
+       .noted = [this](model::Fault fault, const std::string& origin) { note(std::move(fault), origin); },
+       .executes =
+           [this](const std::string& device, const std::string& module) {
+             return others_.executes(deployment_->cell.name, device, module);
+           }});
+  if (const auto prepared = d.supervised->prepare(); !prepared) refuse(prepared.problems());
+}
+
+void Agent::stepped(const Step& step) {
+  LifecycleStatus& status = deployment_->modules.at(step.module);
+  status.state(static_cast<LifecycleState>(step.transition.to));
+  status.previous_state(static_cast<LifecycleState>(step.transition.from));
+  status.event(static_cast<LifecycleEvent>(static_cast<std::uint32_t>(step.transition.event) + 1));
+  status.error(static_cast<LifecycleError>(step.error));
+  dds::set(status.text(), step.text);
+  status.sequence_number(step.transition.sequence);
+  status.time_ns(options_.wall_ns());
+  outlet_.say(status);
+}
+
+// The deployment could not be brought up; nothing of it is left.
+void Agent::refuse(const Problems& problems) {
+  if (update_ && update_->in_transit()) {
+    taken_down(problems);
+    return;
+  }
+  if (deployment_->preparers.empty()) {
+    log("cell " + deployment_->cell.name + " could not be taken up again: " + in_words(problems));
+    last_refusal_ = to_text(problems[0]);
+  }
+  for (const Command& preparer : deployment_->preparers)
+    answer(preparer, REPLY_FAILED, in_words({problems[0]}), model::json_text(problems_json(problems)));
+  for (const Command& undeployer : deployment_->undeployers) answer(undeployer, REPLY_OK, "");
+  clear();
+}
+
+void Agent::look_at_supervised() {
+  if (!deployment_ || !deployment_->supervised || deployment_->over) return;
+  Deployment& d = *deployment_;
+  d.supervised->step();
+  switch (d.supervised->phase()) {
+    case Phase::preparing:
+    case Phase::running:
+    case Phase::stopping:
+      break;
+    case Phase::ready:
+      if (!d.ready_since) {
+        d.ready_since = options_.now();
+        for (const Command& preparer : d.preparers)
+          answer(preparer, REPLY_OK, "", model::json_text(Deployment::ports_of(d.of_device(), d.found)));
+        d.preparers.clear();
+        if (d.t0_wall_ns) {
+          go(*d.t0_wall_ns);
+          if (!update_) keep_for_restart();
+        }
+        if (update_ && update_->in_transit()) brought_up();
+      } else if (options_.now() - *d.ready_since > kRunAwaited) {
+        d.undone = "nobody said when it is to run, within " + takt::to_text(kRunAwaited);
+        log("cell " + d.cell.name + " is undone: " + d.undone);
+        d.supervised->stop();
+      }
+      break;
+    case Phase::ended:
+      finish();
+      break;
+  }
+}
+
+void Agent::run(const dds::WholeCommand& whole) {
+  const Command& command = whole.head;
+  const std::string id = command.deployment().to_string();
+  if (!deployment_ || (!id.empty() && deployment_->id != id)) {
+    answer(
+        command, REPLY_REFUSED,
+        "device " + options_.device + " has nothing prepared" + (deployment_ ? " of this deployment" : ""));
+    return;
+  }
+  if (deployment_->t0_wall_ns == command.time_ns()) {  // again
+    answer(command, REPLY_OK, "");
+    return;
+  }
+  if (!deployment_->supervised || deployment_->supervised->phase() != Phase::ready) {
+    answer(command, REPLY_REFUSED, occupied());
+    return;
+  }
+  const Nanoseconds ahead = span(options_.wall_ns(), command.time_ns());
+  if (ahead <= Nanoseconds{0} || ahead > kFurthestStart) {
+    answer(command, REPLY_REFUSED,
+           ahead <= Nanoseconds{0}
+               ? "the instant at which it was to run is " + takt::to_text(-ahead) + " past on device " +
+                     options_.device + "; synchronise the clocks of the devices"
+               : "the instant at which it was to run is " + takt::to_text(ahead) + " ahead on device " +
+                     options_.device + "; synchronise the clocks of the devices");
+    return;
+  }
+  deployment_->safe = whole.data;
+  go(command.time_ns());
+  answer(command, REPLY_OK, "");
+  keep_for_restart();  // a disk may take longer than the asker waits
+}
+
+void Agent::go(std::int64_t t0_wall_ns) {
+  Deployment& d = *deployment_;
+  d.t0_wall_ns = t0_wall_ns;
+  if (!d.t0) d.t0 = options_.instant_of_wall(t0_wall_ns);
+  d.supervised->give_safe(model::parse_safe(d.safe));
+  d.supervised->go(*d.t0);
+  note({.kind = model::FaultKind::deployed, .cause = "cell " + d.cell.name + " runs, from " + d.file});
+}
+
+void Agent::keep_for_restart() {
+  if (!options_.file) return;
+  Deployment& d = *deployment_;
+  const auto kept = options_.file->keep({.id = d.id,
+                                         .file = d.file,
+                                         .text = d.text,
+                                         .require_real_time = d.require_real_time,
+                                         .t0_ns = *d.t0_wall_ns,
+                                         .boot = options_.boot,
+                                         .t0_monotonic_ns = to_ns(*d.t0),
+                                         .safe = d.safe});
+  const bool again = std::exchange(d.unkept, !kept);
+  if (kept && again) log("cell " + d.cell.name + " is kept for a restart now");
+  if (kept || again) return;
+  const std::string what = "cell " + d.cell.name + " is not kept for a restart: " + in_words(kept.problems());
+  log("warning: " + what);
+  note({.kind = model::FaultKind::error, .cause = what});
+}
+
+// What could not be written may find room again.
+void Agent::watch_disk() {
+  const Instant now = options_.now();
+  if (now - disk_tried_at_ < kDiskTriedEvery) return;
+  disk_tried_at_ = now;
+  if (options_.record->take_up_again())
+    log("the fault record is in its file again: " + options_.record->file());
+  if (deployment_ && deployment_->unkept && !update_) keep_for_restart();
+}
+
+void Agent::undeploy(const Command& command) {
+  const std::string id = command.deployment().to_string();
+  if (deployment_ && !id.empty() && deployment_->id != id) {
+    answer(command, REPLY_REFUSED,
+           "device " + options_.device + " has another deployment, of cell " + deployment_->cell.name);
+    return;
+  }
+  drop_update("it was undeployed");
+  if (!deployment_) {
+    forget_kept();
+    last_refusal_.clear();
+    answer(command, REPLY_OK, "device " + options_.device + " has no deployment",
+           !id.empty() && id == last_id_ ? last_data_ : "");
+    return;
+  }
+  deployment_->undeployers.push_back(command);
+  if (!deployment_->supervised) {
+    refuse({fail("it was undeployed")});
+  } else if (deployment_->over) {
+    finish();
+  } else {
+    deployment_->supervised->stop();
+  }
+}
+
+// It has ended: by a failure, or because it was told to.
+void Agent::finish() {
+  Deployment& d = *deployment_;
+  const Problems failures = d.supervised->failures();
+  const bool started = d.ready_since.has_value();
+  const std::vector<Command> preparers = std::move(d.preparers);
+  const std::vector<Command> undeployers = std::move(d.undeployers);
+  const bool in_transit = update_ && update_->in_transit();
+  ended_at_ = options_.now();
+  nlohmann::ordered_json texts = nlohmann::ordered_json::array();
+  for (const Problem& problem : failures) texts.push_back(to_text(problem));
+  last_id_ = d.id;
+  last_data_ = model::json_text({{"report", d.supervised->report()}, {"failures", texts}});
+  if (!started && preparers.empty() && undeployers.empty() && !failures.empty())
+    last_refusal_ = to_text(failures[0]);
+
+  sieve_.flush();
+  if (started) {
+    note({.kind = model::FaultKind::undeployed,
+          .cause = "cell " + d.cell.name + " has ended" +
+                   (!failures.empty()      ? ": " + in_words({failures[0]})
+                    : !undeployers.empty() ? ", as it was told to"
+                    : !d.undone.empty()    ? ": " + d.undone
+                    : in_transit           ? ": it is being changed"
+                    : ending_              ? ": its node is ending"
+                                           : "")});
+  }
+  devices_seen_.clear();
+  if (in_transit) {
+    taken_down(failures);
+    return;
+  }
+  if (undeployers.empty() && started && d.undone.empty()) {
+    // What was brought up anew can still be put back.
+    if (update_ && !update_->is_after)
+      drop_update("the device has ended" + (failures.empty() ? "" : ": " + in_words({failures[0]})));
+    d.over = true;
+    return;
+  }
+  if (!undeployers.empty()) {
+    forget_kept();
+    log("cell " + d.cell.name + " is undeployed");
+  }
+  clear();
+  tell_status();  // who has the answer finds the device free
+  const Problems reasons = failures.empty() ? Problems{fail("it was undeployed")} : failures;
+  for (const Command& preparer : preparers)
+    answer(preparer, REPLY_FAILED, in_words({reasons[0]}), model::json_text(problems_json(reasons)));
+  for (const Command& undeployer : undeployers) answer(undeployer, REPLY_OK, "", last_data_);
+}
+
+void Agent::forget_kept() {
+  if (!options_.file) return;
+  if (const auto forgotten = options_.file->forget(); !forgotten)
+    log("warning: " + in_words(forgotten.problems()));
+}
+
+void Agent::clear() {
+  if (!deployment_->describers.empty()) described(fail("the deployment ended before it was described"));
+  if (deployment_->swap) answer(*deployment_->swap, REPLY_FAILED, "the device ends");
+  if (deployment_->supervised && !deployment_->modules.empty())
+    outlet_.take_back(deployment_->modules, deployment_->supervised->measures());
+  deployment_.reset();
+}
+
+void Agent::resume() {
+  if (!options_.file) return;
+  const auto kept = options_.file->kept();
+  if (!kept) {
+    log("nothing is taken up again: " + in_words(kept.problems()));
+    last_refusal_ = to_text(kept.problems()[0]);
+    return;
+  }
+  if (!*kept) return;
+  // The wall clock may have been set; the other goes on as long as the machine does.
+  std::optional<Instant> t0;
+  if (!options_.boot.empty() && (*kept)->boot == options_.boot) t0 = from_ns((*kept)->t0_monotonic_ns);
+  // Else it would wait for that instant in silence, for years where a clock went wrong.
+  const Nanoseconds ahead =
+      t0 ? span(to_ns(options_.now()), to_ns(*t0)) : span(options_.wall_ns(), (*kept)->t0_ns);
+  if (ahead > kFurthestStart) {
+    last_refusal_ = "the kept deployment runs from an instant that is " + takt::to_text(ahead) +
+                    " ahead; set the clock of device " + options_.device + ", or deploy the cell again";
+    log("nothing is taken up again: " + last_refusal_);
+    return;
+  }
+  auto deployment = std::make_unique<Deployment>();
+  deployment->id = (*kept)->id;
+  deployment->file = (*kept)->file;
+  deployment->text = (*kept)->text;
+  deployment->require_real_time = (*kept)->require_real_time || options_.require_real_time;
+  deployment->t0_wall_ns = (*kept)->t0_ns;
+  deployment->t0 = t0;
+  deployment->safe = (*kept)->safe;
+  begin(std::move(deployment));
+}
+
+void Agent::leave_kept() const {
+  if (!options_.file) return;
+  const auto kept = options_.file->kept();
+  if (!kept || !*kept) return;
+  const auto found = find_device((*kept)->text, (*kept)->file, options_.device);
+  log((found ? "cell " + found->cell.name : "a cell") +
+      " was running when this node ended and is not taken up again; --resume would");
+}
+
+}  // namespace takt::node

@@ -1,0 +1,136 @@
+// The fault record of a device: what goes into it beside what its modules do, and who may read it.
+#include <algorithm>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/words.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
+#include <takt/os/environment.hpp>
+#include "agent_deployment.hpp"
+
+namespace takt::node {
+
+using json = nlohmann::ordered_json;
+using model::FaultKind;
+
+namespace {
+
+/// "robot.servo: stop", "set gain = 2": what somebody asked for.
+std::string wish_of(const Command& command) {
+  std::string text = takt::to_text(command.kind());
+  if (command.kind() == COMMAND_GET || command.kind() == COMMAND_SET || command.kind() == COMMAND_TAP)
+    text += " " + command.property().to_string();
+  if (command.kind() == COMMAND_SET) text += " = " + command.value().to_string();
+  if (command.kind() == COMMAND_SWAP || command.kind() == COMMAND_UPDATE)
+    text += " to " + command.value().to_string();
+  return text;
+}
+
+bool changes_something(CommandKind kind) {
+  switch (kind) {
+    case COMMAND_INITIALIZE:
+    case COMMAND_START:
+    case COMMAND_STOP:
+    case COMMAND_RECOVER:
+    case COMMAND_RESET:
+    case COMMAND_DESTRUCT:
+    case COMMAND_SET:
+    case COMMAND_SWAP:
+      return true;
+    default:
+      return false;  // deployments have events of their own; the others ask
+  }
+}
+
+}  // namespace
+
+void Agent::came_up() {
+  const FaultRecord& record = *options_.record;
+  const auto& events = record.events();
+  if (!events.empty() && events.back().kind != FaultKind::node_end) {
+    note({.kind = FaultKind::node_restart,
+          .cause = "the node before this one was not ended in order; its last event is " +
+                   std::to_string(events.back().sequence)});
+  } else {
+    note({.kind = FaultKind::node_start, .cause = "process " + std::to_string(os::process_id())});
+  }
+  for (const Problem& problem : record.problems())
+    note({.kind = FaultKind::error, .cause = "the fault record: " + in_words({problem})});
+}
+
+void Agent::goes_down() {
+  sieve_.flush();
+  note({.kind = FaultKind::node_end, .cause = "in order"});
+  if (const auto disk = options_.record->disk()) disk->sync();
+}
+
+void Agent::note(model::Fault fault, const std::string& origin) {
+  fault.time_ns = options_.wall_ns();
+  fault.cell = deployment_ ? deployment_->cell.name : std::string{};
+  if (fault.cell.empty()) fault.cell = dds::kNoCell;
+  fault.device = options_.device;
+  fault.cause = on_one_line(fault.cause);
+  sieve_.put(std::move(fault), options_.now(), origin);
+}
+
+void Agent::note_answer(const Command& command, ReplyCode code, const std::string& text) {
+  const std::string module = command.module_name().to_string();
+  if (code == REPLY_OK) {
+    if (changes_something(command.kind()))
+      note({.module = module, .kind = FaultKind::command, .cause = wish_of(command) + " was carried out"});
+    return;
+  }
+  // Ids of one asker differ in what follows the last '-'.
+  const std::string id = command.id().to_string();
+  note({.module = module,
+        .kind = code == REPLY_FAILED ? FaultKind::failed_command : FaultKind::refused_command,
+        .cause = wish_of(command) + ": " + text},
+       id.substr(0, id.rfind('-')));
+}
+
+// The other devices of the cell that runs here.
+void Agent::watch_devices() {
+  if (!deployment_ || !deployment_->t0_wall_ns || deployment_->over) return;
+  for (const model::Device& device : deployment_->cell.devices) {
+    if (device.name == options_.device) continue;
+    const auto seen = others_.devices(device.name);
+    const bool alive = std::any_of(seen.begin(), seen.end(), [](const auto& s) { return s.alive; });
+    const auto [at, added] = devices_seen_.try_emplace(device.name, alive);
+    if (std::exchange(at->second, alive) == alive || added) continue;
+    note({.kind = alive ? FaultKind::device_back : FaultKind::device_lost,
+          .cause = "device " + device.name +
+                   (alive          ? " is there again"
+                    : seen.empty() ? " has left"
+                                   : " is lost: its node is not heard any more")},
+         device.name);
+  }
+}
+
+void Agent::log_asked(const dds::WholeCommand& command) {
+  auto filter = model::filter_from(command.data);
+  if (!filter) {
+    answer(command.head, REPLY_REFUSED, in_words(filter.problems()));
+    return;
+  }
+  const FaultRecord& record = *options_.record;
+  json events = json::array();
+  for (const model::Fault& fault : filter->of(record.events())) events.push_back(model::to_json(fault));
+  std::int64_t newest_ns = 0;
+  for (const model::Fault& fault : record.events()) newest_ns = std::max(newest_ns, fault.time_ns);
+  json lost = json::array();
+  for (const auto& [name, alive] : devices_seen_) {
+    if (!alive) lost.push_back(name);
+  }
+  answer(command.head, REPLY_OK, "",
+         model::json_text({{"file", record.file().empty() ? json(nullptr) : json(record.file())},
+                           {"newest", record.events().empty() ? 0 : record.events().back().sequence},
+                           {"newest_time_ns", newest_ns},
+                           {"overwritten", record.overwritten()},
+                           {"damaged", record.damaged()},
+                           {"lost", lost},
+                           {"events", events}}));
+}
+
+}  // namespace takt::node

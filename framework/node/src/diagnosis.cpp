@@ -1,0 +1,471 @@
+#include <takt/node/diagnosis.hpp>
+
+#include <algorithm>
+#include <cstdio>
+
+#include <takt/core/words.hpp>
+#include <takt/os/process.hpp>
+#include "conditions.hpp"
+
+namespace takt::node {
+
+namespace {
+
+using os::Machine;
+using os::Trial;
+using takt::to_text;  // beside that of a Severity
+
+constexpr Nanoseconds kDeepIdle = std::chrono::microseconds{10};
+constexpr double kStolenSpoils = 0.005;
+constexpr double kStolenNote = 0.001;
+constexpr Nanoseconds kLateNote = std::chrono::microseconds{100};
+constexpr Nanoseconds kLateSpoils = std::chrono::milliseconds{1};
+constexpr std::uint64_t kMiB = 1024 * 1024;
+// What a reader of DDS asks for a burst of large samples.
+constexpr std::uint64_t kSocketBuffer = kMiB;
+constexpr std::uint64_t kFiles = 1024;
+constexpr const char* kHost = "the host of this virtual machine";
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f %%", share * 100);
+  return text;
+}
+
+std::string amount(std::uint64_t bytes) {
+  return bytes >= kMiB ? std::to_string(bytes / kMiB) + " MiB" : std::to_string(bytes / 1024) + " KiB";
+}
+
+std::string microseconds(Nanoseconds time) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f us", static_cast<double>(time.count()) / 1e3);
+  return text;
+}
+
+std::string limit_text(const std::optional<std::uint64_t>& limit) {
+  return limit ? std::to_string(*limit) : "unlimited";
+}
+
+bool has(const std::vector<int>& cpus, int cpu) {
+  return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end();
+}
+
+// Where executors run: what is isolated, else the highest, which an executor without `cpu` gets first.
+std::vector<int> executor_cpus(const Machine& machine) {
+  if (!machine.isolated.empty()) return machine.isolated;
+  return machine.online.size() < 2 ? std::vector<int>{} : std::vector<int>{machine.online.back()};
+}
+
+Finding preemption(const Machine& machine, const Trial&) {
+  using os::Preemption;
+  Finding finding{.name = "preemption",
+                  .found = "the kernel " + machine.kernel,
+                  .why =
+                      "while the kernel works for somebody else it keeps a real-time thread waiting, for "
+                      "milliseconds where it cannot be interrupted"};
+  const char* const install = "apt-get install linux-image-rt-amd64, and reboot";
+  const char* const boot = "boot with preempt=full, or better: apt-get install linux-image-rt-amd64";
+  if (!machine.preemption) {
+    finding.severity = Severity::note;
+    finding.found += " chooses its preemption at boot, and which it is cannot be read here";
+    finding.cure = "mount -t debugfs none /sys/kernel/debug, and ask again as root";
+    return finding;
+  }
+  switch (*machine.preemption) {
+    case Preemption::none:
+      finding.severity = Severity::spoils;
+      finding.found += " is preempted nowhere";
+      finding.cure = boot;
+      break;
+    case Preemption::voluntary:
+      finding.severity = Severity::spoils;
+      finding.found += " is preempted at few places at most (voluntary, or none)";
+      finding.cure = boot;
+      break;
+    case Preemption::lazy:
+    case Preemption::full:
+      finding.severity = Severity::note;
+      finding.found += " is preempted (" + std::string{to_text(*machine.preemption)} +
+                       "), but neither in interrupts nor under its spin locks";
+      finding.cure = install;
+      break;
+    case Preemption::real_time:
+      finding.found += " is PREEMPT_RT";
+      break;
+  }
+  return finding;
+}
+
+Finding priority(const Machine& machine, const Trial& trial) {
+  Finding finding{.name = "priority",
+                  .found = "SCHED_FIFO is granted",
+                  .why = "without it any busy program delays control loops, for milliseconds and more"};
+  if (trial.priority) return finding;
+  finding.severity = Severity::spoils;
+  finding.found = in_words(trial.priority.problems());
+  if (machine.priority) finding.found += " (rtprio limit " + limit_text(machine.priority->hard) + ")";
+  finding.cure = "run as root, or: setcap cap_sys_nice,cap_ipc_lock+ep " + os::program_directory() +
+                 "/takt-node " + os::private_directory() +
+                 "/takt-host, or: echo '* - rtprio 98' >> /etc/security/limits.conf";
+  return finding;
+}
+
+Finding memory(const Machine& machine, const Trial& trial) {
+  Finding finding{.name = "memory",
+                  .found = "mlockall is granted",
+                  .why =
+                      "a page that is not in memory when it is touched costs microseconds, and milliseconds "
+                      "when it comes from a disk"};
+  if (trial.locking) return finding;
+  finding.severity = Severity::spoils;
+  finding.found = in_words(trial.locking.problems());
+  if (machine.locked && machine.locked->hard)
+    finding.found += " (hard limit " + amount(*machine.locked->hard) + ")";
+  finding.cure = "run as root, or: echo '* - memlock unlimited' >> /etc/security/limits.conf";
+  return finding;
+}
+
+Finding swap(const Machine& machine, const Trial& trial) {
+  Finding finding{.name = "swap",
+                  .found = "none",
+                  .why =
+                      "what was swapped out waits for the disk; locked memory is not swapped out, but the "
+                      "programs that a cell talks to are"};
+  if (!machine.swap_bytes || *machine.swap_bytes == 0) return finding;
+  finding.severity = trial.locking ? Severity::note : Severity::spoils;
+  finding.found = amount(*machine.swap_bytes) + " of swap are in use or may be";
+  finding.cure = "swapoff -a, and remove it from /etc/fstab";
+  return finding;
+}
+
+Finding throttling(const Machine& machine, const Trial&) {
+  Finding finding{
+      .name = "throttling",
+      .found = "off",
+      .why =
+          "an executor that never sleeps (wakeup=\"spin\") is interrupted for that long; one that "
+          "sleeps is not"};
+  if (!machine.throttling) {
+    finding.found = "this kernel has none that can be read";
+    return finding;
+  }
+  const os::Throttling& t = *machine.throttling;
+  if (!t.on()) return finding;
+  finding.severity = Severity::note;
+  finding.found = to_text(t.kept) + " of each " + to_text(t.period) + " are kept from real-time threads" +
+                  (t.fair_server ? " while ordinary ones wait for their processor (the fair server)" : "") +
+                  (t.seen ? "" : "; these are the kernel's own values, the present ones cannot be read here");
+  finding.cure = throttling_cure(t);
+  return finding;
+}
+
+Finding isolation(const Machine& machine, const Trial&) {
+  Finding finding{.name = "isolation",
+                  .found = "",
+                  .why =
+                      "on a processor that others use too a control loop finds its caches cold, and the "
+                      "kernel's own work in front of it"};
+  if (!machine.isolated.empty()) {
+    finding.found = "processors " + os::cpus_text(machine.isolated) + " are isolated";
+    const bool tickless = std::all_of(machine.isolated.begin(), machine.isolated.end(),
+                                      [&](int cpu) { return has(machine.tickless, cpu); });
+    if (tickless) return finding;
+    const std::string cpus = os::cpus_text(machine.isolated);
+    finding.severity = Severity::note;
+    finding.found += ", but have the kernel's tick";
+    finding.cure = "boot with isolcpus=" + cpus + " nohz_full=" + cpus + " rcu_nocbs=" + cpus;
+    return finding;
+  }
+  finding.severity = Severity::note;
+  finding.found = "no processor is isolated";
+  if (machine.online.size() < 2) {
+    finding.found += ", and there is only one";
+    finding.cure = "use a machine with two processors or more";
+    return finding;
+  }
+  const std::string last = std::to_string(machine.online.back());
+  finding.cure = "boot with isolcpus=" + last + " nohz_full=" + last + " rcu_nocbs=" + last +
+                 ", and give the executor cpu=\"" + last + "\"";
+  return finding;
+}
+
+Finding interrupts(const Machine& machine, const Trial&) {
+  Finding finding{.name = "interrupts",
+                  .found = "none comes to the processors of executors",
+                  .why = "an interrupt is served before any thread, whatever its priority"};
+  const std::vector<int> mine = executor_cpus(machine);
+  std::vector<std::string> there;
+  for (const os::Interrupt& interrupt : machine.interrupts) {
+    const bool comes =
+        std::any_of(mine.begin(), mine.end(), [&](int cpu) { return has(interrupt.cpus, cpu); });
+    if (comes) there.push_back(std::to_string(interrupt.number) + " (" + interrupt.name + ")");
+  }
+  if (machine.online.size() < 2) finding.found = "all come to the only processor";
+  if (there.empty() && !machine.irqbalance) return finding;
+  finding.severity = Severity::note;
+  if (!there.empty()) {
+    const std::size_t shown = std::min<std::size_t>(there.size(), 4);
+    finding.found.clear();
+    for (std::size_t i = 0; i < shown; ++i) finding.found += (i == 0 ? "" : ", ") + there[i];
+    if (shown < there.size()) finding.found += " and " + std::to_string(there.size() - shown) + " more";
+    finding.found += " may come to processor " + os::cpus_text(mine);
+    std::vector<int> others;
+    for (const int cpu : machine.online) {
+      if (!has(mine, cpu)) others.push_back(cpu);
+    }
+    finding.cure =
+        "for irq in /proc/irq/[0-9]*; do echo " + os::cpus_text(others) + " > $irq/smp_affinity_list; done";
+  }
+  if (machine.irqbalance) {
+    finding.found += there.empty() ? ", but irqbalance moves them about" : "; irqbalance moves them about";
+    finding.cure =
+        "systemctl disable --now irqbalance" + std::string{there.empty() ? "" : "; "} + finding.cure;
+  }
+  return finding;
+}
+
+Finding frequency(const Machine& machine, const Trial&) {
+  Finding finding{
+      .name = "frequency",
+      .found = "",
+      .why = "a processor that was slowed down while nothing was to do takes its time to get faster"};
+  std::string slow;
+  bool any = false;
+  for (const os::Processor& processor : machine.processors) {
+    any |= !processor.governor.empty();
+    if (!processor.governor.empty() && processor.governor != "performance") slow = processor.governor;
+  }
+  finding.found = any ? "the governor is performance" : "the kernel does not change it";
+  if (slow.empty()) return finding;
+  finding.severity = Severity::note;
+  finding.found = "the governor is " + slow;
+  finding.cure =
+      "for cpu in /sys/devices/system/cpu/cpu[0-9]*; do echo performance > "
+      "$cpu/cpufreq/scaling_governor; done";
+  return finding;
+}
+
+Finding idle(const Machine& machine, const Trial& trial) {
+  Finding finding{.name = "idle states",
+                  .found = "none is deep",
+                  .why = "the deeper a processor sleeps, the later it wakes up"};
+  const os::IdleState* deepest = nullptr;
+  for (const os::Processor& processor : machine.processors) {
+    for (const os::IdleState& state : processor.idle_states) {
+      if (state.disabled || state.exit_latency <= kDeepIdle) continue;
+      if (deepest == nullptr || state.exit_latency > deepest->exit_latency) deepest = &state;
+    }
+  }
+  if (deepest == nullptr) return finding;
+  finding.found = deepest->name + " takes " + to_text(deepest->exit_latency) + " to wake up from";
+  if (trial.idle_held) {
+    finding.found += "; Takt holds it off while a cell runs";
+    return finding;
+  }
+  finding.severity = Severity::note;
+  finding.found += ", and " + in_words(trial.idle_held.problems());
+  finding.cure = "run as root, or: chmod a+w /dev/cpu_dma_latency, or boot with cpuidle.off=1";
+  return finding;
+}
+
+Finding clock(const Machine& machine, const Trial&) {
+  Finding finding{
+      .name = "clock",
+      .found = "the clock source is " + (machine.clock.empty() ? "not to be read" : machine.clock),
+      .why =
+          "the time is read several times in each row; from a fast source that costs 20 ns, from "
+          "a slow one a microsecond and a system call"};
+  constexpr const char* kSlow[] = {"hpet", "acpi_pm", "jiffies", "refined-jiffies", "pit", "xen"};
+  if (std::none_of(std::begin(kSlow), std::end(kSlow),
+                   [&](const char* slow) { return machine.clock == slow; }))
+    return finding;
+  finding.severity = Severity::spoils;
+  const bool tsc = std::find(machine.clocks.begin(), machine.clocks.end(), "tsc") != machine.clocks.end();
+  finding.cure = tsc ? "echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource"
+                     : "boot with tsc=reliable where the processor has a steady TSC";
+  return finding;
+}
+
+Finding timers(const Machine& machine, const Trial& trial) {
+  Finding finding{.name = "timers",
+                  .found = "high resolution",
+                  .why = "a thread is woken when a timer says so, and no sooner than the next tick"};
+  if (trial.timer_resolution >= std::chrono::microseconds{100}) {
+    finding.severity = Severity::spoils;
+    finding.found = "a tick of " + to_text(trial.timer_resolution);
+    finding.cure = "boot a kernel with CONFIG_HIGH_RES_TIMERS and without highres=off";
+    return finding;
+  }
+  if (machine.timer_slack) {
+    finding.found += ", a slack of " + to_text(*machine.timer_slack) + " that real-time threads do not have";
+  }
+  return finding;
+}
+
+Finding hyper_threads(const Machine& machine, const Trial&) {
+  Finding finding{.name = "hyper-threads",
+                  .found = "each processor has its core for itself",
+                  .why = "two processors of one core take its units and caches from each other"};
+  const bool shared =
+      std::any_of(machine.processors.begin(), machine.processors.end(),
+                  [](const os::Processor& processor) { return processor.siblings.size() > 1; });
+  if (!shared) return finding;
+  finding.severity = Severity::note;
+  for (const os::Processor& processor : machine.processors) {
+    if (processor.siblings.size() < 2 || processor.siblings.back() != processor.number) continue;
+    finding.found = "processors " + os::cpus_text(processor.siblings) + " are one core, and so on";
+  }
+  finding.cure = "echo off > /sys/devices/system/cpu/smt/control";
+  return finding;
+}
+
+Finding virtual_machine(const Machine& machine, const Trial&) {
+  Finding finding{.name = "virtual machine",
+                  .found = "none",
+                  .why = "its host may take a processor away at any instant, for as long as it likes"};
+  if (machine.hypervisor.empty()) return finding;
+  finding.severity = Severity::note;
+  finding.found = "this machine runs on " + machine.hypervisor;
+  finding.cure = "pin its virtual processors to processors of their own, with real-time priority";
+  finding.mend_on = kHost;
+  return finding;
+}
+
+Finding stolen(const Machine& machine, const Trial& trial) {
+  Finding finding{.name = "stolen time",
+                  .found = "",
+                  .why = "in that time the host ran somebody else, and nothing of this machine moved"};
+  if (!machine.time) {
+    finding.found = "not counted by this kernel";
+    return finding;
+  }
+  const double ever = machine.time->stolen_share();
+  const double now = trial.stolen_share.value_or(0);
+  finding.found = percent(ever) + " since the machine was started, " + percent(now) + " just now";
+  // What it is just now changes from one second to the next, and so would the verdict.
+  if (ever >= kStolenSpoils)
+    finding.severity = Severity::spoils;
+  else if (now >= kStolenNote || ever >= kStolenNote)
+    finding.severity = Severity::note;
+  if (finding.severity == Severity::good) return finding;
+  finding.cure = "give this machine processors of its own: pin them, and put nobody else there";
+  finding.mend_on = kHost;
+  return finding;
+}
+
+Finding huge_pages(const Machine& machine, const Trial&) {
+  Finding finding{.name = "huge pages",
+                  .found = machine.huge_pages.empty() ? "none" : machine.huge_pages,
+                  .why = "with \"always\" the kernel moves a program's pages together while it runs"};
+  if (machine.huge_pages == "always") {
+    finding.severity = Severity::note;
+    finding.cure = "echo madvise > /sys/kernel/mm/transparent_hugepage/enabled";
+  }
+  if (machine.numa_balancing.value_or(false)) {
+    finding.severity = Severity::note;
+    finding.found += "; and pages are moved between memory nodes (numa_balancing)";
+    finding.cure += (finding.cure.empty() ? "" : "; ") + std::string{"sysctl -w kernel.numa_balancing=0"};
+  }
+  return finding;
+}
+
+Finding sockets(const Machine& machine, const Trial&) {
+  Finding finding{.name = "sockets",
+                  .found = "",
+                  .why = "a burst of samples that does not fit the buffer is lost, or sent again later"};
+  const std::uint64_t receive = machine.receive_buffer_bytes.value_or(0);
+  const std::uint64_t send = machine.send_buffer_bytes.value_or(0);
+  finding.found = "buffers of up to " + amount(receive) + " to receive and " + amount(send) + " to send";
+  if (!machine.receive_buffer_bytes || !machine.send_buffer_bytes)
+    finding.found = "their limits cannot be read";
+  if (!machine.receive_buffer_bytes || (receive >= kSocketBuffer && send >= kSocketBuffer)) return finding;
+  finding.severity = Severity::note;
+  finding.cure = "sysctl -w net.core.rmem_max=4194304 net.core.wmem_max=4194304";
+  return finding;
+}
+
+Finding files(const Machine& machine, const Trial&) {
+  Finding finding{.name = "files",
+                  .found = "no limit on open files is known",
+                  .why = "each program of a cell and each of its connections takes some"};
+  if (!machine.files) return finding;
+  finding.found = "up to " + limit_text(machine.files->hard) + " may be open";
+  if (!machine.files->hard || *machine.files->hard >= kFiles) return finding;
+  finding.severity = Severity::note;
+  finding.cure = "echo '* - nofile 65536' >> /etc/security/limits.conf";
+  return finding;
+}
+
+Finding shared_memory(const Machine& machine, const Trial&) {
+  Finding finding{
+      .name = "shared memory",
+      .found = "",
+      .why =
+          "Takt's own has no name there and needs no room in /dev/shm; other DDS programs on this "
+          "machine may"};
+  finding.found = machine.shared_memory_bytes ? "/dev/shm has " + amount(*machine.shared_memory_bytes)
+                                              : "there is no /dev/shm";
+  if (machine.shared_memory_bytes.value_or(0) >= 64 * kMiB) return finding;
+  finding.severity = Severity::note;
+  finding.cure = "mount -o remount,size=256M /dev/shm";
+  return finding;
+}
+
+Finding wake_up(const Machine&, const Trial& trial) {
+  const os::WakeUps& w = trial.wake_ups;
+  Finding finding{.name = "wake-up",
+                  .found = "p50 " + microseconds(w.p50) + ", p99 " + microseconds(w.p99) + ", max " +
+                           microseconds(w.max) + " late, of " + std::to_string(w.count) +
+                           (trial.priority ? " under SCHED_FIFO" : " without SCHED_FIFO"),
+                  .why = "this is what all of the above comes to: how late a thread that slept is woken"};
+  if (w.count == 0) {
+    finding.severity = Severity::spoils;
+    finding.found = "could not be measured: no thread could be made";
+    finding.cure = "free memory, or raise the limit on threads";
+  } else if (w.p99 > kLateSpoils) {
+    finding.severity = Severity::spoils;
+    finding.cure = "mend what is listed above, and measure again";
+  } else if (w.p99 > kLateNote || w.max > kLateSpoils) {
+    finding.severity = Severity::note;
+    finding.cure = "mend what is listed above, and measure again";
+  }
+  return finding;
+}
+
+// What is the kernel's, and so not a container's to change.
+bool is_of_the_kernel(const Finding& finding) {
+  return finding.name != "priority" && finding.name != "memory" && finding.name != "files" &&
+         finding.name != "shared memory" && finding.name != "wake-up";
+}
+
+}  // namespace
+
+const char* to_text(Severity severity) noexcept {
+  switch (severity) {
+    case Severity::good:
+      return "good";
+    case Severity::note:
+      return "note";
+    case Severity::spoils:
+      break;
+  }
+  return "spoils";
+}
+
+std::vector<Finding> diagnose(const Machine& machine, const Trial& trial) {
+  std::vector<Finding> findings;
+  for (const auto check :
+       {preemption, priority, memory, swap, throttling, isolation, interrupts, frequency, idle, clock, timers,
+        hyper_threads, virtual_machine, stolen, huge_pages, sockets, files, shared_memory, wake_up}) {
+    Finding finding = check(machine, trial);
+    // In a container that may not tell the kernel anything.
+    if (!machine.container.empty() && machine.sealed && !finding.cure.empty() && finding.mend_on.empty() &&
+        is_of_the_kernel(finding)) {
+      finding.mend_on = "the machine that this container runs on";
+    }
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+}  // namespace takt::node

@@ -1,0 +1,82 @@
+#include <takt/node/kept_deployment.hpp>
+
+#include <limits>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/os/files.hpp>
+#include "problems_json.hpp"
+#include "whole_file.hpp"
+
+namespace takt::node {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+constexpr const char* kDeploymentFormat = "takt deployment 2";
+/// A descriptor as JSON: at most six bytes for each of its own, and a little around it.
+constexpr std::size_t kMostDeploymentBytes = 6 * descriptor::kMaxBytes + 65536;
+
+}  // namespace
+
+std::string default_state_folder() {
+  if (std::string folder = os::environment("TAKT_STATE_DIR"); !folder.empty()) return folder;
+  if (os::is_root()) return "/var/lib/takt";
+  if (std::string folder = os::environment("XDG_STATE_HOME"); !folder.empty()) return folder + "/takt";
+  return os::environment("HOME") + "/.local/state/takt";
+}
+
+DeploymentFile::DeploymentFile(const std::string& folder, const std::string& device, int domain)
+    : path_(folder + "/" + device + "." + std::to_string(domain) + ".deployment") {}
+
+Result<void> DeploymentFile::keep(const KeptDeployment& deployment) const {
+  const std::string body = model::json_text({{"id", deployment.id},
+                                             {"file", deployment.file},
+                                             {"text", deployment.text},
+                                             {"require_real_time", deployment.require_real_time},
+                                             {"t0_ns", deployment.t0_ns},
+                                             {"boot", deployment.boot},
+                                             {"t0_monotonic_ns", deployment.t0_monotonic_ns},
+                                             {"safe", deployment.safe}});
+  return write_whole(path_, kDeploymentFormat, body);
+}
+
+Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
+  const Problem damage{path_, "the deployment that was kept there is damaged", "deploy the cell again"};
+  const auto body = read_whole(path_, kDeploymentFormat, kMostDeploymentBytes, damage);
+  if (!body) return body.problems();
+  if (!*body) return std::optional<KeptDeployment>{};
+  const json value = model::parse_json(**body);
+  const Problem wrong{damage.where, damage.what + ": something is missing in it", damage.fix};
+  try {
+    KeptDeployment kept{.id = value.at("id"),
+                        .file = value.at("file"),
+                        .text = value.at("text"),
+                        .require_real_time = value.at("require_real_time"),
+                        .boot = value.value("boot", ""),
+                        .safe = value.at("safe")};
+    const auto t0_ns = model::whole_number(value.at("t0_ns"));
+    if (!t0_ns || *t0_ns > std::numeric_limits<std::int64_t>::max()) return wrong;
+    kept.t0_ns = static_cast<std::int64_t>(*t0_ns);
+    if (!kept.boot.empty()) {                               // a version before this one did not keep it
+      const json& monotonic = value.at("t0_monotonic_ns");  // negative: before the machine was switched on
+      const auto positive = model::whole_number(monotonic);
+      if (!monotonic.is_number_integer() ||
+          (positive && *positive > std::numeric_limits<std::int64_t>::max()))
+        return wrong;
+      kept.t0_monotonic_ns = monotonic;
+    }
+    return std::optional{std::move(kept)};
+  } catch (const json::exception&) {
+    return wrong;
+  }
+}
+
+Result<void> DeploymentFile::forget() const { return os::remove_file(path_); }
+
+}  // namespace takt::node

@@ -1,0 +1,319 @@
+#include <takt/node/node.hpp>
+
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include <takt/dds/commands.hpp>
+#include <takt/dds/topics.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/model/validate.hpp>
+#include <takt/node/log.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/os/files.hpp>
+#include <takt/os/message_socket.hpp>
+#include <takt/os/notice.hpp>
+#include <takt/os/real_time.hpp>
+#include <takt/os/signals.hpp>
+#include <takt/os/trial.hpp>
+#include <takt/security/identity.hpp>
+#include <takt/security/signature.hpp>
+#include "agent.hpp"
+#include "voice.hpp"
+
+namespace takt::node {
+
+namespace {
+
+/// How often a node looks at what its executors published.
+constexpr int kLookEveryMs = 5;
+/// A loss of power costs the fault record no more than this.
+constexpr int kSyncEveryMs = 1000;
+/// Of an identity that expires soon.
+constexpr Nanoseconds kWarnEvery = std::chrono::hours{24};
+/// Enough to see how late this machine wakes a thread as a rule.
+constexpr std::size_t kWakeUpsTried = 20;
+constexpr std::chrono::microseconds kWakeUpPause{500};
+
+/// What other threads have for the main loop.
+class Inbox {
+ public:
+  explicit Inbox(os::Notice notice) : notice_(std::move(notice)) {}
+
+  void put(std::function<void(Agent&)> news) {
+    {
+      const std::lock_guard lock{mutex_};
+      news_.push_back(std::move(news));
+    }
+    notice_.give();
+  }
+  void serve(Agent& agent) {
+    notice_.take();
+    std::deque<std::function<void(Agent&)>> news;
+    {
+      const std::lock_guard lock{mutex_};
+      news.swap(news_);
+    }
+    for (const auto& each : news) each(agent);
+  }
+  [[nodiscard]] const os::Fd& fd() const noexcept { return notice_.fd(); }
+
+ private:
+  os::Notice notice_;
+  std::mutex mutex_;
+  std::deque<std::function<void(Agent&)>> news_;
+};
+
+/// Waits for the disk that the fault record is on, which the main loop must not.
+class RecordKeeper {
+ public:
+  explicit RecordKeeper(std::shared_ptr<const os::FixedFile> disk) : disk_(std::move(disk)) {
+    auto notice = os::Notice::create();
+    if (!disk_ || !notice) return;
+    end_.emplace(std::move(*notice));
+    auto thread = os::Thread::start(
+        {.name = "takt-record"},
+        [this] {
+          while (!os::wait_readable({&end_->fd()}, kSyncEveryMs)) disk_->sync();
+        },
+        nullptr);
+    if (thread) thread_ = std::move(*thread);
+  }
+  ~RecordKeeper() {
+    if (end_) end_->give();
+    thread_.join();
+  }
+  RecordKeeper(const RecordKeeper&) = delete;
+  RecordKeeper& operator=(const RecordKeeper&) = delete;
+  [[nodiscard]] const std::shared_ptr<const os::FixedFile>& disk() const noexcept { return disk_; }
+
+ private:
+  const std::shared_ptr<const os::FixedFile> disk_;
+  std::optional<os::Notice> end_;
+  os::Thread thread_;
+};
+
+// This node and no other: also not the one that had its process id before.
+std::string new_node_id() {
+  std::random_device random;
+  std::array<char, 9> digits{};
+  std::snprintf(digits.data(), digits.size(), "%08x", random());
+  return dds::cut(os::host_name(), 40) + "-" + std::to_string(os::process_id()) + "-" + digits.data();
+}
+
+int refuse(const Problems& problems) {
+  std::fprintf(stderr, "%s\n", to_text(problems).c_str());
+  return 1;
+}
+
+void warn_of_expiry(const security::Identity& identity, const NodeOptions& options) {
+  const std::string warning = security::expiry_warning(identity.until, os::wall_ns() / 1'000'000'000);
+  if (!warning.empty())
+    log(options.device, "", "warning: its identity is to be renewed, " + warning + ": takt secure renew");
+}
+
+/// Whoever has the identity of another is not this device to anybody.
+Result<void> check_identity(const dds::Participant& participant, const NodeOptions& options) {
+  const auto& identity = participant.identity();
+  if (!identity) {
+    if (!options.quiet)
+      log(options.device, "",
+          "security is off: whoever is on its network may command it and read what it says");
+    return {};
+  }
+  const security::Subject& subject = identity->subject;
+  if (subject.role != security::Role::device || subject.name != options.device) {
+    return Problem{identity->folder,
+                   "this is the identity of " + std::string{to_text(subject.role)} + " " + subject.name +
+                       ", not of device " + options.device,
+                   "name the folder of this device"};
+  }
+  log(options.device, "", "security is on: device " + subject.name + " of cell " + subject.cell);
+  warn_of_expiry(*identity, options);
+  return {};
+}
+
+}  // namespace
+
+int run_node(const NodeOptions& options) {
+  if (options.quiet) log_nothing();
+  os::survive_broken_pipes();  // whoever reads our log may go; the device stays
+  os::MessageSocket lifetime{os::take_fd_from_environment(kLifetimeFd)};
+  const bool lent = static_cast<bool>(lifetime.fd());
+  const auto signals = os::SignalQueue::of_requests_to_end();  // before there are threads, which inherit it
+  if (!signals) return refuse(signals.problems());
+  if (!model::is_valid_name(options.device)) {
+    return refuse({{"takt-node", "'" + options.device + "' is no name of a device",
+                    "a letter or '_', then letters, digits, '_' and '-', at most 63"}});
+  }
+  const bool real_time = os::may_be_real_time().ok();
+  const os::WakeUps wake_ups = os::try_wake_ups(kWakeUpsTried, kWakeUpPause);
+
+  auto notice = os::Notice::create();
+  if (!notice) return refuse(notice.problems());
+  Inbox inbox{std::move(*notice)};
+
+  std::string identity;
+  if (!options.security.empty()) {
+    std::error_code error;
+    identity = std::filesystem::absolute(
+                   security::folder_of(options.security, security::Role::device, options.device), error)
+                   .string();
+    // The gateways to other domains, and programs of the cell that speak DDS themselves, are this device too.
+    os::set_environment("TAKT_SECURITY", identity);
+  }
+  // For the processes that look at components before anything is started.
+  std::string signed_by = options.signed_by;
+  const std::string granted = identity + "/" + security::kComponents;
+  if (signed_by.empty() && !identity.empty() && os::rights_of(granted)) signed_by = granted;
+  if (!signed_by.empty()) {
+    if (auto usable = security::check_signer(signed_by, os::wall_ns() / 1'000'000'000); !usable)
+      return refuse(usable.problems());
+    os::set_environment("TAKT_SIGNED_BY", signed_by);
+    if (!options.quiet)
+      log(options.device, "", "components are used only if they are signed, as " + signed_by + " says");
+  }
+  auto participant = dds::Participant::create({.name = "takt-node " + options.device,
+                                               .domain = options.domain,
+                                               .discovery = options.discovery,
+                                               .interfaces = options.interfaces,
+                                               .security = identity,
+                                               .refused = [&options, &inbox](const std::string& text) {
+                                                 log(options.device, "", text);
+                                                 inbox.put([text](Agent& a) {
+                                                   model::Fault fault;
+                                                   fault.kind = model::FaultKind::refused_authentication;
+                                                   fault.cause = text;
+                                                   a.note(std::move(fault), text);
+                                                 });
+                                               }});
+  if (!participant) return refuse(participant.problems());
+  const bool secured = (*participant)->identity().has_value();
+  if (auto fits = check_identity(**participant, options); !fits) return refuse(fits.problems());
+  auto voice = Voice::create(*participant);
+  if (!voice) return refuse(voice.problems());
+
+  Agent::Options agent_options{.device = options.device,
+                               .node = new_node_id(),
+                               .domain = options.domain,
+                               .cell = secured ? (*participant)->identity()->subject.cell : "",
+                               .require_real_time = options.require_real_time,
+                               .real_time = real_time,
+                               .lent = lent,
+                               .file = std::nullopt,
+                               .boot = os::boot_id(),
+                               .now = os::now,
+                               .wall_ns = os::wall_ns,
+                               .instant_of_wall = os::instant_of_wall};
+  if (!options.state_folder.empty() && !lent)
+    agent_options.file = DeploymentFile{options.state_folder, options.device, options.domain};
+  if (!options.state_folder.empty() && (!lent || options.state_folder_given)) {
+    agent_options.record = std::make_shared<FaultRecord>(
+        FaultRecord::open(FaultRecord::path(options.state_folder, options.device, options.domain)));
+    for (const Problem& problem : agent_options.record->problems())
+      log(options.device, "", "warning: the fault record: " + in_words({problem}));
+  }
+  std::optional<RecordKeeper> keeper;
+  if (agent_options.record) keeper.emplace(agent_options.record->disk());
+  const std::string traces =
+      options.state_folder.empty() || lent
+          ? ""
+          : options.state_folder + "/traces/" + options.device + "." + std::to_string(options.domain);
+  Agent agent{agent_options,
+              {.inspect = inspect,
+               .supervise =
+                   [&participant, &wake_ups, &options, &traces](Supervisor::Options o) {
+                     o.participant = *participant;
+                     o.wake_ups = wake_ups;
+                     o.state_folder = options.state_folder;
+                     o.check_real_time = options.check_real_time;
+                     o.traces = traces;
+                     return std::make_unique<Supervisor>(std::move(o));
+                   }},
+              **voice};
+
+  // What the others say, and then what this node is asked.
+  auto devices = dds::Reader<DeviceStatus>::create(
+      *participant,
+      {.sample =
+           [&inbox](const DeviceStatus& status, dds::WriterId writer) {
+             inbox.put([status, writer](Agent& a) { a.others().heard(status, writer); });
+           },
+       .disposed =
+           [&inbox](const DeviceStatus& key, dds::WriterId writer) {
+             inbox.put([key, writer](Agent& a) { a.others().gone(key, writer); });
+           },
+       .lost =
+           [&inbox](dds::WriterId writer) { inbox.put([writer](Agent& a) { a.others().lost(writer); }); }});
+  if (!devices) return refuse(devices.problems());
+  auto modules = dds::Reader<LifecycleStatus>::create(
+      *participant,
+      {.sample =
+           [&inbox, &options](const LifecycleStatus& status, dds::WriterId) {
+             if (status.device() == options.device) return;
+             inbox.put([status](Agent& a) { a.others().heard(status); });
+           },
+       .disposed = [&inbox](const LifecycleStatus& key,
+                            dds::WriterId) { inbox.put([key](Agent& a) { a.others().gone(key); }); },
+       .lost = {}});
+  if (!modules) return refuse(modules.problems());
+  auto server = dds::CommandServer::create(
+      *participant, options.device, agent_options.node,
+      [&inbox](const dds::WholeCommand& command) { inbox.put([command](Agent& a) { a.hear(command); }); });
+  if (!server) return refuse(server.problems());
+  (*voice)->answer_by([&server](const dds::WholeReply& reply) { server->reply(reply); });
+
+  if (!lent) log(options.device, "", "waits for a deployment on domain " + std::to_string(options.domain));
+  std::uint64_t refused = 0;
+  agent.came_up();
+  if (options.resume)
+    agent.resume();
+  else
+    agent.leave_kept();
+  Instant warn_again = os::now() + kWarnEvery;
+  while (!agent.ended()) {
+    if (secured && os::now() >= warn_again) {
+      warn_again += kWarnEvery;
+      warn_of_expiry(*(*participant)->identity(), options);
+    }
+    (*voice)->sign();
+    std::vector<const os::Fd*> fds = agent.wait_on();
+    fds.push_back(&signals->fd());
+    fds.push_back(&inbox.fd());
+    if (lent && !lifetime.closed()) fds.push_back(&lifetime.fd());
+    os::wait_readable(fds, kLookEveryMs);
+
+    while (signals->next()) agent.end(false);
+    if (lent && !lifetime.closed()) {
+      static_cast<void>(lifetime.receive());
+      if (lifetime.closed()) agent.end(true);
+    }
+    inbox.serve(agent);
+    const std::uint64_t now_refused =
+        devices->refused() + modules->refused() + server->refused() + (*participant)->refused();
+    if (const std::uint64_t before = std::exchange(refused, now_refused); now_refused > before) {
+      agent.note({.kind = model::FaultKind::refused_packet,
+                  .cause =
+                      "what came was no RTPS message, or not encrypted in a cell with security, or none of "
+                      "takt/device, takt/lifecycle or takt/command",
+                  .count = now_refused - before});
+    }
+    agent.step();
+    // It was lost, or taken up again.
+    if (keeper && keeper->disk() != agent_options.record->disk())
+      keeper.emplace(agent_options.record->disk());
+  }
+  agent.goes_down();
+  return 0;
+}
+
+}  // namespace takt::node

@@ -1,0 +1,110 @@
+#include <takt/node/retained.hpp>
+
+#include <limits>
+#include <span>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/core/hex.hpp>
+#include <takt/model/json.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/files.hpp>
+#include <takt/os/futex.hpp>
+#include "whole_file.hpp"
+
+namespace takt::node {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+constexpr const char* kSavedFormat = "takt saved 1";
+constexpr std::size_t kMostSavedBytes = 2 * channel::kMostSaved + 1024;
+
+}  // namespace
+
+SavedFile::SavedFile(const std::string& folder, const std::string& cell, const std::string& device,
+                     const std::string& module)
+    : path_(folder + "/" + cell + "." + device + "." + module + ".saved") {}
+
+Result<void> SavedFile::write(const channel::SavedState::Place& saved) const {
+  return write_whole(path_, kSavedFormat,
+                     model::json_text({{"version", saved.version},
+                                       {"bytes", in_hex(std::span{saved.bytes}.first(saved.size))}}));
+}
+
+Result<void> SavedFile::read_into(channel::SavedState& state) const {
+  const Problem damaged{path_, "what a module had saved there is damaged", "the module begins anew"};
+  const auto body = read_whole(path_, kSavedFormat, kMostSavedBytes, damaged);
+  if (!body) return body.problems();
+  if (!*body) return {};
+  try {
+    const json value = model::parse_json(**body);
+    const auto version = model::whole_number(value.at("version"));
+    const auto bytes = bytes_of_hex(value.at("bytes").get<std::string>());
+    if (!version || *version > std::numeric_limits<std::uint32_t>::max() || !bytes ||
+        bytes->size() > channel::kMostSaved)
+      return Problems{damaged};
+    state.save(bytes->data(), static_cast<std::uint32_t>(bytes->size()), static_cast<std::uint32_t>(*version),
+               0);
+    return {};
+  } catch (const json::exception&) {
+    return Problems{damaged};
+  }
+}
+
+Result<void> SavedFile::remove() const { return os::remove_file(path_); }
+
+Result<std::unique_ptr<Retained>> Retained::start(std::vector<One> all,
+                                                  std::function<void(const std::string&)> said,
+                                                  Nanoseconds every) {
+  std::unique_ptr<Retained> retained{new Retained{std::move(all), std::move(said)}};
+  auto thread = os::Thread::start(
+      {.name = "takt-retain"},
+      [mine = retained.get(), every] {
+        do {  // what was saved last is written however soon the end comes
+          os::futex_wait(mine->end_, 0, ~0U, os::now() + every);
+          mine->write_changes();
+        } while (mine->end_.load() == 0);
+        mine->finished_ = true;
+      },
+      nullptr);
+  if (!thread) return thread.problems();
+  retained->thread_ = std::move(*thread);
+  return retained;
+}
+
+Retained::~Retained() {
+  static_cast<void>(finish());
+  thread_.join();
+}
+
+bool Retained::finish() {
+  end_.store(1);
+  os::futex_wake(end_, ~0U);
+  return finished_;
+}
+
+void Retained::write_changes() {
+  for (One& one : all_) {
+    const std::uint64_t number = one.state->whole.load(std::memory_order_acquire);
+    if (number == one.written) continue;
+    Result<void> written;
+    if (number == 0) {
+      written = one.file.remove();
+      if (written) one.written = 0;
+    } else if (const auto saved = one.state->copy()) {
+      written = one.file.write(*saved);
+      if (written) one.written = saved->number;
+    } else {
+      continue;  // it was being saved
+    }
+    if (!written && !one.refused)
+      said_("warning: what modules retain is not on disk: " + in_words(written.problems()));
+    if (written && one.refused) said_("what modules retain is on disk again: " + one.file.path());
+    one.refused = !written;
+  }
+}
+
+}  // namespace takt::node

@@ -1,0 +1,524 @@
+#include <takt/node/supervisor.hpp>
+
+#include <algorithm>
+
+#include <takt/core/words.hpp>
+#include <takt/node/log.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/os/real_time.hpp>
+#include <takt/schedule/plan.hpp>
+#include "limits.hpp"
+
+namespace takt::node {
+
+using channel::Doing;
+using lifecycle::Event;
+using lifecycle::State;
+
+Supervisor::Supervisor(Options options) : options_(std::move(options)) {}
+Supervisor::~Supervisor() = default;
+
+void Supervisor::log(const Member& member, const std::string& text) const {
+  node::log(device().name, member.model.name, text);
+}
+
+void Supervisor::log(const std::string& text) const { node::log(device().name, "", text); }
+
+bool Supervisor::apply(Member& member, Event event, const std::string& text, ErrorType error) {
+  const auto step = member.machine.apply(event);
+  if (!step) {
+    log(member, in_words(step.problems()));
+    return false;
+  }
+  if (member.is_process() && !member.scheduled()) trust(member, step->to == State::executing);
+  log(member, std::string{lifecycle::to_text(step->from)} + " -> " + lifecycle::to_text(step->to) +
+                  (text.empty() ? "" : " (" + on_one_line(text) + ")"));
+  record(member, *step, text);
+  if (options_.stepped)
+    options_.stepped({.module = member.index, .transition = *step, .error = error, .text = text});
+  return true;
+}
+
+void Supervisor::fail_device(Problem problem) {
+  note(model::FaultKind::device_failed, in_words({problem}));
+  log(to_text(problem));
+  failures_.push_back(std::move(problem));
+  stop();
+}
+
+Result<void> Supervisor::prepare() {
+  os::raise_descriptor_limit();
+  if (const auto allowed = os::may_be_real_time(); !allowed) {
+    real_time_ = false;
+    Problems problems = allowed.problems();
+    for (Problem& problem : problems) problem.where = "device " + device().name;
+    if (options_.require_real_time) return problems;
+    log("WARNING: not real-time: " + in_words(allowed.problems()));
+  }
+  auto plan = schedule::plan(options_.cell, device());
+  if (!plan) return plan.problems();
+  plan_ = std::move(*plan);
+  watch_conditions();
+  placement_ = schedule::place(device().executors, os::allowed_cpus());
+  for (const std::string& warning : placement_.warnings) log("warning: " + warning);
+
+  std::vector<std::string> executors;
+  std::vector<std::string> modules;
+  for (const auto& executor : device().executors) executors.push_back(executor.name);
+  for (const auto& module : device().modules) modules.push_back(module.name);
+  const std::vector<model::HostShare> shares = model::hosts_of(device());
+  auto channel = channel::Channel::create(shares.size(), executors, modules);
+  if (!channel) return channel.problems();
+  channel_ = std::move(*channel);
+  for (const model::HostShare& share : shares)
+    hosts_.push_back(std::make_unique<Hosted>(share, hosts_.size(), channel_.host(hosts_.size())));
+  auto bell = os::SharedMemory::create("takt-bell", sizeof(channel::Bell));
+  if (!bell) return bell.problems();
+  bell_memory_ = std::move(*bell);
+  bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
+
+  auto saved = os::SharedMemory::create(
+      "takt-saved", std::max<std::size_t>(device().modules.size(), 1) * sizeof(channel::SavedState));
+  if (!saved) return saved.problems();
+  saved_memory_ = std::move(*saved);
+
+  if (options_.check_real_time) {
+    auto violations = Violations::create(device().modules.size(), device().executors.size());
+    if (!violations) return violations.problems();
+    violations_ = std::move(*violations);
+  }
+
+  options_.ports.resize(device().modules.size());
+  if (auto recorded = start_record(); !recorded) return recorded;
+  auto wiring = Wiring::create(plan_wiring(options_.cell, options_.device, options_.ports));
+  if (!wiring) return wiring.problems();
+  wiring_ = std::move(*wiring);
+  if (options_.participant) {
+    auto gate = Gate::open(options_.participant, bell_memory_, wiring_, options_.cell, device().name);
+    if (!gate) return gate.problems();
+    gate_ = std::move(*gate);
+  }
+
+  for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
+    members_.push_back(std::make_unique<Member>(device().modules[i], i, channel_.module(i)));
+    Member& member = *members_.back();
+    member.inputs = wiring_.with_deadline(i);
+    if (!member.is_process() || !member.scheduled()) continue;
+    if (auto seat = create_seat(member); !seat) return seat;
+  }
+  if (auto retained = retain(); !retained) return retained;
+  for (const auto& host : hosts_) {
+    for (const auto* of : {&host->share.modules, &host->share.programs}) {
+      for (const std::uint32_t index : *of) members_[index]->host = host->index;
+    }
+  }
+  for (const auto& host : hosts_) {
+    if (auto started = start_host(*host); !started) return started;
+  }
+  asked_at_ = os::now();
+  for (auto& member : members_) {
+    if (member->is_thread()) {
+      ask(*member, Doing::load);
+    } else if (!member->scheduled()) {
+      apply(*member, Event::initialize);  // a program of its own: there is nothing to call
+    } else if (auto spawned = spawn(*member); !spawned) {
+      lose(*member, in_words(spawned.problems()));
+    }
+  }
+  return {};
+}
+
+// A module whose file cannot be read begins anew, which is no reason not to begin.
+Result<void> Supervisor::retain() {
+  std::vector<Retained::One> all;
+  for (const auto& member : members_) {
+    if (!member->model.retain || options_.state_folder.empty()) continue;
+    SavedFile file{options_.state_folder, options_.cell.name, device().name, member->model.name};
+    channel::SavedState& state = saved_of(*member);
+    if (const auto read = file.read_into(state); !read) log(*member, "warning: " + in_words(read.problems()));
+    all.push_back({.file = std::move(file), .state = &state, .written = state.whole.load()});
+  }
+  if (all.empty()) return {};
+  auto retained = Retained::start(
+      std::move(all), [name = device().name](const std::string& text) { node::log(name, "", text); });
+  if (!retained) return retained.problems();
+  retained_ = std::move(*retained);
+  return {};
+}
+
+void Supervisor::step() {
+  const Instant now = os::now();
+  flight_->step(now);
+  for (const std::string& text : flight_->news()) log(text);
+  forward_output();
+  for (const auto& host : hosts_) {
+    host->link.flush();
+    take_answers(*host);
+    if (auto end = host->link.ended()) {
+      take_answers(*host);
+      forward_output();
+      host_ended(*host, *end);
+    }
+  }
+  for (auto& member : members_) {
+    if (member->is_process()) watch_process(*member, now);
+  }
+  if (phase_ == Phase::ended) return;
+  if (gate_) gate_->step(now);
+  watch_writers();
+  for (const auto& host : hosts_) watch_host(*host, now);
+  watch_gaps();
+  say_violations();
+  watch_counts();
+  watch_ports(now);
+  if (phase_ == Phase::preparing) prepare_step();
+  if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
+  if (phase_ == Phase::stopping) stopping_step(now);
+  for (auto& member : members_) {
+    if (member->order) order_step(*member, now);
+  }
+}
+
+Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, Instant until) {
+  if (!gate_) return fail("this device has no way to DDS");
+  const std::string name = device().name + "." + device().modules[module].name;
+  const auto& ports = options_.ports[module];
+  if (!ports)
+    return fail("nothing is known of the ports of module " + name, "connect one of them in the descriptor");
+  for (const model::Port& each : *ports) {
+    if (each.role == model::Role::plain || model::name_of_service(each) != port ||
+        each.direction == model::Direction::out) {
+      continue;
+    }
+    if (each.role != model::Role::client) return open_service(module, each, until);
+    return fail(in_quotes(port) + " of module " + name + " is a client, which asks and is not asked",
+                "ask the service that it is connected to");
+  }
+  std::vector<std::string> names;
+  for (const model::Port& each : *ports) names.push_back(model::name_of_service(each));
+  const std::vector<std::string_view> known{names.begin(), std::unique(names.begin(), names.end())};
+  const auto found =
+      std::find_if(ports->begin(), ports->end(), [&](const model::Port& p) { return p.name == port; });
+  if (found == ports->end()) {
+    return fail("module " + name + " has no port " + in_quotes(port),
+                known.empty() ? "it has none" : suggestion(port, known));
+  }
+  if (found->direction != model::Direction::out) {
+    for (const model::Connection& connection : options_.cell.connections) {
+      if (connection.to.device != device().name || connection.to.module != device().modules[module].name ||
+          connection.to.port != port) {
+        continue;
+      }
+      return fail("port " + name + "." + port + " is an input",
+                  connection.from.given() ? "look at what it is connected to: " + connection.from.device +
+                                                "." + connection.from.module + "." + connection.from.port
+                                          : "its samples are on the topic " + connection.topic);
+    }
+    return fail("port " + name + "." + port + " is an input that nothing is connected to");
+  }
+  if (auto tapped = gate_->tap(module, port, until); !tapped) return tapped.problems();
+  const PlannedFlow& flow = *gate_->flow_of(module, port);
+  return Tapped{flow.topic, model::to_text(flow.type), flow.reliable};
+}
+
+Result<Tapped> Supervisor::open_service(std::uint32_t module, const model::Port& request, Instant until) {
+  const std::string name = device().name + "." + device().modules[module].name;
+  const std::string service = model::name_of_service(request);
+  const Member& member = *members_[module];
+  if (member.state() != State::executing)
+    return fail(
+        "module " + name + " is in " + lifecycle::to_text(member.state()) + ", where it answers nobody",
+        "takt start " + name);
+  if (auto opened = gate_->open_service(module, service, until); !opened) return opened.problems();
+  const auto& ports = *options_.ports[module];
+  const auto reply = std::find_if(ports.begin(), ports.end(), [&](const model::Port& port) {
+    return port.name == service + model::kReplyPort;
+  });
+  if (reply == ports.end())
+    return fail("the service " + in_quotes(service) + " of " + name + " has no reply");
+  return Tapped{port_topic(options_.cell.name, {device().name, device().modules[module].name, request.name}),
+                model::to_text(request.type), true,
+                port_topic(options_.cell.name, {device().name, device().modules[module].name, reply->name}),
+                model::to_text(reply->type)};
+}
+
+// Every module is initialised, then every module started.
+void Supervisor::prepare_step() {
+  const auto all = [this](auto&& holds) {
+    return std::all_of(members_.begin(), members_.end(), [&](const auto& member) { return holds(*member); });
+  };
+  if (all([](const Member& m) { return m.state() == State::start; })) {
+    const auto opened = gate_ ? gate_->opened() : Result<void>{};
+    if (opened && !opened->ok()) return fail_device(opened->problems()[0]);
+    if (opened) phase_ = Phase::ready;
+    return;
+  }
+  if (!all([](const Member& m) { return m.state() != State::idle; })) return;
+  for (auto& member : members_) {
+    if (member->state() != State::initialize || member->pending) continue;
+    if (member->is_thread()) {
+      ask(*member, Doing::start);
+    } else if (!member->scheduled()) {
+      apply(*member, Event::start);
+    } else if (member->seat->phase.load(std::memory_order_acquire) == channel::SeatPhase::ready) {
+      process_ready(*member);
+      apply(*member, Event::start);
+    }
+  }
+}
+
+void Supervisor::go(Instant t0) {
+  if (phase_ != Phase::ready) return;
+  phase_ = Phase::running;
+  t0_ = t0;
+  if (t0 < os::now()) join_grid(t0);
+  for (const auto& host : hosts_) host->block.t0_ns.store(to_ns(t0), std::memory_order_release);
+  for (auto& member : members_) {
+    if (member->seat != nullptr) member->seat->t0_ns.store(to_ns(t0), std::memory_order_relaxed);
+  }
+  begin_rows();
+}
+
+// A deployment that is taken up again: the rows since T0 were nobody's to walk, so none of them is missed.
+void Supervisor::join_grid(Instant t0) {
+  const Instant first = os::now() + kJoinGridAhead;
+  for (std::size_t e = 0; e < plan_.executors.size(); ++e) {
+    const Nanoseconds basic = plan_.executors[e].basic_period;
+    if (basic == Nanoseconds{0}) continue;
+    const auto rows = static_cast<std::uint64_t>((first - t0 + basic - Nanoseconds{1}) / basic);
+    channel_.executor(e).next_row.store(rows, std::memory_order_relaxed);
+  }
+}
+
+// What grows when a row names the module: a periodic one is called or released, a sporadic one is asked for
+// its condition.
+std::uint64_t Supervisor::cycles_of(const Member& member) const {
+  const bool sporadic = member.model.operation == model::Operation::sporadic;
+  const auto& cycles = sporadic ? channel_.executor(executor_of(member)).cycles : member.block.cycles;
+  return cycles.load(std::memory_order_relaxed);
+}
+
+channel::Place Supervisor::place_of(const Member& member) const {
+  return {.index = member.index,
+          .block = &member.block,
+          .executor = member.scheduled() ? &channel_.executor(executor_of(member)) : nullptr,
+          .seat = member.seat};
+}
+
+void Supervisor::put_in_tables(Member& member) {
+  member.seen_cycles = cycles_of(member);
+  member.put_in_at = os::now();
+  trust(member, true);
+  channel::put_in(place_of(member));
+  // What came while it was out is there already, and nobody will ring for it.
+  if (member.seat != nullptr && member.seat->immediate != 0) ring(member.seat->bell_bit);
+}
+
+void Supervisor::take_from_tables(Member& member) {
+  trust(member, false);
+  member.departure.begin(place_of(member));
+}
+
+bool Supervisor::is_out(const Member& member) const {
+  if (member.is_process() && !member.scheduled()) return !member.child.running();
+  return member.departure.over(place_of(member));
+}
+
+std::size_t Supervisor::executor_of(const Member& member) const {
+  const auto& executors = device().executors;
+  const auto found = std::find_if(executors.begin(), executors.end(), [&](const auto& executor) {
+    return executor.name == member.model.executor;
+  });
+  return static_cast<std::size_t>(found - executors.begin());
+}
+
+void Supervisor::running_step(Instant now) {
+  // The first row has run when each executor that has rows has walked one.
+  if (rows_begun_ && !background_begun_ && now >= *t0_) {
+    bool walked = true;
+    for (const auto& member : members_) {
+      if (member->scheduled()) {
+        walked &= channel_.executor(executor_of(*member)).cycles.load(std::memory_order_relaxed) > 0;
+      }
+    }
+    if (walked) {
+      background_begun_ = true;
+      for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::background});
+      for (auto& member : members_) {
+        if (member->scheduled() || !member->wanted() || member->state() != State::start) continue;
+        if (member->is_thread()) {
+          put_in_tables(*member);
+        } else if (auto spawned = spawn(*member); !spawned) {
+          raise(*member, ErrorType::crash, in_words(spawned.problems()));
+        } else {
+          apply(*member, Event::run);
+        }
+      }
+    }
+  }
+
+  for (auto& pointer : members_) {
+    Member& member = *pointer;
+    if (member.lost) continue;
+    watch_inputs(member, now);
+    // What the executor saw. SYNC: error raised
+    if (const auto type = member.block.error.load(std::memory_order_acquire); type != 0) {
+      std::string text{member.block.error_text.view()};
+      if (static_cast<ErrorType>(type) == ErrorType::budget) text += " of " + to_text(*member.model.budget);
+      member.block.error.store(0, std::memory_order_relaxed);
+      if (member.state() == State::start) apply(member, Event::run);  // its first row went wrong
+      raise(member, static_cast<ErrorType>(type), text);
+      const model::Overrun contract = model::contract_of(device(), member.model).what;
+      if (static_cast<ErrorType>(type) == ErrorType::overrun &&
+          (contract == model::Overrun::stop_device || contract == model::Overrun::stop_cell)) {
+        stops_cell_ |= contract == model::Overrun::stop_cell;
+        fail_device({"module " + device().name + "." + member.model.name, "overrun: " + text,
+                     std::string{"give it more time, or another <overrun> than "} + to_text(contract)});
+        return;
+      }
+    }
+    if (member.state() == State::start && member.in_tables() && rows_begun_) {
+      const bool named = cycles_of(member) != member.seen_cycles ||
+                         member.block.background.module.load(std::memory_order_relaxed) != 0;
+      if (named) apply(member, Event::run);
+    }
+    if (member.state() == State::recover && !member.pending) attempt_recovery(member);
+  }
+}
+
+// The module is out of its table, by the executor or by us.
+void Supervisor::raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since,
+                       const std::string& more, const std::string& attachment) {
+  take_from_tables(member);
+  member.why = std::string{takt::to_text(type)} + ": " + text;
+  note(member, model::FaultKind::error, text + more, type, attachment);
+  if (!apply(member, Event::error, member.why, type)) return;
+  member.stale = type == ErrorType::stale;
+  member.recovery.failed(os::now(), since);
+  if (member.is_thread()) ask(member, Doing::error, type);
+}
+
+void Supervisor::attempt_recovery(Member& member) {
+  const bool alive = member.is_process() && member.child.running();
+  // A program that was started again becomes ready or ends; one that goes on has to come out of its body.
+  if (alive && (member.started_again || !is_out(member))) return;
+  if (phase_ == Phase::stopping || (member.is_thread() && !host_of(member).link.running())) return;
+  // To wait for what somebody else is to send is no attempt.
+  if (member.stale && member.model.recovery.attempts > 0 && has_stale_input(member, os::now())) return;
+  switch (member.recovery.next(os::now())) {
+    case lifecycle::Recovery::Step::wait:
+      return;
+    case lifecycle::Recovery::Step::give_up:
+      give_up(member);
+      return;
+    case lifecycle::Recovery::Step::attempt:
+      break;
+  }
+  log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
+                  std::to_string(member.model.recovery.attempts));
+  // What it had saved may be what makes it crash.
+  if ((member.reload || (member.is_process() && !alive)) && member.recovery.attempts() > 1)
+    saved_of(member).clear();
+  if (member.is_thread()) {
+    ask(member, member.reload ? Doing::load : Doing::recover);
+  } else if (alive) {
+    recovered(member);
+  } else if (auto spawned = spawn(member); !spawned) {
+    not_recovered(member, in_words(spawned.problems()));
+  } else if (!member.scheduled()) {
+    recovered(member);
+  } else {
+    member.started_again = true;
+  }
+  if (member.is_process() && !alive && member.child.running())
+    note(member, model::FaultKind::program_restart, "its program is started again");
+}
+
+void Supervisor::recovered(Member& member) {
+  member.recovery.attempted(os::now(), true);
+  member.started_again = member.reload = false;
+  if (!apply(member, Event::recover)) return;
+  note(member, model::FaultKind::recovered,
+       "attempt " + std::to_string(member.recovery.attempts()) + ", after " + member.why);
+  ++member.recoveries;
+  if (!member.wanted() && member.state() == State::executing) apply(member, Event::stop);
+  if (rows_begun_ && member.wanted() && (member.scheduled() || member.is_thread())) put_in_tables(member);
+}
+
+void Supervisor::not_recovered(Member& member, const std::string& text) {
+  member.why = text;
+  log(member, "could not recover: " + text);
+  note(member, model::FaultKind::not_recovered, text);
+  member.recovery.attempted(os::now(), false);
+}
+
+void Supervisor::give_up(Member& member) {
+  member.failed = true;
+  apply(member, Event::give_up, "after " + std::to_string(member.recovery.attempts()) + " attempts");
+  note(member, model::FaultKind::given_up,
+       "after " + std::to_string(member.recovery.attempts()) + " attempts: " + member.why);
+  if (member.is_thread() && !member.lost && !member.reload) ask(member, Doing::destruct);
+  member.lost |= member.reload;
+  Problem problem{"module " + device().name + "." + member.model.name, "was given up: " + member.why,
+                  "mend the module, or give it more attempts in <recovery>"};
+  const bool whole_device =
+      phase_ == Phase::preparing || member.model.recovery.then != model::GiveUp::destruct;
+  stops_cell_ |= phase_ == Phase::running && member.model.recovery.then == model::GiveUp::stop_cell;
+  if (whole_device && (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running)) {
+    fail_device(std::move(problem));
+  } else {
+    log(to_text(problem));
+    failures_.push_back(std::move(problem));
+  }
+}
+
+// No hook of this module will be called any more.
+void Supervisor::lose(Member& member, const std::string& text, ErrorType type, const std::string& more,
+                      const std::string& attachment) {
+  note(member, model::FaultKind::error, text + more, type, attachment);
+  note(member, model::FaultKind::given_up, text);
+  if (member.swap) {
+    host_of(member).link.ask({.what = host::Request::Do::give_up_swap, .module = member.index});
+    end_swap(member, REPLY_FAILED, text);
+  }
+  take_from_tables(member);
+  member.lost = true;
+  member.failed = true;
+  member.pending.reset();
+  member.why = text;
+  const bool starting = phase_ == Phase::preparing;
+  if (member.machine.accepts(Event::error)) apply(member, Event::error, text, type);
+  if (member.machine.accepts(Event::give_up)) {
+    apply(member, Event::give_up, text, type);  // again: who joins later is shown the last step only
+  } else if (member.machine.accepts(Event::destruct)) {
+    apply(member, Event::destruct, text, type);
+  }
+  Problem problem{"module " + device().name + "." + member.model.name, text, ""};
+  const bool whole_device = starting || member.model.recovery.then != model::GiveUp::destruct;
+  stops_cell_ |= phase_ == Phase::running && member.model.recovery.then == model::GiveUp::stop_cell;
+  if (whole_device && phase_ != Phase::stopping && phase_ != Phase::ended) {
+    fail_device(std::move(problem));
+  } else {
+    log(to_text(problem));
+    failures_.push_back(std::move(problem));
+  }
+}
+
+std::vector<const os::Fd*> Supervisor::wait_on() {
+  std::vector<const os::Fd*> fds;
+  for (const auto& host : hosts_) {
+    if (!host->link.running()) continue;
+    fds.push_back(&host->link.fd());
+    fds.push_back(&host->link.output().output());
+    fds.push_back(&host->link.output().error());
+  }
+  for (const auto& member : members_) {
+    if (!member->is_process()) continue;
+    fds.push_back(&member->output.output());
+    fds.push_back(&member->output.error());
+  }
+  return fds;
+}
+
+}  // namespace takt::node

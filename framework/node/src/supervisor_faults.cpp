@@ -1,0 +1,133 @@
+// What of a device goes into its fault record, beside what its lifecycle says: counts, ports, crashes.
+#include <algorithm>
+
+#include <takt/node/supervisor.hpp>
+#include <takt/os/process.hpp>
+#include "limits.hpp"
+
+namespace takt::node {
+
+using model::FaultKind;
+
+void Supervisor::note(FaultKind kind, const std::string& cause, const std::string& origin) const {
+  if (options_.noted) options_.noted({.kind = kind, .cause = cause}, origin);
+}
+
+void Supervisor::note(const Member& member, FaultKind kind, const std::string& cause, ErrorType error,
+                      const std::string& attachment) const {
+  if (!options_.noted) return;
+  options_.noted({.module = member.model.name,
+                  .kind = kind,
+                  .error = error == ErrorType::none ? "" : takt::to_text(error),
+                  .cause = cause,
+                  .attachment = attachment,
+                  .cycle = releases_of(member)},
+                 {});
+}
+
+// What was counted since the last look, which is never more than there is: a gateway that was started again
+// counts from nothing.
+void Supervisor::note_counts(const Member& member, FaultKind kind, std::uint64_t& seen, std::uint64_t now,
+                             const std::string& cause, const std::string& origin) const {
+  const std::uint64_t before = std::exchange(seen, now);
+  if (now <= before || !options_.noted) return;
+  options_.noted({.module = member.model.name,
+                  .kind = kind,
+                  .cause = cause,
+                  .count = now - before,
+                  .cycle = releases_of(member)},
+                 origin);
+}
+
+void Supervisor::watch_counts() {
+  for (auto& member : members_) {
+    const bool sporadic = member->model.operation == model::Operation::sporadic;
+    note_counts(*member, FaultKind::overrun, member->noted_overruns, overruns_of(*member),
+                sporadic ? "it was not done by its deadline" : "it was not done by its next release");
+  }
+  seen_missed_.resize(channel_.executors());
+  for (std::size_t e = 0; e < channel_.executors(); ++e) {
+    const std::uint64_t missed = channel_.executor(e).missed.load(std::memory_order_relaxed);
+    const std::uint64_t before = std::exchange(seen_missed_[e], missed);
+    const std::string& name = device().executors[e].name;
+    if (missed > before && options_.noted) {
+      options_.noted({.kind = FaultKind::missed_rows,
+                      .cause = "executor " + name + " skipped rows that it could not begin in time",
+                      .count = missed - before},
+                     name);
+    }
+  }
+}
+
+void Supervisor::watch_ports(Instant now) {
+  if (!rows_begun_ || now - ports_watched_at_ < kPortsEvery) return;
+  ports_watched_at_ = now;
+  for (auto& member : members_) {
+    const model::ModulePorts& ports = options_.ports.at(member->index);
+    if (!ports) continue;
+    for (const model::Port& port : *ports) watch_port(*member, port, now);
+  }
+}
+
+void Supervisor::watch_port(Member& member, const model::Port& port, Instant now) const {
+  const PortHealth health = health_of(member, port, now);
+  NotedPort& noted = member.noted_ports[port.name];
+  const std::string name = "'" + port.name + "'";
+  const auto tell = [&](FaultKind kind, const std::string& cause) {
+    std::uint64_t seen = 0;
+    note_counts(member, kind, seen, 1, cause, port.name);
+  };
+
+  if (health.late > noted.late) noted.stale = true;
+  note_counts(member, FaultKind::stale_input, noted.late, health.late,
+              "the newest value of input " + name + " is older than its deadline", port.name);
+  const bool late = std::any_of(member.inputs.begin(), member.inputs.end(), [&](const Wiring::Wire* wire) {
+    const std::int64_t newest = wire->link.block().newest_ns.load(std::memory_order_relaxed);
+    return wire->plan.to.port == port.name &&
+           now - from_ns(newest) > Nanoseconds{wire->plan.options.deadline_ns};
+  });
+  if (noted.stale && !late) {
+    noted.stale = false;
+    tell(FaultKind::fresh_input, "input " + name + " has new values");
+  }
+
+  note_counts(member, FaultKind::refused_packet, noted.refused, health.refused,
+              "what came or went by port " + name + " was no value of its type", port.name);
+
+  const std::uint32_t before = std::exchange(noted.matched, health.matched);
+  if (health.matched < before) {
+    noted.lost = true;
+    tell(FaultKind::connection_lost,
+         "port " + name + ": of " + std::to_string(health.connections) + " connections " +
+             std::to_string(health.connections - std::min(health.matched, health.connections)) +
+             " have nobody at the other end");
+  } else if (health.matched > before && noted.lost) {
+    noted.lost = health.matched < health.connections;
+    tell(FaultKind::connection_back, "port " + name + ": somebody is at the other end again");
+  }
+}
+
+Supervisor::CrashCalls Supervisor::calls_of_crash(const channel::Crash& crash, const Member& culprit) {
+  constexpr std::size_t kShown = 5;
+  const std::uint32_t depth = std::min<std::uint32_t>(crash.depth.load(std::memory_order_acquire),
+                                                      channel::Crash::kFrames);  // SYNC: crash frame
+  if (!symbols_) symbols_.emplace();
+  const std::string host = os::private_directory() + "/takt-host";
+  std::vector<std::string> calls;
+  for (std::uint32_t i = 0; i < depth; ++i) {
+    const channel::CrashFrame& frame = crash.frames[i];
+    std::string object{frame.object.view()};
+    if (object.empty()) object = host;
+    // A module's own copy of its file, in memory.
+    if (object.starts_with("/proc/self/fd/")) object = options_.paths.at(culprit.index);
+    // Who called the module is not of interest.
+    if (!calls.empty() && object == host) break;
+    calls.push_back(symbols_->name(object, frame.address));
+  }
+  const std::string text = called_by(calls, kShown);
+  if (text.empty()) return {};
+  const std::size_t end = std::min(text.find(", called by "), text.size());
+  return {.place = ", " + text.substr(0, end), .callers = text.substr(end)};
+}
+
+}  // namespace takt::node

@@ -1,0 +1,391 @@
+// The hosts of a device: started, asked, watched, started again.
+#include <algorithm>
+
+#include <takt/core/check.hpp>
+#include <takt/node/supervisor.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/core_dump.hpp>
+#include "limits.hpp"
+
+namespace takt::node {
+
+using channel::Doing;
+using lifecycle::Event;
+using lifecycle::State;
+
+Result<void> Supervisor::start_host(Hosted& host) {
+  host::Setup setup{.device = device(),
+                    .share = host.index,
+                    .paths = options_.paths,
+                    .executor_cpus = placement_.executors,
+                    .background_cpus = placement_.background,
+                    .seat_fds = {},
+                    .bell_fd = bell_memory_.fd().get(),
+                    .saved_fd = saved_memory_.fd().get(),
+                    .links = wiring_.of_host(host.share)};
+  std::vector<const os::Fd*> inherit{&bell_memory_.fd(), &saved_memory_.fd()};
+  for (const auto& member : members_) {
+    const bool released = member->seat != nullptr && member->host == host.index;
+    setup.seat_fds.push_back(released ? member->seat_memory.fd().get() : -1);
+    if (released) inherit.push_back(&member->seat_memory.fd());
+  }
+  wiring_.inherit(inherit, setup.links);
+  std::vector<std::pair<std::string, std::string>> environment;
+  if (violations_) environment = violations_->environment(inherit);
+  inherit.push_back(&flight_->fd());
+  environment.emplace_back("TAKT_FLIGHT_FD", std::to_string(flight_->fd().get()));
+  return host.link.start(channel_, setup, inherit, environment);
+}
+
+void Supervisor::ask(Member& member, Doing hook, ErrorType type) {
+  TAKT_CHECK(!member.lost);
+  member.pending = hook;
+  host_of(member).link.ask({.what = host::Request::Do::call,
+                            .module = member.index,
+                            .hook = hook,
+                            .error_type = static_cast<int>(type)});
+}
+
+void Supervisor::take_answers(Hosted& host) {
+  while (auto answer = host.link.answer()) {
+    switch (answer->request.what) {
+      case host::Request::Do::call: {
+        Member* const member = member_at(answer->request.module);
+        if (member == nullptr || member->lost || member->pending != answer->request.hook)
+          break;  // it was given up in the meantime
+        member->pending.reset();
+        answered(*member, answer->request.hook, answer->ok, answer->text);
+        break;
+      }
+      case host::Request::Do::get:
+      case host::Request::Do::set:
+        property_answered(*answer);
+        break;
+      case host::Request::Do::swap:
+        if (Member* const member = member_at(answer->request.module))
+          end_swap(*member, answer->ok ? REPLY_OK : REPLY_FAILED, answer->text);
+        break;
+      case host::Request::Do::begin:
+        for (const std::string& warning : answer->warnings) {
+          real_time_ = false;
+          log("WARNING: not real-time: " + warning);
+        }
+        if (!answer->ok) fail_device(fail(answer->text));
+        break;
+      case host::Request::Do::halt:
+        host.halted = true;
+        break;
+      case host::Request::Do::background:
+      case host::Request::Do::give_up:
+      case host::Request::Do::give_up_swap:
+      case host::Request::Do::end:
+        break;
+    }
+  }
+}
+
+void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string& text) {
+  const std::string failure = std::string{channel::to_text(hook)} + " failed: " + text;
+  switch (hook) {
+    case Doing::load:
+      if (!ok && member.state() == State::destruct) {  // it was to be reset
+        member.lost = true;
+        member.why = failure;
+      } else if (!ok && member.reload) {
+        not_recovered(member, failure);
+      } else if (!ok) {
+        lose(member, failure);
+      } else {
+        if (member.state() == State::destruct) apply(member, Event::reset);
+        if (member.up_to != State::idle) ask(member, Doing::initialize);
+      }
+      break;
+    case Doing::initialize:
+      if (ok && !text.empty()) log(member, text);
+      if (member.reload) {
+        if (ok)
+          ask(member, Doing::start);
+        else
+          not_recovered(member, failure);
+        break;
+      }
+      if (!ok) {
+        lose(member, failure);
+        break;
+      }
+      apply(member, Event::initialize);
+      // While the device is prepared, all are initialised before the first is started; one that comes back
+      // waits for nobody.
+      if ((phase_ == Phase::ready || phase_ == Phase::running) && member.up_to != State::initialize)
+        ask(member, Doing::start);
+      break;
+    case Doing::start:
+      if (ok && member.state() == State::recover)
+        recovered(member);
+      else if (ok)
+        apply(member, Event::start);
+      else if (member.state() == State::recover)
+        not_recovered(member, failure);
+      else
+        raise(member, ErrorType::start, failure);
+      // A module that comes back with a new host goes on where it was.
+      if (ok && rows_begun_ && member.state() == State::start && member.wanted()) put_in_tables(member);
+      break;
+    case Doing::error:
+      if (!ok) log(member, failure);
+      break;
+    case Doing::recover:
+      if (!ok)
+        not_recovered(member, failure);
+      else if (member.machine.previous() == State::initialize)
+        ask(member, Doing::start);  // what failed was start()
+      else
+        recovered(member);
+      break;
+    case Doing::destruct:
+      if (!ok) log(member, failure);
+      if (member.machine.accepts(Event::destruct)) apply(member, Event::destruct);
+      break;
+    case Doing::nothing:
+    case Doing::run:
+    case Doing::condition:
+    case Doing::serve:
+      break;
+  }
+}
+
+void Supervisor::begin_rows() {
+  for (auto& member : members_) {
+    if (member->scheduled() && member->wanted() && member->state() == State::start) put_in_tables(*member);
+  }
+  rows_begun_ = true;
+  for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::begin});
+}
+
+// A run() or a hook that never comes back.
+void Supervisor::watch_host(Hosted& host, Instant now) {
+  if (!host.link.running() || host.hung) return;
+  const auto since = [now](const channel::Activity& activity) {
+    return now - from_ns(activity.since_ns.load());
+  };
+
+  const channel::Activity& hooks = host.block.hooks;
+  if (Member* const member = member_at(hooks.module.load(std::memory_order_acquire) - 1);
+      member != nullptr && since(hooks) > kHookLimit) {
+    const Doing doing = hooks.doing.load();
+    if (member->pending == doing) {
+      host.link.ask({.what = host::Request::Do::give_up, .module = member->index});
+      lose(*member, std::string{channel::to_text(doing)} + " did not return within " + to_text(kHookLimit),
+           ErrorType::hang);
+    }
+  }
+  watch_swaps(host, now);
+  for (const std::uint32_t index : host.share.modules) {
+    Member& member = *members_[index];
+    const channel::Activity& service = member.block.service;
+    if (service.module.load(std::memory_order_acquire) == 0 || since(service) <= kHookLimit || member.lost)
+      continue;
+    host.link.ask({.what = host::Request::Do::give_up, .module = index});
+    lose(member, "the handler of a service did not return within " + to_text(kHookLimit), ErrorType::hang);
+  }
+  for (const std::size_t e : host.share.executors) {
+    const channel::ExecutorBlock& block = channel_.executor(e);
+    for (const channel::Activity* activity : {&block.row, &block.sporadic}) {
+      const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1);
+      if (busy == nullptr || since(*activity) < stuck_after(busy->model)) continue;
+      host.hung = {.module = busy->index, .doing = activity->doing.load(), .limit = stuck_after(busy->model)};
+      host.link.kill();
+      return;
+    }
+  }
+}
+
+// The module that keeps a thread of a host, long after all were told to halt.
+std::optional<Hang> Supervisor::never_halts(const Hosted& host) const {
+  std::vector<const channel::Activity*> activities;
+  for (const std::size_t e : host.share.executors) {
+    activities.push_back(&channel_.executor(e).row);
+    activities.push_back(&channel_.executor(e).sporadic);
+  }
+  for (const std::uint32_t index : host.share.modules)
+    activities.push_back(&members_[index]->block.background);
+  for (const channel::Activity* activity : activities) {
+    if (const Member* const busy = member_at(activity->module.load(std::memory_order_acquire) - 1))
+      return Hang{.module = busy->index, .doing = activity->doing.load(), .limit = kHaltLimit};
+  }
+  return std::nullopt;
+}
+
+// Nobody writes the blocks of a host that has ended: what its threads were doing is over.
+namespace {
+void clear_after(channel::HostBlock& block) {
+  block.crash.signal.store(0);
+  block.crash.module.store(0);
+  block.crash.depth.store(0);
+  block.hooks.end();
+  block.swap.end();
+}
+void clear_after(channel::ExecutorBlock& executor) {
+  executor.row.end();
+  executor.sporadic.end();
+  executor.row_sequence.store(executor.row_sequence.load() & ~std::uint64_t{1});
+}
+}  // namespace
+
+void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
+  nobody_answers(host, host.name() + " of device " + device().name + " has ended");
+  ring(~0U);  // for what it wrote last, if it could not ring for that any more
+  if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
+  std::string text = host.name() + " " + end.text();
+  Member* culprit = nullptr;
+  const ErrorType type = host.hung ? ErrorType::hang : ErrorType::crash;
+  const channel::Crash& crash = host.block.crash;
+  if (host.hung) {
+    culprit = members_[host.hung->module].get();
+    text = std::string{channel::to_text(host.hung->doing)} + " did not return within " +
+           to_text(host.hung->limit) + ", so " + host.name() + " was ended";
+  } else if (crash.signal.load() == (end.signalled ? end.code : channel::Crash::kExit)) {
+    culprit = member_at(crash.module.load() - 1);
+    if (culprit != nullptr) text += std::string{" in "} + channel::to_text(crash.doing.load());
+  }
+  const Doing doing = host.hung ? host.hung->doing : crash.doing.load();
+  const bool swapped = culprit != nullptr && by_swap(*culprit, doing);
+  if (swapped) {
+    const CrashCalls calls = host.hung ? CrashCalls{} : calls_of_crash(crash, *culprit);
+    text += " of its new instance" + calls.place + calls.callers;
+    end_swap(*culprit, REPLY_FAILED, "the one before it is loaded again: " + text);
+    culprit = nullptr;
+  }
+  const bool crashed_itself = culprit != nullptr && type == ErrorType::crash;
+  const CrashCalls calls = crashed_itself ? calls_of_crash(crash, *culprit) : CrashCalls{};
+  text += calls.place;
+  const std::string told = culprit == nullptr ? text : "module " + culprit->model.name + ": " + text;
+  log(told);
+  const auto since = host.hung ? std::optional{os::now() - host.hung->limit} : std::nullopt;
+  host.hung.reset();
+
+  // It crashed in the first row that named it, which nobody has seen yet.
+  if (culprit != nullptr && (doing == Doing::run || doing == Doing::condition) &&
+      culprit->state() == State::start && culprit->in_tables()) {
+    apply(*culprit, Event::run);
+  }
+  if (culprit == nullptr) flight_->fault(text);
+  clear_after(host.block);
+  for (const std::size_t e : host.share.executors) {
+    flight_->host_died(e);
+    clear_after(channel_.executor(e));
+  }
+  for (const std::uint32_t index : host.share.modules) {
+    Member& member = *members_[index];
+    member.block.background.end();
+    member.block.service.end();
+    member.block.on_trial.store(0);
+    end_swap(member, REPLY_FAILED, told + "; the instance before it is loaded again");
+    take_from_tables(member);
+    if (&member != culprit) member.pending.reset();  // nobody will answer
+  }
+
+  if (culprit != nullptr) {
+    ++culprit->errors;
+    const os::CoreDump core = end.signalled ? os::find_core_dump(host.link.pid(), end.code) : os::CoreDump{};
+    crashed(*culprit, text, type, since, calls.callers, core.file);
+  } else if (phase_ == Phase::preparing) {
+    fail_device({"device " + device().name, text, "see what it printed"});
+  }
+  if (phase_ == Phase::stopping) {
+    host.halted = true;
+    for (const std::uint32_t index : host.share.modules)
+      members_[index]->lost = true;  // its instance is gone
+    return;
+  }
+  if (culprit == nullptr && !swapped) {
+    const Instant now = os::now();
+    std::erase_if(host.restarts, [now](Instant then) { return now - then > kRestartWindow; });
+    host.restarts.push_back(now);
+    if (host.restarts.size() > kHostRestarts) {
+      give_up_host(host, text);
+      return end_orders_of(host, culprit, told);
+    }
+  }
+  note(model::FaultKind::host_restart, text);
+  restart_host(host);
+  end_orders_of(host, culprit, told);
+}
+
+// Nobody answers any more for what the host was asked to do. What its culprit was ordered ends as any order
+// does that meets an error.
+void Supervisor::end_orders_of(const Hosted& host, const Member* culprit, const std::string& why) {
+  for (const std::uint32_t index : host.share.modules) {
+    Member& member = *members_[index];
+    if (!member.order || &member == culprit) continue;
+    const bool loaded = member.state() != State::destruct && member.state() != State::recover;
+    const std::string follows =
+        loaded ? std::string{"it is loaded again and goes to "} + lifecycle::to_text(member.up_to)
+               : std::string{"it is in "} + lifecycle::to_text(member.state()) + what_follows(member);
+    end_order(member, REPLY_FAILED, why + "; " + follows);
+  }
+}
+
+void Supervisor::restart_host(Hosted& host) {
+  if (auto started = start_host(host); !started) {
+    fail_device(started.problems()[0]);
+    return;
+  }
+  ++host_restarts_;
+  log(host.name() + " is started again");
+  for (const std::uint32_t index : host.share.modules) {
+    Member& member = *members_[index];
+    if (!member.lost && !member.reload && member.state() != State::destruct) bring_back(member);
+  }
+  if (rows_begun_) host.link.ask({.what = host::Request::Do::begin});
+  if (background_begun_) host.link.ask({.what = host::Request::Do::background});
+}
+
+// A module whose crash ended its host. Where it stops neighbours that did nothing wrong, it is not tried
+// again.
+void Supervisor::crashed(Member& member, const std::string& text, ErrorType type,
+                         std::optional<Instant> since, const std::string& callers, const std::string& core) {
+  member.pending.reset();
+  const bool starting = phase_ == Phase::preparing || phase_ == Phase::ready;
+  if (!host_of(member).share.is_own() || starting || phase_ == Phase::stopping)
+    return lose(member, text, type, callers, core);
+  const bool recovering = member.state() == State::recover;
+  if (!recovering && !member.machine.accepts(Event::error)) return lose(member, text, type, callers, core);
+  note(member, model::FaultKind::error, text + callers, type, core);
+  member.reload = true;
+  if (recovering) return not_recovered(member, text);
+  member.why = std::string{takt::to_text(type)} + ": " + text;
+  member.stale = false;
+  apply(member, Event::error, member.why, type);
+  member.recovery.failed(os::now(), since);
+}
+
+// It ended again and again, and no module was seen to be at fault.
+void Supervisor::give_up_host(Hosted& host, const std::string& text) {
+  const std::string why = text + "; it has been restarted " + std::to_string(kHostRestarts) + " times";
+  if (!host.share.is_own()) {
+    fail_device({"device " + device().name, why, "see what it printed"});
+    host.halted = true;
+    for (const std::uint32_t index : host.share.modules) members_[index]->lost = true;
+    return;
+  }
+  log(host.name() + " is given up, the others go on; a reset of one of its modules starts it again");
+  for (const auto* of : {&host.share.modules, &host.share.programs}) {
+    for (const std::uint32_t index : *of) {
+      Member& member = *members_[index];
+      if (!member.lost && member.state() != State::destruct) lose(member, why, ErrorType::crash);
+      if (member.child.running()) member.child.signal(os::kKill);
+    }
+  }
+}
+
+// A module whose instance died with the host, through no fault of its own: loaded afresh.
+void Supervisor::bring_back(Member& member) {
+  member.pending.reset();
+  member.block.error.store(0);
+  apply(member, Event::destruct, "its host ended");
+  apply(member, Event::reset);
+  ask(member, Doing::load);
+}
+
+}  // namespace takt::node

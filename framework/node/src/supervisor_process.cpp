@@ -1,0 +1,286 @@
+// The programs of a device: process modules and non-real-time programs.
+#include <algorithm>
+#include <utility>
+
+#include <takt/channel/violations.hpp>
+#include <takt/host/inspect.hpp>
+#include <takt/node/log.hpp>
+#include <takt/node/supervisor.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/core_dump.hpp>
+#include <takt/os/futex.hpp>
+#include <takt/os/real_time.hpp>
+#include <takt/os/waker.hpp>
+#include <takt/schedule/plan.hpp>
+#include "limits.hpp"
+
+namespace takt::node {
+
+using lifecycle::Event;
+using lifecycle::State;
+
+namespace {
+
+const char* wait_function(const Member& member) {
+  return member.model.operation == model::Operation::periodic ? "waitPeriod()" : "waitSporadic()";
+}
+
+const char* init_function(const Member& member) {
+  return member.model.operation == model::Operation::periodic ? "initPeriodExe()" : "initSporadicExe()";
+}
+
+}  // namespace
+
+Result<void> Supervisor::create_seat(Member& member) {
+  auto memory = os::SharedMemory::create("takt-seat", sizeof(channel::Seat));
+  if (!memory) return memory.problems();
+  member.seat_memory = std::move(*memory);
+  member.seat = reinterpret_cast<channel::Seat*>(member.seat_memory.data());
+  channel::Seat& seat = *member.seat;
+
+  const schedule::ExecutorPlan& plan = plan_.executors[executor_of(member)];
+  const model::Executor& executor = device().executors[executor_of(member)];
+  const bool periodic = member.model.operation == model::Operation::periodic;
+  const Nanoseconds period =
+      periodic ? *member.model.period : plan.basic_period;  // else released by each row
+  seat.magic = channel::Seat::kMagic;
+  seat.name.assign(member.model.name);
+  seat.kind = periodic ? channel::SeatKind::periodic : channel::SeatKind::sporadic;
+  seat.bell_bit = channel::bell_bit(member.index);
+  seat.period_ns = period.count();
+  if (periodic) seat.offset_ns = schedule::offset_of(plan, member.index).count();
+  seat.logical = model::timing_of(device(), member.model) == model::Timing::let ? 1 : 0;
+  // Programs that spin for their release on the same processor share what one may take of it.
+  seat.margin_cap_ns =
+      os::margin_cap(period, executor.spin_share).count() / schedule::programs_on_one(device(), placement_);
+  if (const auto contract = model::contract_of(device(), member.model);
+      contract.what == model::Overrun::catch_up) {
+    seat.catch_up = static_cast<std::uint32_t>(contract.limit);
+  }
+  seat.lock_memory = real_time_ ? 1 : 0;
+  seat.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
+  seat.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
+  seat.interarrival_ns = member.model.interarrival.value_or(Nanoseconds{0}).count();
+  return {};
+}
+
+Result<void> Supervisor::spawn(Member& member) {
+  os::SpawnOptions options{.program = options_.paths[member.index],
+                           .arguments = host::arguments_of(member.model),
+                           .environment = {},
+                           .inherit = {},
+                           .capture_output = true};
+  if (member.seat != nullptr) {
+    channel::clear_for_new_program(*member.seat);
+    options.environment = {{"TAKT_SEAT_FD", std::to_string(member.seat_memory.fd().get())},
+                           {"TAKT_BELL_FD", std::to_string(bell_memory_.fd().get())}};
+    options.inherit = {&member.seat_memory.fd(), &bell_memory_.fd()};
+    options.environment.emplace_back("TAKT_LINKS", wiring_.of_program(member.index));
+    wiring_.inherit(options.inherit, member.index);
+    if (violations_) {
+      for (auto& variable : violations_->environment(options.inherit))
+        options.environment.push_back(std::move(variable));
+      options.environment.emplace_back(channel::kCheckModule, std::to_string(member.index));
+    }
+  }
+  auto child = os::Child::spawn(options);
+  if (!child) return child.problems();
+  member.child = std::move(*child);
+  member.output = Output{std::move(member.child.output), std::move(member.child.error)};
+  member.last_pid = member.child.pid();
+  member.spawned = os::now();
+  member.killed_for_hanging = false;
+  member.told_to_end = {};
+  member.end_signals = 0;
+  static_cast<void>(os::pin(member.child.pid(), placement_.background));
+  if (!member.scheduled()) static_cast<void>(os::make_background(member.child.pid()));
+  return {};
+}
+
+// The thread that waits for releases becomes real-time only now, so that a long preparation starves nobody.
+void Supervisor::process_ready(Member& member) {
+  if (!real_time_) return;
+  const int priority =
+      schedule::program_priority(plan_.executors[executor_of(member)].priority, member.model.operation);
+  const auto made = os::make_real_time(member.seat->thread.load(), priority);
+  if (made) return;
+  real_time_ = false;
+  log(member, "WARNING: not real-time: " + in_words(made.problems()));
+}
+
+void Supervisor::watch_process(Member& member, Instant now) {
+  if (const auto end = member.child.poll()) {
+    forward_output();
+    // It may have come further than we have looked.
+    if (member.state() == State::idle &&
+        member.seat->phase.load(std::memory_order_acquire) != channel::SeatPhase::empty) {
+      apply(member, Event::initialize);
+    }
+    if (member.state() == State::start && member.in_tables() && cycles_of(member) != member.seen_cycles)
+      apply(member, Event::run);
+    process_ended(member, *end);
+    return;
+  }
+  if (!member.child.running() || !member.scheduled() || phase_ == Phase::stopping) return;
+
+  const channel::SeatPhase phase = member.seat->phase.load(std::memory_order_acquire);
+  const bool slow = now - member.spawned > kAttachLimit;
+  switch (member.state()) {
+    case State::idle:
+      if (phase != channel::SeatPhase::empty)
+        apply(member, Event::initialize);
+      else if (slow)
+        lose(member,
+             std::string{"did not call "} + init_function(member) + " within " + to_text(kAttachLimit),
+             ErrorType::hang);
+      break;
+    case State::initialize:
+      if (phase != channel::SeatPhase::ready && slow) {
+        lose(member,
+             std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit),
+             ErrorType::hang);
+      } else if (phase == channel::SeatPhase::ready && phase_ == Phase::running && member.wanted()) {
+        process_ready(member);  // while the device is prepared, all are initialised first
+        apply(member, Event::start);
+        put_in_tables(member);
+      }
+      break;
+    case State::recover:
+      if (!member.started_again) {
+        watch_body(member, now);
+      } else if (phase == channel::SeatPhase::ready && !member.killed_for_hanging) {
+        process_ready(member);
+        recovered(member);
+      } else if (slow) {
+        member.child.signal(os::kKill);
+      }
+      break;
+    case State::start:
+    case State::executing:
+      watch_body(member, now);
+      break;
+    case State::destruct:
+      break;
+  }
+}
+
+// A body that never ends, or that has ended too late.
+void Supervisor::watch_body(Member& member, Instant now) {
+  channel::Seat& seat = *member.seat;
+  if (member.killed_for_hanging) return;
+  // In this order: the instant of the release before it would make a body that has just begun an old one.
+  if (seat.in_body() &&
+      now - from_ns(seat.release_ns.load(std::memory_order_acquire)) >= stuck_after(member.model)) {
+    member.killed_for_hanging = true;
+    member.child.signal(os::kKill);
+    return;
+  }
+  const std::uint64_t late = seat.late.load(std::memory_order_acquire);  // SYNC: late
+  if (std::exchange(member.seen_late, late) == late) return;
+  if (member.model.miss != model::Miss::error || !member.in_tables()) return;
+  if (member.state() == State::start) apply(member, Event::run);  // its first body was late
+  ++member.errors;
+  const Nanoseconds by{seat.late_by_ns.load(std::memory_order_relaxed)};
+  raise(member, ErrorType::deadline, "its body ended " + to_text(by) + " after its deadline");
+}
+
+void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
+  ring(~0U);  // for what it wrote last, if it could not ring for that any more
+  std::string text = "the process " + end.text();
+  if (member.killed_for_hanging) {
+    text = "the process did not come back to " + std::string{wait_function(member)} + " within " +
+           to_text(stuck_after(member.model)) + " and was ended";
+  }
+  if (const std::string words = member.output.last_words(); !words.empty())
+    text += "; its last line was: " + words;
+
+  if (member.state() == State::destruct) return;
+  const bool to_end = member.order && member.order->begun && member.order->verb == Verb::destruct;
+  if (phase_ == Phase::stopping || to_end) {
+    take_from_tables(member);  // the last row may be still to come
+    if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
+    apply(member, Event::destruct, end.text());
+    return;
+  }
+  if (member.order && member.order->begun && member.order->verb == Verb::stop && !member.scheduled() &&
+      member.state() == State::executing) {
+    apply(member, Event::stop, end.text());
+    return;
+  }
+  switch (member.state()) {
+    case State::idle:
+      lose(member, text + "; it had not called " + init_function(member), ErrorType::crash);
+      break;
+    case State::recover:
+      member.started_again = false;
+      not_recovered(member, text);
+      break;
+    case State::initialize:
+    case State::start:
+    case State::executing:
+      take_from_tables(member);
+      if (!member.scheduled() && !end.signalled && end.code == 0) {
+        member.up_to = State::idle;
+        apply(member, Event::destruct, "it ended by itself");
+        break;
+      }
+      ++member.errors;
+      if (member.killed_for_hanging) {
+        raise(member, ErrorType::hang, text,
+              from_ns(member.seat->release_ns.load(std::memory_order_relaxed)));
+      } else {
+        const os::CoreDump core =
+            end.signalled ? os::find_core_dump(member.last_pid, end.code) : os::CoreDump{};
+        raise(member, ErrorType::crash, text, std::nullopt,
+              core.why.empty() ? "" : "; no core dump: " + core.why, core.file);
+      }
+      break;
+    case State::destruct:
+      break;
+  }
+}
+
+// First the word that ends its wait, then SIGTERM, then SIGKILL.
+void Supervisor::end_process(Member& member, Instant now) {
+  if (!member.child.running()) return;
+  if (member.told_to_end == Instant{}) {
+    member.told_to_end = now;
+    if (member.seat != nullptr) {
+      member.seat->end.store(1, std::memory_order_seq_cst);
+      ring(~0U);
+    } else {
+      member.end_signals = 1;
+      member.child.signal(os::kTerminate);
+    }
+    return;
+  }
+  const Nanoseconds waited = now - member.told_to_end;
+  if (member.end_signals < 1 && waited > kProcessEndLimit) {
+    member.end_signals = 1;
+    log(member, "does not come to its wait; SIGTERM");
+    member.child.signal(os::kTerminate);
+  } else if (member.end_signals < 2 && waited > 2 * kProcessEndLimit) {
+    member.end_signals = 2;
+    log(member, "does not end on SIGTERM; SIGKILL");
+    member.child.signal(os::kKill);
+  }
+}
+
+void Supervisor::ring(std::uint32_t bits) {
+  bell_->rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(bell_->rings, bits);
+}
+
+void Supervisor::forward_output() {
+  for (const auto& host : hosts_) {
+    const std::string name = host->share.is_own() ? "(host " + host->share.name + ")" : "(host)";
+    host->link.output().read([&](const std::string& line) { node::log(device().name, name, line); });
+  }
+  for (auto& member : members_) {
+    if (!member->is_process()) continue;
+    member->output.read(
+        [&](const std::string& line) { node::log(device().name, member->model.name, "| " + line); });
+  }
+}
+
+}  // namespace takt::node

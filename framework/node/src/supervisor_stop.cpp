@@ -1,0 +1,99 @@
+// The end of a device, in order: rows end, modules stop, hooks destruct, programs end, the host ends.
+#include <algorithm>
+
+#include <takt/node/supervisor.hpp>
+#include <takt/os/clock.hpp>
+#include "limits.hpp"
+
+namespace takt::node {
+
+using channel::Doing;
+using lifecycle::Event;
+using lifecycle::State;
+
+void Supervisor::stop() {
+  if (phase_ == Phase::stopping || phase_ == Phase::ended) return;
+  // From now on others end too, which says nothing of how it was.
+  for (const auto& member : members_) {
+    if (const model::ModulePorts& ports = options_.ports.at(member->index)) {
+      for (const model::Port& port : *ports)
+        matched_at_stop_[{member->index, port.name}] = health_of(*member, port, os::now()).matched;
+    }
+  }
+  phase_ = Phase::stopping;
+  asked_at_ = os::now();
+  for (auto& member : members_) {
+    member->up_to = State::start;
+    if (member->order) end_order(*member, REPLY_FAILED, "the device is ending");
+  }
+  // The modules stay in their tables until the last row has ended, so that no row is walked without them.
+  for (const auto& host : hosts_)
+    host->halted = !host->link.running() || !host->link.ask({.what = host::Request::Do::halt});
+}
+
+void Supervisor::stopping_step(Instant now) {
+  bool halted = true;
+  for (const auto& host : hosts_) {
+    if (host->halted) continue;
+    halted = false;
+    if (now - asked_at_ <= kHaltLimit || !host->link.running() || host->hung) continue;
+    host->hung = never_halts(*host);
+    if (!host->hung)
+      log("the executors of " + host->name() + " did not halt within " + to_text(kHaltLimit) +
+          "; it is ended");
+    host->link.kill();
+  }
+  if (!halted) return;
+  bool all = true;
+  for (auto& member : members_) {
+    take_from_tables(*member);
+    destruct(*member, now);
+    all &= member->state() == State::destruct && !member->child.running();
+  }
+  if (!all) {
+    asked_at_ = now;
+    return;
+  }
+  if (!end_asked_) {
+    end_asked_ = true;
+    for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::end});
+  }
+  bool running = false;
+  for (const auto& host : hosts_) {
+    if (host->link.running() && now - asked_at_ > kHostEndLimit) host->link.kill();
+    running |= host->link.running();
+  }
+  if (running) return;
+  // What is still to be written may take its time; the node's thread has others to look after.
+  const bool recorded = !flight_ || flight_->finish();
+  const bool retained = !retained_ || retained_->finish();
+  if (!(recorded && retained) && now - asked_at_ < kHostEndLimit + kWrittenWithin) return;
+  forward_output();
+  say_violations();
+  fail_by_violations();
+  watch_counts();
+  ports_watched_at_ = {};
+  watch_ports(now);
+  phase_ = Phase::ended;
+}
+
+void Supervisor::destruct(Member& member, Instant now) {
+  if (member.is_process()) {
+    if (member.child.running()) {
+      end_process(member, now);  // its end is its destruct
+    } else if (member.state() != State::destruct) {
+      if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
+      apply(member, Event::destruct);
+    }
+    return;
+  }
+  if (member.state() == State::destruct || member.pending) return;
+  if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
+  if (member.lost || member.reload || !host_of(member).link.running() || member.state() == State::idle) {
+    apply(member, Event::destruct);
+  } else {
+    ask(member, Doing::destruct);
+  }
+}
+
+}  // namespace takt::node

@@ -1,0 +1,28 @@
+#include <takt/os/fd.hpp>
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "error.hpp"
+
+namespace takt::os {
+
+void Fd::close() noexcept {
+  if (fd_ >= 0) ::close(fd_);
+  fd_ = -1;
+}
+
+Problem error_problem(std::string call, int error, std::string fix) {
+  // Whatever the call was for, it is the process that lacks something.
+  if (error == EMFILE)
+    fix = "raise its limit on open files: ulimit -n, prlimit --nofile, LimitNOFILE= of its service";
+  return fail(std::move(call) + ": " + std::strerror(error), std::move(fix));
+}
+
+Problem errno_problem(std::string call, std::string fix) {
+  return error_problem(std::move(call), errno, std::move(fix));
+}
+
+}  // namespace takt::os

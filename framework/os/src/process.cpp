@@ -1,0 +1,262 @@
+#include <takt/os/process.hpp>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <climits>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+
+#include <takt/core/time.hpp>
+#include <takt/os/clock.hpp>
+#include "error.hpp"
+
+extern char** environ;  // NOLINT(readability-redundant-declaration)
+
+namespace takt::os {
+
+namespace {
+
+struct Pipe {
+  Fd read;
+  Fd write;
+};
+
+Result<Pipe> make_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return errno_problem("pipe", "free file descriptors");
+  return Pipe{Fd{ends[0]}, Fd{ends[1]}};
+}
+
+ProcessEnd ended(int status) {
+  if (WIFSIGNALED(status)) return {.signalled = true, .code = WTERMSIG(status)};
+  return {.signalled = false, .code = WEXITSTATUS(status)};
+}
+
+std::vector<char*> pointers(std::vector<std::string>& texts) {
+  std::vector<char*> result;
+  result.reserve(texts.size() + 1);
+  for (std::string& text : texts) result.push_back(text.data());
+  result.push_back(nullptr);
+  return result;
+}
+
+std::vector<std::string> with_environment(const std::vector<std::pair<std::string, std::string>>& added) {
+  std::vector<std::string> texts;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view text{*entry};
+    bool replaced = false;
+    for (const auto& [name, value] : added) replaced |= text.starts_with(name + "=");
+    if (!replaced) texts.emplace_back(text);
+  }
+  for (const auto& [name, value] : added) texts.push_back(name + "=" + value);
+  return texts;
+}
+
+}  // namespace
+
+const int kTerminate = SIGTERM;
+const int kKill = SIGKILL;
+
+std::string signal_text(int signal) {
+  const char* name = ::sigabbrev_np(signal);
+  if (name == nullptr) return "signal " + std::to_string(signal);
+  return std::string{"SIG"} + name + " (" + ::sigdescr_np(signal) + ")";
+}
+
+std::string ProcessEnd::text() const {
+  if (signalled) return "was killed by " + signal_text(code);
+  return "ended with status " + std::to_string(code);
+}
+
+Child::Child(Child&& other) noexcept
+    : output(std::move(other.output)), error(std::move(other.error)), pid_(std::exchange(other.pid_, 0)) {}
+
+Child& Child::operator=(Child&& other) noexcept {
+  std::swap(output, other.output);
+  std::swap(error, other.error);
+  std::swap(pid_, other.pid_);
+  return *this;
+}
+
+Child::~Child() {
+  if (!running()) return;
+  signal(SIGKILL);
+  wait();
+}
+
+Result<Child> Child::spawn(const SpawnOptions& options) {
+  auto failure = make_pipe();  // closed by a successful exec, else carries the error number
+  if (!failure) return failure.problems();
+  Pipe output;
+  Pipe error;
+  if (options.capture_output) {
+    auto first = make_pipe();
+    auto second = make_pipe();
+    if (!first) return first.problems();
+    if (!second) return second.problems();
+    output = std::move(*first);
+    error = std::move(*second);
+  }
+
+  // Everything that allocates is done before the fork.
+  std::vector<std::string> arguments{options.program};
+  arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
+  std::vector<std::string> environment = with_environment(options.environment);
+  const std::vector<char*> argv = pointers(arguments);
+  const std::vector<char*> envp = pointers(environment);
+  const int parent = ::getpid();
+
+  const int pid = ::fork();
+  if (pid < 0) return errno_problem("fork", "free memory or raise the limit on processes");
+  if (pid == 0) {
+    const auto give_up = [&failure] {
+      const int number = errno;
+      [[maybe_unused]] const auto written = ::write(failure->write.get(), &number, sizeof number);
+      ::_exit(127);
+    };
+    if (options.dies_with_parent) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      if (::getppid() != parent) ::_exit(127);  // it died before the line above
+    }
+    if (options.new_group) ::setpgid(0, 0);
+    if (options.capture_output) {
+      ::dup2(output.write.get(), STDOUT_FILENO);
+      ::dup2(error.write.get(), STDERR_FILENO);
+      const int nothing = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+      ::dup2(nothing, STDIN_FILENO);
+    }
+    for (const Fd* fd : options.inherit) ::fcntl(fd->get(), F_SETFD, 0);
+    sigset_t none;
+    ::sigemptyset(&none);
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+    ::signal(SIGPIPE, SIG_DFL);  // what is ignored would stay so in the new program
+    ::execve(options.program.c_str(), argv.data(), envp.data());
+    give_up();
+  }
+
+  Child child;
+  child.pid_ = pid;
+  failure->write.close();
+  int number = 0;
+  ssize_t got = 0;
+  do {
+    got = ::read(failure->read.get(), &number, sizeof number);
+  } while (got < 0 && errno == EINTR);
+  if (got == sizeof number) {
+    child.wait();
+    return error_problem(options.program, number,
+                         "name a program that this user may execute on this machine");
+  }
+  child.output = std::move(output.read);
+  child.error = std::move(error.read);
+  for (const Fd* fd : {&child.output, &child.error}) {
+    if (*fd) ::fcntl(fd->get(), F_SETFL, O_NONBLOCK);
+  }
+  return child;
+}
+
+std::optional<ProcessEnd> Child::poll() noexcept {
+  if (!running()) return std::nullopt;
+  int status = 0;
+  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  pid_ = 0;
+  return ended(status);
+}
+
+ProcessEnd Child::wait() noexcept {
+  int status = 0;
+  while (running() && ::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = 0;
+  return ended(status);
+}
+
+void Child::signal(int number) const noexcept {
+  if (running()) ::kill(pid_, number);
+}
+
+std::string read_available(const Fd& fd, bool* end) {
+  std::string text;
+  std::array<char, 4096> buffer{};
+  // Bounded, so that a child that writes without pause does not keep us here.
+  while (text.size() < 16 * buffer.size()) {
+    const ssize_t n = ::read(fd.get(), buffer.data(), buffer.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n == 0 || (n < 0 && errno != EAGAIN)) *end = true;
+    if (n <= 0) break;
+    text.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+  return text;
+}
+
+Result<std::string> in_child(const std::string& what, const std::function<std::string()>& work,
+                             Nanoseconds limit) {
+  auto pipe = make_pipe();
+  if (!pipe) return pipe.problems();
+  const int pid = ::fork();
+  if (pid < 0) return errno_problem("fork", "free memory or raise the limit on processes");
+  if (pid == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    // What the foreign code prints does not belong into our output.
+    const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+    ::dup2(nothing, STDOUT_FILENO);
+    ::dup2(nothing, STDERR_FILENO);
+    const std::string text = work();
+    std::size_t sent = 0;
+    while (sent < text.size()) {
+      const ssize_t n = ::write(pipe->write.get(), text.data() + sent, text.size() - sent);
+      if (n <= 0) ::_exit(126);
+      sent += static_cast<std::size_t>(n);
+    }
+    ::_exit(0);
+  }
+  pipe->write.close();
+  std::string text;
+  const Instant end_at = now() + limit;
+  bool late = false;
+  std::array<char, 4096> buffer{};
+  while (true) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end_at - now()).count();
+    pollfd wanted{.fd = pipe->read.get(), .events = POLLIN, .revents = 0};
+    const int ready = left > 0 ? ::poll(&wanted, 1, static_cast<int>(left)) : 0;
+    if (ready < 0 && errno == EINTR) continue;
+    late = ready == 0;
+    if (late) break;
+    const ssize_t n = ::read(pipe->read.get(), buffer.data(), buffer.size());
+    if (n <= 0) break;
+    text.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+  if (late) ::kill(pid, SIGKILL);
+  int status = 0;
+  while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  const ProcessEnd end = ended(status);
+  if (late) return fail(what + " did not end within " + takt::to_text(limit));
+  if (end.signalled || end.code != 0) return fail(what + " " + end.text());
+  return text;
+}
+
+std::string program_directory() {
+  std::array<char, PATH_MAX> path{};
+  const ssize_t n = ::readlink("/proc/self/exe", path.data(), path.size() - 1);
+  const std::string text{path.data(), n > 0 ? static_cast<std::size_t>(n) : 0};
+  return text.substr(0, text.find_last_of('/'));
+}
+
+std::string private_directory() {
+  const std::filesystem::path programs = program_directory();
+  std::error_code error;
+  const auto installed = std::filesystem::canonical(programs / TAKT_PRIVATE_FROM_PROGRAMS, error);
+  return error ? programs.string() : installed.string();
+}
+
+}  // namespace takt::os

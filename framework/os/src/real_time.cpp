@@ -1,0 +1,223 @@
+#include <takt/os/real_time.hpp>
+
+#include <fcntl.h>
+#include <linux/capability.h>
+#include <malloc.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+#include "error.hpp"
+
+namespace takt::os {
+
+namespace {
+
+constexpr const char* kFifoCure =
+    "run as root, or give the program CAP_SYS_NICE or an rtprio limit (ulimit -r)";
+constexpr const char* kLockCure = "run as root, or raise the memlock limit (ulimit -l unlimited)";
+
+// What is left of the calling thread's stack. Of what was asked for, the loader has taken the thread-local
+// variables of all libraries, which may be most of it.
+std::size_t stack_left() {
+  pthread_attr_t attributes;
+  if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return 0;
+  void* lowest = nullptr;
+  std::size_t size = 0;
+  ::pthread_attr_getstack(&attributes, &lowest, &size);
+  ::pthread_attr_destroy(&attributes);
+  return reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0)) -
+         reinterpret_cast<std::uintptr_t>(lowest);
+}
+
+// The pages of a thread's stack, touched before it matters. Half of what is left of it: the rest is for what
+// calls us.
+[[gnu::noinline]] void touch_stack(std::size_t asked_for) {
+  const std::size_t bytes = std::min(asked_for, stack_left()) / 2;
+  auto* stack = static_cast<volatile char*>(__builtin_alloca(bytes));
+  for (std::size_t i = 0; i < bytes; i += 4096) stack[i] = 0;
+}
+
+struct Start {
+  Thread::Options options;
+  std::function<void()> body;
+};
+
+void* run_thread(void* argument) {
+  const std::unique_ptr<Start> start{static_cast<Start*>(argument)};
+  ::prctl(PR_SET_NAME, start->options.name.substr(0, 15).c_str());
+  ::prctl(PR_SET_TIMERSLACK, 1UL);
+  touch_stack(start->options.stack_bytes);
+  start->body();
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<int> allowed_cpus() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<int> cpus;
+  if (::sched_getaffinity(0, sizeof set, &set) != 0) return {0};
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &set)) cpus.push_back(cpu);
+  }
+  return cpus;
+}
+
+bool is_real_time() noexcept {
+  const int policy = ::sched_getscheduler(0) & ~SCHED_RESET_ON_FORK;
+  return policy != SCHED_OTHER && policy != SCHED_BATCH && policy != SCHED_IDLE;
+}
+
+Result<void> make_real_time(int tid, int priority) {
+  const sched_param parameter{.sched_priority = priority};
+  if (::sched_setscheduler(tid, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameter) != 0) {
+    return errno_problem("SCHED_FIFO " + std::to_string(priority) + " is refused", kFifoCure);
+  }
+  return {};
+}
+
+Result<void> make_background(int tid) {
+  constexpr int kLowest = 19;
+  const sched_param parameter{.sched_priority = 0};
+  if (::sched_setscheduler(tid, SCHED_OTHER, &parameter) != 0) return errno_problem("SCHED_OTHER is refused");
+  if (::setpriority(PRIO_PROCESS, static_cast<id_t>(tid), kLowest) != 0)
+    return errno_problem("nice 19 is refused");
+  return {};
+}
+
+Result<void> pin(int tid, const std::vector<int>& cpus) {
+  if (cpus.empty()) return {};
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::string names;
+  for (int cpu : cpus) {
+    CPU_SET(static_cast<unsigned>(cpu), &set);
+    names += (names.empty() ? "" : ",") + std::to_string(cpu);
+  }
+  if (::sched_setaffinity(tid, sizeof set, &set) != 0) {
+    return errno_problem("processor " + names + " is refused", "use one that this machine has");
+  }
+  return {};
+}
+
+Result<void> lock_memory() {
+  if (auto all = may_lock_memory(); !all) return all;
+  // Freed memory stays ours, and large blocks come from the heap that is locked already.
+  ::mallopt(M_TRIM_THRESHOLD, -1);
+  ::mallopt(M_MMAP_MAX, 0);
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return errno_problem("mlockall is refused", kLockCure);
+  return {};
+}
+
+NoDeepIdle::NoDeepIdle() : fd_(::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC)) {
+  const std::int32_t microseconds = 0;
+  if (fd_ && ::write(fd_.get(), &microseconds, sizeof microseconds) != sizeof microseconds) fd_.close();
+}
+
+Result<void> may_have_priority() {
+  Problems problems;
+  auto attempt = Thread::start(
+      {.name = "takt-probe", .priority = 1}, [] {}, &problems);
+  if (!attempt) return attempt.problems();
+  attempt->join();
+  if (!problems.empty()) return problems;
+  return {};
+}
+
+// A limit that the memory of now stays below is no help: what comes later is to be locked too, and the first
+// thread or allocation beyond the limit would fail.
+Result<void> may_lock_memory() {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_MEMLOCK, &limit);
+  if (limit.rlim_cur == RLIM_INFINITY) return {};
+  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> data{};
+  ::syscall(SYS_capget, &header, data.data());
+  if ((data[0].effective & (1U << CAP_IPC_LOCK)) != 0) return {};
+  return fail("mlockall is refused beyond " + std::to_string(limit.rlim_cur / 1024) + " KiB", kLockCure);
+}
+
+Result<void> may_be_real_time() {
+  Problems problems;
+  for (const Result<void>& allowed : {may_have_priority(), may_lock_memory()}) {
+    if (!allowed) problems.insert(problems.end(), allowed.problems().begin(), allowed.problems().end());
+  }
+  if (!problems.empty()) return problems;
+  return {};
+}
+
+int thread_id() noexcept { return static_cast<int>(::syscall(SYS_gettid)); }
+
+Thread::Thread(Thread&& other) noexcept
+    : thread_(other.thread_), started_(std::exchange(other.started_, false)) {}
+
+Thread& Thread::operator=(Thread&& other) noexcept {
+  if (this != &other) {
+    join();
+    thread_ = other.thread_;
+    started_ = std::exchange(other.started_, false);
+  }
+  return *this;
+}
+
+Thread::~Thread() { join(); }
+
+Result<Thread> Thread::start(const Options& options, std::function<void()> body, Problems* refused) {
+  pthread_attr_t attributes;
+  ::pthread_attr_init(&attributes);
+  ::pthread_attr_setstacksize(&attributes, options.stack_bytes);
+  // The thread takes its own priority and processor before its body runs, so that a refusal costs it these
+  // and not its life.
+  auto ready = std::make_shared<std::atomic<bool>>(false);
+  auto prepared = [ready, options, body = std::move(body), refused] {
+    Problems mine;
+    const auto add = [&mine](const Result<void>& result) {
+      if (!result) mine.insert(mine.end(), result.problems().begin(), result.problems().end());
+    };
+    add(pin(0, options.cpus));
+    if (options.priority) add(make_real_time(0, *options.priority));
+    for (Problem& problem : mine) {
+      problem.where = "thread " + options.name;
+      if (refused != nullptr) refused->push_back(problem);
+    }
+    ready->store(true, std::memory_order_release);
+    ready->notify_one();
+    body();
+  };
+  auto start = std::make_unique<Start>(Start{options, std::move(prepared)});
+
+  Thread thread;
+  const int error = ::pthread_create(&thread.thread_, &attributes, run_thread, start.get());
+  ::pthread_attr_destroy(&attributes);
+  if (error != 0)
+    return error_problem("a thread could not be created", error, "free memory or raise the limit on threads");
+  start.release();  // NOLINT(bugprone-unused-return-value): the thread owns it
+  thread.started_ = true;
+  ready->wait(false, std::memory_order_acquire);
+  return thread;
+}
+
+void Thread::join() {
+  if (std::exchange(started_, false)) ::pthread_join(thread_, nullptr);
+}
+
+void Thread::detach() {
+  if (std::exchange(started_, false)) ::pthread_detach(thread_);
+}
+
+}  // namespace takt::os

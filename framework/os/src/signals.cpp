@@ -1,0 +1,117 @@
+#include <takt/os/signals.hpp>
+
+#include <dlfcn.h>
+#include <execinfo.h>
+#include <link.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/signalfd.h>
+#include <ucontext.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <memory>
+
+#include "error.hpp"
+
+namespace takt::os {
+
+namespace {
+
+CrashHandler crash_handler = nullptr;
+
+std::uintptr_t place_of_crash(const void* context) noexcept {
+  const auto& machine = static_cast<const ucontext_t*>(context)->uc_mcontext;
+#if defined(__x86_64__)
+  return static_cast<std::uintptr_t>(machine.gregs[REG_RIP]);
+#elif defined(__aarch64__)
+  return static_cast<std::uintptr_t>(machine.pc);
+#else
+  static_cast<void>(machine);
+  return 0;
+#endif
+}
+
+void crashed(int signal, siginfo_t*, void* context) {
+  if (crash_handler != nullptr) crash_handler(signal, place_of_crash(context));
+  ::signal(signal, SIG_DFL);
+  ::raise(signal);
+}
+
+}  // namespace
+
+Result<SignalQueue> SignalQueue::of_requests_to_end() {
+  sigset_t set;
+  ::sigemptyset(&set);
+  for (int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&set, signal);
+  ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  SignalQueue queue;
+  queue.fd_ = Fd{::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK)};
+  if (!queue.fd_) return errno_problem("signalfd", "free file descriptors");
+  return queue;
+}
+
+std::optional<int> SignalQueue::next() const {
+  signalfd_siginfo info{};
+  if (::read(fd_.get(), &info, sizeof info) != sizeof info) return std::nullopt;
+  return static_cast<int>(info.ssi_signo);
+}
+
+void survive_broken_pipes() { ::signal(SIGPIPE, SIG_IGN); }
+
+bool wait_readable(const std::vector<const Fd*>& fds, int limit_ms) {
+  std::vector<pollfd> wanted;
+  wanted.reserve(fds.size());
+  for (const Fd* fd : fds) {
+    if (*fd) wanted.push_back({.fd = fd->get(), .events = POLLIN, .revents = 0});
+  }
+  return ::poll(wanted.data(), wanted.size(), limit_ms) > 0;
+}
+
+void on_crash(CrashHandler handler) {
+  // The first time it loads a library, and allocates.
+  std::array<void*, 2> frames{};
+  ::backtrace(frames.data(), frames.size());
+  crash_handler = handler;
+  struct sigaction action {};
+  action.sa_sigaction = crashed;
+  action.sa_flags = static_cast<int>(SA_ONSTACK | SA_RESETHAND | SA_NODEFER | SA_SIGINFO);
+  for (int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) ::sigaction(signal, &action, nullptr);
+}
+
+void walk_stack(std::uintptr_t at, std::size_t most, void (*found)(const CodeAt&) noexcept) noexcept {
+  const auto tell = [found](std::uintptr_t address, std::uintptr_t back) {
+    dl_find_object object{};
+    if (::_dl_find_object(reinterpret_cast<void*>(address), &object) != 0) return found({address, "?"});
+    const link_map* map = object.dlfo_link_map;
+    found({address - map->l_addr - back, map->l_name});
+  };
+  // Its own calls and the signal's come first. Should it not find its way beyond those (a call of a function
+  // that is none), there is at least where it crashed.
+  constexpr std::size_t kOwn = 8;
+  constexpr std::size_t kMost = 64;
+  std::array<void*, kMost + kOwn> frames{};
+  tell(at, 0);
+  const int all = ::backtrace(frames.data(), static_cast<int>(std::min(most + kOwn, frames.size())));
+  void* const* const end = frames.data() + all;
+  void* const* frame = std::find(frames.data(), frames.data() + all, reinterpret_cast<void*>(at));
+  if (frame == end) return;
+  // An address that a call returns to is behind the call.
+  for (std::size_t told = 1; ++frame != end && told < most; ++told)
+    tell(reinterpret_cast<std::uintptr_t>(*frame), 1);
+}
+
+void prepare_crash_stack() {
+#ifndef __SANITIZE_ADDRESS__  // which gives each thread one, and at its end unmaps whichever it finds
+  constexpr std::size_t kBytes = 64 * 1024;
+  thread_local std::unique_ptr<std::array<char, kBytes>> stack;
+  if (stack) return;
+  stack = std::make_unique<std::array<char, kBytes>>();
+  const stack_t alternate{.ss_sp = stack->data(), .ss_flags = 0, .ss_size = kBytes};
+  ::sigaltstack(&alternate, nullptr);
+#endif
+}
+
+}  // namespace takt::os

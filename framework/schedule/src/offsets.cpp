@@ -1,0 +1,163 @@
+#include "offsets.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+
+namespace takt::schedule {
+namespace {
+
+/// Steps of the search, each a row that is looked at. To try each place of each module once takes as many as
+/// there are rows for each module; a table where that is more than half of them is left as it is.
+constexpr std::uint64_t kMaxSearchSteps = 20'000'000;
+
+std::uint64_t count(Nanoseconds time) { return static_cast<std::uint64_t>(time.count()); }
+
+class Search {
+ public:
+  explicit Search(std::span<const Shiftable> modules) : modules_(modules) {
+    for (const Shiftable& module : modules) {
+      basic_ = std::gcd(basic_, count(module.period));
+      if (module.fixed) basic_ = std::gcd(basic_, count(module.offset));
+    }
+  }
+
+  std::vector<Nanoseconds> run() {
+    std::vector<Nanoseconds> offsets;
+    for (const Shiftable& module : modules_) offsets.push_back(module.fixed ? module.offset : Nanoseconds{0});
+    if (!count_rows()) return offsets;
+
+    loads_.assign(rows_, 0);
+    places_.assign(modules_.size(), 0);
+    for (std::size_t i = 0; i < modules_.size(); ++i) {
+      if (modules_[i].fixed) {
+        put(i, count(modules_[i].offset) / basic_, modules_[i].weight);
+      } else {
+        free_.push_back(i);
+        all_ += static_cast<std::int64_t>(rows_ / stride(i)) * modules_[i].weight;
+      }
+    }
+    for (const std::int64_t load : loads_) all_ += load;
+    // Those that leave the fewest places to choose from, and weigh the most, go first.
+    std::stable_sort(free_.begin(), free_.end(), [this](std::size_t a, std::size_t b) {
+      if (modules_[a].period != modules_[b].period) return modules_[a].period < modules_[b].period;
+      return modules_[a].weight > modules_[b].weight;
+    });
+    best_ = without_shift();
+    best_places_.assign(modules_.size(), 0);
+    least_ = std::max((all_ + static_cast<std::int64_t>(rows_) - 1) / static_cast<std::int64_t>(rows_),
+                      heaviest());
+    place_all();
+    for (const std::size_t i : free_) {
+      offsets[i] = Nanoseconds{static_cast<std::int64_t>(best_places_[i] * basic_)};
+    }
+    return offsets;
+  }
+
+ private:
+  [[nodiscard]] std::uint64_t stride(std::size_t i) const { return count(modules_[i].period) / basic_; }
+
+  bool count_rows() {
+    if (modules_.empty()) return false;
+    const std::uint64_t most = kMaxSearchSteps / 2 / modules_.size();
+    std::uint64_t rows = 1;
+    for (std::size_t i = 0; i < modules_.size(); ++i) {
+      if (stride(i) > most) return false;
+      rows *= stride(i) / std::gcd(rows, stride(i));  // neither was more than `most`
+      if (rows > most) return false;
+    }
+    rows_ = rows;
+    return true;
+  }
+
+  void put(std::size_t i, std::uint64_t first, std::int64_t weight) {
+    for (std::uint64_t row = first; row < rows_; row += stride(i)) loads_[row] += weight;
+    steps_ += rows_ / stride(i);
+  }
+  [[nodiscard]] std::int64_t heaviest() const { return *std::max_element(loads_.begin(), loads_.end()); }
+  std::int64_t without_shift() {
+    for (const std::size_t i : free_) put(i, 0, modules_[i].weight);
+    const std::int64_t result = heaviest();
+    for (const std::size_t i : free_) put(i, 0, -modules_[i].weight);
+    return result;
+  }
+
+  /// The heaviest row that the module would be in.
+  std::int64_t heaviest_with(std::size_t i, std::uint64_t first) {
+    std::int64_t most = 0;
+    for (std::uint64_t row = first; row < rows_; row += stride(i)) most = std::max(most, loads_[row]);
+    steps_ += rows_ / stride(i);
+    return most + modules_[i].weight;
+  }
+
+  struct Place {
+    std::int64_t load;
+    std::uint64_t first;
+  };
+  /// What is still to be tried of one module, while those before it stand where they do.
+  struct Level {
+    std::vector<Place> places;
+    std::size_t next = 0;
+    bool stands = false;
+  };
+
+  [[nodiscard]] Level level(std::size_t depth, std::int64_t heaviest) {
+    Level result;
+    // Where nothing is yet, all places are alike.
+    const std::uint64_t to_try = depth == 0 && all_alike() ? 1 : stride(free_[depth]);
+    for (std::uint64_t first = 0; first < to_try; ++first) {
+      const std::int64_t load = std::max(heaviest, heaviest_with(free_[depth], first));
+      if (load < best_) result.places.push_back({load, first});
+    }
+    std::stable_sort(result.places.begin(), result.places.end(),
+                     [](const Place& a, const Place& b) { return a.load < b.load; });
+    return result;
+  }
+
+  // Depth first, the lightest places first, so that the first answer is a good one already; what cannot be
+  // better than the best so far is not followed.
+  void place_all() {
+    std::vector<Level> levels;
+    if (!free_.empty()) levels.push_back(level(0, heaviest()));
+    while (!levels.empty()) {
+      Level& last = levels.back();
+      const std::size_t i = free_[levels.size() - 1];
+      if (last.stands) put(i, places_[i], -modules_[i].weight);
+      last.stands = false;
+      if (last.next == last.places.size() || last.places[last.next].load >= best_ || best_ <= least_ ||
+          steps_ > kMaxSearchSteps) {
+        levels.pop_back();
+        continue;
+      }
+      const Place candidate = last.places[last.next++];
+      places_[i] = candidate.first;
+      put(i, candidate.first, modules_[i].weight);
+      last.stands = true;
+      if (levels.size() < free_.size()) {
+        levels.push_back(level(levels.size(), candidate.load));
+      } else {
+        best_ = candidate.load;
+        best_places_ = places_;
+      }
+    }
+  }
+  [[nodiscard]] bool all_alike() const { return free_.size() == modules_.size(); }
+
+  std::span<const Shiftable> modules_;
+  std::uint64_t basic_ = 0;
+  std::uint64_t rows_ = 0;
+  std::vector<std::int64_t> loads_;
+  std::vector<std::size_t> free_;
+  std::vector<std::uint64_t> places_;
+  std::vector<std::uint64_t> best_places_;
+  std::int64_t all_ = 0;
+  std::int64_t least_ = 0;
+  std::int64_t best_ = 0;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace
+
+std::vector<Nanoseconds> flatten(std::span<const Shiftable> modules) { return Search{modules}.run(); }
+
+}  // namespace takt::schedule

@@ -1,0 +1,156 @@
+#include <takt/security/identity.hpp>
+
+#include <algorithm>
+#include <filesystem>
+
+#include <takt/core/words.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/files.hpp>
+#include <takt/security/choice.hpp>
+#include "pki.hpp"
+
+namespace takt::security {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostIdentityBytes = std::size_t{16} << 20;
+constexpr const char* kCopyAgain = "copy the whole folder as takt secure made it";
+
+/// Reads the files of one folder, and keeps what is wrong with them.
+class Folder {
+ public:
+  explicit Folder(std::string path) : path_(std::move(path)) {}
+
+  std::string read(const char* file) {
+    auto content = os::read_file(place(file), kMostIdentityBytes);
+    if (!content) {
+      add(file, content.problems());
+    } else if (!*content) {
+      add(file, "there is no such file", kCopyAgain);
+    } else {
+      return **content;
+    }
+    return {};
+  }
+  template <class Object, class From>
+  Object read(const char* file, From from, const char* kind) {
+    const std::string text = read(file);
+    Object object = text.empty() ? Object{} : from(text);
+    if (!text.empty() && object == nullptr) add(file, std::string{"it is no "} + kind, kCopyAgain);
+    return object;
+  }
+  void add(const char* file, std::string what, std::string fix) {
+    problems_.push_back({place(file), std::move(what), std::move(fix)});
+  }
+  void add(const char* file, const Problems& problems) {
+    for (const Problem& problem : problems) add(file, problem.what, problem.fix);
+  }
+  [[nodiscard]] std::string place(const char* file) const { return (fs::path{path_} / file).string(); }
+  [[nodiscard]] const Problems& problems() const { return problems_; }
+
+ private:
+  std::string path_;
+  Problems problems_;
+};
+
+void check_access_of_others(Folder& folder) {
+  const auto rights = os::rights_of(folder.place(kPrivateKey));
+  if (!rights) return;  // said already
+  if (rights->group_reads || rights->group_writes || rights->others_read || rights->others_write) {
+    folder.add(kPrivateKey, "others than its owner may read or write this private key",
+               "chmod 600 " + folder.place(kPrivateKey));
+  }
+}
+
+}  // namespace
+
+Result<Identity> read_identity(const std::string& path, std::int64_t now) {
+  std::error_code error;
+  Identity identity;
+  identity.folder = fs::absolute(path, error).lexically_normal().string();
+  if (!fs::is_directory(path, error)) {
+    return Problem{path, "there is no such folder of an identity",
+                   "name one that takt secure made, as DIR/devices/NAME"};
+  }
+  Folder folder{identity.folder};
+  check_access_of_others(folder);
+  const auto authority = folder.read<Certificate>(kIdentityAuthority, certificate_from, "certificate");
+  const auto access = folder.read<Certificate>(kAccessAuthority, certificate_from, "certificate");
+  const auto certificate = folder.read<Certificate>(kCertificate, certificate_from, "certificate");
+  const auto key = folder.read<Key>(kPrivateKey, key_from, "private key");
+  const auto crl = folder.read<Crl>(kRevoked, crl_from, "list of revoked certificates");
+  const std::string governance = folder.read(kGovernance);
+  const std::string permissions = folder.read(kPermissions);
+
+  std::string subject;
+  if (certificate != nullptr) {
+    identity.until = valid_until(*certificate);
+    subject = subject_text(*certificate);
+    const auto parsed = subject_from(subject);
+    if (parsed)
+      identity.subject = *parsed;
+    else
+      folder.add(kCertificate, "it names " + in_quotes(subject) + ", which is nobody of a cell", kCopyAgain);
+  }
+  if (authority != nullptr) identity.authority = announced_name(*authority);
+  if (certificate != nullptr && authority != nullptr) {
+    if (auto issued = check_issued(*certificate, *authority, now); !issued)
+      folder.add(kCertificate, issued.problems());
+  }
+  if (certificate != nullptr && key != nullptr && !belong_together(*certificate, *key))
+    folder.add(kPrivateKey, std::string{"it is not the key of "} + kCertificate, kCopyAgain);
+  if (crl != nullptr && authority != nullptr && !is_signed_by(*crl, *authority))
+    folder.add(kRevoked, "its signature is not the authority's", kCopyAgain);
+  if (crl != nullptr && certificate != nullptr && is_revoked(*crl, *certificate))
+    folder.add(kCertificate, "it was revoked", "takt secure renew, if it is to be valid again");
+
+  if (access != nullptr && !governance.empty()) {
+    if (auto text = open_document(governance, *access); !text) folder.add(kGovernance, text.problems());
+  }
+  if (access != nullptr && !permissions.empty()) {
+    const auto text = open_document(permissions, *access);
+    if (!text) {
+      folder.add(kPermissions, text.problems());
+    } else {
+      identity.domains = domains_in(*text);
+      if (!subject.empty() && text->find("<subject_name>" + subject + "<") == std::string::npos)
+        folder.add(kPermissions, "they are not those of " + subject, kCopyAgain);
+    }
+  }
+  if (!folder.problems().empty()) return folder.problems();
+  return identity;
+}
+
+std::string folder_of(const std::string& folder, Role role, const std::string& name) {
+  if (name.empty()) return first_of(folder, role, os::wall_ns() / 1'000'000'000).folder;
+  std::error_code error;
+  const fs::path all = fs::path{folder} / folder_name(role);
+  return fs::is_directory(all, error) ? (all / name).string() : folder;
+}
+
+Chosen first_of(const std::string& folder, Role role, std::int64_t now) {
+  std::error_code error;
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator{fs::path{folder} / folder_name(role), error})
+    names.push_back(entry.path().string());
+  std::sort(names.begin(), names.end());
+  Chosen chosen;
+  for (const std::string& name : names) {
+    const auto identity = read_identity(name, now);
+    if (identity) return {name, std::move(chosen.passed_over)};
+    chosen.passed_over.insert(chosen.passed_over.end(), identity.problems().begin(),
+                              identity.problems().end());
+  }
+  return {names.empty() ? folder : names[0]};
+}
+
+std::string expiry_warning(std::int64_t until, std::int64_t now) {
+  if (until - now >= kSoon) return {};
+  const std::int64_t days = (until - now) / (24 * 3600);
+  return days < 1 ? "it expires within a day"
+                  : "it expires in " + std::to_string(days) + (days == 1 ? " day" : " days");
+}
+
+}  // namespace takt::security

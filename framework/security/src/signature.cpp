@@ -1,0 +1,86 @@
+#include <takt/security/signature.hpp>
+
+#include <openssl/err.h>
+#include <openssl/evp.h>
+
+#include <takt/core/check.hpp>
+#include <takt/os/files.hpp>
+#include "pki.hpp"
+
+namespace takt::security {
+
+namespace {
+
+using Digest = std::unique_ptr<EVP_MD_CTX, FreedBy<EVP_MD_CTX_free>>;
+
+constexpr std::size_t kMostPem = std::size_t{1} << 20;
+
+const unsigned char* bytes(const std::string& text) {
+  return reinterpret_cast<const unsigned char*>(text.data());
+}
+
+Result<std::string> read_signed_file(const std::string& path, std::size_t most, const char* fix) {
+  auto content = os::read_file(path, most);
+  if (!content) return content.problems();
+  if (!*content) return Problem{path, "there is no such file", fix};
+  return **std::move(content);
+}
+
+std::string signature_of(const std::string& file) { return file + ".sig"; }
+
+Result<Certificate> signer(const std::string& file, std::int64_t now) {
+  constexpr const char* kName =
+      "name the certificate that takt sign prints: DIR/authority/components.cert.pem";
+  const auto pem = read_signed_file(file, kMostPem, kName);
+  if (!pem) return pem.problems();
+  Certificate certificate = certificate_from(*pem);
+  if (certificate == nullptr) return Problem{file, "it is no certificate", kName};
+  if (valid_until(*certificate) <= now) return Problem{file, "it has expired", "sign components anew"};
+  return certificate;
+}
+
+}  // namespace
+
+Result<void> sign_file(const std::string& file, const std::string& pem) {
+  const auto content = read_signed_file(file, kMostSigned, "name a file");
+  if (!content) return content.problems();
+  const Key key = key_from(pem);
+  if (key == nullptr) return fail("the key that is to sign " + file + " is none");
+  const Digest digest{EVP_MD_CTX_new()};
+  std::size_t size = 0;
+  TAKT_CHECK(EVP_DigestSignInit(digest.get(), nullptr, EVP_sha256(), nullptr, key.get()) == 1);
+  TAKT_CHECK(EVP_DigestSign(digest.get(), nullptr, &size, bytes(*content), content->size()) == 1);
+  std::string signature(size, '\0');
+  TAKT_CHECK(EVP_DigestSign(digest.get(), reinterpret_cast<unsigned char*>(signature.data()), &size,
+                            bytes(*content), content->size()) == 1);
+  signature.resize(size);
+  return os::replace_file(signature_of(file), signature, os::Readers::everybody);
+}
+
+Result<void> check_signer(const std::string& certificate, std::int64_t now) {
+  const auto read = signer(certificate, now);
+  if (!read) return read.problems();
+  return {};
+}
+
+Result<void> check_signature(const std::string& file, const std::string& certificate_file, std::int64_t now) {
+  constexpr const char* kSign = "takt sign makes one";
+  const auto certificate = signer(certificate_file, now);
+  if (!certificate) return certificate.problems();
+  const auto content = read_signed_file(file, kMostSigned, "name a file");
+  if (!content) return content.problems();
+  auto signature = os::read_file(signature_of(file), kMostPem);
+  if (!signature) return signature.problems();
+  if (!*signature) return Problem{file, "it is not signed, and only signed components are used here", kSign};
+  const Digest digest{EVP_MD_CTX_new()};
+  TAKT_CHECK(EVP_DigestVerifyInit(digest.get(), nullptr, EVP_sha256(), nullptr,
+                                  X509_get0_pubkey(certificate->get())) == 1);
+  const bool good = EVP_DigestVerify(digest.get(), bytes(**signature), (*signature)->size(), bytes(*content),
+                                     content->size()) == 1;
+  ERR_clear_error();
+  if (good) return {};
+  return Problem{file, "its signature is not of this file, or not by " + certificate_file,
+                 "use the file that was signed, or sign it anew"};
+}
+
+}  // namespace takt::security

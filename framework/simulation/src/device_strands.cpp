@@ -1,0 +1,363 @@
+// What on a real device are threads and programs: the rows, the sporadic modules, those that are not
+// real-time, process modules, the gateway.
+#include <algorithm>
+
+#include "member.hpp"
+#include "network.hpp"
+
+namespace takt::simulation {
+
+namespace {
+
+using std::chrono::microseconds;
+
+/// A wake-up by the clock, with the spin that ends it.
+Nanoseconds wake_up(Draws& draws) {
+  if (draws.chance(0.001)) return draws.between(Nanoseconds{microseconds{1}}, Nanoseconds{microseconds{30}});
+  return draws.between(Nanoseconds{100}, Nanoseconds{1000});
+}
+/// A wake-up by a futex from another processor.
+Nanoseconds futex_wake_up(Draws& draws) {
+  return draws.between(Nanoseconds{microseconds{4}}, Nanoseconds{microseconds{30}});
+}
+/// The word of a seat, from one processor's cache to another's.
+Nanoseconds store_seen(Draws& draws) { return draws.between(Nanoseconds{100}, Nanoseconds{500}); }
+/// A gateway that is rung for, until it has taken what is there.
+constexpr Nanoseconds kGatewayShortest = microseconds{15};
+constexpr Nanoseconds kGatewayLongest = microseconds{60};
+/// A host that dies, until its node knows.
+constexpr Nanoseconds kEndSeenShortest = microseconds{300};
+constexpr Nanoseconds kEndSeenLongest = microseconds{5000};
+/// A non-real-time module without a period.
+constexpr Nanoseconds kBackgroundPause = std::chrono::milliseconds{5};
+
+}  // namespace
+
+void Device::begin_strands() {
+  for (auto& pointer : rows_) {
+    Row& row = *pointer;
+    if (row.plan.basic_period == Nanoseconds{0}) continue;
+    row.halted = false;
+    const model::Executor& executor = model().executors[row.index];
+    // As executors that name a processor share it, so do those that name the same one.
+    row.rows = &world_.kernel.spawn(place_of(row.index, executor.cpu, row.index, 0),
+                                    [this, &row] { walk_rows(row); });
+    host_strands_.push_back(row.rows);
+    if (row.plan.sporadic.empty()) continue;
+    row.sporadic = &world_.kernel.spawn(place_of(row.index, executor.cpu, row.index, 1),
+                                        [this, &row] { serve_sporadic(row); });
+    host_strands_.push_back(row.sporadic);
+  }
+}
+
+void Device::walk_rows(Row& row) {
+  Kernel& kernel = world_.kernel;
+  executor::Executor& executor = *row.executor;
+  channel::ExecutorBlock& block = channel_.executor(row.index);
+  const std::uint64_t missed_before = block.missed.load();
+  executor.join_grid(t0_, now());
+  say({.what = What::joined,
+       .executor = row.index,
+       .number = executor.next_row(),
+       .count = block.missed.load() - missed_before,
+       .release = executor.next_release()});
+  while (true) {
+    const Instant release = executor.next_release();
+    if (!halt_asked_ && release > now()) {
+      static_cast<void>(kernel.wait(release + wake_up(row.draws)));
+    }
+    if (!halt_asked_ && row.oversleep > Nanoseconds{0})
+      static_cast<void>(kernel.wait(now() + std::exchange(row.oversleep, Nanoseconds{0})));
+    if (halt_asked_) break;
+    look_at_tables(row.index);
+    say({.what = What::woke, .executor = row.index, .number = executor.next_row(), .release = release});
+    const std::uint64_t missed = block.missed.load();
+    const std::uint32_t bits = executor.run_cycle(now());
+    look_at_tables(row.index);
+    say({.what = What::walked,
+         .executor = row.index,
+         .number = executor.next_row() - 1,
+         .count = block.missed.load() - missed,
+         .release = executor.next_release() - executor.basic_period()});
+    ring(bits | bell_->take_pending());
+  }
+  row.rows = nullptr;
+  row.halted = row.sporadic == nullptr;
+}
+
+void Device::serve_sporadic(Row& row) {
+  while (!halt_asked_) {
+    const std::uint32_t rings = bell_->rings.load();
+    while (!halt_asked_ && row.executor->run_sporadic()) {
+      look_at_tables(row.index);
+      ring_pending();
+    }
+    if (halt_asked_ || bell_->rings.load() != rings) continue;
+    row.sporadic_on_bell = true;
+    static_cast<void>(world_.kernel.wait());
+    row.sporadic_on_bell = false;
+  }
+  row.sporadic = nullptr;
+  row.halted = row.rows == nullptr;
+}
+
+// As host::Host::run_background().
+void Device::run_background(Member& member) {
+  channel::ModuleBlock& block = member.block;
+  const Nanoseconds period = member.model.period.value_or(Nanoseconds{0});
+  Cycle cycle{.number = 0, .time = now(), .period = period};
+  while (!halt_asked_) {
+    const Instant start = now();
+    block.background.announce(member.index, channel::Doing::run, to_ns(start));
+    if (block.in_tables.load() != 0) {
+      if (period == Nanoseconds{0}) cycle.time = start;
+      cycle.start = start;
+      const executor::Outcome outcome = member.body.run(cycle);
+      block.jitter.record((cycle.time - start).count());
+      block.run.record((now() - start).count());
+      block.cycles.fetch_add(1);
+      ++cycle.number;
+      if (!outcome.ok()) {
+        block.in_tables.store(0);
+        block.errors.fetch_add(1);
+        block.error_text.assign(outcome.text);
+        block.error.store(static_cast<std::uint32_t>(outcome.type));
+        member.said_in_tables = false;
+        say({.what = What::taken_out, .error = outcome.type}, member);
+      }
+    }
+    ring_pending();
+    block.background.end();
+    cycle.time = std::max(cycle.time + (period == Nanoseconds{0} ? kBackgroundPause : period), now());
+    if (!halt_asked_) static_cast<void>(world_.kernel.wait(cycle.time));
+  }
+}
+
+// As libtakt_process, in the user's program.
+void Device::run_program(Member& member) {
+  channel::Seat& seat = *member.seat;
+  connect(member);
+  seat.phase.store(channel::SeatPhase::attached);
+  channel::Taken taken;
+  while (true) {
+    seat.done.store(taken.count);
+    if (taken.count == 0) seat.phase.store(channel::SeatPhase::ready);
+    if (!await_release(member, taken)) break;
+    taken = channel::take(seat, taken.count);
+    const Instant started = now();
+    const std::int64_t release = taken.release_ns;
+    seat.jitter.record(release - to_ns(started));
+    say({.what = What::body, .number = taken.cycle, .release = from_ns(release)}, member);
+    const executor::Outcome outcome = work(member, from_ns(release), started);
+    if (!outcome.ok())
+      leave(member, "the process exited with status 1");  // how a program says that it failed
+    seat.run.record((now() - started).count());
+    say({.what = What::done, .took = now() - started}, member);
+    const std::int64_t late = to_ns(now()) - release - seat.deadline_ns;
+    if (seat.deadline_ns != 0 && late > 0) {
+      seat.late_by_ns.store(late);
+      seat.late.fetch_add(1);
+    }
+    ring_pending();
+  }
+  leave(member, "the process exited with status 0");
+}
+
+// The program is no more; its node hears of it.
+void Device::leave(Member& member, const char* how) {
+  member.program = nullptr;
+  member.spins = member.on_bell = false;
+  world_.kernel.at(now() + draws_.between(kEndSeenShortest, kEndSeenLongest),
+                   [this, &member, how] { program_ended(member, how); });
+  world_.kernel.end();
+}
+
+// False: it is to end.
+bool Device::await_release(Member& member, channel::Taken& taken) {
+  channel::Seat& seat = *member.seat;
+  Kernel& kernel = world_.kernel;
+  const auto released = [&] { return seat.released.load() != taken.count; };
+  const bool immediate = seat.immediate != 0;
+  if (!immediate && taken.count != 0 && !released() && seat.end.load() == 0) {
+    const Instant expected = from_ns(taken.release_ns + seat.period_ns);
+    const Nanoseconds margin{seat.margin_cap_ns};
+    kernel.sleep_until(expected - margin / 2);
+    if (!released() && now() < expected + margin) {
+      member.spins = true;
+      static_cast<void>(kernel.wait(expected + margin));
+      member.spins = false;
+    }
+  }
+  while (!released()) {
+    if (seat.end.load() != 0) return false;
+    const std::int64_t event = immediate ? news_at(member) : channel::kNever;
+    const Instant from = from_ns(std::max(event, channel::not_before_ns(seat)));
+    if (event != channel::kNever && now() >= from) {
+      if (channel::begin(seat, to_ns(now()))) return true;
+      taken.count = seat.released.load();  // it was shut out in between
+      seat.done.store(taken.count);
+    }
+    seat.sleeping.store(1);
+    Instant until = Instant::max();
+    if (event != channel::kNever && seat.open.load() != 0) until = from;
+    member.on_bell = true;
+    if (!released() && until > now()) static_cast<void>(kernel.wait(until));
+    member.on_bell = false;
+    seat.sleeping.store(0);
+  }
+  return true;
+}
+
+// Says what the executor has done since, to modules that do not say it themselves.
+void Device::look_at_tables(std::uint32_t executor) {
+  const Row& row = *rows_[executor];
+  const auto released = [this](Member& member) {
+    if (!member.seat || member.seat->immediate != 0) return;
+    const std::uint32_t releases = member.seat->released.load();
+    if (releases != member.said_released) {
+      member.said_released = releases;
+      say({.what = What::released,
+           .number = member.seat->cycle(releases),
+           .release = from_ns(member.seat->release_ns.load())},
+          member);
+      if (member.spins) world_.kernel.wake(*member.program, store_seen(member.draws));
+    }
+    const std::uint64_t overruns = member.block.overruns.load();
+    if (overruns != member.said_overruns)
+      say({.what = What::busy, .count = overruns - member.said_overruns}, member);
+    member.said_overruns = overruns;
+  };
+  for (const auto& member : members_) {
+    if (!member->scheduled() || member->executor != executor) continue;
+    if (member->said_in_tables && !member->in_tables()) {
+      member->said_in_tables = false;
+      say({.what = What::taken_out,
+           .error = static_cast<ErrorType>(member->block.error.load()),
+           .text = member->block.error_text.view()},
+          *member);
+    }
+  }
+  for (const std::uint32_t index : row.in_priority) released(*members_[index]);
+}
+
+void Device::ring(std::uint32_t bits) {
+  if (bits == 0) return;
+  bell_->rings.fetch_add(1);
+  Kernel& kernel = world_.kernel;
+  for (auto& row : rows_) {
+    if (row->sporadic_on_bell && (bits & channel::kSporadicBit) != 0)
+      kernel.wake(*row->sporadic, futex_wake_up(row->draws));
+  }
+  for (auto& member : members_) {
+    if (member->on_bell && (bits & member->seat->bell_bit) != 0)
+      kernel.wake(*member->program, futex_wake_up(member->draws));
+  }
+  if ((bits & channel::kGatewayBit) == 0 || gateway_awake_) return;
+  gateway_awake_ = true;
+  bell_->gateway_sleeps.store(0);
+  kernel.at(now() + draws_.between(kGatewayShortest, kGatewayLongest), [this] { forward_samples(); });
+}
+
+// The gateway takes all that goes to other devices, and sleeps again.
+void Device::forward_samples() {
+  std::int64_t next = channel::kNever;
+  for (const auto& wire : wires_) {
+    if (wire->reader()) continue;
+    channel::LinkReader reader{wire->link()};
+    while (reader.take(to_ns(now()))) {
+      const std::byte* sample = wire->link().payload(reader.buffer());
+      if (!is_whole(sample, wire->connection()))
+        say({.what = What::read, .connection = wire->connection(), .number = number_of(sample), .count = 1});
+      world_.network->send(wire->connection(), sample, wall_of(reader.info().stamp_ns));
+    }
+    next = std::min(next, reader.news_at());
+  }
+  if (next != channel::kNever) {  // what is there and may not be read yet
+    world_.kernel.at(from_ns(next), [this] { forward_samples(); });
+    return;
+  }
+  bell_->gateway_sleeps.store(1);
+  gateway_awake_ = false;
+}
+
+void Device::arrive(Wire& wire, const std::byte* sample, std::int64_t wall_ns) {
+  if (phase_ == Phase::ended) return;
+  const std::int64_t stamp = wall_ns - wall_offset_.count();
+  if (wire.model().lifespan && to_ns(now()) - stamp > wire.model().lifespan->count()) {
+    say({.what = What::lost,
+         .connection = wire.connection(),
+         .number = number_of(sample),
+         .text = "too old"});
+    return;
+  }
+  channel::LinkWriter writer{wire.link()};
+  std::copy_n(sample, kSampleBytes, wire.link().payload(writer.buffer()));
+  writer.publish(kSampleBytes, stamp);
+  say({.what = What::arrived, .connection = wire.connection(), .number = number_of(sample)});
+  bell_->note(wire.link().block().wake_bits);
+  ring_pending();
+}
+
+// Called by a strand of the host, which ends with it.
+void Device::crash_host(Member& member) {
+  end_host(member.index, ErrorType::crash, "the host was ended by signal 11 in run()");
+  world_.kernel.end();
+}
+
+void Device::end_host(std::optional<std::uint32_t> culprit, ErrorType type, const std::string& why) {
+  if (!host_runs_) return;
+  host_runs_ = false;
+  host_end_seen_ = false;
+  ++host_;  // nobody answers what it was asked
+  for (Strand* strand : host_strands_) {
+    if (strand != world_.kernel.running()) world_.kernel.kill(*strand);
+  }
+  host_strands_.clear();
+  for (auto& row : rows_) {
+    row->rows = row->sporadic = nullptr;
+    row->sporadic_on_bell = false;
+    row->halted = true;
+  }
+  say({.what = What::host_ended, .text = why});
+  world_.kernel.at(now() + draws_.between(kEndSeenShortest, kEndSeenLongest),
+                   [this, culprit, type, why] { host_is_seen_ended(culprit, type, why); });
+}
+
+void Device::inject(const Fault& fault) {
+  const std::string text = to_text(fault, world_.cell);
+  switch (fault.kind) {
+    case Fault::Kind::late:
+      members_[fault.place]->late_by += fault.by;
+      break;
+    case Fault::Kind::crash:
+      members_[fault.place]->to_crash = true;
+      break;
+    case Fault::Kind::fail:
+      members_[fault.place]->to_fail = true;
+      break;
+    case Fault::Kind::hang:
+      members_[fault.place]->to_hang = true;
+      break;
+    case Fault::Kind::unmended:
+      members_[fault.place]->unmended += fault.count;
+      break;
+    case Fault::Kind::oversleep:
+      rows_[fault.place]->oversleep += fault.by;
+      break;
+    case Fault::Kind::clock_step:
+      wall_offset_ += fault.by;
+      break;
+    case Fault::Kind::cut:
+      world_.network->cut(fault.device, fault.place, fault.by);
+      break;
+    case Fault::Kind::lose:
+      world_.network->lose(fault.place, fault.count);
+      break;
+    case Fault::Kind::delay:
+      world_.network->delay(fault.place, fault.by);
+      break;
+  }
+  say({.what = What::fault, .text = text});
+}
+
+}  // namespace takt::simulation

@@ -1,0 +1,134 @@
+// What a simulated module does in its run(), or in the body of its program: takes its inputs, takes its time,
+// writes its outputs. While it does, it holds buffers of the links that it reads and writes, as a real one
+// may.
+#include <algorithm>
+
+#include "member.hpp"
+
+namespace takt::simulation {
+
+namespace {
+
+/// A sporadic module without an event port is ready in this share of the rows.
+constexpr double kReady = 0.1;
+/// What never comes back.
+constexpr Nanoseconds kForEver = std::chrono::hours{24 * 365};
+
+}  // namespace
+
+// As a module that was loaded afresh takes its ends of the links.
+void Device::connect(Member& member) {
+  for (Member::Input& input : member.inputs) {
+    input.reader = channel::LinkReader{input.wire->link()};
+    input.late = false;
+  }
+  for (Member::Output& output : member.outputs) output.writer = channel::LinkWriter{output.wire->link()};
+  member.entered = 0;
+}
+
+std::int64_t Device::news_at(const Member& member) const {
+  std::int64_t first = channel::kNever;
+  for (const Member::Input& input : member.inputs) {
+    if (input.event) first = std::min(first, input.reader.news_at());
+  }
+  return first;
+}
+
+// As host::ThreadModule looks at its inputs.
+const char* Device::stale_input(Member& member, Instant start) {
+  const std::uint64_t entered = member.block.entered.load();
+  if (entered != member.entered) {
+    member.entered = entered;
+    member.watched_since = start;
+  }
+  const char* stale = nullptr;
+  for (Member::Input& input : member.inputs) {
+    channel::LinkBlock& block = input.wire->link().block();
+    if (block.deadline_ns <= 0) continue;
+    const std::int64_t newest = std::max(block.newest_ns.load(), to_ns(member.watched_since));
+    const bool late = to_ns(start) - newest > block.deadline_ns;
+    if (late && !input.late) block.late.fetch_add(1);
+    input.late = late;
+    if (late && input.wire->model().stale == model::Stale::error && stale == nullptr)
+      stale = "the newest value of an input is older than its deadline";
+  }
+  return stale;
+}
+
+executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
+  const Instant start = member.as_of(release, begin);
+  const std::int64_t valid = member.logical ? to_ns(release + *member.model.period) : 0;
+  if (member.is_thread()) {
+    if (const char* stale = stale_input(member, start); stale != nullptr) return {ErrorType::stale, stale};
+  }
+  for (Member::Output& output : member.outputs) {
+    write_first_half(output.writer.link().payload(output.writer.buffer()), output.wire->connection(),
+                     output.writer.next());
+  }
+  // Of a queue all that is there is read, the last sample while time passes.
+  for (Member::Input& input : member.inputs) {
+    const std::uint32_t depth = input.wire->link().depth();
+    for (std::uint32_t i = 0; i < depth && input.reader.take(to_ns(start)); ++i) {
+      const std::byte* sample = input.wire->link().payload(input.reader.buffer());
+      const std::uint32_t connection = input.wire->connection();
+      say({.what = What::read,
+           .connection = connection,
+           .number = number_of(sample),
+           .count = is_whole(sample, connection) ? 0U : 1U});
+    }
+  }
+  Nanoseconds time = member.run_time.draw(member.draws);
+  time += std::exchange(member.late_by, Nanoseconds{0});
+  if (std::exchange(member.to_hang, false)) time = kForEver;
+  const bool crashes = std::exchange(member.to_crash, false);
+  world_.kernel.work(crashes ? time / 2 : time);
+  if (crashes) {
+    if (member.is_thread()) crash_host(member);
+    leave(member, "the process was ended by signal 11");
+  }
+  for (Member::Input& input : member.inputs) {
+    const std::byte* sample = input.wire->link().payload(input.reader.buffer());
+    if (input.reader.info().sequence == 0 || is_whole(sample, input.wire->connection())) continue;
+    say({.what = What::read,
+         .connection = input.wire->connection(),
+         .number = number_of(sample),
+         .count = 1});
+  }
+  if (std::exchange(member.to_fail, false)) return "it was to fail";
+  for (Member::Output& output : member.outputs) {
+    std::byte* const sample = output.writer.link().payload(output.writer.buffer());
+    const std::uint64_t number = output.writer.next();
+    write_second_half(sample, output.wire->connection(), number);
+    output.writer.publish(kSampleBytes, to_ns(start), valid);
+    bell_->note(output.wire->link().block().wake_bits);
+    say({.what = What::wrote, .connection = output.wire->connection(), .number = number});
+  }
+  return {};
+}
+
+executor::Outcome ThreadBody::run(const Cycle& cycle) noexcept {
+  if (member_.scheduled()) device_.look_at_tables(member_.executor);
+  device_.say({.what = What::run, .number = cycle.number, .release = cycle.time}, member_);
+  const executor::Outcome outcome = device_.work(member_, cycle.time, cycle.start);
+  device_.say(
+      {.what = What::ran, .number = cycle.number, .took = device_.now() - cycle.start, .error = outcome.type},
+      member_);
+  return outcome;
+}
+
+executor::Outcome ThreadBody::condition(const Cycle& cycle, bool* ready) noexcept {
+  const bool by_event = std::any_of(member_.inputs.begin(), member_.inputs.end(),
+                                    [](const Device::Member::Input& input) { return input.event; });
+  *ready = by_event ? has_news(cycle.start) : member_.draws.chance(kReady);
+  if (*ready)
+    device_.say({.what = What::ready,
+                 .number = cycle.number,
+                 .release = cycle.time,
+                 .until = cycle.time + *member_.model.deadline},
+                member_);
+  return {};
+}
+
+bool ThreadBody::has_news(Instant now) const noexcept { return device_.news_at(member_) <= to_ns(now); }
+
+}  // namespace takt::simulation

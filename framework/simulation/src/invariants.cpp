@@ -1,0 +1,414 @@
+#include "invariants.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace takt::simulation {
+
+namespace {
+
+/// The rows that name a module: `first`, and each `stride` after it.
+struct Rows {
+  std::uint64_t first;
+  std::uint64_t stride;
+  /// How many there are in [from, to).
+  [[nodiscard]] std::uint64_t in(std::uint64_t from, std::uint64_t to) const {
+    const auto before = [this](std::uint64_t row) {
+      return row <= first ? 0 : (row - first + stride - 1) / stride;
+    };
+    return before(to) - before(from);
+  }
+};
+
+Rows rows_of(const schedule::ExecutorPlan& plan, std::uint32_t module, Nanoseconds period) {
+  return {static_cast<std::uint64_t>(schedule::offset_of(plan, module) / plan.basic_period),
+          static_cast<std::uint64_t>(period / plan.basic_period)};
+}
+
+std::string number(std::uint64_t n) { return std::to_string(n); }
+
+}  // namespace
+
+Invariants::Invariants(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans, Instant t0)
+    : cell_(cell), plans_(plans), t0_(t0), connections_(cell.connections.size()) {
+  for (const model::Device& device : cell.devices)
+    devices_.push_back(
+        {std::vector<OfExecutor>(device.executors.size()), std::vector<OfModule>(device.modules.size())});
+}
+
+void Invariants::violated(const Event& event, const std::string& what) {
+  if (violations_.size() < kMaxViolations) violations_.push_back(to_text(event, cell_, t0_) + ": " + what);
+}
+
+Nanoseconds Invariants::period_of(std::uint32_t device, std::uint32_t module) const {
+  return *cell_.devices[device].modules[module].period;
+}
+
+std::uint32_t Invariants::executor_of(std::uint32_t device, std::uint32_t module) const {
+  const model::Device& model = cell_.devices[device];
+  const auto found = std::find_if(model.executors.begin(), model.executors.end(), [&](const auto& executor) {
+    return executor.name == model.modules[module].executor;
+  });
+  return static_cast<std::uint32_t>(found - model.executors.begin());
+}
+
+void Invariants::hear(const Event& event) {
+  if (event.connection != Event::kNone) {
+    hear_sample(event);
+    return;
+  }
+  if (event.device == Event::kNone) return;
+  OfDevice& device = devices_[event.device];
+  if (event.executor != Event::kNone) {
+    hear_row(event, device);
+  } else if (event.module != Event::kNone) {
+    hear_module(event, device);
+  } else if (event.what == What::host_ended) {
+    for (OfExecutor& executor : device.executors) {
+      // The row is cut short: it counts as missed, with what it has served and who was in it.
+      const auto index = static_cast<std::size_t>(&executor - device.executors.data());
+      const Nanoseconds basic = plans_[event.device].executors[index].basic_period;
+      for (const Served& served : executor.served) {
+        if (!executor.in_row || executor.runs == served.module) continue;
+        // What was made up of a slot that was over is not missed any more.
+        const bool made_up = served.number && served.release + basic <= executor.woke_at;
+        if (made_up)
+          --device.modules[served.module].missed;
+        else
+          ++device.modules[served.module].twice;
+      }
+      executor.runs.reset();
+      executor.sporadic.reset();
+    }
+    for (std::size_t i = 0; i < device.modules.size(); ++i) {
+      if (cell_.devices[event.device].modules[i].type != model::ModuleType::thread) continue;
+      OfModule& module = device.modules[i];
+      module.failed = module.raised = false;
+      module.ready_until.reset();
+      module.last_ready.reset();
+    }
+  }
+}
+
+void Invariants::hear_row(const Event& event, OfDevice& device) {
+  OfExecutor& executor = device.executors[event.executor];
+  const schedule::ExecutorPlan& plan = plans_[event.device].executors[event.executor];
+  const Nanoseconds basic = plan.basic_period;
+  const auto due = [&](std::uint64_t row) { return t0_ + basic * static_cast<std::int64_t>(row); };
+  switch (event.what) {
+    case What::joined: {
+      const std::uint64_t from = event.number - event.count;
+      if (event.count > event.number || from < executor.next_row)
+        violated(event, "its next row was " + number(executor.next_row));
+      if (event.release != due(event.number)) violated(event, "the grid is left");
+      if (event.release < event.at) violated(event, "the row is over");
+      if (event.count != 0 && event.release - basic >= event.at)
+        violated(event, "a row was missed that was still to come");
+      // A row that a crash cut short was begun, and the rows before it were skipped.
+      if (executor.in_row) {
+        count_missed(device, plan, event.device, executor.next_row, from, true);
+      }
+      count_missed(device, plan, event.device, from, event.number, false);
+      executor.in_row = false;
+      executor.next_row = event.number;
+      break;
+    }
+    case What::woke:
+      if (executor.in_row) violated(event, "it is in a row");
+      if (event.number != executor.next_row) violated(event, "its next row was " + number(executor.next_row));
+      if (event.release != due(event.number)) violated(event, "the grid is left");
+      if (event.at < event.release) violated(event, "it woke too early");
+      executor.in_row = true;
+      executor.woke_for = event.number;
+      executor.woke_at = event.at;
+      executor.served.clear();
+      for (const std::uint32_t index : plan.periodic) {
+        OfModule& module = device.modules[index];
+        module.was_in = module.in_tables;
+        module.changes_then = module.changes;
+      }
+      break;
+    case What::walked:
+      if (!executor.in_row) violated(event, "it did not wake");
+      if (event.number != executor.woke_for + event.count) violated(event, "rows are lost");
+      if (event.release != due(event.number)) violated(event, "the grid is left");
+      if (executor.woke_at < event.release || executor.woke_at - event.release >= basic)
+        violated(event, "it woke in the slot of another row");
+      count_missed(device, plan, event.device, executor.woke_for, event.number, true);
+      check_row(event, device, plan);
+      executor.in_row = false;
+      executor.next_row = event.number + 1;
+      ++executor.cycles;
+      break;
+    default:
+      break;
+  }
+}
+
+void Invariants::count_missed(OfDevice& device, const schedule::ExecutorPlan& plan, std::uint32_t on,
+                              std::uint64_t from, std::uint64_t to, bool as_woken) {
+  for (const std::uint32_t index : plan.periodic) {
+    OfModule& module = device.modules[index];
+    const bool in = as_woken ? module.was_in : module.in_tables;
+    (in ? module.missed : module.out) += rows_of(plan, index, period_of(on, index)).in(from, to);
+  }
+}
+
+// What was made up of rows that were missed comes first, row by row, each in the order of its row; a module
+// gets no more than its limit, and the newest. Counted as missed until then.
+std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
+    const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan) {
+  const std::vector<Served>& served = device.executors[event.executor].served;
+  const auto name = [&](std::uint32_t module) { return cell_.devices[event.device].modules[module].name; };
+  auto next = served.begin();
+  std::uint64_t last_row = 0;
+  std::size_t last_place = 0;
+  for (; next != served.end() && next->number && next->release < event.release; ++next) {
+    const model::Module& model = cell_.devices[event.device].modules[next->module];
+    const model::OverrunContract contract = model::contract_of(cell_.devices[event.device], model);
+    const Rows rows = rows_of(plan, next->module, period_of(event.device, next->module));
+    const std::uint64_t row = rows.first + *next->number * rows.stride;
+    if (contract.what != model::Overrun::catch_up) violated(event, name(next->module) + " was made up");
+    if (next->release != t0_ + plan.basic_period * static_cast<std::int64_t>(row))
+      violated(event, name(next->module) + " was told another release");
+    if (rows.in(row, event.number) > static_cast<std::uint64_t>(contract.limit))
+      violated(event, name(next->module) + " was made up beyond its limit");
+    const std::vector<std::uint32_t> of_row = plan.row(row % plan.rows());
+    const auto place =
+        static_cast<std::size_t>(std::find(of_row.begin(), of_row.end(), next->module) - of_row.begin());
+    if (row < last_row || (row == last_row && place < last_place))
+      violated(event, name(next->module) + " was made up out of turn");
+    last_row = row;
+    last_place = place;
+    --device.modules[next->module].missed;
+  }
+  return next;
+}
+
+// Several releases of such a program may be given at once, and not all of them are heard.
+bool Invariants::is_owed(std::uint32_t device, std::uint32_t module) const {
+  const model::Module& model = cell_.devices[device].modules[module];
+  return model.type == model::ModuleType::process &&
+         model::contract_of(cell_.devices[device], model).what == model::Overrun::catch_up;
+}
+
+void Invariants::check_row(const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan) {
+  const OfExecutor& executor = device.executors[event.executor];
+  const std::vector<std::uint32_t> row = plan.row(event.number % plan.rows());
+  const auto name = [&](std::uint32_t module) { return cell_.devices[event.device].modules[module].name; };
+  auto next = check_made_up(event, device, plan);
+  for (const std::uint32_t index : row) {
+    OfModule& module = device.modules[index];
+    if (is_owed(event.device, index)) continue;
+    const bool same = module.changes == module.changes_then;
+    if (next == executor.served.end() || next->module != index) {
+      if (module.was_in && same) violated(event, name(index) + " was not served in its turn");
+      ++module.out;
+      continue;
+    }
+    if (!module.was_in && same) violated(event, name(index) + " was served and is not in the tables");
+    const Rows rows = rows_of(plan, index, period_of(event.device, index));
+    if (next->number &&
+        (*next->number != (event.number - rows.first) / rows.stride || next->release != event.release))
+      violated(event, name(index) + " was told another release");
+    ++next;
+  }
+  if (next != executor.served.end()) violated(event, name(next->module) + " was served out of turn");
+}
+
+void Invariants::hear_module(const Event& event, OfDevice& device) {
+  const model::Module& model = cell_.devices[event.device].modules[event.module];
+  OfModule& module = device.modules[event.module];
+  const bool scheduled = model.operation != model::Operation::non_real;
+  switch (event.what) {
+    case What::put_in:
+      if (module.in_tables) violated(event, "it was in them");
+      if (module.raised) violated(event, "its error was forgotten");
+      if (module.state != lifecycle::State::start && module.state != lifecycle::State::executing)
+        violated(event, std::string{"its state is "} + lifecycle::to_text(module.state));
+      module.in_tables = true;
+      ++module.changes;
+      break;
+    case What::taken_out:
+      if (!module.in_tables) violated(event, "it was not in them");
+      module.in_tables = false;
+      ++module.changes;
+      module.failed = false;
+      module.raised |= event.error != ErrorType::none;
+      break;
+    case What::ready: {
+      const bool again = module.ready_until && module.ready_changes == module.changes;
+      if (again) violated(event, "it was asked before it had run");
+      if (!module.in_tables) violated(event, "it is not in the tables");
+      const Nanoseconds least = model.interarrival.value_or(Nanoseconds{0});
+      if (module.last_ready && event.release - *module.last_ready < least)
+        violated(event, "sooner than its interarrival time after the last");
+      if (model.deadline && event.until != event.release + *model.deadline)
+        violated(event, "not its deadline");
+      module.last_ready = event.release;
+      module.ready_until = event.until;
+      module.ready_changes = module.changes;
+      break;
+    }
+    case What::run:
+      if (!module.in_tables) violated(event, "it is not in the tables");
+      if (module.failed) violated(event, "it has failed and was left in the tables");
+      if (scheduled) hear_run(event, device);
+      break;
+    case What::ran: {
+      ++module.cycles;  // one that crashes its host, or is ended with it, is not counted
+      if (!scheduled) {
+        module.failed = event.error != ErrorType::none;
+        break;
+      }
+      OfExecutor& executor = device.executors[executor_of(event.device, event.module)];
+      auto& runs = model.operation == model::Operation::sporadic ? executor.sporadic : executor.runs;
+      if (runs != event.module) violated(event, "it was not running");
+      runs.reset();
+      module.failed = event.error != ErrorType::none;
+      break;
+    }
+    case What::released:
+    case What::busy: {
+      const bool periodic = model.operation == model::Operation::periodic;
+      if (event.what == What::released) ++module.cycles;
+      if (event.what == What::busy) module.busy += event.count;
+      if (!periodic || is_owed(event.device, event.module)) break;
+      OfExecutor& executor = device.executors[executor_of(event.device, event.module)];
+      if (!executor.in_row) violated(event, "no row is walked");
+      executor.served.push_back({event.module,
+                                 event.what == What::busy ? std::nullopt : std::optional{event.number},
+                                 event.release});
+      break;
+    }
+    case What::body:
+      if (model.dispatch == model::Dispatch::immediate) {
+        ++module.cycles;
+        if (!module.in_tables) violated(event, "it is not in the tables");
+      }
+      break;
+    case What::step:
+      hear_step(event, module);
+      break;
+    default:
+      break;
+  }
+}
+
+void Invariants::hear_run(const Event& event, OfDevice& device) {
+  const std::uint32_t on = executor_of(event.device, event.module);
+  OfExecutor& executor = device.executors[on];
+  OfModule& module = device.modules[event.module];
+  if (cell_.devices[event.device].modules[event.module].operation == model::Operation::periodic) {
+    if (!executor.in_row) violated(event, "no row is walked");
+    if (executor.runs) violated(event, "another module of the row is running");
+    executor.runs = event.module;
+    executor.served.push_back({event.module, event.number, event.release});
+    return;
+  }
+  if (executor.sporadic) violated(event, "another sporadic module is running");
+  executor.sporadic = event.module;
+  if (!module.ready_until) violated(event, "it was not ready");
+  for (const std::uint32_t other : plans_[event.device].executors[on].sporadic) {
+    const OfModule& o = device.modules[other];
+    if (other == event.module || !o.ready_until || o.ready_changes != o.changes || !o.in_tables) continue;
+    if (module.ready_until && *o.ready_until < *module.ready_until)
+      violated(event, cell_.devices[event.device].modules[other].name + " has an earlier deadline");
+  }
+  module.ready_until.reset();
+}
+
+void Invariants::hear_step(const Event& event, OfModule& module) {
+  const lifecycle::Transition& step = event.step;
+  if (step.sequence != module.steps + 1) violated(event, "step " + number(module.steps + 1) + " is lost");
+  if (step.from != module.state)
+    violated(event, std::string{"its state was "} + lifecycle::to_text(module.state));
+  if (lifecycle::next(step.from, step.event, module.before_error) != step.to)
+    violated(event, "the lifecycle's table has no such step");
+  if (step.event == lifecycle::Event::error) {
+    module.before_error = step.from;
+    module.raised = false;
+  }
+  if (module.in_tables && step.to != lifecycle::State::executing) violated(event, "it is in the tables");
+  module.steps = step.sequence;
+  module.state = step.to;
+}
+
+void Invariants::hear_sample(const Event& event) {
+  OfConnection& connection = connections_[event.connection];
+  switch (event.what) {
+    case What::wrote:
+      if (event.number != connection.wrote + 1)
+        violated(event, "the number after " + number(connection.wrote) + " is left out");
+      connection.wrote = event.number;
+      break;
+    case What::arrived:
+      if (event.number > connection.wrote) violated(event, "it was not written yet");
+      if (event.number <= connection.arrived) violated(event, "after " + number(connection.arrived));
+      connection.arrived = event.number;
+      break;
+    case What::read:
+      if (event.count != 0) {
+        violated(event, "its bytes are not those of one sample");
+        break;
+      }
+      if (event.number > connection.wrote) violated(event, "it was not written yet");
+      if (event.number <= connection.read) violated(event, number(connection.read) + " was read before");
+      connection.read = event.number;
+      break;
+    default:
+      break;
+  }
+}
+
+void Invariants::close(std::uint32_t index, const Totals& totals) {
+  const model::Device& model = cell_.devices[index];
+  OfDevice& device = devices_[index];
+  // The rows before one that nobody ended were skipped.
+  for (std::size_t e = 0; e < model.executors.size(); ++e) {
+    const OfExecutor& executor = device.executors[e];
+    if (!executor.in_row) continue;
+    count_missed(device, plans_[index].executors[e], index, executor.next_row, totals.executors[e].next_row,
+                 true);
+  }
+  const auto wrong = [this](const std::string& who, const std::string& what, std::uint64_t counted,
+                            std::uint64_t happened) {
+    if (counted == happened || violations_.size() >= kMaxViolations) return;
+    violations_.push_back(who + " counted " + number(counted) + " " + what + " of " + number(happened));
+  };
+  for (std::size_t e = 0; e < model.executors.size(); ++e) {
+    const std::string who = model.name + " executor " + model.executors[e].name;
+    const Totals::OfExecutor& counted = totals.executors[e];
+    wrong(who, "rows", counted.cycles, device.executors[e].cycles);
+    wrong(who, "rows, walked or missed,", counted.cycles + counted.missed, counted.next_row);
+  }
+  for (std::size_t m = 0; m < model.modules.size(); ++m) {
+    const std::string who = model.name + "." + model.modules[m].name;
+    const Totals::OfModule& counted = totals.modules[m];
+    const OfModule& happened = device.modules[m];
+    const bool owed = is_owed(index, static_cast<std::uint32_t>(m));
+    if (!owed) wrong(who, "releases", counted.cycles, happened.cycles);
+    wrong(who, "steps", counted.steps, happened.steps);
+    if (model.modules[m].operation == model::Operation::periodic && !owed) {
+      wrong(who, "missed releases", counted.missed, happened.missed);
+      const schedule::ExecutorPlan& plan =
+          plans_[index].executors[executor_of(index, static_cast<std::uint32_t>(m))];
+      const Rows due = rows_of(plan, static_cast<std::uint32_t>(m), *model.modules[m].period);
+      const std::uint64_t rows = totals.executors[executor_of(index, static_cast<std::uint32_t>(m))].next_row;
+      wrong(who, "releases, with those missed, busy or not in the tables,",
+            counted.cycles + counted.missed + happened.busy + happened.out - happened.twice, due.in(0, rows));
+      if (model.modules[m].type == model::ModuleType::process)
+        wrong(who, "overruns", counted.overruns, happened.busy);
+    }
+    if (counted.state != happened.state)
+      violations_.push_back(who + " is in " + lifecycle::to_text(counted.state) + ", and its steps lead to " +
+                            lifecycle::to_text(happened.state));
+  }
+  for (const std::uint32_t connection : totals.unbalanced) {
+    violations_.push_back("connection " + model::to_text(cell_.connections[connection].from) + " to " +
+                          model::to_text(cell_.connections[connection].to) +
+                          ": a sample was written, and not taken, overwritten or left there");
+  }
+}
+
+}  // namespace takt::simulation

@@ -1,0 +1,85 @@
+#include "network.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace takt::simulation {
+
+namespace {
+
+using std::chrono::microseconds;
+
+/// A sample on an idle local network, from the gateway of one node to that of another.
+constexpr Nanoseconds kShortest = microseconds{60};
+constexpr Nanoseconds kUsual = microseconds{250};
+constexpr Nanoseconds kLongestDelay = microseconds{3000};
+constexpr double kSeldom = 0.002;
+/// A reliable writer notices that a reader can be reached again.
+constexpr Nanoseconds kResend = microseconds{2000};
+
+std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
+  return std::minmax(a, b);
+}
+
+std::uint32_t device_of(const model::Cell& cell, const std::string& name) {
+  const auto found = std::find_if(cell.devices.begin(), cell.devices.end(),
+                                  [&name](const model::Device& device) { return device.name == name; });
+  return static_cast<std::uint32_t>(found - cell.devices.begin());
+}
+
+}  // namespace
+
+Network::Network(const World& world)
+    : world_(world), draws_(world.seed, "network"), ways_(world.cell.connections.size()) {}
+
+void Network::connect(std::uint32_t connection, Device& device, Wire& wire) {
+  const model::Connection& model = world_.cell.connections[connection];
+  ways_[connection].to = &device;
+  ways_[connection].wire = &wire;
+  ways_[connection].between =
+      ordered(device_of(world_.cell, model.from.device), device_of(world_.cell, model.to.device));
+}
+
+void Network::send(std::uint32_t connection, const std::byte* sample, std::int64_t wall_ns) {
+  Way& way = ways_[connection];
+  if (way.to == nullptr) return;  // to a program that is not ours
+  const model::Connection& model = world_.cell.connections[connection];
+  const Instant now = world_.kernel.now();
+  Instant arrival = now + (draws_.chance(kSeldom) ? draws_.between(kUsual, kLongestDelay)
+                                                  : draws_.between(kShortest, kUsual));
+  arrival += std::exchange(way.to_delay, Nanoseconds{0});
+  bool lost = false;
+  if (way.to_lose != 0) {
+    --way.to_lose;
+    lost = true;
+  }
+  if (const auto cut = cut_until_.find(way.between); cut != cut_until_.end() && arrival <= cut->second) {
+    if (model.reliability == model::Reliability::reliable)
+      arrival = cut->second + draws_.between(Nanoseconds{0}, kResend);
+    else
+      lost = true;
+  }
+  if (lost) {
+    ++way.lost;
+    world_.listener.hear(
+        {.at = now, .what = What::lost, .connection = connection, .number = number_of(sample)});
+    return;
+  }
+  arrival = std::max(arrival, way.last + Nanoseconds{1});  // in order
+  way.last = arrival;
+  std::array<std::byte, kSampleBytes> bytes{};
+  std::memcpy(bytes.data(), sample, bytes.size());
+  world_.kernel.at(arrival, [&way, bytes, wall_ns] { way.to->arrive(*way.wire, bytes.data(), wall_ns); });
+}
+
+void Network::cut(std::uint32_t a, std::uint32_t b, Nanoseconds time) {
+  Instant& until = cut_until_[ordered(a, b)];
+  until = std::max(until, world_.kernel.now() + time);
+}
+
+void Network::lose(std::uint32_t connection, std::uint64_t count) { ways_[connection].to_lose += count; }
+
+void Network::delay(std::uint32_t connection, Nanoseconds by) { ways_[connection].to_delay += by; }
+
+}  // namespace takt::simulation

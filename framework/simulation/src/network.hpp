@@ -1,0 +1,45 @@
+// What lies between the devices of a simulated cell.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "device.hpp"
+
+namespace takt::simulation {
+
+/// Carries samples in order, each some tenths of a millisecond; loses and delays as it is told. While a link
+/// is cut, best-effort samples are lost, and reliable ones come after it.
+class Network {
+ public:
+  explicit Network(const World& world);
+
+  /// Where the samples of a connection are to go.
+  void connect(std::uint32_t connection, Device& device, Wire& wire);
+  void send(std::uint32_t connection, const std::byte* sample, std::int64_t wall_ns);
+
+  void cut(std::uint32_t a, std::uint32_t b, Nanoseconds time);
+  void lose(std::uint32_t connection, std::uint64_t count);
+  void delay(std::uint32_t connection, Nanoseconds by);
+  [[nodiscard]] std::uint64_t lost(std::uint32_t connection) const { return ways_[connection].lost; }
+
+ private:
+  struct Way {
+    Device* to = nullptr;
+    Wire* wire = nullptr;
+    std::pair<std::uint32_t, std::uint32_t> between{};  // the devices, the lower index first
+    Instant last{};                                     // arrival
+    std::uint64_t to_lose = 0;
+    std::uint64_t lost = 0;
+    Nanoseconds to_delay{};
+  };
+
+  const World& world_;
+  Draws draws_;
+  std::vector<Way> ways_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Instant> cut_until_;
+};
+
+}  // namespace takt::simulation

@@ -1,0 +1,111 @@
+#include <takt/simulation/simulation.hpp>
+
+#include <algorithm>
+#include <memory>
+
+#include <takt/core/check.hpp>
+#include "device.hpp"
+#include "invariants.hpp"
+#include "network.hpp"
+
+namespace takt::simulation {
+
+namespace {
+
+/// From the begin to T0, in which modules are initialised and started.
+constexpr Nanoseconds kLead = std::chrono::milliseconds{150};
+/// By then every device has ended, whatever never comes back.
+constexpr Nanoseconds kEndLimit = std::chrono::seconds{30};
+constexpr Nanoseconds kLook = std::chrono::milliseconds{5};
+/// From a fault that is the whole cell's until the other devices have heard of it and look at it.
+constexpr Nanoseconds kHeard = std::chrono::milliseconds{10};
+
+class Both final : public Listener {
+ public:
+  Both(Listener& first, Listener* second) : first_(first), second_(second) {}
+  void hear(const Event& event) override {
+    if (second_ != nullptr) second_->hear(event);
+    first_.hear(event);
+  }
+
+ private:
+  Listener& first_;
+  Listener* second_;
+};
+
+}  // namespace
+
+Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans,
+                        const model::CellPorts& ports, const Options& options) {
+  Kernel kernel{kT0 - kLead};
+  Invariants invariants{cell, plans, kT0};
+  Both listener{invariants, options.listener};
+  World world{.kernel = kernel,
+              .listener = listener,
+              .cell = cell,
+              .plans = plans,
+              .ports = ports,
+              .profile = options.profile,
+              .seed = options.seed,
+              .cpus = options.cpus};
+  Network network{world};
+  world.network = &network;
+
+  std::vector<std::unique_ptr<Device>> devices;
+  for (std::uint32_t i = 0; i < cell.devices.size(); ++i) {
+    devices.push_back(std::make_unique<Device>(world, i));
+    if (auto prepared = devices.back()->prepare(); !prepared) return prepared.problems();
+  }
+  world.stop_cell = [&](std::uint32_t device, const std::string& why) {
+    for (std::uint32_t other = 0; other < devices.size(); ++other) {
+      if (other == device) continue;
+      kernel.at(kernel.now() + kHeard, [&devices, &cell, other, why] {
+        devices[other]->stop_for({"device " + cell.devices[other].name, "stops with its cell: " + why, ""});
+      });
+    }
+  };
+  const auto all_are = [&devices](Device::Phase phase) {
+    return std::all_of(devices.begin(), devices.end(),
+                       [phase](const auto& d) { return d->phase() == phase; });
+  };
+  while (!all_are(Device::Phase::ready)) {
+    TAKT_CHECK(kernel.now() < kT0);
+    kernel.run_until(kernel.now() + kLook);
+  }
+  for (auto& device : devices) device->go(kT0);
+
+  Draws draws{options.seed, "faults"};
+  std::vector<Fault> faults = draw_faults(cell, draws, options.length, options.faults_per_second);
+  faults.insert(faults.end(), options.faults.begin(), options.faults.end());
+  for (const Fault& fault : faults) {
+    if (fault.at < options.length)
+      kernel.at(kT0 + fault.at, [&devices, fault] { devices[fault.device]->inject(fault); });
+  }
+  constexpr std::int64_t kTold = 500;  // times
+  for (std::int64_t i = 1; options.progress && i < kTold; ++i) {
+    const Nanoseconds passed = options.length / kTold * i;
+    kernel.run_until(kT0 + passed);
+    options.progress(passed);
+  }
+  kernel.run_until(kT0 + options.length);
+
+  for (auto& device : devices) device->stop();
+  const Instant limit = kernel.now() + kEndLimit;
+  while (!all_are(Device::Phase::ended)) {
+    TAKT_CHECK(kernel.now() < limit);
+    kernel.run_until(kernel.now() + kLook);
+  }
+
+  Course course;
+  course.report = {{"cell", cell.name}, {"devices", nlohmann::ordered_json::array()}};
+  for (std::uint32_t i = 0; i < devices.size(); ++i) {
+    invariants.close(i, devices[i]->totals());
+    course.report["devices"].push_back(devices[i]->report());
+    const Problems& failures = devices[i]->failures();
+    course.failures.insert(course.failures.end(), failures.begin(), failures.end());
+  }
+  course.violations = invariants.violations();
+  return course;
+}
+
+}  // namespace takt::simulation

@@ -1,0 +1,470 @@
+#include <algorithm>
+#include <utility>
+
+#include <takt/core/words.hpp>
+#include <takt/executor/executor.hpp>
+#include <takt/lifecycle/machine.hpp>
+#include <takt/schedule/plan.hpp>
+#include <takt/testing.hpp>
+#include <takt/testing/tested_file.hpp>
+#include "subject.hpp"
+
+namespace takt::testing {
+
+using lifecycle::Event;
+using lifecycle::State;
+
+namespace {
+
+std::string& tested_file() {
+  static std::string path;
+  return path;
+}
+
+constexpr std::string_view kProgramSuffix = ".exe.so";
+
+std::string file_of(const Options& options) {
+  const std::string& file = options.file.empty() ? tested_file() : options.file;
+  if (file.empty())
+    throw Error("no component is named: build the test by takt_add_component_test(), or give Options::file");
+  if (file.ends_with(".exe"))
+    throw Error(file + " is a program, which cannot be loaded; name the " + std::string{kProgramSuffix} +
+                " that takt_add_component_test() makes of it");
+  if (options.period <= Nanoseconds{0})
+    throw Error("the period is " + to_text(options.period) + "; it is positive");
+  return file;
+}
+
+schedule::ExecutorPlan plan_of(const Options& options) {
+  schedule::ExecutorPlan plan;
+  plan.basic_period = plan.macro_period = options.period;
+  if (options.sporadic) {
+    plan.sporadic = {0};
+    return plan;
+  }
+  const schedule::Task task{.period = options.period};
+  plan.table = *schedule::Table::build({&task, 1});
+  plan.periodic = {0};
+  plan.offsets = {Nanoseconds{0}};
+  return plan;
+}
+
+}  // namespace
+
+detail::TestedFile::TestedFile(const char* path) { tested_file() = path; }
+
+Wire::Wire(const TypeInfo& type, std::uint32_t depth, bool is_queue, Nanoseconds deadline) : type_(type) {
+  const channel::Link::Options options{.depth = depth,
+                                       .payload = type.max_size,
+                                       .is_queue = is_queue,
+                                       .deadline_ns = deadline.count(),
+                                       .safe = is_queue ? 0 : type.max_size};
+  memory_ = std::make_shared<std::vector<Line>>(channel::Link::layout(options).size() / sizeof(Line) + 1);
+  auto* bytes = reinterpret_cast<std::byte*>(memory_->data());
+  channel::Link::format(bytes, options);
+  link_ = channel::Link{bytes};
+  link_.trust();
+}
+
+struct Module::Inside {
+  explicit Inside(Options o)
+      : options(std::move(o)),
+        file(file_of(options)),
+        is_program(file.ends_with(kProgramSuffix)),
+        subject(is_program ? make_program_subject(file, options.sporadic, options.period, clock)
+                           : make_thread_subject(file, options.sporadic, options.period, clock, block)) {
+    t0 = clock.now();
+    if (const auto loaded = subject->load(); !loaded) throw Error(in_words(loaded.problems()));
+    make_executor();
+  }
+
+  struct Tied {
+    std::string port;
+    std::unique_ptr<Wire> wire;
+    bool stale_is_error = false;
+    bool connected = false;
+  };
+
+  [[nodiscard]] std::string name() const { return file.substr(file.rfind('/') + 1); }
+  void make_executor();
+  Result<void> load();
+  /// What is tied and has a port by now.
+  void connect();
+  Answer initialize();
+  Answer take(Event event);
+  /// Into RECOVER, without its hook.
+  Answer leave(ErrorType type, std::string text, std::uint64_t cycle);
+  Answer fails(ErrorType type, std::string text, std::uint64_t cycle);
+  void put_in(bool in);
+  void collect();
+  [[nodiscard]] PortBase* port(const std::string& name) const;
+  [[nodiscard]] std::string ports_in_words() const;
+
+  Options options;
+  std::string file;
+  bool is_program;
+  VirtualClock clock;
+  Instant t0{};
+  channel::ModuleBlock block{};
+  channel::ExecutorBlock executor_block{};
+  std::unique_ptr<Subject> subject;
+  std::unique_ptr<executor::Executor> executor;
+  std::vector<Tied> tied;
+  irp::Property::Values values;
+  lifecycle::Machine machine;
+  Failure failure;
+  std::vector<std::pair<std::string, std::unique_ptr<Responder>>> responders;  // by the client
+  std::uint64_t calls = 0;
+  std::uint64_t pending_misses = 0;
+  bool wanted = false;  // start() and no stop() since
+  bool was_started = false;
+};
+
+// A program's seat is another one after each load.
+void Module::Inside::make_executor() {
+  executor::Unit unit{.block = &block, .period = options.period};
+  subject->enter(unit);
+  std::vector<executor::Unit> units{unit};
+  executor = options.sporadic
+                 ? std::make_unique<executor::Executor>(plan_of(options), std::vector<executor::Unit>{},
+                                                        std::move(units), executor_block, clock)
+                 : std::make_unique<executor::Executor>(plan_of(options), std::move(units),
+                                                        std::vector<executor::Unit>{}, executor_block, clock);
+  const Instant next = t0 + options.period * static_cast<std::int64_t>(executor_block.next_row.load());
+  executor->join_grid(t0, next);
+}
+
+Result<void> Module::Inside::load() {
+  for (Tied& tie : tied) tie.connected = false;
+  auto loaded = subject->load();
+  if (!loaded) return loaded;
+  make_executor();
+  connect();
+  // A C++ component takes them as they were set; others are given all of them in initialize().
+  for (const auto& [property, text] : values) {
+    if (auto set = subject->check(property, text); !set) return set;
+  }
+  return {};
+}
+
+void Module::Inside::connect() {
+  for (Tied& tie : tied) {
+    PortBase* port = this->port(tie.port);
+    if (tie.connected || port == nullptr) continue;
+    subject->keep(tie.wire->memory_);
+    subject->connect(*port, tie.wire->link());
+    if (port->direction() != PortDirection::out) subject->watch(tie.wire->link(), *port, tie.stale_is_error);
+    tie.connected = true;
+  }
+}
+
+PortBase* Module::Inside::port(const std::string& name) const {
+  const auto& ports = subject->ports();
+  const auto found = std::find_if(ports.begin(), ports.end(),
+                                  [&name](const PortBase* port) { return port->name() == name; });
+  return found == ports.end() ? nullptr : *found;
+}
+
+std::string Module::Inside::ports_in_words() const {
+  std::string words;
+  for (const PortBase* port : subject->ports()) {
+    words += (words.empty() ? "it has " : ", ") + std::string{to_text(port->direction())} + " " +
+             port->name() + " (" + port->type().name + ")";
+  }
+  if (!words.empty()) return words;
+  return is_program && machine.state() == State::idle
+             ? "it has none, unless main() makes them: those are there after initialize()"
+             : "it has none";
+}
+
+Answer Module::Inside::take(Event event) {
+  const auto taken = machine.apply(event);
+  if (!taken) return taken.problems();
+  return {};
+}
+
+void Module::Inside::put_in(bool in) {
+  if (in) block.entered = block.entered + 1;
+  block.in_tables = in ? 1 : 0;
+}
+
+Answer Module::Inside::leave(ErrorType type, std::string text, std::uint64_t cycle) {
+  if (!machine.accepts(Event::error)) return take(Event::error);
+  put_in(false);
+  failure = {.type = type, .text = std::move(text), .cycle = cycle};
+  return take(Event::error);
+}
+
+Answer Module::Inside::fails(ErrorType type, std::string text, std::uint64_t cycle) {
+  if (auto left = leave(type, std::move(text), cycle); !left) return left;
+  return subject->error(type);
+}
+
+void Module::Inside::collect() {
+  for (Tied& tie : tied) tie.wire->collect();
+  for (const auto& [client, responder] : responders) responder->answer(clock.now());
+}
+
+Answer Module::Inside::initialize() {
+  if (!machine.accepts(Event::initialize)) return take(Event::initialize);
+  if (subject->ended()) {  // an attempt that failed
+    if (auto loaded = load(); !loaded) return loaded;
+  }
+  auto done = subject->initialize(irp::Property{values});
+  if (!done) return done;
+  connect();
+  collect();
+  return take(Event::initialize);
+}
+
+Module::Module(Options options) : inside_(std::make_unique<Inside>(std::move(options))) {}
+
+Module::~Module() {
+  const State state = inside_->machine.state();
+  if (state != State::idle && state != State::destruct) static_cast<void>(destruct());
+}
+
+Answer Module::set(const std::string& property, const std::string& text) {
+  Inside& in = *inside_;
+  const bool idle = in.machine.state() == State::idle;
+  if (in.machine.state() == State::destruct)
+    return fail("its properties cannot be set in state DESTRUCT", "reset() it first");
+  if (auto taken = idle ? in.subject->check(property, text) : in.subject->set(property, text); !taken)
+    return taken;
+  const auto known = std::find_if(in.values.begin(), in.values.end(),
+                                  [&](const auto& value) { return value.first == property; });
+  if (known == in.values.end())
+    in.values.emplace_back(property, text);
+  else
+    known->second = text;
+  return {};
+}
+
+Result<std::string> Module::get(const std::string& property) const {
+  if (auto got = inside_->subject->get(property)) return std::move(*got);
+  for (const auto& [name, text] : inside_->values) {
+    if (name == property) return text;
+  }
+  return fail("no property " + in_quotes(property) + " was set");
+}
+
+Answer Module::initialize() { return inside_->initialize(); }
+
+Answer Module::start() {
+  Inside& in = *inside_;
+  if (in.machine.state() == State::idle) {
+    if (auto initialized = in.initialize(); !initialized) return initialized;
+  }
+  const bool stopped = in.machine.state() == State::start && !in.wanted;
+  if (!stopped) {
+    if (!in.machine.accepts(Event::start)) return in.take(Event::start);
+    auto done = in.subject->start();
+    in.collect();
+    if (!done) {
+      static_cast<void>(in.fails(ErrorType::start, in_words(done.problems()), 0));
+      return done;
+    }
+    if (auto taken = in.take(Event::start); !taken) return taken;
+  }
+  in.wanted = in.was_started = true;
+  in.put_in(true);
+  return {};
+}
+
+Answer Module::stop() {
+  Inside& in = *inside_;
+  if (in.machine.state() == State::start && in.wanted) {  // no row has named it yet
+    in.wanted = false;
+    in.put_in(false);
+    return {};
+  }
+  if (auto taken = in.take(Event::stop); !taken) return taken;
+  in.wanted = false;
+  in.put_in(false);
+  return {};
+}
+
+Answer Module::error(ErrorType type) {
+  auto failed = inside_->fails(type, "the test said so", inside_->executor->next_row());
+  inside_->collect();
+  return failed;
+}
+
+Answer Module::crash() {
+  Inside& in = *inside_;
+  auto left = in.leave(ErrorType::crash, "the test said so", in.executor->next_row());
+  if (left) in.subject->crash();
+  return left;
+}
+
+Answer Module::recover() {
+  Inside& in = *inside_;
+  if (!in.machine.accepts(Event::recover)) return in.take(Event::recover);
+  Result<void> done;
+  if (in.subject->ended()) {
+    done = in.load();
+    if (done) done = in.subject->initialize(irp::Property{in.values});
+    if (done) in.connect();
+    if (done) done = in.subject->start();
+  } else {
+    done = in.subject->recover();
+  }
+  in.collect();
+  if (!done) return done;
+  if (auto taken = in.take(Event::recover); !taken) return taken;
+  in.wanted = in.was_started = true;
+  in.put_in(true);
+  return {};
+}
+
+Answer Module::destruct() {
+  Inside& in = *inside_;
+  if (!in.machine.accepts(Event::destruct)) return in.take(Event::destruct);
+  in.put_in(false);
+  in.wanted = false;
+  auto done = in.subject->destruct();
+  in.collect();
+  if (auto taken = in.take(Event::destruct); !taken) return taken;
+  return done;
+}
+
+Answer Module::reset() {
+  Inside& in = *inside_;
+  if (!in.machine.accepts(Event::reset)) return in.take(Event::reset);
+  in.subject->forget();
+  if (auto loaded = in.load(); !loaded) return loaded;
+  in.failure = {};
+  in.was_started = false;
+  return in.take(Event::reset);
+}
+
+State Module::state() const { return inside_->machine.state(); }
+
+std::uint64_t Module::step(std::uint64_t releases) {
+  Inside& in = *inside_;
+  if (!in.was_started && (state() == State::idle || state() == State::initialize))
+    throw Error("step() in state " + std::string{lifecycle::to_text(state())} + ": call start() first");
+  for (Inside::Tied& tie : in.tied) tie.wire->begin_step();
+  const std::uint64_t before = runs();
+  for (; releases > 0; --releases) {
+    in.clock.go_to(next_release());
+    in.pending_misses = 0;
+    const std::uint64_t ran = runs();
+    in.executor->run_cycle(in.clock.now());
+    while (in.executor->run_sporadic()) {
+    }
+    in.subject->serve(in.block);
+    in.collect();
+    if (runs() != ran && state() == State::start) static_cast<void>(in.take(Event::run));
+    const auto type = static_cast<ErrorType>(in.block.error.exchange(0));
+    if (type != ErrorType::none) {
+      static_cast<void>(in.fails(type, std::string{in.block.error_text.view()}, in.block.error_cycle));
+      in.collect();
+    }
+  }
+  return runs() - before;
+}
+
+void Module::miss(std::uint64_t releases) { inside_->pending_misses += releases; }
+
+Instant Module::next_release() const {
+  return inside_->executor->next_release() +
+         inside_->options.period * static_cast<std::int64_t>(inside_->pending_misses);
+}
+
+std::uint64_t Module::runs() const { return inside_->block.cycles; }
+std::uint64_t Module::missed() const { return inside_->block.missed; }
+const Failure& Module::last_error() const { return inside_->failure; }
+
+Answer Module::healthy() const {
+  if (state() != State::recover) return {};
+  const Failure& failure = inside_->failure;
+  return fail("it is in RECOVER since cycle " + std::to_string(failure.cycle) + ": " + to_text(failure.type) +
+              ": " + failure.text);
+}
+
+std::uint32_t Module::most_of_a_run(const TypeInfo& type) {
+  constexpr std::uint32_t kBytes = 4 << 20;
+  return std::clamp(kBytes / type.max_size, 16U, 1024U);
+}
+
+Module::Tie Module::find(const std::string& port, Side side, const TypeInfo& type,
+                         const Connection* wanted) const {
+  const Inside& in = *inside_;
+  const PortBase* found = in.port(port);
+  if (found == nullptr)
+    throw Error(in.name() + " has no port " + in_quotes(port) + "; " + in.ports_in_words());
+  const bool is_out = found->direction() == PortDirection::out;
+  if (is_out != (side == Side::out)) {
+    throw Error("port " + in_quotes(port) + " of " + in.name() + " is an " + (is_out ? "output" : "input") +
+                "; use " + (is_out ? "out" : "in") + "<" + found->type().name + ">()");
+  }
+  if (std::string_view{type.description} != found->type().description) {
+    const bool renamed = std::string_view{type.name} != found->type().name;
+    throw Error("port " + in_quotes(port) + " of " + in.name() + " has the type " + found->type().name +
+                (renamed ? ", not " + std::string{type.name} : ", but of another IDL file than the test's"));
+  }
+  if (wanted != nullptr && wanted->deadline != Nanoseconds{0} && in.is_program)
+    throw Error(
+        "of a program it is takt-node that looks whether inputs are late; use error(ErrorType::stale)");
+  if (wanted != nullptr && wanted->stale_is_error && wanted->deadline == Nanoseconds{0})
+    throw Error("without a deadline no value is stale; give the connection of " + in_quotes(port) + " one");
+  const auto tied = std::find_if(in.tied.begin(), in.tied.end(),
+                                 [&port](const Inside::Tied& tie) { return tie.port == port; });
+  if (tied != in.tied.end()) {
+    if (wanted != nullptr)
+      throw Error("port " + in_quotes(port) +
+                  " is connected already; say how the first time that it is named");
+    return {.wire = tied->wire.get()};
+  }
+  if (wanted == nullptr) return {};
+  const std::uint32_t queue = wanted->queue;
+  return {.queue = queue == 0 && found->direction() == PortDirection::event ? 64 : queue};
+}
+
+void Module::find_service(const std::string& name, bool is_client, const TypeInfo& request,
+                          const TypeInfo& reply) const {
+  const Inside& in = *inside_;
+  // The types of what it is made of carry these names with something behind them.
+  const auto type_of = [&in](const std::string& service, const char* half) {
+    const PortBase* port = in.port(service + half);
+    const std::string type = port == nullptr ? "" : port->type().name;
+    return type.substr(0, type.rfind('_'));
+  };
+  const auto spelled = [](bool client, const std::string& service, const std::string& from,
+                          const std::string& to) {
+    return std::string{client ? "client " : "service "} + service + " (" + from + " -> " + to + ")";
+  };
+  std::string all;
+  for (const PortBase* port : in.subject->ports()) {
+    if (port->role() == PortRole::plain || !port->name().ends_with(kRequestPort)) continue;
+    const std::string other =
+        port->name().substr(0, port->name().size() - std::string_view{kRequestPort}.size());
+    const bool client = port->role() == PortRole::client;
+    const std::string from = type_of(other, kRequestPort);
+    const std::string to = type_of(other, kReplyPort);
+    if (other == name && client == is_client && from == request.name && to == reply.name) return;
+    all += (all.empty() ? "" : ", ") + spelled(client, other, from, to);
+  }
+  throw Error(in.name() + " has no " + spelled(is_client, name, request.name, reply.name) + "; it has " +
+              (all.empty() ? "none" : all));
+}
+
+void Module::respond(const std::string& client, std::unique_ptr<Responder> responder) {
+  for (const auto& [name, other] : inside_->responders) {
+    if (name == client) throw Error("client " + in_quotes(client) + " is served already; call serve() once");
+  }
+  inside_->responders.emplace_back(client, std::move(responder));
+}
+
+std::uint64_t Module::call_number() { return ++inside_->calls; }
+
+void Module::tie(const std::string& port, std::unique_ptr<Wire> wire, const Connection& connection) {
+  inside_->tied.push_back({.port = port,
+                           .wire = std::move(wire),
+                           .stale_is_error = connection.stale_is_error,
+                           .connected = false});
+  inside_->connect();
+}
+
+}  // namespace takt::testing

@@ -1,0 +1,431 @@
+// A process module as a library: its main() runs on a stack of its own and hands over where it waits.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <cxxabi.h>
+
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/lsan_interface.h>
+#endif
+
+#include <takt/process.h>
+#include <takt/channel/seat.hpp>
+#include <takt/component/current_cycle.hpp>
+#include <takt/component/property.hpp>
+#include <takt/component/saved.hpp>
+#include <takt/core/check.hpp>
+#include <takt/core/words.hpp>
+#include <takt/os/fiber.hpp>
+#include <takt/os/library.hpp>
+#include "subject.hpp"
+
+namespace takt::testing {
+
+/// While it lives: what is allocated is the program's, and ends with it. No leak of the test's.
+class OfTheProgram {
+ public:
+#if defined(__SANITIZE_ADDRESS__)
+  OfTheProgram() { __lsan_disable(); }
+  ~OfTheProgram() { __lsan_enable(); }
+#else
+  OfTheProgram() {}
+  ~OfTheProgram() {}
+#endif
+  OfTheProgram(const OfTheProgram&) = delete;
+  OfTheProgram& operator=(const OfTheProgram&) = delete;
+};
+
+using Main = int (*)(int, char**);
+
+/// What the C++ library remembers of exceptions that are being handled. Each course has its own.
+class Exceptions {
+ public:
+  void swap() noexcept {
+    void* current = __cxxabiv1::__cxa_get_globals();
+    State other;
+    std::memcpy(&other, current, sizeof other);
+    std::memcpy(current, &state_, sizeof state_);
+    state_ = other;
+  }
+
+ private:
+  struct State {  // as the C++ ABI lays it out
+    void* caught = nullptr;
+    unsigned uncaught = 0;
+  };
+  State state_{};
+};
+
+/// One life of a program, from main() to its end. As with a process, what it leaves behind is not destroyed:
+/// nobody knows whether a thread of it still runs. So its code and its variables stay until the test ends.
+class Course {
+ public:
+  Course(std::string path, bool sporadic, channel::Seat& seat, VirtualClock& clock)
+      : path_(std::move(path)), sporadic_(sporadic), seat_(seat), clock_(clock) {}
+
+  Result<void> load();
+  /// The program goes on until it waits, attaches or ends.
+  void go_on();
+
+  /// Nobody hands over to it again.
+  void crash() { ended_ = true; }
+
+  [[nodiscard]] bool begun() const { return begun_; }
+  [[nodiscard]] bool ended() const { return ended_; }
+  /// "called exit(1) before initPeriodExe()"
+  [[nodiscard]] const std::string& end() const { return end_; }
+  [[nodiscard]] const std::vector<PortBase*>& ports() const { return ports_; }
+  std::vector<std::string> arguments;
+
+  // Called by the program.
+  void attach(bool sporadic, const char* function);
+  void wait(const char* function);
+  [[noreturn]] void exit(int status);
+  void at_exit(void (*function)()) { at_exit_.push_back(function); }
+  /// Wrong use of libtakt_process, which ends the program there as here.
+  [[noreturn]] void refuse(const char* function, const char* what);
+
+  static thread_local Course* running;
+  static Course& of_caller(const char* function);
+
+ private:
+  void run_main();
+  void give(const std::vector<PropertyBase*>& made);
+  void check_properties(const char* function);
+  void find_saved(const char* function);
+  void restore() const;
+  void leave() noexcept;
+  [[noreturn]] void finish();
+  [[nodiscard]] const char* place() const;
+
+  std::string path_;
+  bool sporadic_;
+  channel::Seat& seat_;
+  VirtualClock& clock_;
+  os::Library library_;
+  Main main_ = nullptr;
+  std::vector<PortBase*> ports_;
+  std::vector<PropertyBase*> properties_of_file_;
+  std::vector<PropertyBase*> properties_;  // with those that main() made
+  Problems refused_;                       // of what they were given
+  std::vector<SavedBase*> saved_by_;       // of the file and of main()
+  takt_saved_state saved_{};               // no data: it saves nothing
+  std::vector<char*> argv_;
+  PortContext context_;
+  channel::Taken taken_;
+  Cycle cycle_;
+  bool begun_ = false;
+  bool attached_ = false;
+  bool ended_ = false;
+  std::string end_;
+  std::vector<void (*)()> at_exit_;
+  Exceptions exceptions_;
+  os::Fiber test_;
+  os::Fiber fiber_{std::size_t{8} << 20, [this] { run_main(); }};
+};
+
+thread_local Course* Course::running = nullptr;
+
+Course& Course::of_caller(const char* function) {
+  if (running == nullptr) {
+    std::fprintf(stderr, "%s(): called by another thread than that of main(), which is the one that waits\n",
+                 function);
+    std::abort();
+  }
+  return *running;
+}
+
+Result<void> Course::load() {
+  static_cast<void>(take_loose_ports());
+  static_cast<void>(take_loose_properties());
+  static_cast<void>(take_loose_saved());
+  const bool copy = LoadedFile::is_taken(path_);
+  auto library = os::Library::open(path_, copy ? os::Library::Globals::own : os::Library::Globals::shared);
+  if (!library) return library.problems();
+  library_ = std::move(*library);
+  static std::vector<std::unique_ptr<LoadedFile>> for_ever;
+  for_ever.push_back(std::make_unique<LoadedFile>());
+  for_ever.back()->take(path_);
+  ports_ = take_loose_ports();
+  properties_of_file_ = take_loose_properties();
+  saved_by_ = take_loose_saved();
+  if (const void* of_c = library_.own_symbol("takt_saved"); of_c != nullptr)
+    saved_ = *static_cast<const takt_saved_state*>(of_c);
+  main_ = reinterpret_cast<Main>(library_.own_symbol("main"));
+  library_.abandon();
+  if (main_ == nullptr) return fail(path_ + " has no main()", "name a program of takt_add_process()");
+  return {};
+}
+
+void Course::go_on() {
+  TAKT_CHECK(!ended_ && running == nullptr);
+  running = this;
+  begun_ = true;
+  serve_cycle(&cycle_);
+  exceptions_.swap();
+  {
+    const OfTheProgram memory;
+    test_.hand_over_to(fiber_);
+  }
+  exceptions_.swap();
+  serve_cycle(nullptr);
+  running = nullptr;
+}
+
+void Course::leave() noexcept { fiber_.hand_over_to(test_); }
+
+void Course::run_main() {
+  give(properties_of_file_);
+  argv_.push_back(path_.data());
+  for (std::string& argument : arguments) argv_.push_back(argument.data());
+  argv_.push_back(nullptr);
+  std::string what;
+  try {
+    const int status = main_(static_cast<int>(argv_.size()) - 1, argv_.data());
+    what = "main() returned " + std::to_string(status);
+  } catch (const std::exception& exception) {
+    what = std::string{"main() threw: "} + exception.what();
+  } catch (...) {
+    what = "main() threw something that is no std::exception";
+  }
+  end_ = what + place();
+  finish();
+}
+
+const char* Course::place() const {
+  if (attached_) return taken_.count == 0 ? " before its first release was served" : "";
+  return sporadic_ ? " before it called initSporadicExe()" : " before it called initPeriodExe()";
+}
+
+void Course::finish() {
+  while (!at_exit_.empty()) {
+    const auto function = at_exit_.back();
+    at_exit_.pop_back();
+    function();
+  }
+  std::fflush(nullptr);
+  ended_ = true;
+  leave();
+  std::abort();  // nobody hands over to it again
+}
+
+void Course::exit(int status) {
+  if (end_.empty()) end_ = "it called exit(" + std::to_string(status) + ")" + place();
+  finish();
+}
+
+void Course::refuse(const char* function, const char* what) {
+  end_ = std::string{function} + "(): " + what;
+  finish();
+}
+
+void Course::give(const std::vector<PropertyBase*>& made) {
+  for (PropertyBase* property : made) {
+    properties_.push_back(property);
+    const std::string begin = property->name() + "=";
+    for (const std::string& argument : arguments) {
+      if (!argument.starts_with(begin)) continue;
+      if (const auto given = property->assign(argument.substr(begin.size())); !given)
+        refused_.insert(refused_.end(), given.problems().begin(), given.problems().end());
+    }
+  }
+}
+
+// As libtakt_process does.
+void Course::check_properties(const char* function) {
+  Problems problems = check_declared(properties_, "this program");
+  problems.insert(problems.end(), refused_.begin(), refused_.end());
+  std::vector<std::string_view> names;
+  for (const PropertyBase* property : properties_) names.emplace_back(property->name());
+  for (const std::string& argument : arguments) {
+    const std::string_view name = std::string_view{argument}.substr(0, argument.find('='));
+    if (!names.empty() && std::find(names.begin(), names.end(), name) == names.end())
+      problems.push_back(fail("this program has no property " + in_quotes(name), suggestion(name, names)));
+  }
+  if (!problems.empty()) refuse(function, in_words(problems).c_str());
+}
+
+// As libtakt_process does.
+void Course::find_saved(const char* function) {
+  for (SavedBase* one : take_loose_saved()) saved_by_.push_back(one);  // those that main() made
+  if (saved_by_.size() + (saved_.data != nullptr ? 1 : 0) > 1)
+    refuse(function, "there is more than one variable to save; put them into one struct");
+  if (!saved_by_.empty()) saved_ = {saved_by_[0]->version(), saved_by_[0]->size(), saved_by_[0]->data()};
+  if (saved_.size > channel::kMostSaved) refuse(function, "it saves too much; at most 4096 bytes are saved");
+}
+
+void Course::restore() const {
+  const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : seat_.saved.saved();
+  if (before == nullptr) return;
+  const bool same = before->version == saved_.version && before->size == saved_.size;
+  if (same) std::memcpy(saved_.data, before->bytes.data(), saved_.size);
+  for (SavedBase* one : saved_by_) one->set_restored(same);
+}
+
+void Course::attach(bool sporadic, const char* function) {
+  if (attached_) refuse(function, "called twice; call it once, before the first wait");
+  if (sporadic != sporadic_) {
+    refuse(function, sporadic_ ? "the test says sporadic; use initSporadicExe() and waitSporadic()"
+                               : "the test says periodic; use initPeriodExe() and waitPeriod()");
+  }
+  attached_ = true;
+  give(take_loose_properties());  // those that main() made
+  check_properties(function);
+  for (PortBase* port : take_loose_ports()) ports_.push_back(port);  // those that main() made
+  for (const PortBase* port : ports_) {
+    for (const PortBase* other : ports_) {
+      if (port != other && port->name() == other->name())
+        refuse(function, "there are two ports of one name; give each a name of its own");
+    }
+  }
+  context_.start_ns = to_ns(clock_.now());
+  for (PortBase* port : ports_) port->serve(context_);
+  find_saved(function);
+  restore();
+  cycle_.period = Nanoseconds{seat_.period_ns};
+  seat_.phase = channel::SeatPhase::attached;
+  leave();
+}
+
+// The seat is the one that takt-node would make; the words between scheduler and program are those of
+// libtakt_process.
+void Course::wait(const char* function) {
+  if (!attached_) refuse(function, "call initPeriodExe() or initSporadicExe() first");
+  if (saved_.data != nullptr && taken_.count != 0)
+    seat_.saved.save(saved_.data, saved_.size, saved_.version, context_.start_ns);
+  seat_.done = taken_.count;
+  seat_.phase = channel::SeatPhase::ready;
+  if (seat_.end != 0) exit(0);
+  leave();
+  if (seat_.end != 0) exit(0);
+  taken_ = channel::take(seat_, taken_.count);
+  context_.start_ns = to_ns(clock_.now());
+  cycle_.number = taken_.cycle;
+  cycle_.time = from_ns(taken_.release_ns);
+  cycle_.start = clock_.now();
+}
+
+namespace {
+
+/// A program, started again each time that it is loaded or recovers after its end.
+class ProgramSubject final : public Subject {
+ public:
+  ProgramSubject(std::string path, bool sporadic, Nanoseconds period, VirtualClock& clock)
+      : path_(std::move(path)), sporadic_(sporadic), period_(period), clock_(clock) {}
+
+  Result<void> load() override {
+    static auto& all = *new std::vector<std::unique_ptr<Life>>;  // for ever, see Course
+    const auto before = life_ == nullptr ? std::nullopt : life_->seat.saved.copy();
+    all.push_back(std::make_unique<Life>(path_, sporadic_, clock_));
+    life_ = all.back().get();
+    channel::Seat& seat = life_->seat;
+    if (before) seat.saved.save(before->bytes.data(), before->size, before->version, before->saved_ns);
+    seat.magic = channel::Seat::kMagic;
+    seat.kind = sporadic_ ? channel::SeatKind::sporadic : channel::SeatKind::periodic;
+    seat.period_ns = period_.count();
+    return life_->course.load();
+  }
+  Result<void> initialize(const irp::Property& properties) override {
+    Course& course = life_->course;
+    for (const auto& [name, value] : properties.values()) course.arguments.push_back(name + "=" + value);
+    return go_on();
+  }
+  Result<void> start() override { return go_on(); }
+  Result<void> error(ErrorType) override { return {}; }  // a program is not told
+  Result<void> recover() override { return {}; }
+  Result<void> destruct() override {
+    life_->seat.end = 1;
+    if (life_->course.begun() && !life_->course.ended()) life_->course.go_on();
+    return {};
+  }
+  void crash() override { life_->course.crash(); }
+  [[nodiscard]] bool ended() const override { return life_->course.ended(); }
+
+  Result<void> check(const std::string&, const std::string&) override { return {}; }
+  Result<void> set(const std::string&, const std::string&) override {
+    return fail("it is a program: its properties are arguments, which it was given when it was started",
+                "set them before initialize(), or after destruct() and reset()");
+  }
+  [[nodiscard]] std::optional<Result<std::string>> get(const std::string&) const override {
+    return std::nullopt;
+  }
+
+  [[nodiscard]] const std::vector<PortBase*>& ports() const override { return life_->course.ports(); }
+  void connect(PortBase& port, channel::Link link) override {
+    const OfTheProgram memory;  // the port may lie on its stack
+    port.connect(link, nullptr);
+  }
+  void keep(std::shared_ptr<void> memory) override { life_->kept.push_back(std::move(memory)); }
+
+  void enter(executor::Unit& unit) override { unit.seat = &life_->seat; }
+  void serve(channel::ModuleBlock& block) override {
+    if (ended() || !life_->seat.in_body()) return;
+    life_->course.go_on();
+    if (!ended()) return;
+    block.in_tables = 0;
+    block.errors = block.errors + 1;
+    block.error_cycle = life_->seat.cycle(life_->seat.released);
+    block.error_text.assign(life_->course.end());
+    block.error = static_cast<std::uint32_t>(ErrorType::crash);
+  }
+
+ private:
+  struct Life {
+    Life(const std::string& path, bool sporadic, VirtualClock& clock) : course(path, sporadic, seat, clock) {}
+    channel::Seat seat{};
+    Course course;
+    std::vector<std::shared_ptr<void>> kept;
+  };
+
+  // Until it is attached, then until it waits.
+  Result<void> go_on() {
+    Course& course = life_->course;
+    course.go_on();
+    if (!course.ended()) return {};
+    return fail(course.end(), "what it printed says why, if it did");
+  }
+
+  std::string path_;
+  bool sporadic_;
+  Nanoseconds period_;
+  VirtualClock& clock_;
+  Life* life_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<Subject> make_program_subject(std::string path, bool sporadic, Nanoseconds period,
+                                              VirtualClock& clock) {
+  return std::make_unique<ProgramSubject>(std::move(path), sporadic, period, clock);
+}
+
+}  // namespace takt::testing
+
+using takt::testing::Course;
+
+extern "C" {
+
+void initPeriodExe(void) { Course::of_caller("initPeriodExe").attach(false, "initPeriodExe"); }
+void initSporadicExe(void) { Course::of_caller("initSporadicExe").attach(true, "initSporadicExe"); }
+void waitPeriod(void) { Course::of_caller("waitPeriod").wait("waitPeriod"); }
+void waitSporadic(void) { Course::of_caller("waitSporadic").wait("waitSporadic"); }
+
+// What takt_add_component_test() has a program call in place of the C library's.
+[[noreturn]] void __wrap_exit(int status);
+[[noreturn]] void __wrap_exit(int status) {
+  if (Course::running == nullptr) std::exit(status);  // a thread of its own
+  Course::running->exit(status);
+}
+int __wrap_atexit(void (*function)(void));
+int __wrap_atexit(void (*function)(void)) {
+  if (Course::running == nullptr) return std::atexit(function);
+  Course::running->at_exit(function);
+  return 0;
+}
+}
