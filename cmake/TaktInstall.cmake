@@ -81,7 +81,7 @@ foreach(room core component testing)
   install(DIRECTORY framework/${room}/include/takt DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 endforeach()
 install(FILES framework/lifecycle/include/takt/lifecycle/table.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/lifecycle COMPONENT dev)
-foreach(header activity flight layout link saved_state seat)  # the headers above include these
+foreach(header activity flight layout link release_slot saved_state)  # the headers above include these
   install(FILES framework/channel/include/takt/channel/${header}.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/takt/channel COMPONENT dev)
 endforeach()
 install(FILES idl/basic.idl idl/line.idl idl/motion.idl idl/takt.idl DESTINATION ${share}/idl COMPONENT dev)

@@ -16,6 +16,7 @@ LIBRARIES = {
     # Generated types contain the fixed-size string, which needs nothing else of Fast DDS.
     "fastdds": r"(fastdds|fastrtps)/(?!utils/fixed_size_string\.hpp).*|takt/wire/taktPubSubTypes\.h",
     "openssl": r"openssl/.*",
+    "sqlite": r"sqlite3\.h",
     "linux": r"(dlfcn|elf|fcntl|link|poll|pthread|sched|signal|spawn|syscall|ucontext|unistd)\.h|(linux|sys|net|netinet|arpa)/.*",
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)")')

@@ -12,7 +12,7 @@
 #include <takt/core/result.hpp>
 #include <takt/core/words.hpp>
 
-#include "recording/recorder.hpp"
+#include <takt/recording/recorder.hpp>
 
 namespace takt::tool {
 
@@ -28,10 +28,10 @@ inline std::vector<std::string> words_of(const std::string& text) {
 }
 
 /// Everything that is wrong with them at once.
-inline Result<RecordOptions> parse_properties(const std::vector<std::string>& arguments) {
+inline Result<recording::RecordOptions> parse_properties(const std::vector<std::string>& arguments) {
   constexpr std::array<std::string_view, 9> kKnown{"ports",  "file",   "max_size", "full",  "flush",
                                                    "append", "domain", "peers",    "server"};
-  RecordOptions options;
+  recording::RecordOptions options;
   options.who = "recorder";
   Problems problems;
   const auto wrong = [&](const std::string& name, const std::string& value, std::string fix) {
@@ -56,7 +56,7 @@ inline Result<RecordOptions> parse_properties(const std::vector<std::string>& ar
       options.recording.max_bytes = static_cast<std::uint64_t>(number(name, value, 0, 1e9) * 1e6);
     } else if (name == "full") {
       if (value != "stop" && value != "oldest") wrong(name, value, "write stop or oldest");
-      options.recording.full = value == "oldest" ? Full::oldest : Full::stop;
+      options.recording.full = value == "oldest" ? recording::Full::oldest : recording::Full::stop;
     } else if (name == "flush") {
       options.recording.flush = Nanoseconds{static_cast<std::int64_t>(number(name, value, 0.01, 3600) * 1e9)};
     } else if (name == "append") {

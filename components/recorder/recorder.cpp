@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", takt::to_text(options.problems()).c_str());
     return 1;
   }
-  const int status = takt::tool::record(*options);
+  const int status = takt::recording::record(*options);
   // Not by way of the static objects of Fast DDS, which sleep for a while in their destructors.
   std::fflush(nullptr);
   std::_Exit(status);

@@ -14,7 +14,7 @@
 
 #include <takt/core/check.hpp>
 #include <takt/dds/assembly.hpp>
-#include <takt/dds/sensible.hpp>
+#include <takt/dds/validation.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
 #include "bytes.hpp"
@@ -54,9 +54,9 @@ void check_same_again(const T& value) {
 /// What came, cleaned; false where it is refused.
 template <class T>
 bool take(std::string_view bytes, T& value) {
-  if (!decode(bytes, value) || !dds::make_sensible(value)) return false;
+  if (!decode(bytes, value) || !dds::validate(value)) return false;
   T again = value;
-  TAKT_CHECK(dds::make_sensible(again) && again == value);
+  TAKT_CHECK(dds::validate(again) && again == value);
   check_same_again(value);
   return true;
 }
@@ -64,7 +64,7 @@ bool take(std::string_view bytes, T& value) {
 template <class T>
 void check_sensible(const T& said) {
   T copy = said;
-  TAKT_CHECK(dds::make_sensible(copy));
+  TAKT_CHECK(dds::validate(copy));
   TAKT_CHECK(copy == said);
 }
 

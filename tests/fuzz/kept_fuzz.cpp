@@ -22,7 +22,7 @@
 #include <takt/channel/saved_state.hpp>
 #include <takt/core/check.hpp>
 #include <takt/dds/fault.hpp>
-#include <takt/dds/sensible.hpp>
+#include <takt/dds/validation.hpp>
 #include <takt/model/safe.hpp>
 #include <takt/node/fault_record.hpp>
 #include <takt/node/kept_deployment.hpp>

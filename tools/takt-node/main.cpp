@@ -8,15 +8,16 @@
 
 #include <CLI/CLI.hpp>
 
-#include <takt/node/far_gateway.hpp>
+#include <takt/client/network.hpp>
+#include <takt/node/bridge.hpp>
 #include <takt/node/inspection.hpp>
 #include <takt/node/kept_deployment.hpp>
 #include <takt/node/node.hpp>
 #include <takt/os/environment.hpp>
 
-#include "../takt/network.hpp"
-#include "../takt/pages.hpp"
-#include "../takt/signatures.hpp"
+#include "commands/network_options.hpp"
+#include "manual/pages.hpp"
+#include "signatures.hpp"
 
 namespace {
 
@@ -47,14 +48,14 @@ int main(int argc, char** argv) {
   takt::tool::require_signatures();  // of those that the processes below look at
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
   if (!takt::os::environment(takt::node::kGatewayFd).empty()) {
-    const int status = takt::node::run_far_gateway(takt::tool::interfaces());
+    const int status = takt::node::run_bridge(takt::client::interfaces());
     std::_Exit(status);  // not by way of the static objects of Fast DDS, as below
   }
 
   std::set_terminate(say_what_was_refused);
 
   takt::node::NodeOptions options;
-  takt::tool::Network network;
+  takt::client::Network network;
   options.state_folder = takt::node::default_state_folder();
   CLI::App app{
       "The agent of one device: waits for a deployment (takt deploy), starts its host and its programs, "
@@ -102,7 +103,7 @@ Status: 0 ended in order, 1 refused or failed with the reason on standard error,
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  const auto domain = takt::tool::domain_of(network);
+  const auto domain = takt::client::domain_of(network);
   if (!domain) {
     std::fprintf(stderr, "takt-node: %s\n", takt::in_words(domain.problems()).c_str());
     return 2;
@@ -111,9 +112,9 @@ Status: 0 ended in order, 1 refused or failed with the reason on standard error,
   options.state_folder_given = state_folder->count() != 0;
   // A program of the cell that speaks DDS itself, as the recorder does, finds the cell's domain.
   takt::os::set_environment("TAKT_DOMAIN", std::to_string(*domain));
-  options.discovery = takt::tool::discovery_of(network);
-  options.interfaces = takt::tool::interfaces();
-  options.security = takt::tool::security_of(network);
+  options.discovery = takt::client::discovery_of(network);
+  options.interfaces = takt::client::interfaces();
+  options.security = takt::client::security_of(network);
   if (port != 0) {
     options.discovery.kind = takt::model::Discovery::Kind::server;
     options.discovery.serve = true;

@@ -75,20 +75,20 @@ Problems Deployment::ask(const std::vector<Question>& questions, std::vector<dds
 
 // Every device exactly once, and free.
 Problems Deployment::find() {
-  const auto nodes = [](const std::vector<dds::SeenDevice>& devices, const model::Device& device) {
-    std::vector<dds::SeenDevice> found;
-    for (const dds::SeenDevice& seen : devices) {
+  const auto nodes = [](const std::vector<dds::ObservedDevice>& devices, const model::Device& device) {
+    std::vector<dds::ObservedDevice> found;
+    for (const dds::ObservedDevice& seen : devices) {
       if (seen.alive && seen.name() == device.name) found.push_back(seen);
     }
     return found;
   };
-  const auto expected = [this](const dds::SeenDevice& seen) {
+  const auto expected = [this](const dds::ObservedDevice& seen) {
     const auto process = options_.process_ids.find(seen.name());
     return process == options_.process_ids.end() || process->second == seen.status.process_id();
   };
   std::set<std::string> missing;
   asker_.observer().wait(
-      [&](const std::vector<dds::SeenDevice>& devices) {
+      [&](const std::vector<dds::ObservedDevice>& devices) {
         std::set<std::string> now;
         for (const model::Device& device : cell_.devices) {
           const auto found = nodes(devices, device);
@@ -117,7 +117,7 @@ Problems Deployment::find() {
            "start it: takt-node --device " + device.name + " --domain " + std::to_string(asker_.domain())});
     } else if (found.size() > 1) {
       std::string places;
-      for (const dds::SeenDevice& seen : found) {
+      for (const dds::ObservedDevice& seen : found) {
         places += (places.empty() ? "process " : ", process ") + std::to_string(seen.status.process_id()) +
                   " on " + seen.status.host_name().to_string();
       }
@@ -177,7 +177,7 @@ void Deployment::undo() {
   for (const model::Device& device : cell_.devices) {
     // One that is not there has nothing to undo, and is not waited for.
     const auto seen = asker_.observer().devices(device.name);
-    if (std::any_of(seen.begin(), seen.end(), [](const dds::SeenDevice& s) { return s.alive; }))
+    if (std::any_of(seen.begin(), seen.end(), [](const dds::ObservedDevice& s) { return s.alive; }))
       devices.names.push_back(device.name);
   }
   auto undone = undeploy(asker_, devices, [this] { static_cast<void>(cancelled()); });
@@ -244,9 +244,9 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
 
 Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
   const Observer& observer = asker.observer();
-  const auto of_cell = [&cell](const std::vector<dds::SeenDevice>& devices) {
+  const auto of_cell = [&cell](const std::vector<dds::ObservedDevice>& devices) {
     std::set<std::string> names;
-    for (const dds::SeenDevice& seen : devices) {
+    for (const dds::ObservedDevice& seen : devices) {
       if (seen.alive && seen.status.cell() == cell) names.insert(seen.name());
     }
     return names;
@@ -256,7 +256,7 @@ Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
   std::set<std::string> names = of_cell(observer.devices());
   if (names.empty()) {
     std::set<std::string> cells;
-    for (const dds::SeenDevice& seen : observer.devices()) {
+    for (const dds::ObservedDevice& seen : observer.devices()) {
       if (seen.alive && seen.status.cell() != std::string{dds::kNoCell})
         cells.insert(seen.status.cell().to_string());
     }

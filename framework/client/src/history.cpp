@@ -53,9 +53,9 @@ void History::add(Module& module, const ModuleStatistics& now) {
   module.next = (module.next + 1) % kSeconds;
 }
 
-void History::hear(const std::vector<dds::SeenDevice>& devices) {
+void History::hear(const std::vector<dds::ObservedDevice>& devices) {
   for (auto& [name, module] : modules_) module.seen = false;
-  for (const dds::SeenDevice& device : devices) {
+  for (const dds::ObservedDevice& device : devices) {
     for (const auto& [name, statistics] : device.deployment.statistics) {
       const std::string path = device.name() + "." + name;
       auto found = modules_.find(path);

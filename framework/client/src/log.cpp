@@ -101,7 +101,7 @@ Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limi
       return log;
     }
     log.problems = reports->problems;
-    for (const dds::SeenDevice& seen : asker.observer().devices())
+    for (const dds::ObservedDevice& seen : asker.observer().devices())
       (seen.alive ? names : missed).insert(seen.name());
     for (const auto& [name, modules] : reports->lost) missed.insert(name);
     not_found = reports->missing();

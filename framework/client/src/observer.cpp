@@ -32,24 +32,24 @@ Observer::Observer(Options options) : options_(std::move(options)), readers_(std
 
 Observer::~Observer() = default;
 
-void Observer::changed(const std::function<void(dds::Picture&)>& change) {
+void Observer::changed(const std::function<void(dds::CellState&)>& change) {
   {
     const std::lock_guard lock{mutex_};
-    change(picture_);
+    change(cell_state_);
   }
   changed_.notify_all();
 }
 
 void Observer::heard(const DeviceStatus& status, dds::WriterId writer) {
-  std::optional<dds::SeenDevice> news;
+  std::optional<dds::ObservedDevice> news;
   {
     const std::lock_guard lock{mutex_};
     bool known = false;
-    for (const dds::SeenDevice& before : picture_.devices(status.device().to_string()))
+    for (const dds::ObservedDevice& before : cell_state_.devices(status.device().to_string()))
       known |= before.alive && same(before.status, status);
-    picture_.heard(status, writer);
+    cell_state_.heard(status, writer);
     if (known) return;
-    for (const dds::SeenDevice& now : picture_.devices(status.device().to_string())) {
+    for (const dds::ObservedDevice& now : cell_state_.devices(status.device().to_string())) {
       if (now.status.node() == status.node()) news = now;
     }
   }
@@ -73,13 +73,13 @@ Result<std::unique_ptr<Observer>> Observer::create(std::shared_ptr<dds::Particip
   keep(readers.modules, dds::Reader<LifecycleStatus>::create(
                             participant, {.sample =
                                               [self](const LifecycleStatus& status, dds::WriterId) {
-                                                self->changed([&](dds::Picture& p) { p.heard(status); });
+                                                self->changed([&](dds::CellState& p) { p.heard(status); });
                                                 if (self->options_.news.module)
                                                   self->options_.news.module(status);
                                               },
                                           .disposed =
                                               [self](const LifecycleStatus& key, dds::WriterId) {
-                                                self->changed([&](dds::Picture& p) { p.gone(key); });
+                                                self->changed([&](dds::CellState& p) { p.gone(key); });
                                               },
                                           .lost = {}}));
   keep(readers.devices,
@@ -88,19 +88,19 @@ Result<std::unique_ptr<Observer>> Observer::create(std::shared_ptr<dds::Particip
                                           dds::WriterId writer) { self->heard(status, writer); },
                          .disposed =
                              [self](const DeviceStatus& key, dds::WriterId writer) {
-                               self->changed([&](dds::Picture& p) { p.gone(key, writer); });
+                               self->changed([&](dds::CellState& p) { p.gone(key, writer); });
                              },
                          .lost =
                              [self](dds::WriterId writer) {
-                               std::vector<dds::SeenDevice> lost;
-                               self->changed([&](dds::Picture& p) {
+                               std::vector<dds::ObservedDevice> lost;
+                               self->changed([&](dds::CellState& p) {
                                  lost = p.devices();
                                  p.lost(writer);
-                                 const std::vector<dds::SeenDevice> now = p.devices();
+                                 const std::vector<dds::ObservedDevice> now = p.devices();
                                  for (std::size_t i = 0; i < now.size(); ++i)
                                    lost[i].alive = lost[i].alive && !now[i].alive;
                                });
-                               for (dds::SeenDevice& device : lost) {
+                               for (dds::ObservedDevice& device : lost) {
                                  if (!device.alive || !self->options_.news.device) continue;
                                  device.alive = false;
                                  self->options_.news.device(device);
@@ -109,32 +109,32 @@ Result<std::unique_ptr<Observer>> Observer::create(std::shared_ptr<dds::Particip
   if (self->options_.statistics) {
     keep(readers.statistics, dds::Reader<ModuleStatistics>::create(
                                  participant, {.sample = [self](const ModuleStatistics& s, dds::WriterId) {
-                                   self->changed([&](dds::Picture& p) { p.heard(s); });
+                                   self->changed([&](dds::CellState& p) { p.heard(s); });
                                  }}));
     keep(readers.executors, dds::Reader<ExecutorStatistics>::create(
                                 participant, {.sample = [self](const ExecutorStatistics& s, dds::WriterId) {
-                                  self->changed([&](dds::Picture& p) { p.heard(s); });
+                                  self->changed([&](dds::CellState& p) { p.heard(s); });
                                 }}));
     keep(readers.ports,
          dds::Reader<PortStatus>::create(participant, {.sample = [self](const PortStatus& s, dds::WriterId) {
-                                           self->changed([&](dds::Picture& p) { p.heard(s); });
+                                           self->changed([&](dds::CellState& p) { p.heard(s); });
                                          }}));
   }
   if (!problems.empty()) return problems;
   return observer;
 }
 
-std::vector<dds::SeenDevice> Observer::devices() const {
+std::vector<dds::ObservedDevice> Observer::devices() const {
   const std::lock_guard lock{mutex_};
-  return picture_.devices();
+  return cell_state_.devices();
 }
 
-std::vector<dds::SeenDevice> Observer::devices(const std::string& name) const {
+std::vector<dds::ObservedDevice> Observer::devices(const std::string& name) const {
   const std::lock_guard lock{mutex_};
-  return picture_.devices(name);
+  return cell_state_.devices(name);
 }
 
-bool Observer::wait(const std::function<bool(const std::vector<dds::SeenDevice>&)>& condition,
+bool Observer::wait(const std::function<bool(const std::vector<dds::ObservedDevice>&)>& condition,
                     Nanoseconds limit) const {
   const auto end = Clock::now() + limit;
   while (!condition(devices())) {
@@ -150,7 +150,7 @@ void Observer::settle(Nanoseconds limit) const {
   std::size_t found = 0;
   auto since = begin;
   wait(
-      [&](const std::vector<dds::SeenDevice>& devices) {
+      [&](const std::vector<dds::ObservedDevice>& devices) {
         const auto now = Clock::now();
         if (devices.size() != found) since = now;
         found = devices.size();

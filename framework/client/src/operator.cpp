@@ -96,14 +96,14 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     }
   }
 
-  const auto meant = [](const Question& q, const dds::SeenDevice& seen) {
+  const auto meant = [](const Question& q, const dds::ObservedDevice& seen) {
     return q.process_id == 0 || seen.status.process_id() == q.process_id;
   };
   const auto look = [&](const Question& q, State& state) {
     const Nanoseconds find_within = std::min(q.limit.value_or(kFound), kFound);
-    std::vector<dds::SeenDevice> alive;
+    std::vector<dds::ObservedDevice> alive;
     bool lost = false;
-    for (const dds::SeenDevice& seen : observer_.devices(q.device)) {
+    for (const dds::ObservedDevice& seen : observer_.devices(q.device)) {
       if (!meant(q, seen)) continue;
       if (seen.alive)
         alive.push_back(seen);
@@ -111,8 +111,9 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
         lost = true;
     }
     if (state.sent) {
-      const bool there = std::any_of(alive.begin(), alive.end(),
-                                     [&](const dds::SeenDevice& seen) { return seen.node() == state.node; });
+      const bool there = std::any_of(alive.begin(), alive.end(), [&](const dds::ObservedDevice& seen) {
+        return seen.node() == state.node;
+      });
       if (there) {
         state.gone_since.reset();
       } else if (!state.gone_since) {
@@ -131,7 +132,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     }
     if (alive.size() > 1) {
       std::string where;
-      for (const dds::SeenDevice& seen : alive) {
+      for (const dds::ObservedDevice& seen : alive) {
         where += (where.empty() ? "process " : ", process ") + std::to_string(seen.status.process_id()) +
                  " on " + seen.status.host_name().to_string();
       }

@@ -53,9 +53,9 @@ std::set<std::string> Reports::missing() const {
   return names;
 }
 
-std::set<std::string> alive(const std::vector<dds::SeenDevice>& seen) {
+std::set<std::string> alive(const std::vector<dds::ObservedDevice>& seen) {
   std::set<std::string> names;
-  for (const dds::SeenDevice& device : seen) {
+  for (const dds::ObservedDevice& device : seen) {
     if (device.alive) names.insert(device.name());
   }
   return names;
@@ -69,21 +69,21 @@ Result<Reports> all_reports(Operator& asker, Nanoseconds limit) {
   }
   Reports reports;
   std::set<std::string> asked;  // nodes, not names: a second node of one name is a problem to report
-  const auto is_new = [&asked](const dds::SeenDevice& seen) {
+  const auto is_new = [&asked](const dds::ObservedDevice& seen) {
     return seen.alive && !asked.contains(seen.node());
   };
-  const auto any_new = [&is_new](const std::vector<dds::SeenDevice>& seen) {
+  const auto any_new = [&is_new](const std::vector<dds::ObservedDevice>& seen) {
     return std::any_of(seen.begin(), seen.end(), is_new);
   };
   const auto all_heard = [&reports, &observer] {
     std::set<std::string> known;
-    for (const dds::SeenDevice& seen : observer.devices()) known.insert(seen.node());
+    for (const dds::ObservedDevice& seen : observer.devices()) known.insert(seen.node());
     return std::includes(known.begin(), known.end(), reports.heard.begin(), reports.heard.end());
   };
   Nanoseconds patience{0};
   do {
     std::set<std::string> names;
-    for (const dds::SeenDevice& seen : observer.devices()) {
+    for (const dds::ObservedDevice& seen : observer.devices()) {
       if (is_new(seen)) names.insert(seen.name());
       if (seen.alive) asked.insert(seen.node());
     }

@@ -33,6 +33,6 @@ struct Reports {
 Result<Reports> all_reports(Operator& asker, Nanoseconds limit);
 
 /// Those of them whose nodes are there.
-std::set<std::string> alive(const std::vector<dds::SeenDevice>& seen);
+std::set<std::string> alive(const std::vector<dds::ObservedDevice>& seen);
 
 }  // namespace takt::client

@@ -52,14 +52,14 @@ Result<json> status(Operator& asker, Nanoseconds limit) {
   auto found = all_reports(asker, limit);
   if (!found) return found.problems();
   Reports& reports = *found;
-  // Two nodes of one name, or one that was lost while it was asked: there is no whole picture then.
+  // Two nodes of one name, or one that was lost while it was asked: there is no complete cell state then.
   if (!reports.problems.empty()) return reports.problems;
   for (const auto& [name, modules] : reports.lost)
     reports.devices.try_emplace(name, lost_device(name, modules));
   for (const std::string& name : reports.missing()) reports.devices[name] = lost_device(name, json::array());
 
   std::set<std::string> cells;
-  for (const dds::SeenDevice& seen : asker.observer().devices()) {
+  for (const dds::ObservedDevice& seen : asker.observer().devices()) {
     if (seen.status.cell() != std::string{dds::kNoCell}) cells.insert(seen.status.cell().to_string());
   }
   json list = json::array();

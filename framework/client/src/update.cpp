@@ -117,7 +117,7 @@ Problems Update::find() {
     if (std::find(devices_.begin(), devices_.end(), device.name) == devices_.end())
       devices_.push_back(device.name);
   }
-  for (const dds::SeenDevice& seen : asker_.observer().devices(there->names[0])) {
+  for (const dds::ObservedDevice& seen : asker_.observer().devices(there->names[0])) {
     if (seen.alive) deployment_ = seen.status.deployment().to_string();
   }
   return problems;
@@ -186,7 +186,7 @@ Updated Update::put_back(Problems problems) {
     if (refusing_.contains(device)) continue;
     // One that is not there has kept what it had, and is not waited for.
     const auto seen = asker_.observer().devices(device);
-    if (std::any_of(seen.begin(), seen.end(), [](const dds::SeenDevice& s) { return s.alive; }))
+    if (std::any_of(seen.begin(), seen.end(), [](const dds::ObservedDevice& s) { return s.alive; }))
       questions.push_back(question(COMMAND_PUT_BACK, device));
   }
   Answers answers = ask(questions, false);

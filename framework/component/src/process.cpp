@@ -1,4 +1,4 @@
-// libtakt_process: the other side of channel/seat.hpp, inside the user's own program.
+// libtakt_process: the other side of channel/slot.hpp, inside the user's own program.
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -11,7 +11,7 @@
 
 #include <takt/process.h>
 #include <takt/channel/module_watch.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/channel/violations.hpp>
 #include <takt/component/port.hpp>
 #include <takt/component/saved.hpp>
@@ -46,10 +46,10 @@ std::vector<SavedBase*>& saved() {
 /// This program's place in the scheduler, from the first line of main to its end.
 class Guest {
  public:
-  void attach(channel::SeatKind kind, const char* function);
+  void attach(channel::ReleaseSlotKind kind, const char* function);
   void wait(const char* function);
 
-  [[nodiscard]] const channel::Seat* seat() const { return seat_; }
+  [[nodiscard]] const channel::ReleaseSlot* slot() const { return slot_; }
   [[nodiscard]] const channel::Taken& taken() const { return taken_; }
 
  private:
@@ -57,12 +57,12 @@ class Guest {
   static void check_ports(const char* function);
   void find_saved(const char* function);
   void restore() const;
-  void describe(channel::SeatKind kind) const;
+  void describe(channel::ReleaseSlotKind kind) const;
   static void check_properties(const char* function);
   void connect_ports(const char* function);
   [[nodiscard]] static std::int64_t event_at();
   bool released() const {
-    return seat_->released.load(std::memory_order_acquire) != taken_.count;
+    return slot_->released.load(std::memory_order_acquire) != taken_.count;
   }  // SYNC: released
   void body_done();
   void spin_until_release();
@@ -71,9 +71,9 @@ class Guest {
   void end_if_told() const;
 
   os::SharedMemory seat_memory_;
-  os::SharedMemory bell_memory_;
-  channel::Seat* seat_ = nullptr;
-  channel::Bell* bell_ = nullptr;
+  os::SharedMemory wake_word_memory_;
+  channel::ReleaseSlot* slot_ = nullptr;
+  channel::WakeWord* wake_word_ = nullptr;
   os::WakeMargin margin_{Nanoseconds{0}};
   std::vector<os::SharedMemory> link_memories_;
   PortContext context_;
@@ -112,7 +112,7 @@ void Guest::find_saved(const char* function) {
 
 // What another version saved is not for this one.
 void Guest::restore() const {
-  const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : seat_->saved.saved();
+  const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : slot_->saved.saved();
   if (before == nullptr) return;
   const bool same = before->version == saved_.version && before->size == saved_.size;
   if (same) std::memcpy(saved_.data, before->bytes.data(), saved_.size);
@@ -127,7 +127,7 @@ void Guest::restore() const {
 }
 
 // Whoever started us only asks what we are: answered, and the program ends before it does anything.
-void Guest::describe(channel::SeatKind kind) const {
+void Guest::describe(channel::ReleaseSlotKind kind) const {
   os::MessageSocket asker{os::take_fd_from_environment("TAKT_DESCRIBE_FD")};
   if (!asker.fd()) return;
   const auto member = [](const char* name, std::string_view text) {
@@ -149,7 +149,8 @@ void Guest::describe(channel::SeatKind kind) const {
   if (saved_.data != nullptr)
     kept = R"(,"saved":{"version":)" + std::to_string(saved_.version) + R"(,"bytes":)" +
            std::to_string(saved_.size) + "}";
-  asker.send_wait("{" + member("operation", kind == channel::SeatKind::periodic ? "periodic" : "sporadic") +
+  asker.send_wait("{" +
+                  member("operation", kind == channel::ReleaseSlotKind::periodic ? "periodic" : "sporadic") +
                   R"(,"ports":[)" + list + R"(],"properties":)" + program_properties_json() +
                   R"(,"problems":[)" + problems + "]" + kept + "}");
   std::_Exit(0);
@@ -199,67 +200,67 @@ std::int64_t Guest::event_at() {
   return first;
 }
 
-void Guest::attach(channel::SeatKind kind, const char* function) {
+void Guest::attach(channel::ReleaseSlotKind kind, const char* function) {
   // Lines are to be seen when they are written, also through a pipe.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  if (seat_ != nullptr) refuse(function, "called twice; call it once, before the first wait");
+  if (slot_ != nullptr) refuse(function, "called twice; call it once, before the first wait");
   check_ports(function);
   find_saved(function);
   describe(kind);
   check_properties(function);
-  os::Fd seat = os::take_fd_from_environment("TAKT_SEAT_FD");
-  os::Fd bell = os::take_fd_from_environment("TAKT_BELL_FD");
-  if (!seat || !bell)
+  os::Fd slot = os::take_fd_from_environment("TAKT_SEAT_FD");
+  os::Fd wake_word = os::take_fd_from_environment("TAKT_BELL_FD");
+  if (!slot || !wake_word)
     refuse(function, "this program was not started by takt-node; name it in a descriptor and run that");
-  auto seat_memory = os::SharedMemory::attach(std::move(seat));
-  auto bell_memory = os::SharedMemory::attach(std::move(bell));
+  auto seat_memory = os::SharedMemory::attach(std::move(slot));
+  auto bell_memory = os::SharedMemory::attach(std::move(wake_word));
   if (!seat_memory || !bell_memory) refuse(function, "the memory shared with takt-node cannot be mapped");
   seat_memory_ = std::move(*seat_memory);
-  bell_memory_ = std::move(*bell_memory);
-  seat_ = reinterpret_cast<channel::Seat*>(seat_memory_.data());
-  bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
-  if (seat_memory_.size() < sizeof(channel::Seat) || seat_->magic != channel::Seat::kMagic) {
+  wake_word_memory_ = std::move(*bell_memory);
+  slot_ = reinterpret_cast<channel::ReleaseSlot*>(seat_memory_.data());
+  wake_word_ = reinterpret_cast<channel::WakeWord*>(wake_word_memory_.data());
+  if (seat_memory_.size() < sizeof(channel::ReleaseSlot) || slot_->magic != channel::ReleaseSlot::kMagic) {
     refuse(function, "takt-node is of another version than libtakt_process");
   }
-  if (seat_->kind != kind) {
-    refuse(function, seat_->kind == channel::SeatKind::periodic
+  if (slot_->kind != kind) {
+    refuse(function, slot_->kind == channel::ReleaseSlotKind::periodic
                          ? "the descriptor says periodic; use initPeriodExe() and waitPeriod()"
-                     : seat_->kind == channel::SeatKind::sporadic
+                     : slot_->kind == channel::ReleaseSlotKind::sporadic
                          ? "the descriptor says sporadic; use initSporadicExe() and waitSporadic()"
                          : "the descriptor says non-real; such a program is not released and needs no call");
   }
-  context_ = {.start_ns = to_ns(os::now()), .bell = bell_};
+  context_ = {.start_ns = to_ns(os::now()), .wake_word = wake_word_};
   for (PortBase* port : ports()) port->serve(context_);
   connect_ports(function);
   restore();
-  margin_ = os::WakeMargin{Nanoseconds{seat_->margin_cap_ns}};
-  if (seat_->lock_memory != 0) static_cast<void>(os::lock_memory());
+  margin_ = os::WakeMargin{Nanoseconds{slot_->margin_cap_ns}};
+  if (slot_->lock_memory != 0) static_cast<void>(os::lock_memory());
   const std::string index = os::take_from_environment(channel::kCheckModule);
   const auto watch = channel::ModuleWatch::find();
   if (!watch) refuse(function, in_words(watch.problems()));
   watch_ = *watch;
   if (watch_) watched_as_ = static_cast<std::uint32_t>(std::strtoul(index.c_str(), nullptr, 10));
-  seat_->thread.store(os::thread_id(), std::memory_order_relaxed);
-  seat_->phase.store(channel::SeatPhase::attached, std::memory_order_release);
+  slot_->thread.store(os::thread_id(), std::memory_order_relaxed);
+  slot_->phase.store(channel::ReleaseSlotPhase::attached, std::memory_order_release);
 }
 
 void Guest::end_if_told() const {
-  if (seat_->end.load(std::memory_order_acquire) != 0) std::exit(0);
+  if (slot_->end.load(std::memory_order_acquire) != 0) std::exit(0);
 }
 
 // The release is expected one period after the last. It comes a little later than its instant, after the
 // modules before it in the row, so the spin goes on for as long behind the instant as the margin may be
 // before it.
 void Guest::spin_until_release() {
-  const Instant expected = from_ns(taken_.release_ns + seat_->period_ns);
+  const Instant expected = from_ns(taken_.release_ns + slot_->period_ns);
   const Instant wake = expected - margin_.value();
-  const Instant patience = expected + Nanoseconds{seat_->margin_cap_ns};
+  const Instant patience = expected + Nanoseconds{slot_->margin_cap_ns};
   Instant now = os::now();
   if (now < wake) {
     os::sleep_until(wake);
     now = os::now();
     margin_.observe(now - wake);
-    seat_->margin_ns.store(margin_.value().count(), std::memory_order_relaxed);
+    slot_->margin_ns.store(margin_.value().count(), std::memory_order_relaxed);
   }
   while (!released() && now < patience) {
     os::cpu_relax();
@@ -270,68 +271,68 @@ void Guest::spin_until_release() {
 // The scheduler leaves a program that is dispatched at once to its events.
 bool Guest::release_by_event() {
   const Instant now = os::now();
-  if (to_ns(now) < std::max(event_at(), channel::not_before_ns(*seat_))) return false;
-  if (channel::begin(*seat_, to_ns(now))) return true;
+  if (to_ns(now) < std::max(event_at(), channel::not_before_ns(*slot_))) return false;
+  if (channel::begin(*slot_, to_ns(now))) return true;
   taken_.count =
-      seat_->released.load(std::memory_order_relaxed);  // it was shut out in between: nothing to serve
+      slot_->released.load(std::memory_order_relaxed);  // it was shut out in between: nothing to serve
   return false;
 }
 
 void Guest::sleep_on_bell() {
-  const std::uint32_t rings = bell_->rings.load(std::memory_order_seq_cst);
-  seat_->sleeping.store(1, std::memory_order_seq_cst);  // SYNC: sleeping
-  bool due = seat_->released.load(std::memory_order_seq_cst) != taken_.count ||
-             seat_->end.load(std::memory_order_seq_cst) != 0;
+  const std::uint32_t rings = wake_word_->rings.load(std::memory_order_seq_cst);
+  slot_->sleeping.store(1, std::memory_order_seq_cst);  // SYNC: sleeping
+  bool due = slot_->released.load(std::memory_order_seq_cst) != taken_.count ||
+             slot_->end.load(std::memory_order_seq_cst) != 0;
   std::optional<Instant> until;
-  // Whoever writes an event or opens the seat rings after it, so what is not seen here ends the sleep.
-  const std::int64_t event = seat_->immediate != 0 ? event_at() : channel::kNever;
-  if (event != channel::kNever && seat_->open.load(std::memory_order_seq_cst) != 0) {
-    until = from_ns(std::max(event, channel::not_before_ns(*seat_)));
+  // Whoever writes an event or opens the slot rings after it, so what is not seen here ends the sleep.
+  const std::int64_t event = slot_->immediate != 0 ? event_at() : channel::kNever;
+  if (event != channel::kNever && slot_->open.load(std::memory_order_seq_cst) != 0) {
+    until = from_ns(std::max(event, channel::not_before_ns(*slot_)));
     due |= *until <= os::now();
   }
-  if (!due) os::futex_wait(bell_->rings, rings, seat_->bell_bit, until);
-  seat_->sleeping.store(0, std::memory_order_seq_cst);
+  if (!due) os::futex_wait(wake_word_->rings, rings, slot_->bell_bit, until);
+  slot_->sleeping.store(0, std::memory_order_seq_cst);
 }
 
 void Guest::body_done() {
   const Instant now = os::now();
-  seat_->run.record((now - started_).count());
-  seat_->body_began_ns.store(to_ns(started_), std::memory_order_relaxed);
-  seat_->body_ended_ns.store(to_ns(now), std::memory_order_relaxed);
-  if (saved_.data != nullptr) seat_->saved.save(saved_.data, saved_.size, saved_.version, to_ns(started_));
-  if (seat_->deadline_ns == 0) return;
-  const std::int64_t late = to_ns(now) - taken_.release_ns - seat_->deadline_ns;
+  slot_->run.record((now - started_).count());
+  slot_->body_began_ns.store(to_ns(started_), std::memory_order_relaxed);
+  slot_->body_ended_ns.store(to_ns(now), std::memory_order_relaxed);
+  if (saved_.data != nullptr) slot_->saved.save(saved_.data, saved_.size, saved_.version, to_ns(started_));
+  if (slot_->deadline_ns == 0) return;
+  const std::int64_t late = to_ns(now) - taken_.release_ns - slot_->deadline_ns;
   if (late <= 0) return;
-  seat_->late_by_ns.store(late, std::memory_order_relaxed);
-  seat_->late.fetch_add(1, std::memory_order_release);  // SYNC: late
+  slot_->late_by_ns.store(late, std::memory_order_relaxed);
+  slot_->late.fetch_add(1, std::memory_order_release);  // SYNC: late
 }
 
 void Guest::wait(const char* function) {
-  if (seat_ == nullptr) refuse(function, "call initPeriodExe() or initSporadicExe() first");
+  if (slot_ == nullptr) refuse(function, "call initPeriodExe() or initSporadicExe() first");
   const bool first = taken_.count == 0;
   if (watch_ && !first) watch_.leave(0);
   if (!first) body_done();
   // What was written for somebody who waits is rung for once a body.
-  if (const std::uint32_t bits = bell_->take_pending(); bits != 0) {
-    bell_->rings.fetch_add(1, std::memory_order_seq_cst);
-    os::futex_wake(bell_->rings, bits);
+  if (const std::uint32_t bits = wake_word_->take_pending(); bits != 0) {
+    wake_word_->rings.fetch_add(1, std::memory_order_seq_cst);
+    os::futex_wake(wake_word_->rings, bits);
   }
-  seat_->done.store(taken_.count, std::memory_order_release);  // SYNC: done
-  if (first) seat_->phase.store(channel::SeatPhase::ready, std::memory_order_release);
+  slot_->done.store(taken_.count, std::memory_order_release);  // SYNC: done
+  if (first) slot_->phase.store(channel::ReleaseSlotPhase::ready, std::memory_order_release);
 
   end_if_told();
-  const bool immediate = seat_->immediate != 0;
+  const bool immediate = slot_->immediate != 0;
   if (!immediate && !first && !released()) spin_until_release();
   while (!released()) {
     end_if_told();
     if (!immediate || !release_by_event()) sleep_on_bell();
   }
-  taken_ = channel::take(*seat_, taken_.count);
+  taken_ = channel::take(*slot_, taken_.count);
   started_ = os::now();
-  const bool logical = seat_->logical != 0;
+  const bool logical = slot_->logical != 0;
   context_.start_ns = logical ? taken_.release_ns : to_ns(started_);
-  context_.valid_ns = logical ? taken_.release_ns + seat_->period_ns : 0;
-  seat_->jitter.record(taken_.release_ns - to_ns(started_));
+  context_.valid_ns = logical ? taken_.release_ns + slot_->period_ns : 0;
+  slot_->jitter.record(taken_.release_ns - to_ns(started_));
   if (watch_) watch_.enter(watched_as_, channel::Doing::run);
 }
 
@@ -356,12 +357,12 @@ void remove_loose_saved(SavedBase& one) noexcept { std::erase(saved(), &one); }
 
 extern "C" {
 
-void initPeriodExe(void) { guest.attach(channel::SeatKind::periodic, "initPeriodExe"); }
-void initSporadicExe(void) { guest.attach(channel::SeatKind::sporadic, "initSporadicExe"); }
+void initPeriodExe(void) { guest.attach(channel::ReleaseSlotKind::periodic, "initPeriodExe"); }
+void initSporadicExe(void) { guest.attach(channel::ReleaseSlotKind::sporadic, "initSporadicExe"); }
 void waitPeriod(void) { guest.wait("waitPeriod"); }
 void waitSporadic(void) { guest.wait("waitSporadic"); }
 
 uint64_t takt_cycle(void) { return guest.taken().cycle; }
 int64_t takt_release_ns(void) { return guest.taken().release_ns; }
-int64_t takt_period_ns(void) { return guest.seat() == nullptr ? 0 : guest.seat()->period_ns; }
+int64_t takt_period_ns(void) { return guest.slot() == nullptr ? 0 : guest.slot()->period_ns; }
 }

@@ -15,12 +15,12 @@
 
 #include <takt/wire/taktPubSubTypes.h>
 #include <takt/dds/assembly.hpp>
-#include <takt/dds/guarded.hpp>
+#include <takt/dds/checked_type.hpp>
 #include <takt/dds/inside.hpp>
 #include <takt/dds/question.hpp>
-#include <takt/dds/sensible.hpp>
+#include <takt/dds/validation.hpp>
 #include <takt/dds/words.hpp>
-#include "pace.hpp"
+#include "rate_limit.hpp"
 #include "watch.hpp"
 
 namespace takt::dds {
@@ -80,7 +80,7 @@ bool write_parts(fast::DataWriter& writer, const Whole& whole) {
 }
 
 /// A writer of one topic and a reader of the other.
-class Ends : Remade {
+class Ends : Recreatable {
  public:
   explicit Ends(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {}
   ~Ends() override { end(); }
@@ -159,7 +159,7 @@ class Ends : Remade {
     own(*participant_).end(also_reader_);
     own(*participant_).end(writer_);
   }
-  void remake() override {
+  void recreate() override {
     const std::lock_guard lock{using_it_};
     unmake();
     matches_are_gone_();
@@ -218,7 +218,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
   std::size_t answer_bytes = 0;
   std::uint64_t senseless = 0;
   std::uint64_t too_many = 0;
-  Pace pace;
+  RateLimit rate_limit;
   std::multiset<std::uint64_t> matched;  // participants of reply readers
   std::thread handler;
   std::thread sender;
@@ -242,7 +242,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     while (from->take_next_sample(&command, &info) == ReturnCode::RETCODE_OK) {
       if (!info.valid_data) continue;
       const std::lock_guard lock{mutex};
-      if (!make_sensible(command)) {
+      if (!validate(command)) {
         ++senseless;
         continue;
       }
@@ -251,12 +251,12 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
       const rtps::GuidPrefix_t& prefix = info.sample_identity.writer_guid().guidPrefix;
       const std::uint64_t asker = number_of(prefix);
       // Of what has several parts the first counts: those after one that was not taken are of no use.
-      if (command.part() == 0 && !pace.admit(asker, Clock::now())) {
+      if (command.part() == 0 && !rate_limit.admit(asker, Clock::now())) {
         ++too_many;
-        ends.participant().notices().tell("refused: more than " +
-                                          std::to_string(static_cast<int>(Pace::kEach.a_second)) +
-                                          " commands a second of one asker, or " +
-                                          std::to_string(static_cast<int>(Pace::kAll.a_second)) + " in all");
+        ends.participant().notices().tell(
+            "refused: more than " + std::to_string(static_cast<int>(RateLimit::kEach.a_second)) +
+            " commands a second of one asker, or " +
+            std::to_string(static_cast<int>(RateLimit::kAll.a_second)) + " in all");
         continue;
       }
       WholeCommand whole;
@@ -401,9 +401,9 @@ Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> partici
   // Without security nobody has less rights than another, and everybody asks on takt/command.
   const char* questions = inside->ends.participant().watch() == nullptr ? nullptr : security::kQuestionTopic;
   if (auto made =
-          inside->ends.begin("takt/reply", fast::TypeSupport{new Guarded<ReplyPubSubType>}, "takt/command",
-                             fast::TypeSupport{new Guarded<CommandPubSubType>}, questions, inside.get(),
-                             inside.get(), [me = inside.get()] { me->matches_are_gone(); });
+          inside->ends.begin("takt/reply", fast::TypeSupport{new CheckedType<ReplyPubSubType>},
+                             "takt/command", fast::TypeSupport{new CheckedType<CommandPubSubType>}, questions,
+                             inside.get(), inside.get(), [me = inside.get()] { me->matches_are_gone(); });
       !made) {
     return made.problems();
   }
@@ -462,7 +462,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     Reply reply;
     fast::SampleInfo info;
     while (from->take_next_sample(&reply, &info) == ReturnCode::RETCODE_OK) {
-      if (!info.valid_data || !make_sensible(reply)) continue;
+      if (!info.valid_data || !validate(reply)) continue;
       Watch* const watch = ends.participant().watch();
       const rtps::GUID_t& writer = info.sample_identity.writer_guid();
       if (watch != nullptr && !watch->is_device(writer, reply.device().to_string())) {
@@ -532,9 +532,10 @@ Result<CommandClient> CommandClient::create(std::shared_ptr<Participant> partici
   Watch* const watch = inside->ends.participant().watch();
   const bool only_looks = watch != nullptr && watch->mine().subject.role == security::Role::observer;
   const char* const topic = only_looks ? security::kQuestionTopic : "takt/command";
-  if (auto made = inside->ends.begin(topic, fast::TypeSupport{new Guarded<CommandPubSubType>}, "takt/reply",
-                                     fast::TypeSupport{new Guarded<ReplyPubSubType>}, nullptr, inside.get(),
-                                     inside.get(), [me = inside.get()] { me->matches_are_gone(); });
+  if (auto made =
+          inside->ends.begin(topic, fast::TypeSupport{new CheckedType<CommandPubSubType>}, "takt/reply",
+                             fast::TypeSupport{new CheckedType<ReplyPubSubType>}, nullptr, inside.get(),
+                             inside.get(), [me = inside.get()] { me->matches_are_gone(); });
       !made) {
     return made.problems();
   }

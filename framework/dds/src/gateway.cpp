@@ -36,9 +36,9 @@ struct Now {
   }
 };
 
-void ring(channel::Bell& bell, std::uint32_t bits) noexcept {
-  bell.rings.fetch_add(1, std::memory_order_seq_cst);
-  os::futex_wake(bell.rings, bits);
+void ring(channel::WakeWord& wake_word, std::uint32_t bits) noexcept {
+  wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(wake_word.rings, bits);
 }
 
 Result<void> fits(const Flow& flow, const channel::Link& link) {
@@ -76,7 +76,7 @@ class Outgoing {
 /// From DDS to links.
 class Incoming final : RawReader::Receiver {
  public:
-  Incoming(const std::vector<channel::Link>& to, channel::Bell& bell) : bell_(bell) {
+  Incoming(const std::vector<channel::Link>& to, channel::WakeWord& wake_word) : wake_word_(wake_word) {
     for (const channel::Link& link : to) to_.push_back({channel::LinkWriter{link}});
   }
   Result<void> start(std::shared_ptr<Participant> participant, const Flow& flow) {
@@ -113,10 +113,10 @@ class Incoming final : RawReader::Receiver {
     }
   }
   void done() override {
-    if (const std::uint32_t bits = std::exchange(to_ring_, 0); bits != 0) ring(bell_, bits);
+    if (const std::uint32_t bits = std::exchange(to_ring_, 0); bits != 0) ring(wake_word_, bits);
   }
 
-  channel::Bell& bell_;
+  channel::WakeWord& wake_word_;
   std::vector<End> to_;
   std::uint32_t to_ring_ = 0;
   std::unique_ptr<RawReader> reader_;  // the last: it calls this until it is gone
@@ -124,8 +124,8 @@ class Incoming final : RawReader::Receiver {
 
 class OwnGateway final : public Gateway {
  public:
-  OwnGateway(std::shared_ptr<Participant> participant, channel::Bell& bell, std::uint32_t place)
-      : participant_(std::move(participant)), bell_(bell), sleeps_(1U << place) {}
+  OwnGateway(std::shared_ptr<Participant> participant, channel::WakeWord& wake_word, std::uint32_t place)
+      : participant_(std::move(participant)), wake_word_(wake_word), sleeps_(1U << place) {}
 
   Result<void> start() {
     auto started = os::Thread::start(
@@ -137,7 +137,7 @@ class OwnGateway final : public Gateway {
 
   ~OwnGateway() override {
     ending_ = true;
-    ring(bell_, channel::kGatewayBit);
+    ring(wake_word_, channel::kGatewayBit);
     pump_.join();
   }
 
@@ -155,7 +155,7 @@ class OwnGateway final : public Gateway {
     for (const channel::Link& link : to) {
       if (auto fit = fits(flow, link); !fit) return fit.problems();
     }
-    auto made = std::make_unique<Incoming>(to, bell_);
+    auto made = std::make_unique<Incoming>(to, wake_word_);
     if (auto started = made->start(participant_, flow); !started) return started.problems();
     const std::lock_guard lock{mutex_};
     incoming_[++last_id_] = std::move(made);
@@ -186,19 +186,19 @@ class OwnGateway final : public Gateway {
  private:
   void pump() {
     while (!ending_.load()) {
-      const std::uint32_t rings = bell_.rings.load(std::memory_order_seq_cst);
+      const std::uint32_t rings = wake_word_.rings.load(std::memory_order_seq_cst);
       if (move()) continue;
       // SYNC: gateway sleeps. Who writes publishes and then looks here; either he sees that we sleep and
       // rings, or we see his sample.
-      bell_.gateway_sleeps.fetch_or(sleeps_, std::memory_order_seq_cst);
+      wake_word_.gateway_sleeps.fetch_or(sleeps_, std::memory_order_seq_cst);
       const Instant now = os::now();
       const std::int64_t news = news_at();
       if (news > to_ns(now) && !ending_.load()) {
         // A host that died before it rang must not hold up what it wrote.
         const Instant until = std::min(now + kLongestSleep, from_ns(news));
-        os::futex_wait(bell_.rings, rings, channel::kGatewayBit, until);
+        os::futex_wait(wake_word_.rings, rings, channel::kGatewayBit, until);
       }
-      bell_.gateway_sleeps.fetch_and(~sleeps_, std::memory_order_seq_cst);
+      wake_word_.gateway_sleeps.fetch_and(~sleeps_, std::memory_order_seq_cst);
     }
   }
   bool move() {
@@ -216,8 +216,8 @@ class OwnGateway final : public Gateway {
   }
 
   std::shared_ptr<Participant> participant_;
-  channel::Bell& bell_;
-  const std::uint32_t sleeps_;  // our bit of Bell::gateway_sleeps
+  channel::WakeWord& wake_word_;
+  const std::uint32_t sleeps_;  // our bit of WakeWord::gateway_sleeps
   mutable std::mutex mutex_;
   FlowId last_id_ = 0;
   std::map<FlowId, std::unique_ptr<Outgoing>> outgoing_;
@@ -262,8 +262,8 @@ class OwnFeed final : public Feed {
 }  // namespace
 
 Result<std::unique_ptr<Gateway>> Gateway::create(std::shared_ptr<Participant> participant,
-                                                 channel::Bell& bell, std::uint32_t place) {
-  auto made = std::make_unique<OwnGateway>(std::move(participant), bell, place);
+                                                 channel::WakeWord& wake_word, std::uint32_t place) {
+  auto made = std::make_unique<OwnGateway>(std::move(participant), wake_word, place);
   if (auto started = made->start(); !started) return started.problems();
   return std::unique_ptr<Gateway>{std::move(made)};
 }

@@ -15,8 +15,8 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
 #include <takt/core/check.hpp>
+#include <takt/dds/filtered_transport.hpp>
 #include <takt/dds/inside.hpp>
-#include <takt/dds/sieved_transport.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/network.hpp>
@@ -117,7 +117,7 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
 }
 
 Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<std::string>& interfaces,
-                           const std::vector<std::string>& mine, std::shared_ptr<Sieve> sieve) {
+                           const std::vector<std::string>& mine, std::shared_ptr<PacketFilter> filter) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->receiveBufferSize = kReceiveBuffer;
   udp->non_blocking_send = true;
@@ -133,7 +133,7 @@ Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<st
   }
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(
-      std::make_shared<SievedDescriptor>(std::move(udp), std::move(sieve)));
+      std::make_shared<FilteredTransportDescriptor>(std::move(udp), std::move(filter)));
   return {};
 }
 
@@ -206,8 +206,8 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   qos.name(options.name.c_str());
   if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
   auto notices = std::make_unique<Notices>(options.refused);
-  auto sieve = std::make_shared<Sieve>(*notices, !options.security.empty());
-  if (auto set = set_transport(qos, options.interfaces, *addresses, sieve); !set)
+  auto filter = std::make_shared<PacketFilter>(*notices, !options.security.empty());
+  if (auto set = set_transport(qos, options.interfaces, *addresses, filter); !set)
     return refuse(set.problems());
 
   std::unique_ptr<Watch> watch;
@@ -216,7 +216,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
     if (!identity) return refuse(identity.problems());
     set_security(qos, *identity);
     drop_spent_tokens();
-    watch = std::make_unique<Watch>(std::move(*identity), *notices, sieve->newcomers);
+    watch = std::make_unique<Watch>(std::move(*identity), *notices, filter->unauthenticated);
   }
 
   auto* factory = fast::DomainParticipantFactory::get_instance();
@@ -232,7 +232,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::Subscriber* subscriber = made->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
       made, publisher, subscriber, options.interfaces.empty() && only_loopback(*addresses),
-      std::move(notices), std::move(watch), std::move(sieve));
+      std::move(notices), std::move(watch), std::move(filter));
   if (publisher == nullptr || subscriber == nullptr) return fail("DDS made no publisher or subscriber");
   return participant;
 }
@@ -240,10 +240,10 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                                fast::Subscriber* subscriber, bool only_loopback,
                                std::unique_ptr<Notices> notices, std::unique_ptr<Watch> watch,
-                               std::shared_ptr<Sieve> sieve)
+                               std::shared_ptr<PacketFilter> filter)
     : notices_(std::move(notices)),
       watch_(std::move(watch)),
-      sieve_(std::move(sieve)),
+      filter_(std::move(filter)),
       participant_(participant),
       publisher_(publisher),
       subscriber_(subscriber),
@@ -269,15 +269,15 @@ void OwnParticipant::rescan_interfaces() {
   const std::lock_guard lock{remaking_};
   if (!only_loopback_ || only_loopback(*addresses)) return;
   only_loopback_ = false;
-  for (Remade* each : remade_) each->remake();
+  for (Recreatable* each : remade_) each->recreate();
 }
 
-void OwnParticipant::enlist(Remade& one) {
+void OwnParticipant::enlist(Recreatable& one) {
   const std::lock_guard lock{remaking_};
   remade_.push_back(&one);
 }
 
-void OwnParticipant::dismiss(Remade& one) {
+void OwnParticipant::dismiss(Recreatable& one) {
   const std::lock_guard lock{remaking_};
   std::erase(remade_, &one);
 }
@@ -331,14 +331,14 @@ void OwnParticipant::end(fast::DataWriter*& writer) {
 fast::DataReader* OwnParticipant::make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
                                               fast::DataReaderListener* listener,
                                               const fast::StatusMask& mask) {
-  const Handling::Pause pause{sieve_->handling};
+  const ReceiveLock::Pause pause{filter_->receive_lock};
   return subscriber_->create_datareader(topic, qos, listener, mask);
 }
 
 void OwnParticipant::end(fast::DataReader*& reader) {
   if (reader == nullptr) return;
   reader->set_listener(nullptr);
-  const Handling::Pause pause{sieve_->handling};
+  const ReceiveLock::Pause pause{filter_->receive_lock};
   subscriber_->delete_datareader(reader);
   reader = nullptr;
 }

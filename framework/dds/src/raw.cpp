@@ -123,7 +123,7 @@ Result<void> RawWriter::make() {
 
 void RawWriter::unmake() { own(*participant_).end(writer_); }
 
-void RawWriter::remake() {
+void RawWriter::recreate() {
   const std::lock_guard lock{using_it_};
   unmake();
   health_.matched(0);
@@ -188,7 +188,7 @@ Result<void> RawReader::make() {
 
 void RawReader::unmake() { own(*participant_).end(reader_); }
 
-void RawReader::remake() {
+void RawReader::recreate() {
   unmake();
   health_.matched(0);
   static_cast<void>(make());

@@ -12,9 +12,9 @@
 
 #include <takt/wire/takt.h>
 #include <takt/wire/taktPubSubTypes.h>
-#include <takt/dds/guarded.hpp>
+#include <takt/dds/checked_type.hpp>
 #include <takt/dds/inside.hpp>
-#include <takt/dds/sensible.hpp>
+#include <takt/dds/validation.hpp>
 #include "watch.hpp"
 
 namespace takt::dds {
@@ -100,7 +100,7 @@ void set_topic_quality(Qos& qos, std::int32_t depth) {
 
 template <class T>
 fast::TypeSupport type_of() {
-  return fast::TypeSupport{new Guarded<typename TopicOf<T>::Generated>};
+  return fast::TypeSupport{new CheckedType<typename TopicOf<T>::Generated>};
 }
 
 /// "robot" of "cell/robot" and of "cell/robot/arm"; empty where there is none.
@@ -133,7 +133,7 @@ Problem no_entity(const char* what) {
 }  // namespace
 
 template <class T>
-struct Writer<T>::Inside final : Remade {
+struct Writer<T>::Inside final : Recreatable {
   std::shared_ptr<Participant> participant;
   fast::Topic* topic = nullptr;
   std::mutex using_it;
@@ -160,7 +160,7 @@ struct Writer<T>::Inside final : Remade {
     return {};
   }
 
-  void remake() override {
+  void recreate() override {
     const std::lock_guard lock{using_it};
     own(*participant).end(writer);
     if (!make()) return;  // every write fails, and is counted
@@ -243,7 +243,7 @@ std::uint64_t Writer<T>::failures() const noexcept {
 }
 
 template <class T>
-struct Reader<T>::Inside final : fast::DataReaderListener, Remade {
+struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
   std::shared_ptr<Participant> participant;
   Heard<T> heard;
   fast::Topic* topic = nullptr;
@@ -275,7 +275,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Remade {
     return {};
   }
   void unmake() { own(*participant).end(reader); }
-  void remake() override {
+  void recreate() override {
     unmake();
     {
       const std::lock_guard lock{calling};
@@ -298,8 +298,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Remade {
     while (from->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK) {
       const WriterId writer = number_of(info.sample_identity.writer_guid());
       if (info.valid_data) {
-        if (!make_sensible(sample) ||
-            !may_say(own(*participant), info.sample_identity.writer_guid(), sample)) {
+        if (!validate(sample) || !may_say(own(*participant), info.sample_identity.writer_guid(), sample)) {
           refused.fetch_add(1, std::memory_order_relaxed);
           continue;
         }

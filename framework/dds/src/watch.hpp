@@ -10,8 +10,8 @@
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
 #include <takt/dds/inside.hpp>
-#include <takt/dds/newcomers.hpp>
 #include <takt/dds/notices.hpp>
+#include <takt/dds/unauthenticated_participants.hpp>
 #include <takt/security/identity.hpp>
 
 namespace takt::dds {
@@ -22,9 +22,9 @@ std::optional<security::Subject> announced_subject(std::string_view text);
 
 class Watch final : public fast::DomainParticipantListener {
  public:
-  /// The notices and newcomers outlive it.
-  Watch(security::Identity mine, Notices& notices, Newcomers& newcomers)
-      : mine_(std::move(mine)), notices_(notices), newcomers_(newcomers) {}
+  /// The notices and unauthenticated outlive it.
+  Watch(security::Identity mine, Notices& notices, UnauthenticatedParticipants& unauthenticated)
+      : mine_(std::move(mine)), notices_(notices), newcomers_(unauthenticated) {}
 
   [[nodiscard]] const security::Identity& mine() const noexcept { return mine_; }
 
@@ -54,7 +54,7 @@ class Watch final : public fast::DomainParticipantListener {
 
   security::Identity mine_;
   Notices& notices_;
-  Newcomers& newcomers_;
+  UnauthenticatedParticipants& newcomers_;
   std::mutex mutex_;
   std::map<rtps::GuidPrefix_t, Seen> seen_;
   std::map<std::string, security::Prefix> prefixes_;  // of devices

@@ -38,9 +38,9 @@ bool fatal(const Unit& unit) noexcept {
 void prefetch(const Unit& unit) noexcept {
   unit.block->prefetch();
   if (unit.body != nullptr) __builtin_prefetch(unit.body);
-  if (unit.seat != nullptr) {
-    __builtin_prefetch(&unit.seat->released, 1);
-    __builtin_prefetch(&unit.seat->done);
+  if (unit.slot != nullptr) {
+    __builtin_prefetch(&unit.slot->released, 1);
+    __builtin_prefetch(&unit.slot->done);
   }
 }
 
@@ -67,7 +67,7 @@ Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodi
   TAKT_CHECK(periodic_.size() == plan.periodic.size() && sporadic.size() == plan.sporadic.size());
   for (std::size_t i = 0; i < periodic_.size(); ++i) {
     const Unit& unit = periodic_[i];
-    TAKT_CHECK(unit.block != nullptr && (unit.body == nullptr) != (unit.seat == nullptr));
+    TAKT_CHECK(unit.block != nullptr && (unit.body == nullptr) != (unit.slot == nullptr));
     strides_.push_back(static_cast<std::uint64_t>(unit.period / basic_));
     first_rows_.push_back(static_cast<std::uint64_t>(plan.offsets[i] / basic_));
     only_skip_ &= unit.overrun.what == model::Overrun::skip;
@@ -79,7 +79,7 @@ Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodi
   made_up_.resize(periodic_.size());
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     TAKT_CHECK(sporadic[i].block != nullptr &&
-               (sporadic[i].body == nullptr) != (sporadic[i].seat == nullptr));
+               (sporadic[i].body == nullptr) != (sporadic[i].slot == nullptr));
     sporadic_[i].unit = sporadic[i];
     sporadic_[i].unit.period = basic_;  // what run() is told: its conditions are checked each row
     has_immediate_ |= sporadic[i].immediate;
@@ -163,18 +163,18 @@ std::uint32_t Executor::catch_up(std::uint64_t rows) noexcept {
 Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, Instant now,
                         std::uint32_t* wake) noexcept {
   const Unit& unit = periodic_[i];
-  if (unit.seat == nullptr) return call(unit, block_.row, rows_, number, release, unit.period, now);
+  if (unit.slot == nullptr) return call(unit, block_.row, rows_, number, release, unit.period, now);
   record_body(unit, bodies_seen_[i]);
-  const channel::Release given = channel::release(*unit.seat, number, to_ns(release));
+  const channel::Release given = channel::release(*unit.slot, number, to_ns(release));
   rows_.add(channel::FlightKind::released, to_ns(now), unit.index, static_cast<std::int64_t>(given));
   switch (given) {
     case channel::Release::wake:
-      *wake |= unit.seat->bell_bit;
+      *wake |= unit.slot->bell_bit;
       [[fallthrough]];
     case channel::Release::given:
       add(unit.block->cycles);
       break;
-    case channel::Release::owed:
+    case channel::Release::pending:
       add(unit.block->cycles);
       add(unit.block->overruns);
       break;
@@ -220,7 +220,7 @@ std::uint32_t Executor::run_cycle(Instant now) noexcept {
       const Unit& unit = periodic_[i];
       if (!in_tables(unit)) continue;
       const std::uint64_t number = number_at(i, row_);
-      time = unit.seat == nullptr ? call(unit, block_.row, rows_, number, release, unit.period, time)
+      time = unit.slot == nullptr ? call(unit, block_.row, rows_, number, release, unit.period, time)
                                   : serve(i, number, release, time, &wake);
     }
   }
@@ -290,13 +290,13 @@ void Executor::put_back(ErrorType type, std::uint64_t cycle, const char* text) n
 }
 
 void Executor::record_body(const Unit& unit, std::uint32_t& seen) noexcept {
-  const channel::Seat& seat = *unit.seat;
-  const std::uint32_t done = seat.done.load(std::memory_order_acquire);  // SYNC: done
+  const channel::ReleaseSlot& slot = *unit.slot;
+  const std::uint32_t done = slot.done.load(std::memory_order_acquire);  // SYNC: done
   if (done == seen) return;
   seen = done;
-  const std::int64_t ended = seat.body_ended_ns.load(relaxed);
+  const std::int64_t ended = slot.body_ended_ns.load(relaxed);
   if (ended == 0) return;  // none of it has ended yet
-  rows_.add(channel::FlightKind::body, ended, unit.index, ended - seat.body_began_ns.load(relaxed));
+  rows_.add(channel::FlightKind::body, ended, unit.index, ended - slot.body_began_ns.load(relaxed));
 }
 
 Instant Executor::call(const Unit& unit, channel::Activity& activity, channel::FlightWriter& flight,
@@ -364,13 +364,13 @@ std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept 
     if (!in_tables(unit)) continue;
     if (to_ns(release) < sporadic.not_before_ns.load(relaxed)) continue;
 
-    if (unit.seat != nullptr) {
+    if (unit.slot != nullptr) {
       record_body(unit, bodies_seen_[periodic_.size() + i]);
       if (unit.immediate) continue;  // it sees its events itself
       // The program checks its own condition and its own deadline; a row that finds it in its body leaves it
       // there.
-      const channel::Release given = channel::release(*unit.seat, row_, to_ns(release));
-      if (given == channel::Release::wake) wake |= unit.seat->bell_bit;
+      const channel::Release given = channel::release(*unit.slot, row_, to_ns(release));
+      if (given == channel::Release::wake) wake |= unit.slot->bell_bit;
       if (given == channel::Release::busy) continue;
       rows_.add(channel::FlightKind::released, to_ns(now), unit.index, static_cast<std::int64_t>(given));
       add(unit.block->cycles);

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/model/json.hpp>
 #include "causes.hpp"
 #include "timeline.hpp"
@@ -32,8 +32,8 @@ const char* outcome_of(std::uint64_t value) {
       return "given";
     case channel::Release::wake:
       return "woken";
-    case channel::Release::owed:
-      return "owed: it is still in its body";
+    case channel::Release::pending:
+      return "pending: it is still in its body";
     case channel::Release::busy:
       return "left out: it is still in its body";
   }

@@ -48,15 +48,15 @@ void last_words_at_exit() {
     say_who(channel::Crash::kExit);
 }
 
-void ring(channel::Bell& bell, std::uint32_t bits) noexcept {
-  bell.rings.fetch_add(1, std::memory_order_seq_cst);
-  os::futex_wake(bell.rings, bits);
+void ring(channel::WakeWord& wake_word, std::uint32_t bits) noexcept {
+  wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(wake_word.rings, bits);
 }
 
 }  // namespace
 
-void ring_pending(channel::Bell& bell) noexcept {
-  if (const std::uint32_t bits = bell.take_pending(); bits != 0) ring(bell, bits);
+void ring_pending(channel::WakeWord& wake_word) noexcept {
+  if (const std::uint32_t bits = wake_word.take_pending(); bits != 0) ring(wake_word, bits);
 }
 
 void report_crashes_to(channel::Crash& crash) {
@@ -72,13 +72,14 @@ void report_crashes_as(const channel::Activity* activity) {
 
 ExecutorThreads::ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan,
                                  std::vector<executor::Unit> periodic, std::vector<executor::Unit> sporadic,
-                                 channel::ExecutorBlock& block, channel::Bell& bell, executor::Flight flight)
+                                 channel::ExecutorBlock& block, channel::WakeWord& wake_word,
+                                 executor::Flight flight)
     : settings_(executor),
       priority_(plan.priority),
       has_rows_(plan.basic_period.count() > 0),
       has_sporadic_(!sporadic.empty()),
       block_(block),
-      bell_(bell),
+      wake_word_(wake_word),
       executor_(plan, std::move(periodic), std::move(sporadic), block, clock_, flight) {}
 
 ExecutorThreads::~ExecutorThreads() {
@@ -114,7 +115,7 @@ void ExecutorThreads::walk_rows(Instant t0) {
     if (halt_.load(std::memory_order_relaxed) != 0) return;
     // What modules wrote for somebody who waits is rung for together with what the row released.
     const std::uint32_t released = watch_ ? watched_cycle(now) : executor_.run_cycle(now);
-    if (const std::uint32_t bits = released | bell_.take_pending(); bits != 0) ring(bell_, bits);
+    if (const std::uint32_t bits = released | wake_word_.take_pending(); bits != 0) ring(wake_word_, bits);
     block_.margin_ns.store(waker.margin().count(), std::memory_order_relaxed);
   }
 }
@@ -131,18 +132,19 @@ void ExecutorThreads::serve_sporadic() {
   block_.sporadic.thread.store(os::thread_id(), std::memory_order_relaxed);
   while (halt_.load(std::memory_order_seq_cst) == 0) {
     // A ring after this load ends the wait below at once, so none is lost.
-    const std::uint32_t rings = bell_.rings.load(std::memory_order_seq_cst);
+    const std::uint32_t rings = wake_word_.rings.load(std::memory_order_seq_cst);
     while (halt_.load(std::memory_order_relaxed) == 0 && executor_.run_sporadic()) {
-      ring_pending(bell_);
+      ring_pending(wake_word_);
     }
-    if (halt_.load(std::memory_order_seq_cst) == 0) os::futex_wait(bell_.rings, rings, channel::kSporadicBit);
+    if (halt_.load(std::memory_order_seq_cst) == 0)
+      os::futex_wait(wake_word_.rings, rings, channel::kSporadicBit);
   }
 }
 
 void ExecutorThreads::ask_to_halt() noexcept {
   halt_.store(1, std::memory_order_seq_cst);
   os::futex_wake(halt_, ~0U);
-  ring(bell_, channel::kSporadicBit);
+  ring(wake_word_, channel::kSporadicBit);
 }
 
 void ExecutorThreads::join() {

@@ -10,7 +10,7 @@
 
 #include <takt/channel/layout.hpp>
 #include <takt/channel/module_watch.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/channel/violations.hpp>
 #include <takt/core/result.hpp>
 #include <takt/executor/executor.hpp>
@@ -25,7 +25,7 @@ class ExecutorThreads {
   /// Allocates everything that the threads will use.
   ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan,
                   std::vector<executor::Unit> periodic, std::vector<executor::Unit> sporadic,
-                  channel::ExecutorBlock& block, channel::Bell& bell, executor::Flight flight = {});
+                  channel::ExecutorBlock& block, channel::WakeWord& wake_word, executor::Flight flight = {});
   /// Halts.
   ~ExecutorThreads();
 
@@ -57,7 +57,7 @@ class ExecutorThreads {
   bool has_rows_;
   bool has_sporadic_;
   channel::ExecutorBlock& block_;
-  channel::Bell& bell_;
+  channel::WakeWord& wake_word_;
   os::MonotonicClock clock_;
   executor::Executor executor_;
   channel::ModuleWatch watch_;
@@ -69,7 +69,7 @@ class ExecutorThreads {
 
 /// Rings for whoever waits for what was written since it was done last. Real-time: one system call at most,
 /// and none where nobody waits.
-void ring_pending(channel::Bell& bell) noexcept;
+void ring_pending(channel::WakeWord& wake_word) noexcept;
 
 /// Names the activity of the calling thread for the report of a crash.
 void report_crashes_as(const channel::Activity* activity);

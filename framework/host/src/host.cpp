@@ -12,8 +12,8 @@
 #include <takt/channel/channel.hpp>
 #include <takt/channel/flight_record.hpp>
 #include <takt/channel/module_watch.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/channel/saved_state.hpp>
-#include <takt/channel/seat.hpp>
 #include <takt/host/protocol.hpp>
 #include <takt/host/thread_module.hpp>
 #include <takt/model/hosts.hpp>
@@ -40,7 +40,7 @@ class Host {
  public:
   Host(os::MessageSocket node, channel::Channel channel, channel::FlightRecord record, Setup setup);
 
-  /// Everything but modules: seats, executors, plans.
+  /// Everything but modules: slots, executors, plans.
   Result<void> prepare();
   /// Serves requests until told to end, or until the node is gone.
   void serve();
@@ -78,8 +78,8 @@ class Host {
   channel::FlightRecord record_;
   std::vector<channel::FlightWriter> flight_;  // of each ring of the record
   Setup setup_;
-  os::SharedMemory bell_memory_;
-  channel::Bell* bell_ = nullptr;
+  os::SharedMemory wake_word_memory_;
+  channel::WakeWord* wake_word_ = nullptr;
   os::SharedMemory saved_memory_;
   std::vector<os::SharedMemory> seat_memories_;
   HostLinks links_;
@@ -122,10 +122,10 @@ Result<void> Host::prepare() {
   const auto watch = channel::ModuleWatch::find();
   if (!watch) return watch.problems();
   watch_ = *watch;
-  auto bell = os::SharedMemory::attach(os::Fd{setup_.bell_fd});
-  if (!bell) return bell.problems();
-  bell_memory_ = std::move(*bell);
-  bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
+  auto wake_word = os::SharedMemory::attach(os::Fd{setup_.bell_fd});
+  if (!wake_word) return wake_word.problems();
+  wake_word_memory_ = std::move(*wake_word);
+  wake_word_ = reinterpret_cast<channel::WakeWord*>(wake_word_memory_.data());
 
   auto saved = os::SharedMemory::attach(os::Fd{setup_.saved_fd});
   if (!saved) return saved.problems();
@@ -162,7 +162,7 @@ Result<void> Host::prepare() {
     if (setup_.seat_fds[i] >= 0) {
       auto memory = os::SharedMemory::attach(os::Fd{setup_.seat_fds[i]});
       if (!memory) return memory.problems();
-      unit.seat = reinterpret_cast<channel::Seat*>(memory->data());
+      unit.slot = reinterpret_cast<channel::ReleaseSlot*>(memory->data());
       seat_memories_.push_back(std::move(*memory));
     }
     units.push_back(unit);
@@ -188,7 +188,7 @@ Result<void> Host::prepare() {
                             &flight_.at(channel::FlightRecord::of_sporadic(e))};
     executors_.push_back(
         {e, std::make_unique<ExecutorThreads>(executor, mine, select(mine.periodic), select(mine.sporadic),
-                                              channel_.executor(e), *bell_, flight)});
+                                              channel_.executor(e), *wake_word_, flight)});
     for (const std::uint32_t m : mine.periodic) records_[m] = flight.rows;
     for (const std::uint32_t m : mine.sporadic) records_[m] = flight.sporadic;
     if (watch_) executors_.back().threads->watch(watch_, static_cast<std::uint32_t>(e));
@@ -199,7 +199,7 @@ Result<void> Host::prepare() {
   report_crashes_to(block().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));
   const auto done = [this](const Request& request, const Result<std::string>& result) {
-    ring_pending(*bell_);  // for what the hook wrote
+    ring_pending(*wake_word_);  // for what the hook wrote
     answer({.request = request,
             .ok = result.ok(),
             .text = result ? *result : in_words(result.problems()),
@@ -219,7 +219,7 @@ Result<void> Host::prepare() {
 std::unique_ptr<ThreadModule> Host::make_instance(std::uint32_t index) {
   const model::Module& m = module(index);
   auto made = std::make_unique<ThreadModule>();
-  made->attach(bell_, &channel_.module(index), model::timing_of(setup_.device, m),
+  made->attach(wake_word_, &channel_.module(index), model::timing_of(setup_.device, m),
                m.period.value_or(Nanoseconds{0}));
   return made;
 }
@@ -283,7 +283,7 @@ void Host::start_services(std::uint32_t index) {
                              .name = module(index).name + "/serve",
                              .cpus = setup_.background_cpus,
                              .activity = block.service,
-                             .bell = *bell_},
+                             .wake_word = *wake_word_},
       [this, index] { return handling_[index]->has_request(); },
       [this, index, &block] {
         return handling_[index]->serve(block.in_tables.load(std::memory_order_seq_cst) != 0);
@@ -448,7 +448,7 @@ void Host::run_background(std::uint32_t index) {
                           std::memory_order_release);  // SYNC: error raised
       }
     }
-    ring_pending(*bell_);
+    ring_pending(*wake_word_);
     block.background.end();
     const bool out = block.in_tables.load(relaxed) == 0;
     const Nanoseconds pause = out ? std::chrono::milliseconds{1} : period;

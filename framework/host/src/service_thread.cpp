@@ -20,13 +20,13 @@ struct ServiceThread::Shared {
   Shared(const Options& options, std::function<bool()> asked, std::function<bool()> serves)
       : index(options.index),
         activity(options.activity),
-        bell(options.bell),
+        wake_word(options.wake_word),
         has_request(std::move(asked)),
         serve_one(std::move(serves)) {}
 
   std::uint32_t index;
   channel::Activity& activity;
-  channel::Bell& bell;
+  channel::WakeWord& wake_word;
   std::function<bool()> has_request;
   std::function<bool()> serve_one;
   std::mutex in_module;  // held while the module is called
@@ -37,12 +37,13 @@ struct ServiceThread::Shared {
     report_crashes_as(&activity);
     while (!end.load()) {
       // A ring after this load ends the wait below at once, so none is lost.
-      const std::uint32_t rings = bell.rings.load(std::memory_order_seq_cst);
+      const std::uint32_t rings = wake_word.rings.load(std::memory_order_seq_cst);
       if (serve_next()) {
-        ring_pending(bell);
+        ring_pending(wake_word);
         continue;
       }
-      if (!end.load()) os::futex_wait(bell.rings, rings, channel::kServiceBit, os::now() + kLongestSleep);
+      if (!end.load())
+        os::futex_wait(wake_word.rings, rings, channel::kServiceBit, os::now() + kLongestSleep);
     }
   }
   bool serve_next() {
@@ -71,8 +72,8 @@ ServiceThread::ServiceThread(const Options& options, std::function<bool()> has_r
 
 ServiceThread::~ServiceThread() {
   shared_->end.store(true);
-  shared_->bell.rings.fetch_add(1, std::memory_order_seq_cst);
-  os::futex_wake(shared_->bell.rings, channel::kServiceBit);
+  shared_->wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(shared_->wake_word.rings, channel::kServiceBit);
   // Whoever holds this never returns: a handler, or a hook that the thread waits for.
   if (const std::unique_lock in_none{shared_->in_module, std::try_to_lock}; !in_none) thread_.detach();
 }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <takt/channel/activity.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/os/real_time.hpp>
 
 namespace takt::host {
@@ -22,8 +22,8 @@ class ServiceThread {
     std::uint32_t index;  ///< of the module
     std::string name;
     std::vector<int> cpus;
-    channel::Activity& activity;  ///< says when it is in a handler
-    channel::Bell& bell;          ///< rung when a request has come
+    channel::Activity& activity;   ///< says when it is in a handler
+    channel::WakeWord& wake_word;  ///< rung when a request has come
   };
   /// `serve` answers one request, if there is one; both are called on the thread.
   ServiceThread(const Options& options, std::function<bool()> has_request, std::function<bool()> serve);

@@ -13,18 +13,18 @@ namespace takt::node {
 
 using Phase = Supervised::Phase;
 
-Agent::Agent(Options options, Workshop workshop, Outlet& outlet)
+Agent::Agent(Options options, Workshop workshop, Publisher& publisher)
     : options_(std::move(options)),
       workshop_(std::move(workshop)),
-      outlet_(outlet),
+      publisher_(publisher),
       began_(options_.now()),
-      sieve_([this](model::Fault fault) {
+      filter_([this](model::Fault fault) {
         FaultRecord& record = *options_.record;
         const bool kept = !record.file().empty();
         record.append(fault);
         if (kept && record.file().empty())
           log("warning: the fault record goes on in memory alone: " + in_words(record.problems()));
-        outlet_.say(dds::to_wire(fault));
+        publisher_.say(dds::to_wire(fault));
       }) {
   if (!options_.record) options_.record = std::make_shared<FaultRecord>();
 }
@@ -70,13 +70,13 @@ void Agent::step() {
   look_at_update();
   tell_status();
   tell_measures();
-  sieve_.step(options_.now());
+  filter_.step(options_.now());
 }
 
 // Two nodes of one name would both answer, and a cell would run on one of them or on both.
 void Agent::watch_names() {
   std::string clash;
-  for (const dds::SeenDevice& other : others_.devices(options_.device)) {
+  for (const dds::ObservedDevice& other : others_.devices(options_.device)) {
     if (!other.alive || other.node() == options_.node) continue;
     clash = "another node of the name " + options_.device + " is on domain " +
             std::to_string(options_.domain) + ": process " + std::to_string(other.status.process_id()) +
@@ -103,7 +103,7 @@ void Agent::watch_cell() {
   constexpr const char* kCable = "see to its machine and network, then undeploy the cell and deploy it again";
   std::string lost;
   bool alone = true;
-  for (const dds::Picture::Heard& other : others_.of_deployment(d.id, options_.device)) {
+  for (const dds::CellState::Heard& other : others_.of_deployment(d.id, options_.device)) {
     const std::string name = other.status.device().to_string();
     if (other.status.stops_cell())
       return stop(options_.device, "stops with its cell: " + other.status.text().to_string());
@@ -195,7 +195,7 @@ void Agent::tell_status() {
   }
   told_ = now;
   told_once_ = true;
-  outlet_.say(now);
+  publisher_.say(now);
 }
 
 void Agent::tell_measures() {
@@ -214,7 +214,7 @@ void Agent::tell_measures() {
   stamp(measures.modules);
   stamp(measures.executors);
   stamp(measures.ports);
-  outlet_.say(measures);
+  publisher_.say(measures);
 }
 
 }  // namespace takt::node

@@ -1,7 +1,7 @@
 // The agent of one device: waits for deployments, brings one up at a time, and answers for it.
 //
 // Everything that it is told comes in by functions of one thread, and everything that it says goes out by its
-// Outlet, so it knows neither DDS nor a clock of its own, and a test drives it. Nothing in it waits: what
+// Publisher, so it knows neither DDS nor a clock of its own, and a test drives it. Nothing in it waits: what
 // takes long is looked at in step().
 #pragma once
 
@@ -15,8 +15,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <takt/dds/cell_state.hpp>
 #include <takt/dds/commands.hpp>
-#include <takt/dds/picture.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/difference.hpp>
 #include <takt/model/fault.hpp>
@@ -24,8 +24,8 @@
 #include <takt/node/inspection.hpp>
 #include <takt/node/kept_deployment.hpp>
 #include <takt/node/supervisor.hpp>
-#include "fault_sieve.hpp"
-#include "outlet.hpp"
+#include "fault_rate_limiter.hpp"
+#include "publisher.hpp"
 
 namespace takt::node {
 
@@ -55,7 +55,7 @@ class Agent {
     std::function<std::unique_ptr<Supervised>(Supervisor::Options)> supervise;
   };
 
-  Agent(Options options, Workshop workshop, Outlet& outlet);
+  Agent(Options options, Workshop workshop, Publisher& publisher);
   ~Agent();
   Agent(const Agent&) = delete;
   Agent& operator=(const Agent&) = delete;
@@ -64,13 +64,13 @@ class Agent {
   void came_up();
   void goes_down();
   /// An event for the record and for observers. Time, cell and device are given here; `origin` as for the
-  /// sieve.
+  /// filter.
   void note(model::Fault fault, const std::string& origin = {});
 
   /// A command has come.
   void hear(const dds::WholeCommand& command);
   /// What the other nodes say, for the name that is taken and the devices that are lost.
-  dds::Picture& others() noexcept { return others_; }
+  dds::CellState& others() noexcept { return others_; }
   /// Takes up the deployment that is kept on disk.
   void resume();
   /// Says that there is one, where it is not to be taken up.
@@ -171,9 +171,9 @@ class Agent {
 
   Options options_;
   Workshop workshop_;
-  Outlet& outlet_;
+  Publisher& publisher_;
   const Instant began_;
-  dds::Picture others_;
+  dds::CellState others_;
   std::unique_ptr<Deployment> deployment_;
   std::shared_ptr<Update> update_;  // callbacks of its supervised device know whether it is still there
   std::string clash_;               // who else has this name; empty: nobody
@@ -188,7 +188,7 @@ class Agent {
   bool ending_ = false;
   bool at_once_ = false;
   std::optional<Instant> ended_at_;
-  FaultSieve sieve_;
+  FaultRateLimiter filter_;
   std::map<std::string, bool> devices_seen_;  // of the cell, by name: alive when last looked at
 };
 

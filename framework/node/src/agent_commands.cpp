@@ -32,7 +32,7 @@ void Agent::answer(const Command& command, ReplyCode code, const std::string& te
   dds::set(reply.head.text(), text);
   dds::set(reply.head.value(), value);
   reply.data = std::move(data);
-  outlet_.reply(reply);
+  publisher_.reply(reply);
   note_answer(command, code, text);
 }
 
@@ -117,7 +117,7 @@ void Agent::report(const Command& command) {
     for (const model::Device& device : deployment_->cell.devices) report["devices"].push_back(device.name);
   }
   report["heard"] = json::array();
-  for (const dds::SeenDevice& other : others_.devices()) {
+  for (const dds::ObservedDevice& other : others_.devices()) {
     if (other.alive) report["heard"].push_back(other.node());
   }
   report["searching"] = options_.now() - began_ < kFindsOthers;
@@ -132,11 +132,11 @@ json Agent::lost_devices() const {
   for (const model::Device& device : deployment_->cell.devices) {
     if (device.name == options_.device) continue;
     const auto seen = others_.devices(device.name);
-    if (std::any_of(seen.begin(), seen.end(), [](const dds::SeenDevice& s) { return s.alive; })) continue;
+    if (std::any_of(seen.begin(), seen.end(), [](const dds::ObservedDevice& s) { return s.alive; })) continue;
     json modules = json::array();
     for (const model::Module& module : device.modules) {
       std::string state = "UNKNOWN";
-      for (const dds::SeenDevice& s : seen) {
+      for (const dds::ObservedDevice& s : seen) {
         const auto status = s.deployment.modules.find(module.name);
         if (status != s.deployment.modules.end()) state = takt::to_text(status->second.state());
       }

@@ -186,7 +186,7 @@ void Agent::bring_up() {
     status.previous_state(STATE_IDLE);
     status.event(EVENT_NONE);
     status.time_ns(options_.wall_ns());
-    outlet_.say(status);
+    publisher_.say(status);
     d.modules.push_back(status);
   }
   model::Cell cell = d.cell;
@@ -217,7 +217,7 @@ void Agent::stepped(const Step& step) {
   dds::set(status.text(), step.text);
   status.sequence_number(step.transition.sequence);
   status.time_ns(options_.wall_ns());
-  outlet_.say(status);
+  publisher_.say(status);
 }
 
 // The deployment could not be brought up; nothing of it is left.
@@ -380,7 +380,7 @@ void Agent::finish() {
   if (!started && preparers.empty() && undeployers.empty() && !failures.empty())
     last_refusal_ = to_text(failures[0]);
 
-  sieve_.flush();
+  filter_.flush();
   if (started) {
     note({.kind = model::FaultKind::undeployed,
           .cause = "cell " + d.cell.name + " has ended" +
@@ -425,7 +425,7 @@ void Agent::clear() {
   if (!deployment_->describers.empty()) described(fail("the deployment ended before it was described"));
   if (deployment_->swap) answer(*deployment_->swap, REPLY_FAILED, "the device ends");
   if (deployment_->supervised && !deployment_->modules.empty())
-    outlet_.take_back(deployment_->modules, deployment_->supervised->measures());
+    publisher_.take_back(deployment_->modules, deployment_->supervised->measures());
   deployment_.reset();
 }
 

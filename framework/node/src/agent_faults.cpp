@@ -61,7 +61,7 @@ void Agent::came_up() {
 }
 
 void Agent::goes_down() {
-  sieve_.flush();
+  filter_.flush();
   note({.kind = FaultKind::node_end, .cause = "in order"});
   if (const auto disk = options_.record->disk()) disk->sync();
 }
@@ -72,7 +72,7 @@ void Agent::note(model::Fault fault, const std::string& origin) {
   if (fault.cell.empty()) fault.cell = dds::kNoCell;
   fault.device = options_.device;
   fault.cause = on_one_line(fault.cause);
-  sieve_.put(std::move(fault), options_.now(), origin);
+  filter_.put(std::move(fault), options_.now(), origin);
 }
 
 void Agent::note_answer(const Command& command, ReplyCode code, const std::string& text) {

@@ -34,7 +34,7 @@ inline constexpr Nanoseconds kFurthestStart = std::chrono::seconds{60};
 /// A node that was lent and is to end, for its closing report to be fetched.
 inline constexpr Nanoseconds kReportFetched = std::chrono::seconds{2};
 /// An order to a module, to come about.
-inline constexpr Nanoseconds kOrderLimit = std::chrono::seconds{15};
+inline constexpr Nanoseconds kCommandLimit = std::chrono::seconds{15};
 /// A module that was started, to be named by a row; later is no failure: it is sporadic, or its period is
 /// long.
 inline constexpr Nanoseconds kNamedWithin = std::chrono::milliseconds{500};

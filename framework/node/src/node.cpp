@@ -28,7 +28,7 @@
 #include <takt/security/identity.hpp>
 #include <takt/security/signature.hpp>
 #include "agent.hpp"
-#include "voice.hpp"
+#include "dds_publisher.hpp"
 
 namespace takt::node {
 
@@ -199,8 +199,8 @@ int run_node(const NodeOptions& options) {
   if (!participant) return refuse(participant.problems());
   const bool secured = (*participant)->identity().has_value();
   if (auto fits = check_identity(**participant, options); !fits) return refuse(fits.problems());
-  auto voice = Voice::create(*participant);
-  if (!voice) return refuse(voice.problems());
+  auto dds_publisher = DdsPublisher::create(*participant);
+  if (!dds_publisher) return refuse(dds_publisher.problems());
 
   Agent::Options agent_options{.device = options.device,
                                .node = new_node_id(),
@@ -239,7 +239,7 @@ int run_node(const NodeOptions& options) {
                      o.traces = traces;
                      return std::make_unique<Supervisor>(std::move(o));
                    }},
-              **voice};
+              **dds_publisher};
 
   // What the others say, and then what this node is asked.
   auto devices = dds::Reader<DeviceStatus>::create(
@@ -270,7 +270,7 @@ int run_node(const NodeOptions& options) {
       *participant, options.device, agent_options.node,
       [&inbox](const dds::WholeCommand& command) { inbox.put([command](Agent& a) { a.hear(command); }); });
   if (!server) return refuse(server.problems());
-  (*voice)->answer_by([&server](const dds::WholeReply& reply) { server->reply(reply); });
+  (*dds_publisher)->answer_by([&server](const dds::WholeReply& reply) { server->reply(reply); });
 
   if (!lent) log(options.device, "", "waits for a deployment on domain " + std::to_string(options.domain));
   std::uint64_t refused = 0;
@@ -285,7 +285,7 @@ int run_node(const NodeOptions& options) {
       warn_again += kWarnEvery;
       warn_of_expiry(*(*participant)->identity(), options);
     }
-    (*voice)->sign();
+    (*dds_publisher)->sign();
     std::vector<const os::Fd*> fds = agent.wait_on();
     fds.push_back(&signals->fd());
     fds.push_back(&inbox.fd());

@@ -38,10 +38,10 @@ Distribution on_the_wire(const StatisticsSnapshot& s) {
 }
 
 const Statistics& jitter_of(const Member& member) {
-  return member.seat == nullptr ? member.block.jitter : member.seat->jitter;
+  return member.slot == nullptr ? member.block.jitter : member.slot->jitter;
 }
 const Statistics& run_of(const Member& member) {
-  return member.seat == nullptr ? member.block.run : member.seat->run;
+  return member.slot == nullptr ? member.block.run : member.slot->run;
 }
 bool is_astray(const Member& member) {
   return member.state() == lifecycle::State::recover ||
@@ -68,12 +68,12 @@ json in_json(const model::Port& port, const PortHealth& health) {
 
 std::uint64_t Supervisor::releases_of(const Member& member) {
   constexpr auto relaxed = std::memory_order_relaxed;
-  return member.block.cycles.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->begun.load(relaxed));
+  return member.block.cycles.load(relaxed) + (member.slot == nullptr ? 0 : member.slot->begun.load(relaxed));
 }
 
 std::uint64_t Supervisor::overruns_of(const Member& member) {
   constexpr auto relaxed = std::memory_order_relaxed;
-  return member.block.overruns.load(relaxed) + (member.seat == nullptr ? 0 : member.seat->late.load(relaxed));
+  return member.block.overruns.load(relaxed) + (member.slot == nullptr ? 0 : member.slot->late.load(relaxed));
 }
 
 Standing Supervisor::standing() const {

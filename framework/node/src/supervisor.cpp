@@ -73,10 +73,10 @@ Result<void> Supervisor::prepare() {
   channel_ = std::move(*channel);
   for (const model::HostShare& share : shares)
     hosts_.push_back(std::make_unique<Hosted>(share, hosts_.size(), channel_.host(hosts_.size())));
-  auto bell = os::SharedMemory::create("takt-bell", sizeof(channel::Bell));
-  if (!bell) return bell.problems();
-  bell_memory_ = std::move(*bell);
-  bell_ = reinterpret_cast<channel::Bell*>(bell_memory_.data());
+  auto wake_word = os::SharedMemory::create("takt-wake_word", sizeof(channel::WakeWord));
+  if (!wake_word) return wake_word.problems();
+  wake_word_memory_ = std::move(*wake_word);
+  wake_word_ = reinterpret_cast<channel::WakeWord*>(wake_word_memory_.data());
 
   auto saved = os::SharedMemory::create(
       "takt-saved", std::max<std::size_t>(device().modules.size(), 1) * sizeof(channel::SavedState));
@@ -95,9 +95,10 @@ Result<void> Supervisor::prepare() {
   if (!wiring) return wiring.problems();
   wiring_ = std::move(*wiring);
   if (options_.participant) {
-    auto gate = Gate::open(options_.participant, bell_memory_, wiring_, options_.cell, device().name);
-    if (!gate) return gate.problems();
-    gate_ = std::move(*gate);
+    auto flow_manager =
+        FlowManager::open(options_.participant, wake_word_memory_, wiring_, options_.cell, device().name);
+    if (!flow_manager) return flow_manager.problems();
+    flow_manager_ = std::move(*flow_manager);
   }
 
   for (std::uint32_t i = 0; i < device().modules.size(); ++i) {
@@ -105,7 +106,7 @@ Result<void> Supervisor::prepare() {
     Member& member = *members_.back();
     member.inputs = wiring_.with_deadline(i);
     if (!member.is_process() || !member.scheduled()) continue;
-    if (auto seat = create_seat(member); !seat) return seat;
+    if (auto slot = create_seat(member); !slot) return slot;
   }
   if (auto retained = retain(); !retained) return retained;
   for (const auto& host : hosts_) {
@@ -165,7 +166,7 @@ void Supervisor::step() {
     if (member->is_process()) watch_process(*member, now);
   }
   if (phase_ == Phase::ended) return;
-  if (gate_) gate_->step(now);
+  if (flow_manager_) flow_manager_->step(now);
   watch_writers();
   for (const auto& host : hosts_) watch_host(*host, now);
   watch_gaps();
@@ -181,7 +182,7 @@ void Supervisor::step() {
 }
 
 Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, Instant until) {
-  if (!gate_) return fail("this device has no way to DDS");
+  if (!flow_manager_) return fail("this device has no way to DDS");
   const std::string name = device().name + "." + device().modules[module].name;
   const auto& ports = options_.ports[module];
   if (!ports)
@@ -217,8 +218,8 @@ Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, In
     }
     return fail("port " + name + "." + port + " is an input that nothing is connected to");
   }
-  if (auto tapped = gate_->tap(module, port, until); !tapped) return tapped.problems();
-  const PlannedFlow& flow = *gate_->flow_of(module, port);
+  if (auto tapped = flow_manager_->tap(module, port, until); !tapped) return tapped.problems();
+  const PlannedFlow& flow = *flow_manager_->flow_of(module, port);
   return Tapped{flow.topic, model::to_text(flow.type), flow.reliable};
 }
 
@@ -230,7 +231,7 @@ Result<Tapped> Supervisor::open_service(std::uint32_t module, const model::Port&
     return fail(
         "module " + name + " is in " + lifecycle::to_text(member.state()) + ", where it answers nobody",
         "takt start " + name);
-  if (auto opened = gate_->open_service(module, service, until); !opened) return opened.problems();
+  if (auto opened = flow_manager_->open_service(module, service, until); !opened) return opened.problems();
   const auto& ports = *options_.ports[module];
   const auto reply = std::find_if(ports.begin(), ports.end(), [&](const model::Port& port) {
     return port.name == service + model::kReplyPort;
@@ -249,7 +250,7 @@ void Supervisor::prepare_step() {
     return std::all_of(members_.begin(), members_.end(), [&](const auto& member) { return holds(*member); });
   };
   if (all([](const Member& m) { return m.state() == State::start; })) {
-    const auto opened = gate_ ? gate_->opened() : Result<void>{};
+    const auto opened = flow_manager_ ? flow_manager_->opened() : Result<void>{};
     if (opened && !opened->ok()) return fail_device(opened->problems()[0]);
     if (opened) phase_ = Phase::ready;
     return;
@@ -261,7 +262,7 @@ void Supervisor::prepare_step() {
       ask(*member, Doing::start);
     } else if (!member->scheduled()) {
       apply(*member, Event::start);
-    } else if (member->seat->phase.load(std::memory_order_acquire) == channel::SeatPhase::ready) {
+    } else if (member->slot->phase.load(std::memory_order_acquire) == channel::ReleaseSlotPhase::ready) {
       process_ready(*member);
       apply(*member, Event::start);
     }
@@ -275,7 +276,7 @@ void Supervisor::go(Instant t0) {
   if (t0 < os::now()) join_grid(t0);
   for (const auto& host : hosts_) host->block.t0_ns.store(to_ns(t0), std::memory_order_release);
   for (auto& member : members_) {
-    if (member->seat != nullptr) member->seat->t0_ns.store(to_ns(t0), std::memory_order_relaxed);
+    if (member->slot != nullptr) member->slot->t0_ns.store(to_ns(t0), std::memory_order_relaxed);
   }
   begin_rows();
 }
@@ -303,7 +304,7 @@ channel::Place Supervisor::place_of(const Member& member) const {
   return {.index = member.index,
           .block = &member.block,
           .executor = member.scheduled() ? &channel_.executor(executor_of(member)) : nullptr,
-          .seat = member.seat};
+          .slot = member.slot};
 }
 
 void Supervisor::put_in_tables(Member& member) {
@@ -312,17 +313,17 @@ void Supervisor::put_in_tables(Member& member) {
   trust(member, true);
   channel::put_in(place_of(member));
   // What came while it was out is there already, and nobody will ring for it.
-  if (member.seat != nullptr && member.seat->immediate != 0) ring(member.seat->bell_bit);
+  if (member.slot != nullptr && member.slot->immediate != 0) ring(member.slot->bell_bit);
 }
 
 void Supervisor::take_from_tables(Member& member) {
   trust(member, false);
-  member.departure.begin(place_of(member));
+  member.removal.begin(place_of(member));
 }
 
 bool Supervisor::is_out(const Member& member) const {
   if (member.is_process() && !member.scheduled()) return !member.child.running();
-  return member.departure.over(place_of(member));
+  return member.removal.over(place_of(member));
 }
 
 std::size_t Supervisor::executor_of(const Member& member) const {

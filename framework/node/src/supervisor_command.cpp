@@ -160,9 +160,9 @@ void Supervisor::begin_order(Member& member) {
 
 void Supervisor::order_step(Member& member, Instant now) {
   Order& order = *member.order;
-  if (now - order.since > kOrderLimit) {
+  if (now - order.since > kCommandLimit) {
     return end_order(member, REPLY_FAILED,
-                     "it did not come about within " + to_text(kOrderLimit) + " and goes on by itself");
+                     "it did not come about within " + to_text(kCommandLimit) + " and goes on by itself");
   }
   if (!order.begun) {
     if (member.pending) return;

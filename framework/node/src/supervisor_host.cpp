@@ -20,12 +20,12 @@ Result<void> Supervisor::start_host(Hosted& host) {
                     .executor_cpus = placement_.executors,
                     .background_cpus = placement_.background,
                     .seat_fds = {},
-                    .bell_fd = bell_memory_.fd().get(),
+                    .bell_fd = wake_word_memory_.fd().get(),
                     .saved_fd = saved_memory_.fd().get(),
                     .links = wiring_.of_host(host.share)};
-  std::vector<const os::Fd*> inherit{&bell_memory_.fd(), &saved_memory_.fd()};
+  std::vector<const os::Fd*> inherit{&wake_word_memory_.fd(), &saved_memory_.fd()};
   for (const auto& member : members_) {
-    const bool released = member->seat != nullptr && member->host == host.index;
+    const bool released = member->slot != nullptr && member->host == host.index;
     setup.seat_fds.push_back(released ? member->seat_memory.fd().get() : -1);
     if (released) inherit.push_back(&member->seat_memory.fd());
   }

@@ -38,7 +38,7 @@ bool Supervisor::has_stale_input(const Member& member, Instant now) {
 
 PortHealth Supervisor::health_of(const Member& member, const model::Port& port, Instant now) const {
   PortHealth health = wiring_.health(member.index, port, to_ns(now), [this](std::size_t wire) {
-    return gate_ ? gate_->health(wire) : std::nullopt;
+    return flow_manager_ ? flow_manager_->health(wire) : std::nullopt;
   });
   const auto at_stop = matched_at_stop_.find({member.index, port.name});
   if (at_stop != matched_at_stop_.end()) health.matched = at_stop->second;

@@ -32,35 +32,35 @@ const char* init_function(const Member& member) {
 }  // namespace
 
 Result<void> Supervisor::create_seat(Member& member) {
-  auto memory = os::SharedMemory::create("takt-seat", sizeof(channel::Seat));
+  auto memory = os::SharedMemory::create("takt-slot", sizeof(channel::ReleaseSlot));
   if (!memory) return memory.problems();
   member.seat_memory = std::move(*memory);
-  member.seat = reinterpret_cast<channel::Seat*>(member.seat_memory.data());
-  channel::Seat& seat = *member.seat;
+  member.slot = reinterpret_cast<channel::ReleaseSlot*>(member.seat_memory.data());
+  channel::ReleaseSlot& slot = *member.slot;
 
   const schedule::ExecutorPlan& plan = plan_.executors[executor_of(member)];
   const model::Executor& executor = device().executors[executor_of(member)];
   const bool periodic = member.model.operation == model::Operation::periodic;
   const Nanoseconds period =
       periodic ? *member.model.period : plan.basic_period;  // else released by each row
-  seat.magic = channel::Seat::kMagic;
-  seat.name.assign(member.model.name);
-  seat.kind = periodic ? channel::SeatKind::periodic : channel::SeatKind::sporadic;
-  seat.bell_bit = channel::bell_bit(member.index);
-  seat.period_ns = period.count();
-  if (periodic) seat.offset_ns = schedule::offset_of(plan, member.index).count();
-  seat.logical = model::timing_of(device(), member.model) == model::Timing::let ? 1 : 0;
+  slot.magic = channel::ReleaseSlot::kMagic;
+  slot.name.assign(member.model.name);
+  slot.kind = periodic ? channel::ReleaseSlotKind::periodic : channel::ReleaseSlotKind::sporadic;
+  slot.bell_bit = channel::bell_bit(member.index);
+  slot.period_ns = period.count();
+  if (periodic) slot.offset_ns = schedule::offset_of(plan, member.index).count();
+  slot.logical = model::timing_of(device(), member.model) == model::Timing::let ? 1 : 0;
   // Programs that spin for their release on the same processor share what one may take of it.
-  seat.margin_cap_ns =
+  slot.margin_cap_ns =
       os::margin_cap(period, executor.spin_share).count() / schedule::programs_on_one(device(), placement_);
   if (const auto contract = model::contract_of(device(), member.model);
       contract.what == model::Overrun::catch_up) {
-    seat.catch_up = static_cast<std::uint32_t>(contract.limit);
+    slot.catch_up = static_cast<std::uint32_t>(contract.limit);
   }
-  seat.lock_memory = real_time_ ? 1 : 0;
-  seat.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
-  seat.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
-  seat.interarrival_ns = member.model.interarrival.value_or(Nanoseconds{0}).count();
+  slot.lock_memory = real_time_ ? 1 : 0;
+  slot.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
+  slot.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
+  slot.interarrival_ns = member.model.interarrival.value_or(Nanoseconds{0}).count();
   return {};
 }
 
@@ -70,11 +70,11 @@ Result<void> Supervisor::spawn(Member& member) {
                            .environment = {},
                            .inherit = {},
                            .capture_output = true};
-  if (member.seat != nullptr) {
-    channel::clear_for_new_program(*member.seat);
+  if (member.slot != nullptr) {
+    channel::clear_for_new_program(*member.slot);
     options.environment = {{"TAKT_SEAT_FD", std::to_string(member.seat_memory.fd().get())},
-                           {"TAKT_BELL_FD", std::to_string(bell_memory_.fd().get())}};
-    options.inherit = {&member.seat_memory.fd(), &bell_memory_.fd()};
+                           {"TAKT_BELL_FD", std::to_string(wake_word_memory_.fd().get())}};
+    options.inherit = {&member.seat_memory.fd(), &wake_word_memory_.fd()};
     options.environment.emplace_back("TAKT_LINKS", wiring_.of_program(member.index));
     wiring_.inherit(options.inherit, member.index);
     if (violations_) {
@@ -102,7 +102,7 @@ void Supervisor::process_ready(Member& member) {
   if (!real_time_) return;
   const int priority =
       schedule::program_priority(plan_.executors[executor_of(member)].priority, member.model.operation);
-  const auto made = os::make_real_time(member.seat->thread.load(), priority);
+  const auto made = os::make_real_time(member.slot->thread.load(), priority);
   if (made) return;
   real_time_ = false;
   log(member, "WARNING: not real-time: " + in_words(made.problems()));
@@ -113,7 +113,7 @@ void Supervisor::watch_process(Member& member, Instant now) {
     forward_output();
     // It may have come further than we have looked.
     if (member.state() == State::idle &&
-        member.seat->phase.load(std::memory_order_acquire) != channel::SeatPhase::empty) {
+        member.slot->phase.load(std::memory_order_acquire) != channel::ReleaseSlotPhase::empty) {
       apply(member, Event::initialize);
     }
     if (member.state() == State::start && member.in_tables() && cycles_of(member) != member.seen_cycles)
@@ -123,11 +123,11 @@ void Supervisor::watch_process(Member& member, Instant now) {
   }
   if (!member.child.running() || !member.scheduled() || phase_ == Phase::stopping) return;
 
-  const channel::SeatPhase phase = member.seat->phase.load(std::memory_order_acquire);
+  const channel::ReleaseSlotPhase phase = member.slot->phase.load(std::memory_order_acquire);
   const bool slow = now - member.spawned > kAttachLimit;
   switch (member.state()) {
     case State::idle:
-      if (phase != channel::SeatPhase::empty)
+      if (phase != channel::ReleaseSlotPhase::empty)
         apply(member, Event::initialize);
       else if (slow)
         lose(member,
@@ -135,11 +135,11 @@ void Supervisor::watch_process(Member& member, Instant now) {
              ErrorType::hang);
       break;
     case State::initialize:
-      if (phase != channel::SeatPhase::ready && slow) {
+      if (phase != channel::ReleaseSlotPhase::ready && slow) {
         lose(member,
              std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit),
              ErrorType::hang);
-      } else if (phase == channel::SeatPhase::ready && phase_ == Phase::running && member.wanted()) {
+      } else if (phase == channel::ReleaseSlotPhase::ready && phase_ == Phase::running && member.wanted()) {
         process_ready(member);  // while the device is prepared, all are initialised first
         apply(member, Event::start);
         put_in_tables(member);
@@ -148,7 +148,7 @@ void Supervisor::watch_process(Member& member, Instant now) {
     case State::recover:
       if (!member.started_again) {
         watch_body(member, now);
-      } else if (phase == channel::SeatPhase::ready && !member.killed_for_hanging) {
+      } else if (phase == channel::ReleaseSlotPhase::ready && !member.killed_for_hanging) {
         process_ready(member);
         recovered(member);
       } else if (slow) {
@@ -166,21 +166,21 @@ void Supervisor::watch_process(Member& member, Instant now) {
 
 // A body that never ends, or that has ended too late.
 void Supervisor::watch_body(Member& member, Instant now) {
-  channel::Seat& seat = *member.seat;
+  channel::ReleaseSlot& slot = *member.slot;
   if (member.killed_for_hanging) return;
   // In this order: the instant of the release before it would make a body that has just begun an old one.
-  if (seat.in_body() &&
-      now - from_ns(seat.release_ns.load(std::memory_order_acquire)) >= stuck_after(member.model)) {
+  if (slot.in_body() &&
+      now - from_ns(slot.release_ns.load(std::memory_order_acquire)) >= stuck_after(member.model)) {
     member.killed_for_hanging = true;
     member.child.signal(os::kKill);
     return;
   }
-  const std::uint64_t late = seat.late.load(std::memory_order_acquire);  // SYNC: late
+  const std::uint64_t late = slot.late.load(std::memory_order_acquire);  // SYNC: late
   if (std::exchange(member.seen_late, late) == late) return;
   if (member.model.miss != model::Miss::error || !member.in_tables()) return;
   if (member.state() == State::start) apply(member, Event::run);  // its first body was late
   ++member.errors;
-  const Nanoseconds by{seat.late_by_ns.load(std::memory_order_relaxed)};
+  const Nanoseconds by{slot.late_by_ns.load(std::memory_order_relaxed)};
   raise(member, ErrorType::deadline, "its body ended " + to_text(by) + " after its deadline");
 }
 
@@ -227,7 +227,7 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
       ++member.errors;
       if (member.killed_for_hanging) {
         raise(member, ErrorType::hang, text,
-              from_ns(member.seat->release_ns.load(std::memory_order_relaxed)));
+              from_ns(member.slot->release_ns.load(std::memory_order_relaxed)));
       } else {
         const os::CoreDump core =
             end.signalled ? os::find_core_dump(member.last_pid, end.code) : os::CoreDump{};
@@ -245,8 +245,8 @@ void Supervisor::end_process(Member& member, Instant now) {
   if (!member.child.running()) return;
   if (member.told_to_end == Instant{}) {
     member.told_to_end = now;
-    if (member.seat != nullptr) {
-      member.seat->end.store(1, std::memory_order_seq_cst);
+    if (member.slot != nullptr) {
+      member.slot->end.store(1, std::memory_order_seq_cst);
       ring(~0U);
     } else {
       member.end_signals = 1;
@@ -267,8 +267,8 @@ void Supervisor::end_process(Member& member, Instant now) {
 }
 
 void Supervisor::ring(std::uint32_t bits) {
-  bell_->rings.fetch_add(1, std::memory_order_seq_cst);
-  os::futex_wake(bell_->rings, bits);
+  wake_word_->rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(wake_word_->rings, bits);
 }
 
 void Supervisor::forward_output() {

@@ -40,7 +40,7 @@ void Supervisor::watch_writers() {
               member->state() == lifecycle::State::executing && (member->in_tables() || !member->scheduled());
       }
     } else {
-      const auto flow = gate_ ? gate_->health(i) : std::nullopt;
+      const auto flow = flow_manager_ ? flow_manager_->health(i) : std::nullopt;
       executes =
           flow && flow->matched > 0 && options_.executes && options_.executes(writer.device, writer.module);
     }

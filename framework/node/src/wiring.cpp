@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/schedule/logical_time.hpp>
 
 namespace takt::node {

@@ -32,8 +32,8 @@ Result<void> Device::prepare() {
   auto channel = channel::Channel::create(1, executors, modules);
   if (!channel) return channel.problems();
   channel_ = std::move(*channel);
-  bell_ = std::make_unique<channel::Bell>();
-  bell_->gateway_sleeps.store(1);
+  wake_word_ = std::make_unique<channel::WakeWord>();
+  wake_word_->gateway_sleeps.store(1);
 
   make_members();
   make_wires();
@@ -57,23 +57,23 @@ void Device::make_members() {
       if (model().executors[e].name == member.model.executor) member.executor = e;
     }
     if (member.is_thread() || !member.scheduled()) continue;
-    member.seat = std::make_unique<channel::Seat>();
-    channel::Seat& seat = *member.seat;
-    seat.magic = channel::Seat::kMagic;
-    seat.name.assign(member.model.name);
-    seat.kind = member.sporadic() ? channel::SeatKind::sporadic : channel::SeatKind::periodic;
-    seat.bell_bit = channel::bell_bit(i);
-    seat.period_ns = member.sporadic() ? world_.plans[index_].executors[member.executor].basic_period.count()
+    member.slot = std::make_unique<channel::ReleaseSlot>();
+    channel::ReleaseSlot& slot = *member.slot;
+    slot.magic = channel::ReleaseSlot::kMagic;
+    slot.name.assign(member.model.name);
+    slot.kind = member.sporadic() ? channel::ReleaseSlotKind::sporadic : channel::ReleaseSlotKind::periodic;
+    slot.bell_bit = channel::bell_bit(i);
+    slot.period_ns = member.sporadic() ? world_.plans[index_].executors[member.executor].basic_period.count()
                                        : member.model.period->count();
-    seat.margin_cap_ns = std::min<std::int64_t>(seat.period_ns / 10, 100'000);
-    seat.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
-    seat.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
-    seat.interarrival_ns = member.model.interarrival.value_or(Nanoseconds{0}).count();
+    slot.margin_cap_ns = std::min<std::int64_t>(slot.period_ns / 10, 100'000);
+    slot.deadline_ns = member.model.deadline.value_or(Nanoseconds{0}).count();
+    slot.immediate = member.model.dispatch == model::Dispatch::immediate ? 1 : 0;
+    slot.interarrival_ns = member.model.interarrival.value_or(Nanoseconds{0}).count();
     if (!member.sporadic()) {
-      seat.offset_ns = schedule::offset_of(world_.plans[index_].executors[member.executor], i).count();
-      seat.logical = member.logical ? 1 : 0;
+      slot.offset_ns = schedule::offset_of(world_.plans[index_].executors[member.executor], i).count();
+      slot.logical = member.logical ? 1 : 0;
       if (member.contract.what == model::Overrun::catch_up)
-        seat.catch_up = static_cast<std::uint32_t>(member.contract.limit);
+        slot.catch_up = static_cast<std::uint32_t>(member.contract.limit);
     }
   }
 }
@@ -133,7 +133,7 @@ executor::Unit Device::unit_of(Member& member) const {
   const model::Module& m = member.model;
   return {.index = member.index,
           .body = member.is_thread() ? &member.body : nullptr,
-          .seat = member.seat.get(),
+          .slot = member.slot.get(),
           .block = &member.block,
           .period = m.period.value_or(Nanoseconds{0}),
           .deadline = m.deadline.value_or(Nanoseconds{0}),
@@ -211,7 +211,7 @@ void Device::say(What what, const Member& member) { say({.what = what}, member);
 
 // With the releases that a program gave itself.
 std::uint64_t Device::cycles(const Member& member) {
-  return member.block.cycles.load() + (member.seat ? member.seat->begun.load() : 0);
+  return member.block.cycles.load() + (member.slot ? member.slot->begun.load() : 0);
 }
 
 Totals Device::totals() const {
@@ -261,16 +261,16 @@ json Device::report() const {
   json modules = json::array();
   for (const auto& member : members_) {
     const channel::ModuleBlock& block = member->block;
-    const channel::Seat* seat = member->seat.get();
+    const channel::ReleaseSlot* slot = member->slot.get();
     modules.push_back({{"name", member->model.name},
                        {"type", model::to_text(member->model.type)},
                        {"operation", model::to_text(member->model.operation)},
                        {"state", lifecycle::to_text(member->state())},
                        {"cycles", cycles(*member)},
-                       {"overruns", block.overruns.load() + (seat == nullptr ? 0 : seat->late.load())},
+                       {"overruns", block.overruns.load() + (slot == nullptr ? 0 : slot->late.load())},
                        {"errors", block.errors.load() + member->errors},
-                       {"jitter_us", in_microseconds((seat == nullptr ? block.jitter : seat->jitter).read())},
-                       {"run_us", in_microseconds((seat == nullptr ? block.run : seat->run).read())},
+                       {"jitter_us", in_microseconds((slot == nullptr ? block.jitter : slot->jitter).read())},
+                       {"run_us", in_microseconds((slot == nullptr ? block.run : slot->run).read())},
                        {"pid", 0}});
     if (member->failed && !member->why.empty()) modules.back()["text"] = member->why;
     if (member->inputs.empty() && member->outputs.empty()) continue;

@@ -13,8 +13,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <takt/channel/channel.hpp>
-#include <takt/channel/departure.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
+#include <takt/channel/removal.hpp>
 #include <takt/core/result.hpp>
 #include <takt/executor/executor.hpp>
 #include <takt/lifecycle/machine.hpp>
@@ -104,7 +104,7 @@ class Device {
   bool await_release(Member& member, channel::Taken& taken);
   void look_at_tables(std::uint32_t executor);
   void ring(std::uint32_t bits);
-  void ring_pending() { ring(bell_->take_pending()); }
+  void ring_pending() { ring(wake_word_->take_pending()); }
   void forward_samples();
   [[noreturn]] void crash_host(Member& member);
   [[noreturn]] void leave(Member& member, const char* how);
@@ -164,7 +164,7 @@ class Device {
   Problems failures_;
   Draws draws_;
   channel::Channel channel_;
-  std::unique_ptr<channel::Bell> bell_;
+  std::unique_ptr<channel::WakeWord> wake_word_;
   std::map<int, Processor> processors_;  // those that several may want
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<std::unique_ptr<Wire>> wires_;

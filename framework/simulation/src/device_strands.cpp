@@ -20,7 +20,7 @@ Nanoseconds wake_up(Draws& draws) {
 Nanoseconds futex_wake_up(Draws& draws) {
   return draws.between(Nanoseconds{microseconds{4}}, Nanoseconds{microseconds{30}});
 }
-/// The word of a seat, from one processor's cache to another's.
+/// The word of a slot, from one processor's cache to another's.
 Nanoseconds store_seen(Draws& draws) { return draws.between(Nanoseconds{100}, Nanoseconds{500}); }
 /// A gateway that is rung for, until it has taken what is there.
 constexpr Nanoseconds kGatewayShortest = microseconds{15};
@@ -79,7 +79,7 @@ void Device::walk_rows(Row& row) {
          .number = executor.next_row() - 1,
          .count = block.missed.load() - missed,
          .release = executor.next_release() - executor.basic_period()});
-    ring(bits | bell_->take_pending());
+    ring(bits | wake_word_->take_pending());
   }
   row.rows = nullptr;
   row.halted = row.sporadic == nullptr;
@@ -87,12 +87,12 @@ void Device::walk_rows(Row& row) {
 
 void Device::serve_sporadic(Row& row) {
   while (!halt_asked_) {
-    const std::uint32_t rings = bell_->rings.load();
+    const std::uint32_t rings = wake_word_->rings.load();
     while (!halt_asked_ && row.executor->run_sporadic()) {
       look_at_tables(row.index);
       ring_pending();
     }
-    if (halt_asked_ || bell_->rings.load() != rings) continue;
+    if (halt_asked_ || wake_word_->rings.load() != rings) continue;
     row.sporadic_on_bell = true;
     static_cast<void>(world_.kernel.wait());
     row.sporadic_on_bell = false;
@@ -135,28 +135,28 @@ void Device::run_background(Member& member) {
 
 // As libtakt_process, in the user's program.
 void Device::run_program(Member& member) {
-  channel::Seat& seat = *member.seat;
+  channel::ReleaseSlot& slot = *member.slot;
   connect(member);
-  seat.phase.store(channel::SeatPhase::attached);
+  slot.phase.store(channel::ReleaseSlotPhase::attached);
   channel::Taken taken;
   while (true) {
-    seat.done.store(taken.count);
-    if (taken.count == 0) seat.phase.store(channel::SeatPhase::ready);
+    slot.done.store(taken.count);
+    if (taken.count == 0) slot.phase.store(channel::ReleaseSlotPhase::ready);
     if (!await_release(member, taken)) break;
-    taken = channel::take(seat, taken.count);
+    taken = channel::take(slot, taken.count);
     const Instant started = now();
     const std::int64_t release = taken.release_ns;
-    seat.jitter.record(release - to_ns(started));
+    slot.jitter.record(release - to_ns(started));
     say({.what = What::body, .number = taken.cycle, .release = from_ns(release)}, member);
     const executor::Outcome outcome = work(member, from_ns(release), started);
     if (!outcome.ok())
       leave(member, "the process exited with status 1");  // how a program says that it failed
-    seat.run.record((now() - started).count());
+    slot.run.record((now() - started).count());
     say({.what = What::done, .took = now() - started}, member);
-    const std::int64_t late = to_ns(now()) - release - seat.deadline_ns;
-    if (seat.deadline_ns != 0 && late > 0) {
-      seat.late_by_ns.store(late);
-      seat.late.fetch_add(1);
+    const std::int64_t late = to_ns(now()) - release - slot.deadline_ns;
+    if (slot.deadline_ns != 0 && late > 0) {
+      slot.late_by_ns.store(late);
+      slot.late.fetch_add(1);
     }
     ring_pending();
   }
@@ -174,13 +174,13 @@ void Device::leave(Member& member, const char* how) {
 
 // False: it is to end.
 bool Device::await_release(Member& member, channel::Taken& taken) {
-  channel::Seat& seat = *member.seat;
+  channel::ReleaseSlot& slot = *member.slot;
   Kernel& kernel = world_.kernel;
-  const auto released = [&] { return seat.released.load() != taken.count; };
-  const bool immediate = seat.immediate != 0;
-  if (!immediate && taken.count != 0 && !released() && seat.end.load() == 0) {
-    const Instant expected = from_ns(taken.release_ns + seat.period_ns);
-    const Nanoseconds margin{seat.margin_cap_ns};
+  const auto released = [&] { return slot.released.load() != taken.count; };
+  const bool immediate = slot.immediate != 0;
+  if (!immediate && taken.count != 0 && !released() && slot.end.load() == 0) {
+    const Instant expected = from_ns(taken.release_ns + slot.period_ns);
+    const Nanoseconds margin{slot.margin_cap_ns};
     kernel.sleep_until(expected - margin / 2);
     if (!released() && now() < expected + margin) {
       member.spins = true;
@@ -189,21 +189,21 @@ bool Device::await_release(Member& member, channel::Taken& taken) {
     }
   }
   while (!released()) {
-    if (seat.end.load() != 0) return false;
+    if (slot.end.load() != 0) return false;
     const std::int64_t event = immediate ? news_at(member) : channel::kNever;
-    const Instant from = from_ns(std::max(event, channel::not_before_ns(seat)));
+    const Instant from = from_ns(std::max(event, channel::not_before_ns(slot)));
     if (event != channel::kNever && now() >= from) {
-      if (channel::begin(seat, to_ns(now()))) return true;
-      taken.count = seat.released.load();  // it was shut out in between
-      seat.done.store(taken.count);
+      if (channel::begin(slot, to_ns(now()))) return true;
+      taken.count = slot.released.load();  // it was shut out in between
+      slot.done.store(taken.count);
     }
-    seat.sleeping.store(1);
+    slot.sleeping.store(1);
     Instant until = Instant::max();
-    if (event != channel::kNever && seat.open.load() != 0) until = from;
+    if (event != channel::kNever && slot.open.load() != 0) until = from;
     member.on_bell = true;
     if (!released() && until > now()) static_cast<void>(kernel.wait(until));
     member.on_bell = false;
-    seat.sleeping.store(0);
+    slot.sleeping.store(0);
   }
   return true;
 }
@@ -212,13 +212,13 @@ bool Device::await_release(Member& member, channel::Taken& taken) {
 void Device::look_at_tables(std::uint32_t executor) {
   const Row& row = *rows_[executor];
   const auto released = [this](Member& member) {
-    if (!member.seat || member.seat->immediate != 0) return;
-    const std::uint32_t releases = member.seat->released.load();
+    if (!member.slot || member.slot->immediate != 0) return;
+    const std::uint32_t releases = member.slot->released.load();
     if (releases != member.said_released) {
       member.said_released = releases;
       say({.what = What::released,
-           .number = member.seat->cycle(releases),
-           .release = from_ns(member.seat->release_ns.load())},
+           .number = member.slot->cycle(releases),
+           .release = from_ns(member.slot->release_ns.load())},
           member);
       if (member.spins) world_.kernel.wake(*member.program, store_seen(member.draws));
     }
@@ -242,19 +242,19 @@ void Device::look_at_tables(std::uint32_t executor) {
 
 void Device::ring(std::uint32_t bits) {
   if (bits == 0) return;
-  bell_->rings.fetch_add(1);
+  wake_word_->rings.fetch_add(1);
   Kernel& kernel = world_.kernel;
   for (auto& row : rows_) {
     if (row->sporadic_on_bell && (bits & channel::kSporadicBit) != 0)
       kernel.wake(*row->sporadic, futex_wake_up(row->draws));
   }
   for (auto& member : members_) {
-    if (member->on_bell && (bits & member->seat->bell_bit) != 0)
+    if (member->on_bell && (bits & member->slot->bell_bit) != 0)
       kernel.wake(*member->program, futex_wake_up(member->draws));
   }
   if ((bits & channel::kGatewayBit) == 0 || gateway_awake_) return;
   gateway_awake_ = true;
-  bell_->gateway_sleeps.store(0);
+  wake_word_->gateway_sleeps.store(0);
   kernel.at(now() + draws_.between(kGatewayShortest, kGatewayLongest), [this] { forward_samples(); });
 }
 
@@ -276,7 +276,7 @@ void Device::forward_samples() {
     world_.kernel.at(from_ns(next), [this] { forward_samples(); });
     return;
   }
-  bell_->gateway_sleeps.store(1);
+  wake_word_->gateway_sleeps.store(1);
   gateway_awake_ = false;
 }
 
@@ -294,7 +294,7 @@ void Device::arrive(Wire& wire, const std::byte* sample, std::int64_t wall_ns) {
   std::copy_n(sample, kSampleBytes, wire.link().payload(writer.buffer()));
   writer.publish(kSampleBytes, stamp);
   say({.what = What::arrived, .connection = wire.connection(), .number = number_of(sample)});
-  bell_->note(wire.link().block().wake_bits);
+  wake_word_->note(wire.link().block().wake_bits);
   ring_pending();
 }
 

@@ -83,7 +83,7 @@ void Device::prepare_step() {
     if (member->state() != State::initialize || member->pending) continue;
     if (member->is_thread())
       ask(*member, Doing::start);
-    else if (!member->scheduled() || member->seat->phase.load() == channel::SeatPhase::ready)
+    else if (!member->scheduled() || member->slot->phase.load() == channel::ReleaseSlotPhase::ready)
       apply(*member, lifecycle::Event::start);
   }
 }
@@ -93,7 +93,7 @@ void Device::go(Instant t0) {
   t0_ = t0;
   channel_.host(0).t0_ns.store(to_ns(t0));
   for (auto& member : members_) {
-    if (member->seat) member->seat->t0_ns.store(to_ns(t0));
+    if (member->slot) member->slot->t0_ns.store(to_ns(t0));
   }
   for (auto& member : members_) {
     if (member->scheduled()) put_in_tables(*member);
@@ -112,7 +112,7 @@ channel::Place Device::departure_of(const Member& member) const {
   return {.index = member.index,
           .block = &member.block,
           .executor = member.scheduled() ? &channel_.executor(member.executor) : nullptr,
-          .seat = member.seat.get()};
+          .slot = member.slot.get()};
 }
 
 void Device::put_in_tables(Member& member) {
@@ -121,16 +121,16 @@ void Device::put_in_tables(Member& member) {
   channel::put_in(departure_of(member));
   member.said_in_tables = true;
   say(What::put_in, member);
-  if (member.seat && member.seat->immediate != 0) ring(member.seat->bell_bit);
+  if (member.slot && member.slot->immediate != 0) ring(member.slot->bell_bit);
 }
 
 void Device::take_from_tables(Member& member) {
-  member.departure.begin(departure_of(member));
+  member.removal.begin(departure_of(member));
   if (!std::exchange(member.said_in_tables, false)) return;
   say(What::taken_out, member);
 }
 
-bool Device::is_out(const Member& member) const { return member.departure.over(departure_of(member)); }
+bool Device::is_out(const Member& member) const { return member.removal.over(departure_of(member)); }
 
 void Device::supervise(Member& member) {
   if (!member.scheduled() && member.state() == State::start) {
@@ -171,7 +171,7 @@ void Device::supervise(Member& member) {
 
 // As of the host's modules before each run; a program is looked at from here.
 void Device::watch_inputs(Member& member) {
-  if (!member.seat || member.state() != State::executing || !member.in_tables()) return;
+  if (!member.slot || member.state() != State::executing || !member.in_tables()) return;
   for (Member::Input& input : member.inputs) {
     channel::LinkBlock& block = input.wire->link().block();
     if (block.deadline_ns <= 0) continue;
@@ -188,15 +188,15 @@ void Device::watch_inputs(Member& member) {
 
 void Device::watch_program(Member& member) {
   if (!member.alive || phase_ == Phase::stopping) return;
-  channel::Seat& seat = *member.seat;
-  const channel::SeatPhase phase = seat.phase.load();
+  channel::ReleaseSlot& slot = *member.slot;
+  const channel::ReleaseSlotPhase phase = slot.phase.load();
   switch (member.state()) {
     case State::idle:
-      if (phase != channel::SeatPhase::empty) apply(member, lifecycle::Event::initialize);
+      if (phase != channel::ReleaseSlotPhase::empty) apply(member, lifecycle::Event::initialize);
       return;
     case State::recover:
       if (member.started_again) {
-        if (phase == channel::SeatPhase::ready) recovered(member);
+        if (phase == channel::ReleaseSlotPhase::ready) recovered(member);
         return;
       }
       break;
@@ -207,13 +207,13 @@ void Device::watch_program(Member& member) {
     case State::destruct:
       return;
   }
-  if (seat.in_body() && member.program != nullptr &&
-      now() - from_ns(seat.release_ns.load()) >= stuck_after(member.model)) {
+  if (slot.in_body() && member.program != nullptr &&
+      now() - from_ns(slot.release_ns.load()) >= stuck_after(member.model)) {
     member.killed_for_hanging = true;
     end_program(member, true, "the process did not come back to its wait and was ended");
     return;
   }
-  const std::uint64_t late = seat.late.load();
+  const std::uint64_t late = slot.late.load();
   if (std::exchange(member.seen_late, late) == late) return;
   if (member.model.miss != model::Miss::error || !member.in_tables()) return;
   if (member.state() == State::start) apply(member, lifecycle::Event::run);  // its first body was late
@@ -434,7 +434,7 @@ void Device::start_host() {
 }
 
 void Device::spawn(Member& member) {
-  channel::clear_for_new_program(*member.seat);
+  channel::clear_for_new_program(*member.slot);
   member.said_released = 0;
   member.alive = true;
   member.killed_for_hanging = false;
@@ -450,7 +450,7 @@ void Device::spawn(Member& member) {
 void Device::end_program(Member& member, bool killed, const std::string& why) {
   if (member.program == nullptr) return;
   if (!killed) {
-    member.seat->end.store(1);
+    member.slot->end.store(1);
     ring(~0U);
     return;
   }
@@ -480,7 +480,7 @@ void Device::program_ended(Member& member, const std::string& text) {
   take_from_tables(member);
   ++member.errors;
   if (member.killed_for_hanging)
-    raise(member, ErrorType::hang, text, from_ns(member.seat->release_ns.load()));
+    raise(member, ErrorType::hang, text, from_ns(member.slot->release_ns.load()));
   else
     raise(member, ErrorType::crash, text);
 }

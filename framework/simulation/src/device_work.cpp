@@ -100,7 +100,7 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
     const std::uint64_t number = output.writer.next();
     write_second_half(sample, output.wire->connection(), number);
     output.writer.publish(kSampleBytes, to_ns(start), valid);
-    bell_->note(output.wire->link().block().wake_bits);
+    wake_word_->note(output.wire->link().block().wake_bits);
     say({.what = What::wrote, .connection = output.wire->connection(), .number = number});
   }
   return {};

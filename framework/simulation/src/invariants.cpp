@@ -386,10 +386,10 @@ void Invariants::close(std::uint32_t index, const Totals& totals) {
     const std::string who = model.name + "." + model.modules[m].name;
     const Totals::OfModule& counted = totals.modules[m];
     const OfModule& happened = device.modules[m];
-    const bool owed = is_owed(index, static_cast<std::uint32_t>(m));
-    if (!owed) wrong(who, "releases", counted.cycles, happened.cycles);
+    const bool pending = is_owed(index, static_cast<std::uint32_t>(m));
+    if (!pending) wrong(who, "releases", counted.cycles, happened.cycles);
     wrong(who, "steps", counted.steps, happened.steps);
-    if (model.modules[m].operation == model::Operation::periodic && !owed) {
+    if (model.modules[m].operation == model::Operation::periodic && !pending) {
       wrong(who, "missed releases", counted.missed, happened.missed);
       const schedule::ExecutorPlan& plan =
           plans_[index].executors[executor_of(index, static_cast<std::uint32_t>(m))];

@@ -55,7 +55,7 @@ struct Device::Member {
   channel::ModuleBlock& block;
   lifecycle::Machine machine;
   lifecycle::Recovery recovery;
-  channel::Departure departure;
+  channel::Removal removal;
   Draws draws;
   RunTime run_time;
   model::OverrunContract contract;
@@ -98,7 +98,7 @@ struct Device::Member {
   Instant watched_since{};
 
   // A program's.
-  std::unique_ptr<channel::Seat> seat;
+  std::unique_ptr<channel::ReleaseSlot> slot;
   Strand* program = nullptr;
   bool alive = false;    ///< as far as its supervisor knows
   bool on_bell = false;  ///< it sleeps there

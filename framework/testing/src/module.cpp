@@ -120,7 +120,7 @@ struct Module::Inside {
   bool was_started = false;
 };
 
-// A program's seat is another one after each load.
+// A program's slot is another one after each load.
 void Module::Inside::make_executor() {
   executor::Unit unit{.block = &block, .period = options.period};
   subject->enter(unit);

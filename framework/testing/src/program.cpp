@@ -15,7 +15,7 @@
 #endif
 
 #include <takt/process.h>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/component/current_cycle.hpp>
 #include <takt/component/property.hpp>
 #include <takt/component/saved.hpp>
@@ -66,8 +66,8 @@ class Exceptions {
 /// nobody knows whether a thread of it still runs. So its code and its variables stay until the test ends.
 class Course {
  public:
-  Course(std::string path, bool sporadic, channel::Seat& seat, VirtualClock& clock)
-      : path_(std::move(path)), sporadic_(sporadic), seat_(seat), clock_(clock) {}
+  Course(std::string path, bool sporadic, channel::ReleaseSlot& slot, VirtualClock& clock)
+      : path_(std::move(path)), sporadic_(sporadic), slot_(slot), clock_(clock) {}
 
   Result<void> load();
   /// The program goes on until it waits, attaches or ends.
@@ -106,7 +106,7 @@ class Course {
 
   std::string path_;
   bool sporadic_;
-  channel::Seat& seat_;
+  channel::ReleaseSlot& slot_;
   VirtualClock& clock_;
   os::Library library_;
   Main main_ = nullptr;
@@ -261,7 +261,7 @@ void Course::find_saved(const char* function) {
 }
 
 void Course::restore() const {
-  const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : seat_.saved.saved();
+  const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : slot_.saved.saved();
   if (before == nullptr) return;
   const bool same = before->version == saved_.version && before->size == saved_.size;
   if (same) std::memcpy(saved_.data, before->bytes.data(), saved_.size);
@@ -288,23 +288,23 @@ void Course::attach(bool sporadic, const char* function) {
   for (PortBase* port : ports_) port->serve(context_);
   find_saved(function);
   restore();
-  cycle_.period = Nanoseconds{seat_.period_ns};
-  seat_.phase = channel::SeatPhase::attached;
+  cycle_.period = Nanoseconds{slot_.period_ns};
+  slot_.phase = channel::ReleaseSlotPhase::attached;
   leave();
 }
 
-// The seat is the one that takt-node would make; the words between scheduler and program are those of
+// The slot is the one that takt-node would make; the words between scheduler and program are those of
 // libtakt_process.
 void Course::wait(const char* function) {
   if (!attached_) refuse(function, "call initPeriodExe() or initSporadicExe() first");
   if (saved_.data != nullptr && taken_.count != 0)
-    seat_.saved.save(saved_.data, saved_.size, saved_.version, context_.start_ns);
-  seat_.done = taken_.count;
-  seat_.phase = channel::SeatPhase::ready;
-  if (seat_.end != 0) exit(0);
+    slot_.saved.save(saved_.data, saved_.size, saved_.version, context_.start_ns);
+  slot_.done = taken_.count;
+  slot_.phase = channel::ReleaseSlotPhase::ready;
+  if (slot_.end != 0) exit(0);
   leave();
-  if (seat_.end != 0) exit(0);
-  taken_ = channel::take(seat_, taken_.count);
+  if (slot_.end != 0) exit(0);
+  taken_ = channel::take(slot_, taken_.count);
   context_.start_ns = to_ns(clock_.now());
   cycle_.number = taken_.cycle;
   cycle_.time = from_ns(taken_.release_ns);
@@ -321,14 +321,14 @@ class ProgramSubject final : public Subject {
 
   Result<void> load() override {
     static auto& all = *new std::vector<std::unique_ptr<Life>>;  // for ever, see Course
-    const auto before = life_ == nullptr ? std::nullopt : life_->seat.saved.copy();
+    const auto before = life_ == nullptr ? std::nullopt : life_->slot.saved.copy();
     all.push_back(std::make_unique<Life>(path_, sporadic_, clock_));
     life_ = all.back().get();
-    channel::Seat& seat = life_->seat;
-    if (before) seat.saved.save(before->bytes.data(), before->size, before->version, before->saved_ns);
-    seat.magic = channel::Seat::kMagic;
-    seat.kind = sporadic_ ? channel::SeatKind::sporadic : channel::SeatKind::periodic;
-    seat.period_ns = period_.count();
+    channel::ReleaseSlot& slot = life_->slot;
+    if (before) slot.saved.save(before->bytes.data(), before->size, before->version, before->saved_ns);
+    slot.magic = channel::ReleaseSlot::kMagic;
+    slot.kind = sporadic_ ? channel::ReleaseSlotKind::sporadic : channel::ReleaseSlotKind::periodic;
+    slot.period_ns = period_.count();
     return life_->course.load();
   }
   Result<void> initialize(const irp::Property& properties) override {
@@ -340,7 +340,7 @@ class ProgramSubject final : public Subject {
   Result<void> error(ErrorType) override { return {}; }  // a program is not told
   Result<void> recover() override { return {}; }
   Result<void> destruct() override {
-    life_->seat.end = 1;
+    life_->slot.end = 1;
     if (life_->course.begun() && !life_->course.ended()) life_->course.go_on();
     return {};
   }
@@ -363,22 +363,22 @@ class ProgramSubject final : public Subject {
   }
   void keep(std::shared_ptr<void> memory) override { life_->kept.push_back(std::move(memory)); }
 
-  void enter(executor::Unit& unit) override { unit.seat = &life_->seat; }
+  void enter(executor::Unit& unit) override { unit.slot = &life_->slot; }
   void serve(channel::ModuleBlock& block) override {
-    if (ended() || !life_->seat.in_body()) return;
+    if (ended() || !life_->slot.in_body()) return;
     life_->course.go_on();
     if (!ended()) return;
     block.in_tables = 0;
     block.errors = block.errors + 1;
-    block.error_cycle = life_->seat.cycle(life_->seat.released);
+    block.error_cycle = life_->slot.cycle(life_->slot.released);
     block.error_text.assign(life_->course.end());
     block.error = static_cast<std::uint32_t>(ErrorType::crash);
   }
 
  private:
   struct Life {
-    Life(const std::string& path, bool sporadic, VirtualClock& clock) : course(path, sporadic, seat, clock) {}
-    channel::Seat seat{};
+    Life(const std::string& path, bool sporadic, VirtualClock& clock) : course(path, sporadic, slot, clock) {}
+    channel::ReleaseSlot slot{};
     Course course;
     std::vector<std::shared_ptr<void>> kept;
   };

@@ -23,8 +23,8 @@ ModuleStatistics servo(std::int64_t time_ms, std::uint64_t cycles = 0) {
   return statistics;
 }
 
-std::vector<dds::SeenDevice> robot(const std::vector<ModuleStatistics>& modules) {
-  dds::SeenDevice device;
+std::vector<dds::ObservedDevice> robot(const std::vector<ModuleStatistics>& modules) {
+  dds::ObservedDevice device;
   dds::set(device.status.device(), "robot");
   for (const ModuleStatistics& each : modules) device.deployment.statistics[each.name().to_string()] = each;
   return {device};

@@ -1,6 +1,6 @@
 // A module that is taken out of the tables while rows are walked as fast as they can be: once it is out,
 // nothing of it runs, and whoever took it out may touch what it touches.
-#include <takt/channel/departure.hpp>
+#include <takt/channel/removal.hpp>
 
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ struct Shared {
   }
 };
 
-TEST(Departure, IsOverOnceNothingOfTheModuleRuns) {
+TEST(Removal, IsOverOnceNothingOfTheModuleRuns) {
   constexpr std::size_t kModules = 3;  // periodic, released by rows, released at once
   constexpr std::uint64_t kTimes = 1'500;
   FakeDevice device{{thread(milliseconds{1}), sporadic(kThread, milliseconds{5}), at_once(milliseconds{5})}};
@@ -90,7 +90,7 @@ TEST(Departure, IsOverOnceNothingOfTheModuleRuns) {
   }};
 
   std::mt19937 random{5};
-  std::array<channel::Departure, kModules> departures;
+  std::array<channel::Removal, kModules> removals;
   std::array<std::uint64_t, kModules> outs{};
   const auto busy = [&] {  // each has run often, beside being taken out
     for (std::size_t i = 0; i < kModules; ++i) {
@@ -105,14 +105,14 @@ TEST(Departure, IsOverOnceNothingOfTheModuleRuns) {
     const channel::Place place{.index = static_cast<std::uint32_t>(i),
                                .block = &device.blocks[i],
                                .executor = device.block.get(),
-                               .seat = nullptr};
-    departures[i].begin(place);
-    while (!departures[i].over(place)) std::this_thread::yield();
+                               .slot = nullptr};
+    removals[i].begin(place);
+    while (!removals[i].over(place)) std::this_thread::yield();
     for (int look = 0; look < 20; ++look) met += shared[i].inside.load(std::memory_order_relaxed) ? 1 : 0;
     ++shared[i].plain;
     ++outs[i];
     channel::put_in(place);
-    for (auto wait = random() % 300; wait > 0; --wait) static_cast<void>(departures[i].over(place));
+    for (auto wait = random() % 300; wait > 0; --wait) static_cast<void>(removals[i].over(place));
   }
   end = true;
   rows.join();
@@ -175,54 +175,54 @@ class DepartureStep : public testing::Test {
  protected:
   std::unique_ptr<channel::ExecutorBlock> executor = std::make_unique<channel::ExecutorBlock>();
   std::unique_ptr<channel::ModuleBlock> block = std::make_unique<channel::ModuleBlock>();
-  channel::Seat seat{};
-  channel::Place place{.index = 4, .block = block.get(), .executor = executor.get(), .seat = nullptr};
-  channel::Departure departure;
+  channel::ReleaseSlot slot{};
+  channel::Place place{.index = 4, .block = block.get(), .executor = executor.get(), .slot = nullptr};
+  channel::Removal removal;
 };
 
 TEST_F(DepartureStep, WaitsForTheRowThatIsWalkedAndNoLater) {
   channel::put_in(place);
-  EXPECT_FALSE(departure.over(place)) << "it is in the tables";
+  EXPECT_FALSE(removal.over(place)) << "it is in the tables";
   executor->row_sequence = 7;
-  departure.begin(place);
-  EXPECT_FALSE(departure.over(place));
+  removal.begin(place);
+  EXPECT_FALSE(removal.over(place));
   executor->row_sequence = 8;
-  EXPECT_TRUE(departure.over(place));
+  EXPECT_TRUE(removal.over(place));
   executor->row_sequence = 9;
-  EXPECT_TRUE(departure.over(place)) << "the next row has seen that it is out";
+  EXPECT_TRUE(removal.over(place)) << "the next row has seen that it is out";
 }
 
 TEST_F(DepartureStep, WaitsForNoRowBetweenTwo) {
   executor->row_sequence = 8;
-  departure.begin(place);
-  EXPECT_TRUE(departure.over(place));
+  removal.begin(place);
+  EXPECT_TRUE(removal.over(place));
 }
 
 TEST_F(DepartureStep, WaitsForItsSporadicRunAndItsBackgroundRunAlone) {
-  departure.begin(place);
+  removal.begin(place);
   executor->sporadic.begin(3, channel::Doing::run, 0);
-  EXPECT_TRUE(departure.over(place)) << "another's";
+  EXPECT_TRUE(removal.over(place)) << "another's";
   executor->sporadic.begin(4, channel::Doing::run, 0);
-  EXPECT_FALSE(departure.over(place));
+  EXPECT_FALSE(removal.over(place));
   executor->sporadic.end();
   block->background.begin(4, channel::Doing::run, 0);
-  EXPECT_FALSE(departure.over(place));
+  EXPECT_FALSE(removal.over(place));
   block->background.end();
-  EXPECT_TRUE(departure.over(place));
+  EXPECT_TRUE(removal.over(place));
 }
 
 TEST_F(DepartureStep, WaitsForTheProgramsBody) {
-  place.seat = &seat;
-  seat.phase = channel::SeatPhase::ready;
+  place.slot = &slot;
+  slot.phase = channel::ReleaseSlotPhase::ready;
   channel::put_in(place);
-  EXPECT_EQ(channel::release(seat, 0, 0), channel::Release::given);
-  departure.begin(place);
-  EXPECT_FALSE(departure.over(place));
-  seat.done = 1;
-  EXPECT_TRUE(departure.over(place));
-  EXPECT_EQ(seat.open.load(), 0U);
-  channel::clear_for_new_program(seat);
-  EXPECT_TRUE(departure.over(place)) << "no program is in no body";
+  EXPECT_EQ(channel::release(slot, 0, 0), channel::Release::given);
+  removal.begin(place);
+  EXPECT_FALSE(removal.over(place));
+  slot.done = 1;
+  EXPECT_TRUE(removal.over(place));
+  EXPECT_EQ(slot.open.load(), 0U);
+  channel::clear_for_new_program(slot);
+  EXPECT_TRUE(removal.over(place)) << "no program is in no body";
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ TEST(Interarrival, HoldsForProgramsToo) {
   device.join();
   for (int i = 0; i < 12; ++i) {
     device.cycle();
-    device.seats[1].done.store(device.seats[1].released.load());  // the program is quick
+    device.slots[1].done.store(device.slots[1].released.load());  // the program is quick
   }
   EXPECT_EQ(device.blocks[1].cycles.load(), 3U);
 }

@@ -1,5 +1,5 @@
 // A device on virtual time: one executor, bodies that do what the test says, and programs that are only their
-// seats.
+// slots.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <takt/channel/layout.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/executor/executor.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/schedule/plan.hpp>
@@ -65,7 +65,7 @@ inline model::Module sporadic(model::ModuleType type, Nanoseconds deadline, int 
   return module;
 }
 
-/// Everything the executor needs, with each module's block, body and seat by its index in `modules`. All are
+/// Everything the executor needs, with each module's block, body and slot by its index in `modules`. All are
 /// in the tables, and all programs wait.
 class FakeDevice {
  public:
@@ -74,7 +74,7 @@ class FakeDevice {
         block(std::make_unique<channel::ExecutorBlock>()),
         blocks(std::make_unique<channel::ModuleBlock[]>(count)),
         bodies(std::make_unique<Script[]>(count)),
-        seats(std::make_unique<channel::Seat[]>(count)) {
+        slots(std::make_unique<channel::ReleaseSlot[]>(count)) {
     model::Device device;
     device.executors.emplace_back();
     device.modules = std::move(modules);
@@ -98,12 +98,12 @@ class FakeDevice {
         if (m.type == model::ModuleType::thread) {
           unit.body = &bodies[i];
         } else {
-          unit.seat = &seats[i];
-          seats[i].bell_bit = channel::bell_bit(i);
-          seats[i].period_ns = unit.period.count();
+          unit.slot = &slots[i];
+          slots[i].bell_bit = channel::bell_bit(i);
+          slots[i].period_ns = unit.period.count();
           if (unit.overrun.what == model::Overrun::catch_up)
-            seats[i].catch_up = static_cast<std::uint32_t>(unit.overrun.limit);
-          seats[i].phase.store(channel::SeatPhase::ready);
+            slots[i].catch_up = static_cast<std::uint32_t>(unit.overrun.limit);
+          slots[i].phase.store(channel::ReleaseSlotPhase::ready);
         }
         blocks[i].in_tables.store(1);
         units.push_back(unit);
@@ -139,7 +139,7 @@ class FakeDevice {
   std::unique_ptr<channel::ExecutorBlock> block;
   std::unique_ptr<channel::ModuleBlock[]> blocks;
   std::unique_ptr<Script[]> bodies;
-  std::unique_ptr<channel::Seat[]> seats;
+  std::unique_ptr<channel::ReleaseSlot[]> slots;
   schedule::DevicePlan plan;
   std::vector<Unit> periodic_units;
   std::vector<Unit> sporadic_units;

@@ -56,13 +56,13 @@ TEST_F(Recorded, EveryRowAndRunOfThousandsAsTheyWere) {
   std::uint64_t body_took = 0;
   for (int i = 0; i < 5000; ++i) {
     // The program answers as it likes, between two rows.
-    channel::Seat& seat = device.seats[3];
-    if (seat.in_body() && i % 3 != 0) {
+    channel::ReleaseSlot& slot = device.slots[3];
+    if (slot.in_body() && i % 3 != 0) {
       body_took = 1000 + static_cast<std::uint64_t>(i);
       body_ended = ns(device.clock.time) - 10;
-      seat.body_began_ns = body_ended - static_cast<std::int64_t>(body_took);
-      seat.body_ended_ns = body_ended;
-      seat.done.store(seat.released.load());
+      slot.body_began_ns = body_ended - static_cast<std::int64_t>(body_took);
+      slot.body_ended_ns = body_ended;
+      slot.done.store(slot.released.load());
     } else {
       body_ended = 0;
     }
@@ -76,7 +76,7 @@ TEST_F(Recorded, EveryRowAndRunOfThousandsAsTheyWere) {
     const std::size_t before = expected.size();
     if (walked % 2 == 0) {
       if (body_ended != 0) expected.push_back({body_ended, FlightKind::body, 3, body_took});
-      const bool busy = seat.in_body();
+      const bool busy = slot.in_body();
       expected.push_back(
           {ns(woke), FlightKind::released, 3,
            static_cast<std::uint64_t>(busy ? channel::Release::busy : channel::Release::given)});
@@ -89,8 +89,8 @@ TEST_F(Recorded, EveryRowAndRunOfThousandsAsTheyWere) {
     expected.push_back({ns(device.clock.time), FlightKind::row_end, 0, 0});
     if (walked % 2 != 0 && body_ended != 0) {
       // It is seen when it is released next: what ended last by then.
-      const std::uint32_t done = seat.done.load();
-      seat.done.store(done - 1);
+      const std::uint32_t done = slot.done.load();
+      slot.done.store(done - 1);
     }
   }
   const auto entries = of_rows();

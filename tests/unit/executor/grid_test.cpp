@@ -172,17 +172,17 @@ TEST_P(Grid, IsNeverLeft) {
   }
   model.basic = Nanoseconds{basic};
 
-  // Programs: their seats are looked at whenever time moves.
+  // Programs: their slots are looked at whenever time moves.
   std::vector<std::uint64_t> served(modules.size());
   std::vector<Instant> busy_until(modules.size());
   const auto move_time_to = [&](Instant time) {
     for (std::size_t i = 0; i < modules.size(); ++i) {
-      channel::Seat& seat = device.seats[i];
-      if (seat.released.load() != served[i]) {
+      channel::ReleaseSlot& release_slot = device.slots[i];
+      if (release_slot.released.load() != served[i]) {
         busy_until[i] = device.clock.time + duration(seed, i, served[i], model.basic) * 4;
         ++served[i];
       }
-      if (busy_until[i] <= time) seat.done.store(static_cast<std::uint32_t>(served[i]));
+      if (busy_until[i] <= time) release_slot.done.store(static_cast<std::uint32_t>(served[i]));
     }
     device.clock.time = time;
   };
@@ -251,7 +251,7 @@ TEST_P(Grid, EveryReleaseIsServedOrCountedOnce) {
   device.join();
   for (int n = 0; n < kCyclesPerSeed / 10; ++n) {
     for (std::size_t i : {3U, 4U}) {
-      if (random() % 3 != 0) device.seats[i].done.store(device.seats[i].released.load());
+      if (random() % 3 != 0) device.slots[i].done.store(device.slots[i].released.load());
     }
     device.cycle(random() % 20 == 0 ? microseconds{random() % 5000} : microseconds{random() % 100});
   }

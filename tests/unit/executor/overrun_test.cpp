@@ -172,25 +172,25 @@ TEST_F(Contract, OfAProgramInItsBody) {
   EXPECT_EQ(overruns(1), 1U);
   EXPECT_EQ(error(1), ErrorType::overrun);
 
-  // The third is owed the last two.
-  channel::Seat& seat = device->seats[2];
+  // The third is pending the last two.
+  channel::ReleaseSlot& release_slot = device->slots[2];
   EXPECT_EQ(device->blocks[2].cycles.load(), 3U);
   EXPECT_EQ(overruns(2), 4U);
-  EXPECT_EQ(seat.released.load(), 3U);
-  seat.t0_ns.store(to_ns(device->t0));
+  EXPECT_EQ(release_slot.released.load(), 3U);
+  release_slot.t0_ns.store(to_ns(device->t0));
   std::uint32_t done = 1;
   for (const std::uint64_t cycle : {3U, 4U}) {
-    seat.done.store(done);
-    const channel::Taken taken = channel::take(seat, done);
+    release_slot.done.store(done);
+    const channel::Taken taken = channel::take(release_slot, done);
     EXPECT_EQ(taken.count, done + 1);
     EXPECT_EQ(taken.cycle, cycle);
     EXPECT_EQ(taken.release_ns, to_ns(device->t0 + milliseconds{cycle}));
     done = taken.count;
   }
-  seat.done.store(done);
-  EXPECT_TRUE(seat.waiting());
+  release_slot.done.store(done);
+  EXPECT_TRUE(release_slot.waiting());
   device->cycle();
-  EXPECT_EQ(channel::take(seat, done).cycle, 5U);
+  EXPECT_EQ(channel::take(release_slot, done).cycle, 5U);
   EXPECT_EQ(device->blocks[2].cycles.load() + overruns(2) - 2, 6U) << "two of its overruns were served";
 }
 

@@ -1,5 +1,5 @@
-// Process units. The program is a thread here, but it and the executor share nothing but the seat and the
-// bell.
+// Process units. The program is a thread here, but it and the executor share nothing but the slot and the
+// wake_word.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -19,17 +19,17 @@ TEST(ProcessUnit, IsReleasedWithItsCycleAndInstant) {
   FakeDevice device{{process(milliseconds{2}), thread(milliseconds{1})}};
   device.join();
   device.cycle();
-  channel::Seat& seat = device.seats[0];
-  EXPECT_EQ(seat.released.load(), 1U);
-  EXPECT_EQ(seat.cycle(seat.released.load()), 0U);
-  EXPECT_EQ(seat.release_ns.load(), to_ns(device.t0));
-  seat.done.store(1);
+  channel::ReleaseSlot& slot = device.slots[0];
+  EXPECT_EQ(slot.released.load(), 1U);
+  EXPECT_EQ(slot.cycle(slot.released.load()), 0U);
+  EXPECT_EQ(slot.release_ns.load(), to_ns(device.t0));
+  slot.done.store(1);
   device.cycle();
-  EXPECT_EQ(seat.released.load(), 1U) << "not due";
+  EXPECT_EQ(slot.released.load(), 1U) << "not due";
   device.cycle();
-  EXPECT_EQ(seat.released.load(), 2U);
-  EXPECT_EQ(seat.cycle(seat.released.load()), 1U);
-  EXPECT_EQ(seat.release_ns.load(), to_ns(device.t0 + milliseconds{2}));
+  EXPECT_EQ(slot.released.load(), 2U);
+  EXPECT_EQ(slot.cycle(slot.released.load()), 1U);
+  EXPECT_EQ(slot.release_ns.load(), to_ns(device.t0 + milliseconds{2}));
   EXPECT_EQ(device.blocks[0].cycles.load(), 2U);
 }
 
@@ -37,20 +37,20 @@ TEST(ProcessUnit, StillInItsBodyIsAnOverrunAndNoRelease) {
   FakeDevice device{{process(milliseconds{1})}};
   device.join();
   for (int i = 0; i < 4; ++i) device.cycle();
-  EXPECT_EQ(device.seats[0].released.load(), 1U);
+  EXPECT_EQ(device.slots[0].released.load(), 1U);
   EXPECT_EQ(device.blocks[0].cycles.load(), 1U);
   EXPECT_EQ(device.blocks[0].overruns.load(), 3U);
-  device.seats[0].done.store(1);
+  device.slots[0].done.store(1);
   device.cycle();
-  EXPECT_EQ(device.seats[0].cycle(device.seats[0].released.load()), 4U) << "a gap for every release missed";
+  EXPECT_EQ(device.slots[0].cycle(device.slots[0].released.load()), 4U) << "a gap for every release missed";
 }
 
 TEST(ProcessUnit, NotYetAtItsFirstWaitIsNotReleased) {
   FakeDevice device{{process(milliseconds{1})}};
-  device.seats[0].phase.store(channel::SeatPhase::attached);
+  device.slots[0].phase.store(channel::ReleaseSlotPhase::attached);
   device.join();
   device.cycle();
-  EXPECT_EQ(device.seats[0].released.load(), 0U);
+  EXPECT_EQ(device.slots[0].released.load(), 0U);
   EXPECT_EQ(device.blocks[0].cycles.load(), 0U);
 }
 
@@ -60,15 +60,15 @@ TEST(ProcessUnit, OutOfTheTablesIsNotReleased) {
   device.join();
   device.cycle();
   device.cycle(milliseconds{7});
-  EXPECT_EQ(device.seats[0].released.load(), 0U);
+  EXPECT_EQ(device.slots[0].released.load(), 0U);
   EXPECT_EQ(device.blocks[0].overruns.load(), 0U);
   EXPECT_EQ(device.blocks[0].missed.load(), 0U);
 }
 
 TEST(ProcessUnit, ThatSleepsIsRungForOnce) {
   FakeDevice device{{process(milliseconds{1}), process(milliseconds{1}), process(milliseconds{1})}};
-  device.seats[0].sleeping.store(1);
-  device.seats[2].sleeping.store(1);
+  device.slots[0].sleeping.store(1);
+  device.slots[2].sleeping.store(1);
   device.join();
   EXPECT_EQ(device.cycle(), channel::bell_bit(0) | channel::bell_bit(2));
   EXPECT_EQ(device.cycle(), 0U) << "it was told; it has not even woken up";
@@ -80,28 +80,28 @@ TEST(ProcessUnit, ThatSleepsIsRungForOnce) {
 TEST(ProcessUnit, ServesEachReleaseOnceWhateverTheProgramDoes) {
   constexpr std::uint64_t kReleases = 20'000;
   FakeDevice device{{process(milliseconds{1})}};
-  channel::Seat& seat = device.seats[0];
-  channel::Bell bell{};
+  channel::ReleaseSlot& slot = device.slots[0];
+  channel::WakeWord wake_word{};
   std::atomic<std::uint64_t> sum{0};
   std::thread program{[&] {
     std::mt19937 random{3};
     std::uint32_t taken = 0;
     while (true) {
-      seat.done.store(taken, std::memory_order_release);
-      for (std::uint64_t i = random() % 300; i > 0 && seat.released.load(std::memory_order_acquire) == taken;
+      slot.done.store(taken, std::memory_order_release);
+      for (std::uint64_t i = random() % 300; i > 0 && slot.released.load(std::memory_order_acquire) == taken;
            --i) {
       }
-      while (seat.released.load(std::memory_order_acquire) == taken) {
-        if (seat.end.load(std::memory_order_acquire) != 0) return;
-        const std::uint32_t rings = bell.rings.load();
-        seat.sleeping.store(1);
-        if (seat.released.load() == taken && seat.end.load() == 0)
-          os::futex_wait(bell.rings, rings, seat.bell_bit);
-        seat.sleeping.store(0);
+      while (slot.released.load(std::memory_order_acquire) == taken) {
+        if (slot.end.load(std::memory_order_acquire) != 0) return;
+        const std::uint32_t rings = wake_word.rings.load();
+        slot.sleeping.store(1);
+        if (slot.released.load() == taken && slot.end.load() == 0)
+          os::futex_wait(wake_word.rings, rings, slot.bell_bit);
+        slot.sleeping.store(0);
       }
-      EXPECT_EQ(seat.released.load(std::memory_order_acquire), taken + 1);
-      taken = seat.released.load(std::memory_order_acquire);
-      sum += seat.cycle(taken);
+      EXPECT_EQ(slot.released.load(std::memory_order_acquire), taken + 1);
+      taken = slot.released.load(std::memory_order_acquire);
+      sum += slot.cycle(taken);
     }
   }};
   device.join();
@@ -114,15 +114,15 @@ TEST(ProcessUnit, ServesEachReleaseOnceWhateverTheProgramDoes) {
     if (device.blocks[0].cycles.load() != before) expected += row;
     if (wake != 0) {
       ++rings;
-      bell.rings.fetch_add(1);
-      os::futex_wake(bell.rings, wake);
+      wake_word.rings.fetch_add(1);
+      os::futex_wake(wake_word.rings, wake);
     }
     std::this_thread::yield();
   }
-  while (!seat.waiting()) std::this_thread::yield();
-  seat.end.store(1);
-  bell.rings.fetch_add(1);
-  os::futex_wake(bell.rings, ~0U);
+  while (!slot.waiting()) std::this_thread::yield();
+  slot.end.store(1);
+  wake_word.rings.fetch_add(1);
+  os::futex_wake(wake_word.rings, ~0U);
   program.join();
   EXPECT_EQ(sum.load(), expected);
   EXPECT_EQ(device.block->cycles.load(), device.blocks[0].cycles.load() + device.blocks[0].overruns.load());

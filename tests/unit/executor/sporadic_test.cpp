@@ -124,7 +124,7 @@ TEST_F(Sporadic, ThatIsReadyIsNotAskedAgain) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   EXPECT_EQ(device->cycle(), channel::kSporadicBit);
-  EXPECT_EQ(device->cycle(), 0U) << "the bell is rung once";
+  EXPECT_EQ(device->cycle(), 0U) << "the wake_word is rung once";
   device->cycle();
   EXPECT_EQ(device->bodies[1].asked, 1);
   run_all();
@@ -223,17 +223,17 @@ TEST_F(Sporadic, PastItsBudgetIsTakenOut) {
 
 TEST_F(Sporadic, AProgramIsReleasedEachRowThatFindsItWaiting) {
   FakeDevice fake{{sporadic(kProcess, milliseconds{10})}};
-  channel::Seat& seat = fake.seats[0];
+  channel::ReleaseSlot& slot = fake.slots[0];
   fake.join();
   fake.cycle();
-  EXPECT_EQ(seat.released.load(), 1U);
-  EXPECT_EQ(seat.cycle(seat.released.load()), 0U);
+  EXPECT_EQ(slot.released.load(), 1U);
+  EXPECT_EQ(slot.cycle(slot.released.load()), 0U);
   fake.cycle();  // in its body
-  EXPECT_EQ(seat.released.load(), 1U);
-  seat.done.store(1);
+  EXPECT_EQ(slot.released.load(), 1U);
+  slot.done.store(1);
   fake.cycle();
-  EXPECT_EQ(seat.released.load(), 2U);
-  EXPECT_EQ(seat.cycle(seat.released.load()), 2U);
+  EXPECT_EQ(slot.released.load(), 2U);
+  EXPECT_EQ(slot.cycle(slot.released.load()), 2U);
   EXPECT_EQ(fake.blocks[0].cycles.load(), 2U);
   EXPECT_EQ(fake.blocks[0].overruns.load(), 0U);
 }

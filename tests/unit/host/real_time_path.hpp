@@ -20,7 +20,7 @@
 
 #include <takt/channel/flight_record.hpp>
 #include <takt/channel/layout.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/schedule/plan.hpp>
@@ -62,7 +62,7 @@ class Script final : public executor::Body {
 };
 
 /// A device that runs for real and records it: three thread modules, a sporadic one, and a program that
-/// sleeps on the bell after each body.
+/// sleeps on the wake_word after each body.
 class RealTimePath : public testing::Test {
  protected:
   static constexpr auto kPeriod = microseconds{500};
@@ -93,15 +93,15 @@ class RealTimePath : public testing::Test {
     const auto plan = *schedule::plan(model::Cell{}, device);
     record = std::move(*channel::FlightRecord::create({kRecorded, kRecorded}));
     for (std::size_t ring = 0; ring < flight.size(); ++ring) flight[ring] = record.writer(ring);
-    seat.bell_bit = channel::bell_bit(0);
-    seat.phase.store(channel::SeatPhase::ready);
+    slot.bell_bit = channel::bell_bit(0);
+    slot.phase.store(channel::ReleaseSlotPhase::ready);
     std::vector<executor::Unit> periodic;
     for (const std::uint32_t i : plan.executors[0].periodic) {
       periodic.push_back({.index = i,
                           .body = i == kProgram                   ? nullptr
                                   : replaced == nullptr || i != 1 ? &bodies[i]
                                                                   : replaced,
-                          .seat = i == kProgram ? &seat : nullptr,
+                          .slot = i == kProgram ? &slot : nullptr,
                           .block = &blocks[i],
                           .period = *device.modules[i].period});
     }
@@ -110,7 +110,7 @@ class RealTimePath : public testing::Test {
                                           .block = &blocks[kSporadic],
                                           .deadline = milliseconds{10}}};
     threads = std::make_unique<ExecutorThreads>(device.executors[0], plan.executors[0], periodic, sporadic,
-                                                *block, bell, executor::Flight{&flight[0], &flight[1]});
+                                                *block, wake_word, executor::Flight{&flight[0], &flight[1]});
     row_trap = std::make_unique<SystemCallTrap>([this] { return block->cycles.load(); });
     sporadic_trap = std::make_unique<SystemCallTrap>([this] { return blocks[kSporadic].cycles.load(); });
     set_at_first_run(0, *row_trap);
@@ -141,9 +141,9 @@ class RealTimePath : public testing::Test {
     seen = {{"allocations", allocations}, {"frees", frees}, {"locks", locks}, {"waits", waits}};
     threads->ask_to_halt();
     threads->join();
-    seat.end.store(1);
-    bell.rings.fetch_add(1);
-    os::futex_wake(bell.rings, ~0U);
+    slot.end.store(1);
+    wake_word.rings.fetch_add(1);
+    os::futex_wake(wake_word.rings, ~0U);
     program.join();
     ASSERT_EQ(refused, 0)
         << "seccomp user notification is refused here (" << std::strerror(refused)
@@ -153,14 +153,14 @@ class RealTimePath : public testing::Test {
 
   void serve() {
     std::uint32_t taken = 0;
-    while (seat.end.load() == 0) {
-      seat.done.store(taken);
-      const std::uint32_t rings = bell.rings.load();
-      seat.sleeping.store(1);
-      if (seat.released.load() == taken && seat.end.load() == 0)
-        os::futex_wait(bell.rings, rings, seat.bell_bit);
-      seat.sleeping.store(0);
-      taken = seat.released.load();
+    while (slot.end.load() == 0) {
+      slot.done.store(taken);
+      const std::uint32_t rings = wake_word.rings.load();
+      slot.sleeping.store(1);
+      if (slot.released.load() == taken && slot.end.load() == 0)
+        os::futex_wait(wake_word.rings, rings, slot.bell_bit);
+      slot.sleeping.store(0);
+      taken = slot.released.load();
     }
   }
 
@@ -174,8 +174,8 @@ class RealTimePath : public testing::Test {
   executor::Body* replaced = nullptr;  // in place of bodies[1]
   std::array<channel::ModuleBlock, 5> blocks{};
   std::unique_ptr<channel::ExecutorBlock> block = std::make_unique<channel::ExecutorBlock>();
-  channel::Seat seat{};
-  channel::Bell bell{};
+  channel::ReleaseSlot slot{};
+  channel::WakeWord wake_word{};
   channel::FlightRecord record;
   std::array<channel::FlightWriter, 2> flight;
   std::unique_ptr<SystemCallTrap> row_trap;

@@ -1,5 +1,5 @@
 // The promise of real-time code, held to on the thread that runs it: no lock, no allocation, and no system
-// call but its sleep and one ring of the bell a cycle.
+// call but its sleep and one ring of the wake_word a cycle.
 #include "real_time_path.hpp"
 
 #include <takt/channel/saved_state.hpp>
@@ -22,7 +22,7 @@ TEST_F(RealTimePath, MakesNoSystemCallButItsSleepAndOneRingACycle) {
   for (const SystemCall& call : row_calls) {
     if (is_futex(call, FUTEX_WAIT_BITSET, threads.get(), sizeof *threads)) {
       ++sleeps[call.stamp];
-    } else if (is_futex(call, FUTEX_WAKE_BITSET, &bell, sizeof bell)) {
+    } else if (is_futex(call, FUTEX_WAKE_BITSET, &wake_word, sizeof wake_word)) {
       ++rings[call.stamp];
     } else {
       ADD_FAILURE() << "system call " << call.number << " in cycle " << call.stamp;
@@ -34,7 +34,8 @@ TEST_F(RealTimePath, MakesNoSystemCallButItsSleepAndOneRingACycle) {
 
   ASSERT_FALSE(sporadic_calls.empty());
   for (const SystemCall& call : sporadic_calls) {
-    EXPECT_TRUE(is_futex(call, FUTEX_WAIT_BITSET, &bell, sizeof bell)) << "system call " << call.number;
+    EXPECT_TRUE(is_futex(call, FUTEX_WAIT_BITSET, &wake_word, sizeof wake_word))
+        << "system call " << call.number;
     EXPECT_EQ(call.arguments[5], channel::kSporadicBit);
   }
   EXPECT_GT(blocks[kSporadic].cycles.load(), 500U);
@@ -120,7 +121,7 @@ struct Connected {
 TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
   Connected objects{true, 0};
   Connected bytes{false, channel::kSporadicBit};
-  PortContext context{.start_ns = 1, .bell = &bell, .flight = flight.data(), .module = 1};
+  PortContext context{.start_ns = 1, .wake_word = &wake_word, .flight = flight.data(), .module = 1};
   for (Connected* each : {&objects, &bytes}) {
     each->out.serve(context);
     each->in.serve(context);
@@ -151,7 +152,7 @@ TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
   std::map<std::uint64_t, int> rings;
   for (const SystemCall& call : row_calls) {
     EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
-    if (is_futex(call, FUTEX_WAKE_BITSET, &bell, sizeof bell)) ++rings[call.stamp];
+    if (is_futex(call, FUTEX_WAKE_BITSET, &wake_word, sizeof wake_word)) ++rings[call.stamp];
   }
   for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
 }
@@ -160,7 +161,7 @@ TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
 TEST_F(RealTimePath, SafeValuesAllocateAndLockNothing) {
   Connected objects{true, 0, true};
   Connected bytes{false, 0, true};
-  PortContext context{.start_ns = 1, .bell = &bell, .flight = flight.data(), .module = 1};
+  PortContext context{.start_ns = 1, .wake_word = &wake_word, .flight = flight.data(), .module = 1};
   for (Connected* each : {&objects, &bytes}) {
     each->out.serve(context);
     each->in.serve(context);
@@ -225,7 +226,7 @@ TEST_F(RealTimePath, ServicesAllocateAndLockNothingAndRingOnceACycle) {
   Asking<samples::Count> bytes;
   const ConnectedService first{objects, server, "answer", true};
   const ConnectedService second{bytes, server, "answer", false, channel::kSporadicBit};
-  PortContext context{.start_ns = 1, .bell = &bell};
+  PortContext context{.start_ns = 1, .wake_word = &wake_word};
   for (Component* each : std::initializer_list<Component*>{&objects, &bytes, &server})
     serve_all(*each, context);
   samples::Count count;
@@ -267,7 +268,7 @@ TEST_F(RealTimePath, ServicesAllocateAndLockNothingAndRingOnceACycle) {
   std::map<std::uint64_t, int> rings;
   for (const SystemCall& call : row_calls) {
     EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;
-    if (is_futex(call, FUTEX_WAKE_BITSET, &bell, sizeof bell)) ++rings[call.stamp];
+    if (is_futex(call, FUTEX_WAKE_BITSET, &wake_word, sizeof wake_word)) ++rings[call.stamp];
   }
   for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
 }

@@ -24,7 +24,7 @@ class RealTimeSwap : public RealTimePath {
     memory.resize(channel::Link::layout(options).size() / sizeof(memory[0]));
     channel::Link::format(start(), options);
     runs = std::make_unique<ThreadModule>();
-    runs->attach(&bell, &blocks[1]);
+    runs->attach(&wake_word, &blocks[1]);
     runs->save_in(*saved);
     ASSERT_TRUE(runs->load(kFolder + "ticks.so", os::Library::Globals::shared, false).ok());
     values = runs->port("out")->make_values(channel::Link{start()}.buffers());
@@ -41,7 +41,7 @@ class RealTimeSwap : public RealTimePath {
 
   Swapped swap(const std::string& file) {
     auto next = std::make_unique<ThreadModule>();
-    next->attach(&bell, &blocks[1]);
+    next->attach(&wake_word, &blocks[1]);
     next->stand_by();
     Swapped swapped = carry_out({.index = 1,
                                  .block = blocks[1],

@@ -276,7 +276,8 @@ class ServiceThreadTest : public testing::Test {
  protected:
   void start(std::function<bool()> serve) {
     thread = std::make_unique<ServiceThread>(
-        ServiceThread::Options{.index = 4, .name = "serve", .cpus = {}, .activity = activity, .bell = bell},
+        ServiceThread::Options{
+            .index = 4, .name = "serve", .cpus = {}, .activity = activity, .wake_word = wake_word},
         [this] { return waiting.load() > 0; }, std::move(serve));
   }
   void until(const std::function<bool()>& holds) {
@@ -286,7 +287,7 @@ class ServiceThreadTest : public testing::Test {
   }
 
   channel::Activity activity{};
-  channel::Bell bell{};
+  channel::WakeWord wake_word{};
   std::atomic<int> waiting{0};
   std::atomic<int> served{0};
   std::atomic<bool> let_go{false};
@@ -332,19 +333,20 @@ TEST_F(ServiceThreadTest, AnswersWhileClientsGoOn) {
                                                    }};
   } server;
   std::array<Asking<samples::Count>, 2> clients;
-  PortContext context{.start_ns = to_ns(os::now()), .bell = &bell};
-  PortContext of_handler{.start_ns = to_ns(os::now()), .bell = &bell};
+  PortContext context{.start_ns = to_ns(os::now()), .wake_word = &wake_word};
+  PortContext of_handler{.start_ns = to_ns(os::now()), .wake_word = &wake_word};
   for (auto& client : clients) serve_all(client, context);
   serve_all(server, of_handler);
   const ConnectedService objects{clients[0], server, "answer", true, channel::kServiceBit};
   const ConnectedService bytes{clients[1], server, "answer", false, channel::kServiceBit};
   ServiceBase& service = *server.services()[0];
-  ServiceThread serving{{.index = 0, .name = "serve", .cpus = {}, .activity = activity, .bell = bell},
-                        [&] {
-                          of_handler.start_ns = to_ns(os::now());
-                          return service.has_request();
-                        },
-                        [&] { return service.handle(nullptr); }};
+  ServiceThread serving{
+      {.index = 0, .name = "serve", .cpus = {}, .activity = activity, .wake_word = wake_word},
+      [&] {
+        of_handler.start_ns = to_ns(os::now());
+        return service.has_request();
+      },
+      [&] { return service.handle(nullptr); }};
   std::array<std::uint64_t, 2> replied{};
   std::uint64_t number = 0;
   samples::Count count;
@@ -364,7 +366,7 @@ TEST_F(ServiceThreadTest, AnswersWhileClientsGoOn) {
       fill(count, ++number);
       ask.call(count, 20s);
     }
-    ring_pending(bell);
+    ring_pending(wake_word);
     std::this_thread::yield();
   }
   EXPECT_GE(replied[0], 500U);

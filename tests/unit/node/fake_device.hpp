@@ -14,7 +14,7 @@
 
 namespace takt::node {
 
-class ReadAlong final : public Outlet {
+class ReadAlong final : public Publisher {
  public:
   void reply(const dds::WholeReply& reply) override { replies.push_back(reply); }
   void say(const LifecycleStatus& status) override { steps.push_back(status); }

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 
 namespace takt::node::wiring_test {
 namespace {

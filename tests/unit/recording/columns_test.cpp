@@ -1,14 +1,14 @@
-#include "recording/columns.hpp"
+#include <takt/recording/columns.hpp>
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "recording/csv.hpp"
-#include "recording/patterns.hpp"
+#include <takt/client/port_names.hpp>
+#include <takt/recording/csv.hpp>
 
-namespace takt::tool::columns_test {
+namespace takt::recording::columns_test {
 namespace {
 
 using testing::ElementsAre;
@@ -105,28 +105,28 @@ TEST(Csv, QuotesWhatWouldBreakTheLine) {
 }
 
 TEST(Patterns, AStarStandsForAnything) {
-  EXPECT_TRUE(matches("line.*", "line.conveyor.state"));
-  EXPECT_TRUE(matches("*.state", "line.conveyor.state"));
-  EXPECT_TRUE(matches("l*e.*.s*", "line.conveyor.state"));
-  EXPECT_TRUE(matches("*", "a.b.c"));
-  EXPECT_FALSE(matches("line.*", "robot.line.state"));
-  EXPECT_FALSE(matches("*.stat", "line.conveyor.state"));
-  EXPECT_FALSE(matches("line.conveyor.state", "line.conveyor.states"));
-  EXPECT_TRUE(may_match("line.*", "line"));
-  EXPECT_TRUE(may_match("l*.x", "line"));
-  EXPECT_FALSE(may_match("line.*", "lines"));
-  EXPECT_FALSE(may_match("r*", "line"));
+  EXPECT_TRUE(client::matches("line.*", "line.conveyor.state"));
+  EXPECT_TRUE(client::matches("*.state", "line.conveyor.state"));
+  EXPECT_TRUE(client::matches("l*e.*.s*", "line.conveyor.state"));
+  EXPECT_TRUE(client::matches("*", "a.b.c"));
+  EXPECT_FALSE(client::matches("line.*", "robot.line.state"));
+  EXPECT_FALSE(client::matches("*.stat", "line.conveyor.state"));
+  EXPECT_FALSE(client::matches("line.conveyor.state", "line.conveyor.states"));
+  EXPECT_TRUE(client::may_match("line.*", "line"));
+  EXPECT_TRUE(client::may_match("l*.x", "line"));
+  EXPECT_FALSE(client::may_match("line.*", "lines"));
+  EXPECT_FALSE(client::may_match("r*", "line"));
 }
 
 TEST(Patterns, APortHasThreeNames) {
-  ASSERT_TRUE(parse_port("a.b.c"));
-  EXPECT_EQ("b", parse_port("a.b.c")->module);
+  ASSERT_TRUE(client::parse_port("a.b.c"));
+  EXPECT_EQ("b", client::parse_port("a.b.c")->module);
   for (const char* wrong : {"", "a", "a.b", "a.b.", ".b.c", "a..c", "a.b.c.d"})
-    EXPECT_FALSE(parse_port(wrong)) << wrong;
-  EXPECT_FALSE(check_ports({}));
-  EXPECT_FALSE(check_ports({"a.b.c", "x"}));
-  EXPECT_TRUE(check_ports({"a.b.c", "x*"}));
+    EXPECT_FALSE(client::parse_port(wrong)) << wrong;
+  EXPECT_FALSE(client::check_ports({}));
+  EXPECT_FALSE(client::check_ports({"a.b.c", "x"}));
+  EXPECT_TRUE(client::check_ports({"a.b.c", "x*"}));
 }
 
 }  // namespace
-}  // namespace takt::tool::columns_test
+}  // namespace takt::recording::columns_test

@@ -1,4 +1,4 @@
-#include "recording/series.hpp"
+#include <takt/recording/series.hpp>
 
 #include <cmath>
 #include <limits>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace takt::tool::series_test {
+namespace takt::recording::series_test {
 namespace {
 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
@@ -72,4 +72,4 @@ TEST(Series, ALongPauseIsTenTimesTheUsual) {
 }
 
 }  // namespace
-}  // namespace takt::tool::series_test
+}  // namespace takt::recording::series_test

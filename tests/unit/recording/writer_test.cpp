@@ -1,4 +1,4 @@
-#include "recording/writer.hpp"
+#include <takt/recording/writer.hpp>
 
 #include <cstring>
 #include <filesystem>
@@ -11,9 +11,9 @@
 #include <takt/core/cdr.hpp>
 #include <takt/os/environment.hpp>
 
-#include "recording/reader.hpp"
+#include <takt/recording/reader.hpp>
 
-namespace takt::tool::writer_test {
+namespace takt::recording::writer_test {
 namespace {
 
 using testing::HasSubstr;
@@ -346,4 +346,4 @@ TEST_F(RecordingFile, ATimeAndPortsAreChosen) {
 }
 
 }  // namespace
-}  // namespace takt::tool::writer_test
+}  // namespace takt::recording::writer_test

@@ -1,4 +1,4 @@
-#include "check_report.hpp"
+#include "reports/check_report.hpp"
 
 #include <algorithm>
 #include <array>
@@ -450,7 +450,7 @@ model::Cell crowded_cell() {
   return cell("crowded", {device("d", modules)});
 }
 
-class Picture : public testing::TestWithParam<int> {
+class CellState : public testing::TestWithParam<int> {
  protected:
   static model::Cell drawn() {
     switch (GetParam()) {
@@ -470,11 +470,11 @@ class Picture : public testing::TestWithParam<int> {
   }
 };
 
-TEST_P(Picture, IsWellFormed) { EXPECT_TRUE(is_well_formed(svg(drawn()))); }
+TEST_P(CellState, IsWellFormed) { EXPECT_TRUE(is_well_formed(svg(drawn()))); }
 
-TEST_P(Picture, CutsNoTextOffAndPutsNoneOnAnother) { expect_readable(svg(drawn())); }
+TEST_P(CellState, CutsNoTextOffAndPutsNoneOnAnother) { expect_readable(svg(drawn())); }
 
-INSTANTIATE_TEST_SUITE_P(CheckSvg, Picture, testing::Range(0, 6));
+INSTANTIATE_TEST_SUITE_P(CheckSvg, CellState, testing::Range(0, 6));
 
 TEST(CheckSvg, NumbersEachReleaseByItsPlaceInTheRow) {
   const std::string picture = svg(figure1());

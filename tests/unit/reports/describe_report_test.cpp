@@ -1,4 +1,4 @@
-#include "describe_report.hpp"
+#include "reports/describe_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

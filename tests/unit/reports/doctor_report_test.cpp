@@ -1,4 +1,4 @@
-#include "doctor_report.hpp"
+#include "reports/doctor_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

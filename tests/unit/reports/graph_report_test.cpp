@@ -1,4 +1,4 @@
-#include "graph_report.hpp"
+#include "reports/graph_report.hpp"
 
 #include <algorithm>
 #include <random>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "cells.hpp"
-#include "graph_layout.hpp"
+#include "drawing/graph_layout.hpp"
 #include "pictures.hpp"
 
 namespace takt::tool::graph_report_test {

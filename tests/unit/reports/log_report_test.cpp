@@ -1,4 +1,4 @@
-#include "log_report.hpp"
+#include "reports/log_report.hpp"
 
 #include <gmock/gmock.h>
 

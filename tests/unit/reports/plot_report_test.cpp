@@ -1,4 +1,4 @@
-#include "plot_report.hpp"
+#include "reports/plot_report.hpp"
 
 #include <cmath>
 #include <regex>

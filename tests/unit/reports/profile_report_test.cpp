@@ -1,4 +1,4 @@
-#include "profile_report.hpp"
+#include "reports/profile_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "scaffold.hpp"
+#include "scaffold/scaffold.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "trace_report.hpp"
+#include "reports/trace_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

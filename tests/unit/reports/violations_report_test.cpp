@@ -1,4 +1,4 @@
-#include "violations_report.hpp"
+#include "reports/violations_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

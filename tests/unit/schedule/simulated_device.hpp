@@ -142,7 +142,7 @@ class Program : public Thread {
       : Thread(machine, its_priority, std::move(its_cpus)), index_(index), period_(period), cap_(cap) {}
 
   [[nodiscard]] bool in_body() const { return released_; }
-  /// By a row. Whether the bell must be rung for it.
+  /// By a row. Whether the wake_word must be rung for it.
   bool release(Tick release) {
     released_ = true;
     release_ = release;

@@ -1,4 +1,4 @@
-#include "metrics.hpp"
+#include "web/metrics.hpp"
 
 #include <fstream>
 #include <iterator>
@@ -60,7 +60,7 @@ TEST(Metrics, OfALostDeviceTellOnlyThatItIs) {
 TEST(Metrics, ADeviceThatWasLostBeforeAnybodyLookedIsNotLeftOut) {
   const model::Cell press = cell();
   auto devices = cell_that_runs();
-  std::erase_if(devices, [](const dds::SeenDevice& device) { return device.name() == "line"; });
+  std::erase_if(devices, [](const dds::ObservedDevice& device) { return device.name() == "line"; });
   EXPECT_THAT(metrics_text(devices, &press, {}),
               HasSubstr("takt_device_up{cell=\"press\",device=\"line\"} 0\n"));
   EXPECT_THAT(metrics_text(devices, nullptr, {}), Not(HasSubstr("device=\"line\"")));

@@ -1,11 +1,11 @@
-#include "period.hpp"
+#include "web/period.hpp"
 
 #include <gmock/gmock.h>
 
 #include <takt/model/json.hpp>
 
-#include "said.hpp"
 #include "seen.hpp"
+#include "web/said.hpp"
 
 namespace takt::tool::web::period_test {
 namespace {

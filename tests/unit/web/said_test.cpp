@@ -1,4 +1,4 @@
-#include "said.hpp"
+#include "web/said.hpp"
 
 #include <gmock/gmock.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <takt/dds/picture.hpp>
+#include <takt/dds/cell_state.hpp>
 #include <takt/dds/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
@@ -30,8 +30,8 @@ inline constexpr const char* kCell = R"(<cell name="press">
 
 inline model::Cell cell() { return descriptor::parse(kCell, "press.xml").value(); }
 
-inline dds::SeenDevice device(const std::string& name, DeviceState state = DEVICE_RUNNING) {
-  dds::SeenDevice device;
+inline dds::ObservedDevice device(const std::string& name, DeviceState state = DEVICE_RUNNING) {
+  dds::ObservedDevice device;
   DeviceStatus& s = device.status;
   dds::set(s.path(), dds::path_of("press", name));
   dds::set(s.cell(), "press");
@@ -83,8 +83,8 @@ inline PortStatus port(bool matched, std::int64_t age_ns) {
 }
 
 /// A robot that runs with all of its measures, and a line that is lost.
-inline std::vector<dds::SeenDevice> cell_that_runs() {
-  dds::SeenDevice robot = device("robot");
+inline std::vector<dds::ObservedDevice> cell_that_runs() {
+  dds::ObservedDevice robot = device("robot");
   robot.deployment.modules["servo"] = status("robot", "servo", STATE_EXECUTING, 3);
   robot.deployment.modules["slow"] = status("robot", "slow", STATE_RECOVER, 5);
   robot.deployment.statistics["servo"] = statistics("servo", 1000);
@@ -94,7 +94,7 @@ inline std::vector<dds::SeenDevice> cell_that_runs() {
   main.margin_us(50);
   robot.deployment.executors["main"] = main;
   robot.deployment.ports["servo.angle"] = port(true, 500'000);
-  dds::SeenDevice line = device("line");
+  dds::ObservedDevice line = device("line");
   line.alive = false;
   line.deployment.modules["vision"] = status("line", "vision", STATE_EXECUTING, 3);
   line.deployment.ports["vision.angle"] = port(true, 30'000'000);

@@ -1,11 +1,11 @@
-#include "stream.hpp"
+#include "web/stream.hpp"
 
 #include <set>
 #include <thread>
 
 #include <gmock/gmock.h>
 
-#include "server.hpp"
+#include "web/server.hpp"
 
 namespace takt::tool::web::stream_test {
 namespace {

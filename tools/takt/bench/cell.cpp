@@ -11,7 +11,7 @@
 
 #include "bare_dds.hpp"
 #include "benchmarks.hpp"
-#include "canvas.hpp"
+#include "drawing/canvas.hpp"
 #include "measured_cell.hpp"
 #include "programs.hpp"
 #include "scratch_folder.hpp"

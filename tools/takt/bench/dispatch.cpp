@@ -7,7 +7,7 @@
 
 #include <takt/channel/flight_record.hpp>
 #include <takt/channel/layout.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/core/check.hpp>
 #include <takt/executor/executor.hpp>
 #include <takt/model/cell.hpp>
@@ -57,7 +57,7 @@ class Table {
   explicit Table(std::size_t n, model::ModuleType type = model::ModuleType::thread,
                  channel::FlightWriter* record = nullptr)
       : blocks_(std::make_unique<channel::ModuleBlock[]>(n)),
-        seats_(std::make_unique<channel::Seat[]>(n)),
+        slots_(std::make_unique<channel::ReleaseSlot[]>(n)),
         count_(n),
         bodies_(n) {
     model::Device device;
@@ -72,10 +72,10 @@ class Table {
       module.type = type;
       device.modules.push_back(module);
       blocks_[i].in_tables.store(1);
-      seats_[i].phase.store(channel::SeatPhase::ready);
+      slots_[i].phase.store(channel::ReleaseSlotPhase::ready);
       units.push_back({.index = static_cast<std::uint32_t>(i),
                        .body = thread ? &bodies_[i] : nullptr,
-                       .seat = thread ? nullptr : &seats_[i],
+                       .slot = thread ? nullptr : &slots_[i],
                        .block = &blocks_[i],
                        .period = kDispatchPeriod});
       bare_.push_back(&bodies_[i]);
@@ -93,7 +93,7 @@ class Table {
   /// As if each program had done what it was released for.
   void answer_all() noexcept {
     for (std::size_t i = 0; i < count_; ++i)
-      seats_[i].done.store(seats_[i].released.load(std::memory_order_relaxed), std::memory_order_relaxed);
+      slots_[i].done.store(slots_[i].released.load(std::memory_order_relaxed), std::memory_order_relaxed);
   }
   /// Whether each module was called or released in each row that was walked.
   [[nodiscard]] bool all_served() const noexcept {
@@ -105,7 +105,7 @@ class Table {
 
  private:
   std::unique_ptr<channel::ModuleBlock[]> blocks_;
-  std::unique_ptr<channel::Seat[]> seats_;
+  std::unique_ptr<channel::ReleaseSlot[]> slots_;
   std::size_t count_;
   std::vector<Module> bodies_;
   std::vector<executor::Body*> bare_;

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "canvas.hpp"
 #include "distribution.hpp"
+#include "drawing/canvas.hpp"
 
 namespace takt::bench {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "canvas.hpp"
+#include "drawing/canvas.hpp"
 
 namespace takt::bench {
 

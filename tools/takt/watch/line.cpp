@@ -1,4 +1,4 @@
-#include "line.hpp"
+#include "watch/line.hpp"
 
 #include <algorithm>
 

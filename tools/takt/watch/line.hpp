@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "screen_style.hpp"
+#include "terminal/screen_style.hpp"
 
 namespace takt::tool::watch {
 

@@ -1,4 +1,4 @@
-#include "list.hpp"
+#include "watch/list.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "sparkline.hpp"
+#include "watch/sparkline.hpp"
 
 namespace takt::tool::watch {
 

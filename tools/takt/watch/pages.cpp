@@ -1,12 +1,12 @@
-#include "pages.hpp"
+#include "manual/pages.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "list.hpp"
-#include "sparkline.hpp"
+#include "watch/list.hpp"
+#include "watch/sparkline.hpp"
 
 namespace takt::tool::watch {
 

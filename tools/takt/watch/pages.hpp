@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "line.hpp"
-#include "seen.hpp"
-#include "view.hpp"
+#include "watch/line.hpp"
+#include "watch/seen.hpp"
+#include "watch/view.hpp"
 
 namespace takt::tool::watch {
 

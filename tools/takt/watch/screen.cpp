@@ -1,4 +1,4 @@
-#include "screen.hpp"
+#include "watch/screen.hpp"
 
 #include <algorithm>
 #include <map>
@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "line.hpp"
-#include "list.hpp"
-#include "page.hpp"
-#include "pages.hpp"
+#include "manual/pages.hpp"
+#include "reports/page.hpp"
+#include "watch/line.hpp"
+#include "watch/list.hpp"
 
 namespace takt::tool::watch {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "screen_style.hpp"
-#include "seen.hpp"
-#include "view.hpp"
+#include "terminal/screen_style.hpp"
+#include "watch/seen.hpp"
+#include "watch/view.hpp"
 
 namespace takt::tool::watch {
 

@@ -1,4 +1,4 @@
-#include "seen.hpp"
+#include "watch/seen.hpp"
 
 #include <algorithm>
 #include <ctime>

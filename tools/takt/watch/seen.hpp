@@ -9,7 +9,7 @@
 
 #include <takt/core/time.hpp>
 
-#include "graph_report.hpp"
+#include "reports/graph_report.hpp"
 
 namespace takt::tool::watch {
 

@@ -1,4 +1,4 @@
-#include "sparkline.hpp"
+#include "watch/sparkline.hpp"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "screen_style.hpp"
+#include "terminal/screen_style.hpp"
 
 namespace takt::tool::watch {
 

@@ -1,4 +1,4 @@
-#include "view.hpp"
+#include "watch/view.hpp"
 
 #include <algorithm>
 

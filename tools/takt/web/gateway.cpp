@@ -1,4 +1,4 @@
-#include "gateway.hpp"
+#include "web/gateway.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -75,14 +75,14 @@ struct Gateway::News {
 
 Gateway::Gateway(std::unique_ptr<News> news) noexcept : news_(std::move(news)) {}
 
-Result<std::unique_ptr<Gateway>> Gateway::create(const Network& network) {
+Result<std::unique_ptr<Gateway>> Gateway::create(const client::Network& network) {
   auto news = std::make_unique<News>();
   News* const to = news.get();
   std::unique_ptr<Gateway> gateway{new Gateway{std::move(news)}};
-  auto client = connect(network, nullptr,
-                        {.news = {.module = [to](const LifecycleStatus& status) { to->add(status); },
-                                  .device = [to](const dds::SeenDevice&) { to->wake(); }},
-                         .statistics = true});
+  auto client = client::connect(network, nullptr,
+                                {.news = {.module = [to](const LifecycleStatus& status) { to->add(status); },
+                                          .device = [to](const dds::ObservedDevice&) { to->wake(); }},
+                                 .statistics = true});
   if (!client) return client.problems();
   gateway->client_ = std::move(*client);
   auto follower = client::LogFollower::create(gateway->client_.participant);
@@ -152,11 +152,11 @@ void Gateway::tell() {
 }
 
 void Gateway::tell_states(std::vector<LifecycleStatus> steps) {
-  const std::vector<dds::SeenDevice> seen = client_.observer->devices();
+  const std::vector<dds::ObservedDevice> seen = client_.observer->devices();
   Json devices = Json::array();
   Json modules = Json::array();
   const std::lock_guard lock{mutex_};
-  // Each step in its order; what then differs from the picture is as it is there.
+  // Each step in its order; what then differs from the cell state is as it is there.
   for (const LifecycleStatus& step : steps) {
     Json json = module_json(step);
     Json& known = modules_[json["name"].get<std::string>()];
@@ -165,7 +165,7 @@ void Gateway::tell_states(std::vector<LifecycleStatus> steps) {
     modules.push_back(std::move(json));
   }
   std::set<std::string> there;
-  for (const dds::SeenDevice& device : seen) {
+  for (const dds::ObservedDevice& device : seen) {
     there.insert(device.name());
     if (Json json = device_json(device); devices_[device.name()] != json) {
       devices_[device.name()] = json;
@@ -198,11 +198,11 @@ void Gateway::tell_states(std::vector<LifecycleStatus> steps) {
 }
 
 void Gateway::tell_measures() {
-  const std::vector<dds::SeenDevice> seen = client_.observer->devices();
+  const std::vector<dds::ObservedDevice> seen = client_.observer->devices();
   const auto running = cell();
   Json measures = measures_json(seen, running.get(), os::wall_ns());
   std::set<std::string> lost;  // what they measured last is not of now
-  for (const dds::SeenDevice& device : seen) {
+  for (const dds::ObservedDevice& device : seen) {
     if (!device.alive) lost.insert(device.name());
   }
   const std::lock_guard lock{mutex_};
@@ -280,7 +280,7 @@ void Gateway::ask() {
 
 // Of each device once: what it had before it was found, or before this began.
 void Gateway::read_records() {
-  for (const dds::SeenDevice& seen : client_.observer->devices()) {
+  for (const dds::ObservedDevice& seen : client_.observer->devices()) {
     if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
     const client::Log read =
         client::read_log(*client_.asker, {.device = seen.name(), .last = kMostFaults}, kNodeAnswered);
@@ -301,7 +301,7 @@ bool Gateway::is_lost() const {
   if (!cell_) return false;
   bool lost = false;
   for (const model::Device& device : cell_->devices) {
-    for (const dds::SeenDevice& seen : client_.observer->devices(device.name)) {
+    for (const dds::ObservedDevice& seen : client_.observer->devices(device.name)) {
       if (seen.alive) return false;
       lost = true;
     }
@@ -310,11 +310,11 @@ bool Gateway::is_lost() const {
 }
 
 // The newest deployment that somebody has who is there. Devices of two cells on one domain are all shown; the
-// picture and the tables are of one.
+// cell state and the tables are of one.
 void Gateway::look_for_cell() {
   std::string deployment;  // an update keeps its name, and changes its descriptor
   std::string device;
-  for (const dds::SeenDevice& seen : client_.observer->devices()) {
+  for (const dds::ObservedDevice& seen : client_.observer->devices()) {
     const std::string id = seen.status.deployment().to_string();
     if (!seen.alive || id.empty()) continue;
     if (deployment.empty() || id == deployment_) {
@@ -399,7 +399,7 @@ std::string Gateway::metrics() {
   counted.viewers = streams_.count();
   const auto devices = client_.observer->devices();
   // An increase is only seen of what was 0 before.
-  for (const dds::SeenDevice& device : devices) counted.faults.try_emplace(device.name());
+  for (const dds::ObservedDevice& device : devices) counted.faults.try_emplace(device.name());
   return metrics_text(devices, running.get(), counted);
 }
 

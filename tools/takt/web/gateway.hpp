@@ -17,22 +17,22 @@
 #include <thread>
 #include <vector>
 
+#include <takt/client/connection.hpp>
 #include <takt/client/history.hpp>
 #include <takt/client/log.hpp>
 
-#include "../client.hpp"
-#include "metrics.hpp"
-#include "questions.hpp"
-#include "said.hpp"
-#include "stream.hpp"
-#include "watched_ports.hpp"
+#include "web/metrics.hpp"
+#include "web/questions.hpp"
+#include "web/said.hpp"
+#include "web/stream.hpp"
+#include "web/watched_ports.hpp"
 
 namespace takt::tool::web {
 
 /// Any thread.
 class Gateway {
  public:
-  static Result<std::unique_ptr<Gateway>> create(const Network& network);
+  static Result<std::unique_ptr<Gateway>> create(const client::Network& network);
   ~Gateway();
 
   /// A stream that has been told everything as it is. None where there are too many.
@@ -69,7 +69,7 @@ class Gateway {
   [[nodiscard]] std::shared_ptr<const model::Cell> cell() const;
 
   std::unique_ptr<News> news_;  // before the client, whose threads give it
-  Client client_;
+  client::Connection client_;
   Streams streams_;
   std::unique_ptr<Questions> questions_;
   std::unique_ptr<WatchedPorts> watched_;

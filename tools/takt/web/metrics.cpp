@@ -1,4 +1,4 @@
-#include "metrics.hpp"
+#include "web/metrics.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include <takt/dds/words.hpp>
 
-#include "said.hpp"
+#include "web/said.hpp"
 
 namespace takt::tool::web {
 
@@ -76,14 +76,14 @@ void add_quantiles(Metric& quantiles, Metric& largest, const Labels& labels, con
 constexpr const char* kGauge = "gauge";
 constexpr const char* kCounter = "counter";
 
-std::string of_devices(const std::vector<dds::SeenDevice>& devices, const model::Cell* cell) {
+std::string of_devices(const std::vector<dds::ObservedDevice>& devices, const model::Cell* cell) {
   Metric up{"takt_device_up", kGauge, "Whether the device's node is there; 0: it is lost."};
   Metric state{"takt_device_state", kGauge, "1 for the state that the device is in."};
   Metric health{"takt_device_health", kGauge, "1 for how the device's health is."};
   Metric real_time{"takt_device_real_time", kGauge, "Whether the system lets the device run in real time."};
   Metric restarts{"takt_device_host_restarts_total", kCounter,
                   "Restarts of the device's real-time processes."};
-  for (const dds::SeenDevice& device : devices) {
+  for (const dds::ObservedDevice& device : devices) {
     const DeviceStatus& s = device.status;
     const Labels labels{{"cell", s.cell().to_string()}, {"device", device.name()}};
     const auto with = [&labels](std::string_view name, const char* value) {
@@ -105,13 +105,13 @@ std::string of_devices(const std::vector<dds::SeenDevice>& devices, const model:
   // One that was lost before this gateway began is heard of no more.
   for (const model::Device& device : cell == nullptr ? std::vector<model::Device>{} : cell->devices) {
     const bool heard = std::any_of(devices.begin(), devices.end(),
-                                   [&](const dds::SeenDevice& one) { return one.name() == device.name; });
+                                   [&](const dds::ObservedDevice& one) { return one.name() == device.name; });
     if (!heard) up.add({{"cell", cell->name}, {"device", device.name}}, false);
   }
   return up.text() + state.text() + health.text() + real_time.text() + restarts.text();
 }
 
-std::string of_modules(const std::vector<dds::SeenDevice>& devices) {
+std::string of_modules(const std::vector<dds::ObservedDevice>& devices) {
   Metric state{"takt_module_state", kGauge, "1 for the state that the module is in."};
   Metric cycles{"takt_module_cycles_total", kCounter, "Releases of the module."};
   Metric missed{"takt_module_missed_total", kCounter, "Releases that were left out."};
@@ -124,7 +124,7 @@ std::string of_modules(const std::vector<dds::SeenDevice>& devices) {
   Metric jitter_max{"takt_module_jitter_max_seconds", kGauge, "The largest distance from a release."};
   Metric run{"takt_module_run_seconds", kGauge, "How long the module runs, by quantile."};
   Metric run_max{"takt_module_run_max_seconds", kGauge, "The longest run."};
-  for (const dds::SeenDevice& device : devices) {
+  for (const dds::ObservedDevice& device : devices) {
     if (!device.alive) continue;
     const auto labels_of = [&](const std::string& module) {
       return Labels{
@@ -153,7 +153,7 @@ std::string of_modules(const std::vector<dds::SeenDevice>& devices) {
          recoveries.text() + jitter.text() + jitter_max.text() + run.text() + run_max.text();
 }
 
-std::string of_executors(const std::vector<dds::SeenDevice>& devices) {
+std::string of_executors(const std::vector<dds::ObservedDevice>& devices) {
   Metric cycles{"takt_executor_cycles_total", kCounter, "Rows that the executor walked."};
   Metric missed{"takt_executor_missed_total", kCounter, "Rows that could not begin in their slot."};
   Metric late{"takt_executor_late_total", kCounter, "Rows that began late."};
@@ -161,7 +161,7 @@ std::string of_executors(const std::vector<dds::SeenDevice>& devices) {
   Metric jitter{"takt_executor_jitter_seconds", kGauge,
                 "How far from its release a row begins, by quantile."};
   Metric jitter_max{"takt_executor_jitter_max_seconds", kGauge, "The largest distance from a release."};
-  for (const dds::SeenDevice& device : devices) {
+  for (const dds::ObservedDevice& device : devices) {
     if (!device.alive) continue;
     for (const auto& [name, e] : device.deployment.executors) {
       const Labels labels{
@@ -176,7 +176,7 @@ std::string of_executors(const std::vector<dds::SeenDevice>& devices) {
   return cycles.text() + missed.text() + late.text() + margin.text() + jitter.text() + jitter_max.text();
 }
 
-std::string of_connections(const std::vector<dds::SeenDevice>& devices, const model::Cell& cell) {
+std::string of_connections(const std::vector<dds::ObservedDevice>& devices, const model::Cell& cell) {
   Metric matched{"takt_connection_matched", kGauge, "Whether there is somebody at the other end."};
   Metric stale{"takt_connection_stale", kGauge, "Whether the value is older than the connection's deadline."};
   Metric safe{"takt_connection_safe", kGauge, "Whether its reader gets the safe value."};
@@ -204,10 +204,11 @@ std::string of_connections(const std::vector<dds::SeenDevice>& devices, const mo
 }
 
 /// Two nodes of one name are one series: that of the first that is there.
-std::vector<dds::SeenDevice> one_of_each(std::vector<dds::SeenDevice> devices) {
-  std::stable_partition(devices.begin(), devices.end(), [](const dds::SeenDevice& one) { return one.alive; });
+std::vector<dds::ObservedDevice> one_of_each(std::vector<dds::ObservedDevice> devices) {
+  std::stable_partition(devices.begin(), devices.end(),
+                        [](const dds::ObservedDevice& one) { return one.alive; });
   std::set<std::string> said;
-  std::erase_if(devices, [&said](const dds::SeenDevice& one) {
+  std::erase_if(devices, [&said](const dds::ObservedDevice& one) {
     return !said.insert(one.status.cell().to_string() + '/' + one.name()).second;
   });
   return devices;
@@ -215,9 +216,9 @@ std::vector<dds::SeenDevice> one_of_each(std::vector<dds::SeenDevice> devices) {
 
 }  // namespace
 
-std::string metrics_text(const std::vector<dds::SeenDevice>& seen, const model::Cell* cell,
+std::string metrics_text(const std::vector<dds::ObservedDevice>& seen, const model::Cell* cell,
                          const Counted& counted) {
-  const std::vector<dds::SeenDevice> devices = one_of_each(seen);
+  const std::vector<dds::ObservedDevice> devices = one_of_each(seen);
   std::string text = of_devices(devices, cell) + of_modules(devices) + of_executors(devices);
   if (cell != nullptr) text += of_connections(devices, *cell);
   Metric faults{"takt_faults_total", kCounter, "Events of the fault records since the gateway began."};

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <takt/dds/picture.hpp>
+#include <takt/dds/cell_state.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/fault.hpp>
 
@@ -22,7 +22,7 @@ struct Counted {
 };
 
 /// `cell`: what runs; null: not known, and nothing is said of connections.
-std::string metrics_text(const std::vector<dds::SeenDevice>& devices, const model::Cell* cell,
+std::string metrics_text(const std::vector<dds::ObservedDevice>& devices, const model::Cell* cell,
                          const Counted& counted);
 
 }  // namespace takt::tool::web

@@ -1,4 +1,4 @@
-#include "period.hpp"
+#include "web/period.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <takt/schedule/plan.hpp>
 
-#include "said.hpp"
+#include "web/said.hpp"
 
 namespace takt::tool::web {
 

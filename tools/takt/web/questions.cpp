@@ -1,4 +1,4 @@
-#include "questions.hpp"
+#include "web/questions.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -10,7 +10,7 @@
 #include <takt/dds/words.hpp>
 #include <takt/model/json.hpp>
 
-#include "period.hpp"
+#include "web/period.hpp"
 
 namespace takt::tool::web {
 

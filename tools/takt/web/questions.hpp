@@ -8,7 +8,7 @@
 #include <takt/client/operator.hpp>
 #include <takt/model/cell.hpp>
 
-#include "said.hpp"
+#include "web/said.hpp"
 
 namespace takt::tool::web {
 

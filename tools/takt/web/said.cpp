@@ -1,11 +1,11 @@
-#include "said.hpp"
+#include "web/said.hpp"
 
 #include <algorithm>
 
 #include <takt/dds/words.hpp>
 #include <takt/schedule/plan.hpp>
 
-#include "../connections_report.hpp"
+#include "reports/connections_report.hpp"
 
 namespace takt::tool::web {
 
@@ -49,7 +49,7 @@ Json module_json(const model::Module& module) {
 
 Json end_json(const model::Endpoint& end) { return end.given() ? Json(to_text(end)) : Json(); }
 
-/// The picture with room for every word that may come to stand in it.
+/// The cell state with room for every word that may come to stand in it.
 std::string picture_of(const model::Cell& cell) {
   CellHealth health;
   for (const model::Device& device : cell.devices) {
@@ -64,7 +64,7 @@ std::string picture_of(const model::Cell& cell) {
 
 }  // namespace
 
-Json device_json(const dds::SeenDevice& device) {
+Json device_json(const dds::ObservedDevice& device) {
   const DeviceStatus& s = device.status;
   return {{"name", device.name()},
           {"alive", device.alive},
@@ -114,9 +114,9 @@ HeardCell::Port heard_of(const PortStatus& port) {
   return heard;
 }
 
-CellHealth health_of(const model::Cell& cell, const std::vector<dds::SeenDevice>& devices) {
+CellHealth health_of(const model::Cell& cell, const std::vector<dds::ObservedDevice>& devices) {
   HeardCell heard;
-  for (const dds::SeenDevice& device : devices) {
+  for (const dds::ObservedDevice& device : devices) {
     if (device.status.cell().to_string() != cell.name) continue;
     heard.devices[device.name()] = {.alive = device.alive, .text = device.status.text().to_string()};
     for (const auto& [name, port] : device.deployment.ports) {
@@ -126,11 +126,11 @@ CellHealth health_of(const model::Cell& cell, const std::vector<dds::SeenDevice>
   return tool::health_of(cell, heard);
 }
 
-Json measures_json(const std::vector<dds::SeenDevice>& devices, const model::Cell* cell,
+Json measures_json(const std::vector<dds::ObservedDevice>& devices, const model::Cell* cell,
                    std::int64_t time_ns) {
   Json modules = Json::object();
   Json executors = Json::object();
-  for (const dds::SeenDevice& device : devices) {
+  for (const dds::ObservedDevice& device : devices) {
     for (const auto& [name, m] : device.deployment.statistics) {
       modules[device.name() + "." + name] = {{"cycles", m.cycles()},
                                              {"missed", m.missed()},

@@ -1,4 +1,4 @@
-#include "server.hpp"
+#include "web/server.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -14,7 +14,7 @@
 
 #include <takt/os/environment.hpp>
 
-#include "gateway.hpp"
+#include "web/gateway.hpp"
 
 namespace takt::tool::web {
 

@@ -1,4 +1,4 @@
-#include "stream.hpp"
+#include "web/stream.hpp"
 
 #include <algorithm>
 #include <random>

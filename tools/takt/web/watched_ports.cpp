@@ -1,4 +1,4 @@
-#include "watched_ports.hpp"
+#include "web/watched_ports.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,12 +6,12 @@
 #include <optional>
 #include <utility>
 
+#include <takt/client/tap.hpp>
 #include <takt/dds/gateway.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
 
-#include "../tapped.hpp"
-#include "said.hpp"
+#include "web/said.hpp"
 
 namespace takt::tool::web {
 
@@ -47,7 +47,7 @@ struct WatchedPorts::Source {
   [[nodiscard]] Json description(const std::string& port) const {
     Json fields = Json::array();
     for (const std::size_t i : shown) {
-      const Column& column = columns.all()[i];
+      const recording::Column& column = columns.all()[i];
       Json field{{"name", column.name}};
       if (!column.enumerators.empty()) field["labels"] = column.enumerators;
       fields.push_back(std::move(field));
@@ -84,7 +84,7 @@ struct WatchedPorts::Source {
   static constexpr std::size_t kMostAtOnce = 1000;  // of 32 fields 600 kB: a stream takes some megabytes
 
   const dds::Flow flow;
-  const Columns columns;
+  const recording::Columns columns;
   std::vector<std::size_t> shown;
   Instant asked{};
   Instant used{};
@@ -92,12 +92,13 @@ struct WatchedPorts::Source {
   std::mutex mutex;
   std::deque<Point> points;
   std::uint64_t added = 0;
-  std::vector<Value> values;
+  std::vector<recording::Value> values;
 
   std::unique_ptr<dds::Tap> tap;  // last: nothing comes after it is gone
 };
 
-WatchedPorts::WatchedPorts(Client& client, Streams& streams) : client_(client), streams_(streams) {}
+WatchedPorts::WatchedPorts(client::Connection& client, Streams& streams)
+    : client_(client), streams_(streams) {}
 WatchedPorts::~WatchedPorts() = default;
 
 Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::string& port) {
@@ -105,7 +106,7 @@ Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::st
     const std::lock_guard lock{mutex_};
     if (const auto found = sources_.find(port); found != sources_.end()) return found->second;
   }
-  auto flow = tapped(*client_.asker, port);
+  auto flow = client::tapped(*client_.asker, port);
   if (!flow) return flow.problems();
   auto made = std::make_shared<Source>(std::move(*flow));
   if (made->shown.empty())
@@ -172,7 +173,7 @@ void WatchedPorts::look_after() {
         source = sources_.erase(source);
         continue;
       }
-      if (now - source->second->asked > kAskAgain) {
+      if (now - source->second->asked > client::kAskAgain) {
         source->second->asked = now;
         again.push_back(source->first);
       }
@@ -182,9 +183,9 @@ void WatchedPorts::look_after() {
   std::vector<std::string> changed;
   for (const std::string& port : again) {
     const auto devices = client_.observer->devices(port.substr(0, port.find('.')));
-    if (std::none_of(devices.begin(), devices.end(), [](const dds::SeenDevice& d) { return d.alive; }))
+    if (std::none_of(devices.begin(), devices.end(), [](const dds::ObservedDevice& d) { return d.alive; }))
       continue;
-    const auto flow = tapped(*client_.asker, port);
+    const auto flow = client::tapped(*client_.asker, port);
     if (!flow) continue;  // a device that is lost, or not yet back: the states say so
     const std::lock_guard lock{mutex_};
     const auto source = sources_.find(port);

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include <takt/client/connection.hpp>
 #include <takt/core/time.hpp>
+#include <takt/recording/columns.hpp>
 
-#include "../client.hpp"
-#include "../recording/columns.hpp"
-#include "stream.hpp"
+#include "web/stream.hpp"
 
 namespace takt::tool::web {
 
@@ -27,7 +27,7 @@ class WatchedPorts {
   static constexpr std::chrono::milliseconds kApart{20};  ///< values; those between are left out
   static constexpr std::chrono::seconds kUnused{60};
 
-  WatchedPorts(Client& client, Streams& streams);
+  WatchedPorts(client::Connection& client, Streams& streams);
   ~WatchedPorts();
 
   /// The stream is told of these ports from now on, and of no other. Asks their devices, which may take a few
@@ -44,7 +44,7 @@ class WatchedPorts {
   Result<std::shared_ptr<Source>> source(const std::string& port);
   void show_anew(const std::string& port);
 
-  Client& client_;
+  client::Connection& client_;
   Streams& streams_;
   std::mutex mutex_;
   Sources sources_;

@@ -19,7 +19,7 @@ using Name = FixedText<64>;
 /// comes first in as few cache lines as that takes: after a sleep they are no longer in its caches, and each
 /// is waited for.
 struct alignas(64) ModuleBlock {
-  /// Whether the executor may call or release it. Set and cleared by the node (departure.hpp says when the
+  /// Whether the executor may call or release it. Set and cleared by the node (removal.hpp says when the
   /// module is out then); cleared by the executor when it raises an error. SYNC: in tables
   std::atomic<std::uint32_t> in_tables;
   /// An ErrorType that waits for the supervisor, which sets it back to 0. SYNC: error raised, publishes
@@ -29,7 +29,7 @@ struct alignas(64) ModuleBlock {
   std::atomic<std::uint64_t> cycles;    ///< times it was called or released
   std::atomic<std::uint64_t> missed;    ///< releases in rows that were skipped while it was in the tables
   std::atomic<std::uint64_t> overruns;  ///< not done by its next release, or by its deadline; a sporadic
-                                        ///< program counts its own, in its seat
+                                        ///< program counts its own, in its slot
   std::atomic<std::uint64_t> errors;    ///< raised by the executor
   std::atomic<std::uint64_t> entered;   ///< times that the node put it into the tables
 

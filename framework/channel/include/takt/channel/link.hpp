@@ -67,7 +67,7 @@ struct alignas(64) BasicLinkBlock {
   std::uint32_t depth;      ///< 1 to 65536; 1: the latest value
   std::uint32_t stride;     ///< bytes of one payload's place, a multiple of 64; 0: the payloads lie elsewhere
   std::uint32_t is_queue;   ///< what is overwritten before it was read counts as dropped
-  std::uint32_t wake_bits;  ///< of the bell, pending when a sample was written; 0: nobody waits for one
+  std::uint32_t wake_bits;  ///< of the wake_word, pending when a sample was written; 0: nobody waits for one
   std::int64_t deadline_ns;       ///< a value older than this is stale; 0: never
   Atomic<std::uint32_t> enabled;  ///< 0: a writer does not write here (nobody listens). Set by the node.
   std::uint32_t safe_room;        ///< bytes of the place of a safe value; 0: this link has none

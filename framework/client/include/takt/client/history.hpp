@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include <takt/dds/picture.hpp>
+#include <takt/dds/cell_state.hpp>
 
 namespace takt::client {
 
@@ -37,7 +37,7 @@ class History {
 
   /// To be told again whenever, but several times a second; what was heard before is passed over. One of two
   /// entries of the same second is.
-  void hear(const std::vector<dds::SeenDevice>& devices);
+  void hear(const std::vector<dds::ObservedDevice>& devices);
 
   /// "DEVICE.MODULE"; empty where nothing was heard of it. The newest `seconds` entries.
   [[nodiscard]] Series of(const std::string& module, std::size_t seconds = kSeconds) const;

@@ -10,8 +10,8 @@
 
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
+#include <takt/dds/cell_state.hpp>
 #include <takt/dds/participant.hpp>
-#include <takt/dds/picture.hpp>
 
 namespace takt::client {
 
@@ -27,7 +27,7 @@ class Observer {
     /// A module's state: each transition, in order, and the present one of modules that were there before.
     std::function<void(const LifecycleStatus&)> module{};
     /// A device's status changed in something else than its number and time, or it was lost, or it came back.
-    std::function<void(const dds::SeenDevice&)> device{};
+    std::function<void(const dds::ObservedDevice&)> device{};
   };
   struct Options {
     News news{};
@@ -40,13 +40,13 @@ class Observer {
   }
   ~Observer();
 
-  /// As dds::Picture.
-  [[nodiscard]] std::vector<dds::SeenDevice> devices() const;
-  [[nodiscard]] std::vector<dds::SeenDevice> devices(const std::string& name) const;
+  /// As dds::CellState.
+  [[nodiscard]] std::vector<dds::ObservedDevice> devices() const;
+  [[nodiscard]] std::vector<dds::ObservedDevice> devices(const std::string& name) const;
 
   /// Waits until `condition` holds of the devices, at most `limit`. Looks whenever something changed, and
   /// every few milliseconds. The condition may ask the observer.
-  bool wait(const std::function<bool(const std::vector<dds::SeenDevice>&)>& condition,
+  bool wait(const std::function<bool(const std::vector<dds::ObservedDevice>&)>& condition,
             Nanoseconds limit) const;
   /// Waits until whoever is there should have been found: no node came for a while, or none at all for
   /// `limit`.
@@ -56,12 +56,12 @@ class Observer {
   struct Readers;
   explicit Observer(Options options);
   void heard(const DeviceStatus& status, dds::WriterId writer);
-  void changed(const std::function<void(dds::Picture&)>& change);
+  void changed(const std::function<void(dds::CellState&)>& change);
 
   Options options_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
-  dds::Picture picture_;
+  dds::CellState cell_state_;
   std::unique_ptr<Readers> readers_;  // last: nothing is heard after it is gone
 };
 

@@ -75,7 +75,7 @@ class OutPortBase : public PortBase {
     sink.writer.publish(size, context().start_ns, context().valid_ns);
     record(channel::FlightKind::write);
     const std::uint32_t wake_bits = sink.writer.link().block().wake_bits;
-    if (wake_bits != 0 && context().bell != nullptr) context().bell->note(wake_bits);
+    if (wake_bits != 0 && context().wake_word != nullptr) context().wake_word->note(wake_bits);
   }
 
   /// Into every link that is enabled: encoded once and copied, or, where it carries values, by `assign`.

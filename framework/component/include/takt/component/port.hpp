@@ -9,7 +9,7 @@
 
 #include <takt/channel/flight.hpp>
 #include <takt/channel/link.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/component/port_type.hpp>
 #include <takt/core/time.hpp>
 
@@ -44,7 +44,7 @@ struct PortOptions {
 struct PortContext {
   std::int64_t start_ns =
       0;  ///< when the present run() began: the stamp of what is written, and `now` of ages
-  channel::Bell* bell = nullptr;  ///< for links that wake somebody
+  channel::WakeWord* wake_word = nullptr;  ///< for links that wake somebody
   /// From when on what is written may be read: with timing="let" the end of the period; 0: at once.
   std::int64_t valid_ns = 0;
   /// Where samples are recorded while run() is called; null: nowhere.

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <takt/channel/link.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/core/result.hpp>
 #include <takt/dds/participant.hpp>
 #include <takt/model/cell.hpp>
@@ -44,15 +44,15 @@ struct FlowHealth {
   std::string incompatible;    ///< the policy that kept somebody from matching: "reliability"; empty: none
 };
 
-/// Outgoing: one thread (not real-time) sleeps on the bell, reads the links, writes to DDS. Incoming: the
-/// receive thread of Fast DDS writes to the links and rings for whom they wake.
+/// Outgoing: one thread (not real-time) sleeps on the wake_word, reads the links, writes to DDS. Incoming:
+/// the receive thread of Fast DDS writes to the links and rings for whom they wake.
 class Gateway {
  public:
   using FlowId = std::size_t;
 
-  /// `place`: its own among the gateways that share the bell, 0 to 31.
+  /// `place`: its own among the gateways that share the wake_word, 0 to 31.
   static Result<std::unique_ptr<Gateway>> create(std::shared_ptr<Participant> participant,
-                                                 channel::Bell& bell, std::uint32_t place = 0);
+                                                 channel::WakeWord& wake_word, std::uint32_t place = 0);
   virtual ~Gateway() = default;
 
   /// The gateway becomes the reader of `from`.

@@ -22,9 +22,9 @@
 
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
+#include <takt/dds/filtered_transport.hpp>
 #include <takt/dds/notices.hpp>
 #include <takt/dds/participant.hpp>
-#include <takt/dds/sieved_transport.hpp>
 
 namespace takt::dds {
 
@@ -34,11 +34,11 @@ using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
 /// A reader or writer, or both, which can be made again: those of this version of Fast DDS say once and for
 /// all by which addresses they are reached.
-class Remade {
+class Recreatable {
  public:
-  virtual ~Remade() = default;
+  virtual ~Recreatable() = default;
   /// On the thread that rescans the interfaces, while others use it.
-  virtual void remake() = 0;
+  virtual void recreate() = 0;
 };
 
 class Watch;
@@ -49,14 +49,14 @@ class OwnParticipant final : public Participant {
   /// `watch`: none without DDS Security.
   OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                  fast::Subscriber* subscriber, bool only_loopback, std::unique_ptr<Notices> notices,
-                 std::unique_ptr<Watch> watch, std::shared_ptr<Sieve> sieve);
+                 std::unique_ptr<Watch> watch, std::shared_ptr<PacketFilter> filter);
   ~OwnParticipant() override;
   void rescan_interfaces() override;
   [[nodiscard]] const std::optional<security::Identity>& identity() const noexcept override {
     return identity_;
   }
   [[nodiscard]] std::uint64_t refused() const noexcept override {
-    return sieve_->refused.load(std::memory_order_relaxed);
+    return filter_->refused.load(std::memory_order_relaxed);
   }
 
   /// Whom this process refuses.
@@ -70,17 +70,17 @@ class OwnParticipant final : public Participant {
   /// Lets go of what topic() gave; it is deleted with its last user.
   void release(fast::Topic* topic);
 
-  void enlist(Remade& one);
+  void enlist(Recreatable& one);
   /// On return it is not being made again and will not be.
-  void dismiss(Remade& one);
+  void dismiss(Recreatable& one);
 
   [[nodiscard]] fast::DomainParticipant& participant() noexcept { return *participant_; }
   [[nodiscard]] fast::Publisher& publisher() noexcept { return *publisher_; }
   /// Ends a writer, which may be null. Its samples go first: Fast DDS takes the room of each before it stops
   /// the heartbeat, which in between counts from a sample to one that has no number any more, for ever.
   void end(fast::DataWriter*& writer);
-  /// Null where DDS made none. Neither while a packet is handled, see Handling; the caller holds no lock that
-  /// a listener waits for.
+  /// Null where DDS made none. Neither while a packet is handled, see ReceiveLock; the caller holds no lock
+  /// that a listener waits for.
   fast::DataReader* make_reader(fast::Topic* topic, const fast::DataReaderQos& qos,
                                 fast::DataReaderListener* listener, const fast::StatusMask& mask);
   /// Ends a reader, which may be null.
@@ -99,7 +99,7 @@ class OwnParticipant final : public Participant {
   };
   std::unique_ptr<Notices> notices_;
   std::unique_ptr<Watch> watch_;  // listens to the participant
-  std::shared_ptr<Sieve> sieve_;
+  std::shared_ptr<PacketFilter> filter_;
   std::optional<security::Identity> identity_;
   fast::DomainParticipant* participant_;
   fast::Publisher* publisher_;
@@ -108,7 +108,7 @@ class OwnParticipant final : public Participant {
   std::map<std::string, Shared> topics_;
   std::map<std::string, Known> types_;
   std::mutex remaking_;
-  std::vector<Remade*> remade_;
+  std::vector<Recreatable*> remade_;
   bool only_loopback_;  // when what there is was made
 };
 

@@ -65,7 +65,7 @@ class Health {
 };
 
 /// A writer of one topic.
-class RawWriter final : fast::DataWriterListener, Remade {
+class RawWriter final : fast::DataWriterListener, Recreatable {
  public:
   static Result<std::unique_ptr<RawWriter>> create(std::shared_ptr<Participant> participant,
                                                    const Flow& flow);
@@ -80,7 +80,7 @@ class RawWriter final : fast::DataWriterListener, Remade {
       : participant_(std::move(participant)), flow_(std::move(flow)) {}
   Result<void> make();
   void unmake();
-  void remake() override;
+  void recreate() override;
   void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override;
   void on_offered_incompatible_qos(fast::DataWriter*,
                                    const fast::OfferedIncompatibleQosStatus& status) override;
@@ -94,7 +94,7 @@ class RawWriter final : fast::DataWriterListener, Remade {
 };
 
 /// A reader of one topic, which hands on what is a sample of the type.
-class RawReader final : fast::DataReaderListener, Taker, Remade {
+class RawReader final : fast::DataReaderListener, Taker, Recreatable {
  public:
   /// Called on a thread of Fast DDS, one at a time.
   struct Receiver {
@@ -118,7 +118,7 @@ class RawReader final : fast::DataReaderListener, Taker, Remade {
       : participant_(std::move(participant)), flow_(std::move(flow)), receiver_(receiver) {}
   Result<void> make();
   void unmake();
-  void remake() override;
+  void recreate() override;
   void take(const Bytes& bytes) override;
   void on_data_available(fast::DataReader* from) override;
   void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override;

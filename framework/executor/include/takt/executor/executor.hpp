@@ -12,7 +12,7 @@
 
 #include <takt/channel/flight.hpp>
 #include <takt/channel/layout.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/component.hpp>
 #include <takt/core/clock.hpp>
 #include <takt/executor/body.hpp>
@@ -24,13 +24,13 @@ namespace takt::executor {
 /// A module in the tables: what to call or release, and where to keep count. What each release needs is in
 /// the first cache line.
 struct alignas(64) Unit {
-  std::uint32_t index = 0;                ///< of the module on its device
-  Body* body = nullptr;                   ///< of a thread module
-  channel::Seat* seat = nullptr;          ///< of a process module
-  channel::ModuleBlock* block = nullptr;  ///< never null
-  Nanoseconds period{};                   ///< of a periodic module
-  Nanoseconds deadline{};                 ///< of a sporadic module, from its release
-  Nanoseconds budget{};                   ///< 0: none
+  std::uint32_t index = 0;                       ///< of the module on its device
+  Body* body = nullptr;                          ///< of a thread module
+  channel::ReleaseSlot* slot = nullptr;  ///< of a process module
+  channel::ModuleBlock* block = nullptr;         ///< never null
+  Nanoseconds period{};                          ///< of a periodic module
+  Nanoseconds deadline{};                        ///< of a sporadic module, from its release
+  Nanoseconds budget{};                          ///< 0: none
   Nanoseconds interarrival{};          ///< of a sporadic module: the least time between two releases; 0: any
   bool immediate = false;              ///< a sporadic module that is released by its events, not by rows
   bool late_is_error = false;          ///< a sporadic module that misses its deadline is in error
@@ -66,7 +66,7 @@ class Executor {
   /// Real-time. Walks the row that is due at `now` (not before next_release()): if whole slots have passed,
   /// their rows are missed, and the row of the slot that `now` lies in runs, late; what the modules of a
   /// missed row get is as their overrun contracts say, before that row. Then the conditions. Returns the bits
-  /// of the bell that must be rung: for programs that sleep, and for the sporadic thread.
+  /// of the wake_word that must be rung: for programs that sleep, and for the sporadic thread.
   std::uint32_t run_cycle(Instant now) noexcept;
 
   /// Real-time, on the thread of the sporadic modules (which may be another than run_cycle's). Releases the
@@ -102,7 +102,7 @@ class Executor {
   /// them. As with skip whatever the contracts say.
   void skip(std::uint64_t rows) noexcept;
   void pass(std::uint64_t rows) noexcept;
-  /// The same by the contracts. Returns the bits of the bell that must be rung.
+  /// The same by the contracts. Returns the bits of the wake_word that must be rung.
   std::uint32_t overrun(std::uint64_t rows) noexcept;
   /// Makes up what the contracts allow of as many rows before row_, in their order.
   std::uint32_t catch_up(std::uint64_t rows) noexcept;

@@ -30,7 +30,7 @@ struct Setup {
   std::vector<std::string> paths;               ///< of each module's component
   std::vector<std::vector<int>> executor_cpus;  ///< of each executor
   std::vector<int> background_cpus;             ///< of everything that is not real-time
-  std::vector<int> seat_fds;  ///< of each module; -1: it has no seat, or is no business of this host
+  std::vector<int> seat_fds;  ///< of each module; -1: it has no slot, or is no business of this host
   int bell_fd = -1;
   int saved_fd = -1;  ///< a channel::SavedState for each module
   std::vector<PortLink> links{};

@@ -106,10 +106,10 @@ class ThreadModule final : public executor::Body {
   /// Before it is loaded. For ports that wake somebody; null: they wake nobody. And where it is counted how
   /// often the module was put into the tables; null: once.
   /// `timing` and `period`: of a periodic module.
-  void attach(channel::Bell* bell, const channel::ModuleBlock* block,
+  void attach(channel::WakeWord* wake_word, const channel::ModuleBlock* block,
               model::Timing timing = model::Timing::direct, Nanoseconds period = {}) noexcept {
-    context_.bell = bell;
-    handler_context_.bell = bell;
+    context_.wake_word = wake_word;
+    handler_context_.wake_word = wake_word;
     block_ = block;
     period_ = period;
     logical_ = timing == model::Timing::let;

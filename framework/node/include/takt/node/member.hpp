@@ -9,9 +9,9 @@
 #include <string>
 
 #include <takt/channel/activity.hpp>
-#include <takt/channel/departure.hpp>
 #include <takt/channel/layout.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
+#include <takt/channel/removal.hpp>
 #include <takt/lifecycle/machine.hpp>
 #include <takt/lifecycle/recovery.hpp>
 #include <takt/model/cell.hpp>
@@ -67,9 +67,9 @@ struct Member {
   channel::ModuleBlock& block;
   lifecycle::Machine machine;
   lifecycle::Recovery recovery;
-  std::size_t host = 0;          ///< of Supervisor::hosts_: that loads it, or whose executor releases it
-  bool reload = false;           ///< its instance is gone with its host: to recover it is to load it afresh
-  channel::Departure departure;  ///< of the last time that it was taken out of the tables
+  std::size_t host = 0;      ///< of Supervisor::hosts_: that loads it, or whose executor releases it
+  bool reload = false;       ///< its instance is gone with its host: to recover it is to load it afresh
+  channel::Removal removal;  ///< of the last time that it was taken out of the tables
 
   /// How far the node brings it by itself: to EXECUTING, unless an operator said otherwise.
   lifecycle::State up_to = lifecycle::State::executing;
@@ -87,7 +87,7 @@ struct Member {
 
   // A process module's.
   os::SharedMemory seat_memory;
-  channel::Seat* seat = nullptr;
+  channel::ReleaseSlot* slot = nullptr;
   os::Child child;
   Output output;
   Instant spawned{};
@@ -99,7 +99,7 @@ struct Member {
   bool stale = false;                 ///< it is in RECOVER because an input was stale
 
   bool started_again = false;        ///< by an attempt to recover; it is to become ready
-  std::uint64_t seen_late = 0;       ///< of seat->late
+  std::uint64_t seen_late = 0;       ///< of slot->late
   std::uint64_t noted_overruns = 0;  ///< how far they are in the fault record
   std::map<std::string, NotedPort> noted_ports;
   int end_signals = 0;  ///< how far its end has been pressed: 0 asked, 1 SIGTERM, 2 SIGKILL

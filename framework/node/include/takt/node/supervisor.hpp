@@ -18,15 +18,15 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <takt/channel/channel.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/channel/saved_state.hpp>
-#include <takt/channel/seat.hpp>
 #include <takt/component.hpp>
 #include <takt/core/result.hpp>
 #include <takt/host/inspect.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/fault.hpp>
 #include <takt/node/flight_recorder.hpp>
-#include <takt/node/gate.hpp>
+#include <takt/node/flow_manager.hpp>
 #include <takt/node/hosted.hpp>
 #include <takt/node/member.hpp>
 #include <takt/node/retained.hpp>
@@ -210,7 +210,7 @@ class Supervisor final : public Supervised {
     return index < members_.size() ? members_[index].get() : nullptr;
   }
   channel::SavedState& saved_of(const Member& member) const {
-    if (member.seat != nullptr) return member.seat->saved;
+    if (member.slot != nullptr) return member.slot->saved;
     return reinterpret_cast<channel::SavedState*>(saved_memory_.data())[member.index];
   }
 
@@ -231,12 +231,12 @@ class Supervisor final : public Supervised {
   std::optional<Symbols> symbols_;  // once something has crashed
   channel::Channel channel_;
   std::unique_ptr<FlightRecorder> flight_;
-  os::SharedMemory bell_memory_;
-  channel::Bell* bell_ = nullptr;
+  os::SharedMemory wake_word_memory_;
+  channel::WakeWord* wake_word_ = nullptr;
   os::SharedMemory saved_memory_;  // what modules save; over restarts of their hosts
   std::unique_ptr<Retained> retained_;
   Wiring wiring_;
-  std::unique_ptr<Gate> gate_;
+  std::unique_ptr<FlowManager> flow_manager_;
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<std::unique_ptr<Hosted>> hosts_;  // as model::hosts_of()
   struct PropertyRequest {

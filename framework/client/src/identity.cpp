@@ -1,0 +1,41 @@
+#include <takt/client/identity.hpp>
+
+#include <cstdio>
+
+#include <takt/os/clock.hpp>
+#include <takt/security/choice.hpp>
+#include <takt/security/identity.hpp>
+
+namespace takt::client {
+
+using security::Role;
+
+Result<std::string> identity_of(const Network& network) {
+  const std::string given = security_of(network);
+  if (given.empty()) return given;
+  const std::int64_t now = os::wall_ns() / 1'000'000'000;
+  const security::Chosen chosen = security::first_of(given, Role::operator_, now);
+  const auto identity = security::read_identity(chosen.folder, now);
+  if (!identity) return identity.problems();
+  const security::Subject& subject = identity->subject;
+  if (!chosen.passed_over.empty()) {
+    // Not how to mend it: who was revoked is to stay so.
+    for (const Problem& problem : chosen.passed_over)
+      std::fprintf(stderr, "%s: %s\n", problem.where.c_str(), problem.what.c_str());
+    std::fprintf(stderr, "so it is operator %s who asks\n", subject.name.c_str());
+  }
+  if (subject.role == Role::operator_ || subject.role == Role::observer) return chosen.folder;
+  return Problem{chosen.folder,
+                 std::string{"this is the identity of "} + to_text(subject.role) + " " + subject.name +
+                     ", not of an operator or observer",
+                 "name the folder of one, as DIR/operators/NAME"};
+}
+
+Result<void> may_write(const dds::Participant& participant, const std::string& what) {
+  const auto& identity = participant.identity();
+  if (!identity || identity->subject.role != Role::observer) return {};
+  return Problem{identity->folder, "observer " + identity->subject.name + " may look and not " + what,
+                 "name the folder of an operator, as DIR/operators/NAME"};
+}
+
+}  // namespace takt::client

@@ -1,0 +1,58 @@
+#include <takt/client/network.hpp>
+
+#include <charconv>
+
+#include <takt/core/words.hpp>
+#include <takt/model/validate.hpp>
+#include <takt/os/environment.hpp>
+
+namespace takt::client {
+
+namespace {
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    if (end > begin) parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+}  // namespace
+
+Result<int> domain_of(const Network& network, const model::Cell* cell) {
+  if (network.domain) return *network.domain;
+  const std::string text = os::environment("TAKT_DOMAIN");
+  if (text.empty()) return cell == nullptr ? 0 : cell->domain;
+  int domain = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
+  if (error != std::errc{} || end != text.data() + text.size() || domain < 0 || domain > model::kMaxDomain)
+    return fail("TAKT_DOMAIN is " + in_quotes(text),
+                "a domain is a number from 0 to " + std::to_string(model::kMaxDomain));
+  return domain;
+}
+
+model::Discovery discovery_of(const Network& network, const model::Cell* cell) {
+  model::Discovery discovery;
+  if (cell != nullptr) discovery = cell->discovery;
+  if (!network.peers.empty()) {
+    discovery.kind = model::Discovery::Kind::peers;
+    discovery.peers = split(network.peers);
+  }
+  if (!network.server.empty()) {
+    discovery.kind = model::Discovery::Kind::server;
+    discovery.server = network.server;
+  }
+  return discovery;
+}
+
+std::string security_of(const Network& network) {
+  return network.security.empty() ? os::environment("TAKT_SECURITY") : network.security;
+}
+
+std::vector<std::string> interfaces() { return split(os::environment("TAKT_INTERFACE")); }
+
+}  // namespace takt::client

@@ -1,0 +1,184 @@
+#include <takt/node/flow_manager.hpp>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <takt/channel/release_slot.hpp>
+
+namespace takt::node {
+
+namespace {
+
+constexpr std::uint32_t kMostFar = 31;  // bits of WakeWord::gateway_sleeps, less our own
+
+}  // namespace
+
+Result<std::unique_ptr<FlowManager>> FlowManager::open(std::shared_ptr<dds::Participant> participant,
+                                                       const os::SharedMemory& wake_word,
+                                                       const Wiring& wiring, const model::Cell& cell,
+                                                       const std::string& device) {
+  auto flow_manager = std::unique_ptr<FlowManager>{new FlowManager{wiring}};
+  auto gateway =
+      dds::Gateway::create(std::move(participant), *reinterpret_cast<channel::WakeWord*>(wake_word.data()));
+  if (!gateway) return gateway.problems();
+  flow_manager->gateway_ = std::move(*gateway);
+  std::set<int> domains;
+  for (std::size_t i = 0; i < wiring.flows().size(); ++i) {
+    const PlannedFlow& flow = wiring.flows()[i];
+    if (!flow.connected) continue;
+    if (flow.domain.value_or(cell.domain) != cell.domain) {
+      domains.insert(*flow.domain);
+      continue;
+    }
+    if (auto opened = flow_manager->open_flow(i, std::nullopt); !opened) return opened.problems();
+  }
+  for (const int domain : domains) {
+    if (auto opened = flow_manager->open_far(domain, wake_word, cell, device); !opened)
+      return opened.problems();
+  }
+  return flow_manager;
+}
+
+dds::Flow FlowManager::flow_at(std::size_t index) const {
+  const PlannedFlow& plan = wiring_.flows()[index];
+  return {.topic = plan.topic,
+          .type = plan.type,
+          .quality = {.reliable = plan.reliable,
+                      .depth = plan.depth,
+                      .deadline = plan.deadline,
+                      .lifespan = plan.lifespan,
+                      .kept = plan.carries == model::Carries::replies}};
+}
+
+Result<void> FlowManager::open_far(int domain, const os::SharedMemory& wake_word, const model::Cell& cell,
+                                   const std::string& device) {
+  Bridge::Options options{.device = device,
+                          .domain = domain,
+                          .peers = cell.discovery.peers,
+                          .wake_word = &wake_word,
+                          .place = static_cast<std::uint32_t>(far_.size() + 1),
+                          .flows = {}};
+  if (options.place > kMostFar)
+    return fail("its connections name more than " + std::to_string(kMostFar) + " other domains");
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
+    const PlannedFlow& plan = wiring_.flows()[i];
+    if (!plan.connected || plan.domain != domain) continue;
+    BridgedFlow flow{.flow = flow_at(i), .outgoing = plan.outgoing, .links = {}};
+    for (const std::size_t wire : plan.links) flow.links.push_back(&wiring_.wires()[wire].memory);
+    options.flows.push_back(std::move(flow));
+    indices.push_back(i);
+  }
+  auto far = Bridge::start(std::move(options));
+  if (!far) return far.problems();
+  for (std::size_t i = 0; i < indices.size(); ++i) open_[indices[i]] = Open{.id = i, .far = far->get()};
+  far_.push_back(std::move(*far));
+  return {};
+}
+
+std::optional<Result<void>> FlowManager::opened() const {
+  bool all = true;
+  for (const auto& far : far_) {
+    const auto& opened = far->opened();
+    if (opened && !opened->ok()) return opened;
+    all &= opened.has_value();
+  }
+  return all ? std::optional{Result<void>{}} : std::nullopt;
+}
+
+Result<void> FlowManager::open_flow(std::size_t index, std::optional<Instant> until) {
+  const PlannedFlow& plan = wiring_.flows()[index];
+  const dds::Flow flow = flow_at(index);
+  std::vector<channel::Link> links;
+  for (const std::size_t wire : plan.links) links.push_back(wiring_.wires()[wire].link);
+  auto id = plan.outgoing ? gateway_->add_outgoing(flow, links.front()) : gateway_->add_incoming(flow, links);
+  if (!id) {
+    Problems problems = id.problems();
+    for (Problem& problem : problems) problem.what = "topic " + plan.topic + ": " + problem.what;
+    return problems;
+  }
+  open_[index] = Open{.id = *id, .until = until};
+  return {};
+}
+
+const PlannedFlow* FlowManager::flow_of(std::uint32_t module, const std::string& port) const {
+  const auto found =
+      std::find_if(wiring_.flows().begin(), wiring_.flows().end(), [&](const PlannedFlow& flow) {
+        return flow.outgoing && wiring_.wires()[flow.links.front()].plan.from == LinkEnd{module, port};
+      });
+  return found == wiring_.flows().end() ? nullptr : &*found;
+}
+
+Result<void> FlowManager::tap(std::uint32_t module, const std::string& port, Instant until) {
+  const PlannedFlow* flow = flow_of(module, port);
+  if (flow == nullptr) return fail("there is no output '" + port + "'");
+  return open_until(static_cast<std::size_t>(flow - wiring_.flows().data()), until);
+}
+
+Result<void> FlowManager::open_until(std::size_t index, Instant until) {
+  if (open_[index]) {
+    if (open_[index]->until) open_[index]->until = std::max(*open_[index]->until, until);
+    return {};
+  }
+  if (auto opened = open_flow(index, until); !opened) return opened;
+  const PlannedFlow& flow = wiring_.flows()[index];
+  wiring_.wires()[flow.links.front()].link.block().enabled.store(1, std::memory_order_relaxed);
+  return {};
+}
+
+Result<void> FlowManager::open_service(std::uint32_t module, const std::string& service, Instant until) {
+  for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
+    const PlannedFlow& flow = wiring_.flows()[i];
+    if (flow.connected) continue;
+    const PlannedLink& link = wiring_.wires()[flow.links.front()].plan;
+    const LinkEnd end{module, service + (flow.outgoing ? model::kReplyPort : model::kRequestPort)};
+    if ((flow.outgoing ? link.from : link.to) != end) continue;
+    if (auto opened = open_until(i, until); !opened) return opened;
+  }
+  return {};
+}
+
+// A request that nobody would answer is not sent: its client is told at once.
+void FlowManager::let_requests_through() {
+  for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
+    const PlannedFlow& flow = wiring_.flows()[i];
+    if (!flow.outgoing || flow.carries != model::Carries::requests || !open_[i]) continue;
+    const Wiring::Wire& wire = wiring_.wires()[flow.links.front()];
+    const std::string& request = wire.plan.from.port;
+    LinkEnd reply = wire.plan.from;
+    reply.port = request.substr(0, request.rfind('/')) + model::kReplyPort;
+    bool answered = false;
+    for (std::size_t w = 0; w < wiring_.wires().size(); ++w) {
+      if (wiring_.wires()[w].plan.to != reply) continue;
+      const auto replies = health(w);
+      answered = answered || (replies && replies->matched > 0);
+    }
+    const bool served = answered && health(flow.links.front()).value_or(dds::FlowHealth{}).matched > 0;
+    wire.link.block().enabled.store(served ? 1 : 0, std::memory_order_relaxed);
+  }
+}
+
+void FlowManager::step(Instant now) {
+  for (const auto& far : far_) far->step(now);
+  let_requests_through();
+  for (std::size_t i = 0; i < open_.size(); ++i) {
+    if (!open_[i] || !open_[i]->until || now < *open_[i]->until) continue;
+    const PlannedFlow& flow = wiring_.flows()[i];
+    if (flow.outgoing)
+      wiring_.wires()[flow.links.front()].link.block().enabled.store(0, std::memory_order_relaxed);
+    gateway_->remove(open_[i]->id);
+    open_[i].reset();
+  }
+}
+
+std::optional<dds::FlowHealth> FlowManager::health(std::size_t wire) const {
+  for (std::size_t i = 0; i < open_.size(); ++i) {
+    const std::vector<std::size_t>& wires = wiring_.flows()[i].links;
+    if (!open_[i] || std::find(wires.begin(), wires.end(), wire) == wires.end()) continue;
+    return open_[i]->far != nullptr ? open_[i]->far->health(open_[i]->id) : gateway_->health(open_[i]->id);
+  }
+  return std::nullopt;
+}
+
+}  // namespace takt::node

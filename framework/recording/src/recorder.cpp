@@ -1,0 +1,327 @@
+#include <takt/recording/recorder.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <takt/client/operator.hpp>
+#include <takt/core/words.hpp>
+#include <takt/dds/gateway.hpp>
+#include <takt/model/json.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/files.hpp>
+#include <takt/os/signals.hpp>
+
+#include <takt/client/connection.hpp>
+#include <takt/client/port_names.hpp>
+#include <takt/recording/amounts.hpp>
+
+namespace takt::recording {
+
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr Nanoseconds kTappedFor = seconds{30};     // a port is published for us so long
+constexpr Nanoseconds kAskAgain = seconds{5};       // while all are there
+constexpr Nanoseconds kLookAgain = seconds{1};      // while some are not
+constexpr Nanoseconds kAtOnce = milliseconds{100};  // after news of a device
+constexpr Nanoseconds kAnswered = seconds{2};
+constexpr Nanoseconds kExpandAgain = seconds{10};
+constexpr std::uint32_t kDepth = 256;  // samples that DDS keeps for us
+
+std::uint64_t lost_by(const dds::Tap& tap) { return tap.health().lost; }
+
+class Recorder {
+ public:
+  Recorder(const RecordOptions& options, RecordingWriter& writer, const os::SignalQueue& signals,
+           const client::Connection& client, std::atomic<bool>& news)
+      : options_(options), writer_(writer), signals_(signals), client_(client), news_(news) {
+    for (const std::string& name : options.ports) {
+      if (!client::is_pattern(name)) sources_.try_emplace(name);
+    }
+  }
+
+  void run() {
+    const Instant begun = os::now();
+    std::optional<Instant> end;
+    if (options_.seconds) end = begun + Nanoseconds{static_cast<std::int64_t>(*options_.seconds * 1e9)};
+    Instant again = begun;
+    while (!ended_ && !(end && os::now() >= *end) && !writer_.health().full) {
+      if (news_.exchange(false)) again = std::min(again, os::now() + kAtOnce);
+      if (os::now() >= again) {
+        look();
+        const bool all = !sources_.empty() && std::all_of(sources_.begin(), sources_.end(),
+                                                          [](const auto& s) { return s.second.tapped; });
+        again = os::now() + (all ? kAskAgain : kLookAgain);
+      }
+      Nanoseconds wait = milliseconds{100};
+      if (end) wait = std::clamp<Nanoseconds>(*end - os::now(), milliseconds{1}, wait);
+      os::wait_readable({&signals_.fd()}, static_cast<int>(std::chrono::ceil<milliseconds>(wait).count()));
+      told_to_end();
+      progress(begun);
+    }
+    took_ = os::now() - begun;
+  }
+
+  [[nodiscard]] std::uint64_t lost() const {
+    std::uint64_t all = lost_ + writer_.health().lost;
+    for (const auto& [path, source] : sources_) all += source.tap ? lost_by(*source.tap) : 0;
+    return all;
+  }
+  [[nodiscard]] Nanoseconds took() const { return took_; }
+  struct Recorded {
+    std::string path;
+    std::string type;
+  };
+  [[nodiscard]] const std::map<std::int64_t, Recorded>& recorded() const { return recorded_; }
+
+  void say(const std::string& text) {
+    if (options_.progress) options_.progress("");
+    std::fprintf(stderr, "%s: %s\n", options_.who.c_str(), text.c_str());
+  }
+
+ private:
+  struct Source {
+    bool tapped = false;  ///< its device said so, the last time that it was asked
+    std::string topic;
+    std::string type;
+    bool reliable = false;
+    std::string said;  ///< why it is waited for
+    std::unique_ptr<dds::Tap> tap;
+  };
+
+  bool told_to_end() {
+    if (signals_.next()) ended_ = true;
+    return ended_;
+  }
+
+  /// Asks for the ports that are wanted, of the devices that are there.
+  void look() {
+    std::map<std::string, dds::ObservedDevice> devices;
+    for (dds::ObservedDevice& device : client_.observer->devices()) {
+      if (device.alive) devices.insert_or_assign(device.name(), std::move(device));
+    }
+    expand(devices);
+    std::vector<client::Question> questions;
+    std::vector<std::string> asked;
+    for (auto& [path, source] : sources_) {
+      const auto name = client::parse_port(path);
+      const auto device = devices.find(name->device);
+      if (device == devices.end()) {
+        wait_for(path, source, "device " + name->device + " is not there");
+        continue;
+      }
+      questions.push_back({.kind = COMMAND_TAP,
+                           .device = name->device,
+                           .module = name->module,
+                           .property = name->port,
+                           .time_ns = os::wall_ns() + kTappedFor.count(),
+                           .limit = kAnswered});
+      asked.push_back(path);
+    }
+    auto answers = client_.asker->ask(questions, [this] { return told_to_end(); });
+    if (ended_) return;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      Source& source = sources_.at(asked[i]);
+      // A device that is busy publishes on, as long as it was told to.
+      if (!answers[i] && source.tapped) continue;
+      const auto answer = client::accepted(std::move(answers[i]));
+      if (!answer) {
+        wait_for(asked[i], source, in_words(answer.problems()));
+        continue;
+      }
+      const std::string cell = devices.at(questions[i].device).status.cell().to_string();
+      if (auto heard = listen(asked[i], source, answer->data, cell); !heard)
+        wait_for(asked[i], source, in_words(heard.problems()));
+    }
+  }
+
+  /// Patterns, anew for each deployment of a device; and now and then, for an update keeps its name.
+  void expand(const std::map<std::string, dds::ObservedDevice>& devices) {
+    std::vector<client::Question> questions;
+    for (const auto& [name, device] : devices) {
+      const std::string deployment = device.node() + "/" + device.status.deployment().to_string();
+      const Expanded& last = expanded_[name];
+      if (device.status.deployment().to_string().empty() ||
+          (last.deployment == deployment && os::now() - last.at < kExpandAgain)) {
+        continue;
+      }
+      if (std::none_of(options_.ports.begin(), options_.ports.end(),
+                       [&name = name](const std::string& pattern) {
+                         return client::is_pattern(pattern) && client::may_match(pattern, name);
+                       }))
+        continue;
+      questions.push_back({.kind = COMMAND_REPORT, .device = name, .limit = kAnswered});
+    }
+    if (questions.empty()) return;
+    auto answers = client_.asker->ask(questions, [this] { return told_to_end(); });
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      const auto answer = client::accepted(std::move(answers[i]));
+      if (!answer) continue;
+      const std::string& device = questions[i].device;
+      const auto report = model::parse_json(answer->data);
+      try {
+        for (const auto& module : report.at("modules")) add_outputs(device, module);
+        const dds::ObservedDevice& seen = devices.at(device);
+        expanded_[device] = {seen.node() + "/" + seen.status.deployment().to_string(), os::now()};
+      } catch (const nlohmann::json::exception&) {
+        say("device " + device + ": its report cannot be read; is it of the same version?");
+      }
+    }
+  }
+
+  void add_outputs(const std::string& device, const nlohmann::ordered_json& module) {
+    if (!module.contains("ports")) return;
+    for (const auto& port : module.at("ports")) {
+      if (port.at("direction") != "out") continue;
+      const std::string path =
+          device + "." + module.at("name").get<std::string>() + "." + port.at("name").get<std::string>();
+      const bool wanted = std::any_of(options_.ports.begin(), options_.ports.end(),
+                                      [&](const std::string& pattern) { return client::matches(pattern, path); });
+      if (wanted) sources_.try_emplace(path);
+    }
+  }
+
+  Result<void> listen(const std::string& path, Source& source, const std::string& data,
+                      const std::string& cell) {
+    const auto place = model::parse_json(data);
+    if (!place.is_object()) return fail("the device's answer is of another version of Takt");
+    if (place.contains("reply"))
+      return fail("it is a service", "record the client's NAME/request and NAME/reply");
+    const std::string topic = place.value("topic", "");
+    const std::string text = place.value("type", "");
+    const bool reliable = place.value("reliable", false);
+    if (source.tap && topic == source.topic && text == source.type && reliable == source.reliable) {
+      source.tapped = true;
+      source.said.clear();
+      return {};
+    }
+    auto type = model::parse_type(text);
+    if (!type) return type.problems();
+    if (source.tap) lost_ += lost_by(*source.tap);
+    source.tap.reset();
+    const RecordedPort port{path, topic, reliable, *type};
+    const std::int64_t id = writer_.add_port(port, cell);
+    const dds::Flow flow{
+        .topic = topic,
+        .type = *type,
+        .quality = {.reliable = port.reliable, .depth = kDepth, .deadline = {}, .lifespan = {}}};
+    auto tap = dds::Tap::create(client_.participant, flow,
+                                [this, id](const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
+                                  writer_.add(id, time_ns, bytes, size);
+                                });
+    if (!tap) return tap.problems();
+    source = {.tapped = true,
+              .topic = topic,
+              .type = text,
+              .reliable = reliable,
+              .said = {},
+              .tap = std::move(*tap)};
+    recorded_[id] = {path, type->name};
+    say("records " + path + " (" + type->name + ")");
+    return {};
+  }
+
+  void wait_for(const std::string& path, Source& source, const std::string& why) {
+    source.tapped = false;
+    if (std::exchange(source.said, why) != why) say("waits for " + path + ": " + why);
+  }
+
+  void progress(Instant begun) {
+    const RecordingHealth health = writer_.health();
+    if (trouble_ != health.trouble) {
+      say(health.trouble ? to_text(*health.trouble) + "; samples wait" : "the disk takes samples again");
+      trouble_ = health.trouble;
+    }
+    const Instant now = os::now();
+    if (!options_.progress || now - told_ < seconds{1}) return;
+    const double since = std::chrono::duration<double>(now - std::max(told_, begun)).count();
+    options_.progress(fmt::format(
+        "{:.0f} s, {} ports, {} samples, {:.0f}/s, {}{}, {} lost",
+        std::chrono::duration<double>(now - begun).count(), recorded_.size(), health.samples,
+        static_cast<double>(health.samples - told_samples_) / since, bytes_text(health.bytes),
+        health.dropped == 0 ? "" : fmt::format(", {} of the oldest dropped", health.dropped), lost()));
+    told_ = now;
+    told_samples_ = health.samples;
+  }
+
+  const RecordOptions& options_;
+  RecordingWriter& writer_;
+  const os::SignalQueue& signals_;
+  const client::Connection& client_;
+  std::atomic<bool>& news_;
+  std::map<std::string, Source> sources_;  // by path
+  struct Expanded {
+    std::string deployment;
+    Instant at{};
+  };
+  std::map<std::string, Expanded> expanded_;   // by device
+  std::map<std::int64_t, Recorded> recorded_;  // by number in the file
+  std::uint64_t lost_ = 0;                     // by taps that are gone
+  bool ended_ = false;
+  Instant told_{};
+  std::uint64_t told_samples_ = 0;
+  std::optional<Problem> trouble_;
+  Nanoseconds took_{};
+};
+
+}  // namespace
+
+int record(const RecordOptions& options) {
+  const auto refuse = [&](const Problems& problems) {
+    std::fprintf(stderr, "%s\n", to_text(problems).c_str());
+    return 1;
+  };
+  if (const auto right = client::check_ports(options.ports); !right) return refuse(right.problems());
+  const auto signals = os::SignalQueue::of_requests_to_end();
+  if (!signals) return refuse(signals.problems());
+  auto writer = RecordingWriter::create(options.recording);
+  if (!writer) return refuse(writer.problems());
+
+  std::atomic<bool> news{true};
+  const auto client = client::connect(
+      options.network, nullptr,
+      {.news = {.module = {}, .device = [&news](const dds::ObservedDevice&) { news = true; }}});
+  if (!client) return refuse(client.problems());
+  client->observer->settle(seconds{1});
+  Recorder recorder{options, **writer, *signals, *client, news};
+  recorder.run();
+
+  // First of all: who is told to end may have little time.
+  const std::string& file = options.recording.file;
+  const auto finished = (*writer)->finish();
+  const RecordingHealth health = (*writer)->health();
+  if (health.full)
+    recorder.say(on_one_line(file) + " is full at " + bytes_text(options.recording.max_bytes) +
+                 ", so it ended");
+  recorder.say(fmt::format(
+      "{} samples of {} port{} in {:.1f} s, {} in {}; {} lost{}", health.samples, recorder.recorded().size(),
+      recorder.recorded().size() == 1 ? "" : "s", std::chrono::duration<double>(recorder.took()).count(),
+      bytes_text(health.bytes), on_one_line(file), recorder.lost(),
+      health.dropped == 0 ? "" : fmt::format(", {} of the oldest dropped", health.dropped)));
+  const auto counts = (*writer)->counts();
+  for (const auto& [id, port] : recorder.recorded()) {
+    const auto count = counts.find(id);
+    recorder.say(
+        fmt::format("  {} ({}): {}", port.path, port.type, count == counts.end() ? 0 : count->second));
+  }
+  if (!finished) return refuse(finished.problems());
+  if (!recorder.recorded().empty()) return 0;
+  if (!options.recording.append) {  // a file of nothing is only in the way of the next attempt
+    writer->reset();
+    if (const auto removed = os::remove_file(file); !removed) return refuse(removed.problems());
+  }
+  return 1;
+}
+
+}  // namespace takt::recording

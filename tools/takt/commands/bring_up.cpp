@@ -1,0 +1,68 @@
+#include "commands/bring_up.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <takt/dds/words.hpp>
+
+#include "terminal/screen_style.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+std::size_t modules_of(const model::Cell& cell) {
+  std::size_t modules = 0;
+  for (const model::Device& device : cell.devices) modules += device.modules.size();
+  return modules;
+}
+
+constexpr Nanoseconds kLate = std::chrono::seconds{2};
+
+/// Whether each module of the cell was heard to be ready, or what comes after that.
+bool are_ready(const std::vector<dds::ObservedDevice>& seen, const model::Cell& cell) {
+  const auto is_ready = [&seen](const model::Device& device, const model::Module& module) {
+    return std::any_of(seen.begin(), seen.end(), [&](const dds::ObservedDevice& one) {
+      const auto status = one.deployment.modules.find(module.name);
+      return one.name() == device.name && one.alive && status != one.deployment.modules.end() &&
+             status->second.state() != STATE_IDLE && status->second.state() != STATE_INITIALIZE;
+    });
+  };
+  return std::all_of(cell.devices.begin(), cell.devices.end(), [&](const model::Device& device) {
+    return std::all_of(device.modules.begin(), device.modules.end(),
+                       [&](const model::Module& module) { return is_ready(device, module); });
+  });
+}
+
+}  // namespace
+
+BringUpProgress::BringUpProgress(const client::Connection& client, const model::Cell& cell)
+    : client_(client), cell_(cell), bring_up_(modules_of(cell)) {}
+
+void BringUpProgress::say(const std::string& text) {
+  progress_.clear();
+  std::fprintf(stderr, "%s ...\n", text.c_str());
+}
+
+void BringUpProgress::end(bool went_well) {
+  if (progress_.is_seen() && went_well) {
+    // They answered that they are ready. What they say of their modules is another topic, and may come later.
+    client_.observer->wait([this](const auto& devices) { return are_ready(devices, cell_); }, kLate);
+    show();
+  }
+  progress_.clear();
+}
+
+void BringUpProgress::show() {
+  std::vector<BroughtUp> devices;
+  for (const dds::ObservedDevice& seen : client_.observer->devices()) {
+    if (!seen.alive || seen.status.cell().to_string() != cell_.name) continue;
+    BroughtUp device{.device = seen.name(), .state = to_text(seen.status.state()), .modules = {}};
+    for (const auto& [name, status] : seen.deployment.modules) device.modules[name] = to_text(status.state());
+    devices.push_back(std::move(device));
+  }
+  for (const std::string& line : bring_up_.news(devices)) progress_.keep(line);
+  progress_.show(bring_up_.text(devices, {.unicode = is_utf8()}));
+}
+
+}  // namespace takt::tool

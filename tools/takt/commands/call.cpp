@@ -1,0 +1,210 @@
+// takt call: a request to a service, and its reply.
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdio>
+#include <mutex>
+#include <random>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <takt/client/connection.hpp>
+#include <takt/client/identity.hpp>
+#include <takt/dds/gateway.hpp>
+#include <takt/model/field_values.hpp>
+#include <takt/model/json.hpp>
+#include <takt/model/type.hpp>
+#include <takt/os/clock.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "commands/network_options.hpp"
+#include "commands/ranges.hpp"
+#include "terminal/terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CallOptions {
+  std::string service;
+  std::vector<std::string> request;
+  double timeout = 2;  ///< s
+  bool json = false;
+  client::Network network;
+};
+
+/// As long as a service is open for anybody; it is closed by itself.
+constexpr auto kBeside = std::chrono::seconds{2};
+/// Both ways are found in this time, or not at all.
+constexpr auto kServiceFound = std::chrono::seconds{5};
+
+std::int64_t wall_ns() {
+  return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+/// What is asked of, or answered by, a service, within what Takt adds.
+Result<model::Type> inner(const model::Type& type, const char* field) {
+  for (const model::Field& each : type.fields) {
+    if (each.name == field && each.scalar == model::Scalar::structure)
+      return model::Type{each.type_name, each.fields};
+  }
+  return fail("the device's answer is of another version of Takt");
+}
+
+/// The reply to one request, of all that come.
+class Answer {
+ public:
+  Answer(model::Type type, std::uint64_t client) : type_(std::move(type)), client_(client) {}
+
+  void take(const std::byte* bytes, std::size_t size) {
+    Json reply = model::parse_json(model::sample_json(type_, bytes, size));
+    if (!reply.is_object() || reply.value("client", std::uint64_t{0}) != client_) return;
+    const std::lock_guard lock{mutex_};
+    reply_ = std::move(reply);
+    came_.notify_all();
+  }
+  /// Null when none came.
+  Json wait_until(Instant until) {
+    std::unique_lock lock{mutex_};
+    came_.wait_until(lock, until, [this] { return !reply_.is_null(); });
+    return reply_;
+  }
+
+ private:
+  model::Type type_;
+  std::uint64_t client_;
+  std::mutex mutex_;
+  std::condition_variable came_;
+  Json reply_;
+};
+
+/// Of a service: which topics, and what.
+struct Place {
+  std::string request_topic;
+  std::string reply_topic;
+  model::Type request;
+  model::Type reply;
+};
+
+Result<Place> find(client::Connection& client, const CallOptions& options) {
+  const std::size_t first = options.service.find('.');
+  const std::size_t second = first == std::string::npos ? first : options.service.find('.', first + 1);
+  if (second == std::string::npos || second + 1 == options.service.size())
+    return fail("'" + options.service + "' names no service", "say DEVICE.MODULE.SERVICE");
+  const auto open_for =
+      kServiceFound + kBeside +
+      std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.timeout));
+  const auto answer =
+      client::accepted(client.asker->ask({.kind = COMMAND_TAP,
+                                          .device = options.service.substr(0, first),
+                                          .module = options.service.substr(first + 1, second - first - 1),
+                                          .property = options.service.substr(second + 1),
+                                          .time_ns = wall_ns() + Nanoseconds{open_for}.count()}));
+  if (!answer) return answer.problems();
+  const auto told = model::parse_json(answer->data);
+  if (!told.is_object()) return fail("the device's answer is of another version of Takt");
+  if (!told.contains("reply"))
+    return fail(options.service + " is a port and no service", "takt echo " + options.service + " shows it");
+  auto request = model::parse_type(told.value("type", ""));
+  if (!request) return request.problems();
+  auto reply = model::parse_type(told["reply"].value("type", ""));
+  if (!reply) return reply.problems();
+  return Place{told.value("topic", ""), told["reply"].value("topic", ""), std::move(*request),
+               std::move(*reply)};
+}
+
+/// The bytes of a request. Fails at what is wrong with what was typed.
+Result<std::vector<std::byte>> request_of(const Place& place, const CallOptions& options,
+                                          std::uint64_t client) {
+  const auto type = inner(place.request, "request");
+  if (!type) return type.problems();
+  const auto typed = model::json_of_input(*type, options.request);
+  if (!typed) return typed.problems();
+  if (const auto alone = model::sample_bytes(*type, *typed); !alone) return alone.problems();
+  const Json whole{{"client", client},
+                   {"number", 1},
+                   {"timeout_ns", static_cast<std::int64_t>(options.timeout * 1e9)},
+                   {"request", model::parse_json(*typed)}};
+  return model::sample_bytes(place.request, model::json_text(whole));
+}
+
+int call(const CallOptions& options) {
+  const auto refuse = [](const Problems& problems) {
+    complain(problems);
+    return 1;
+  };
+  auto client = client::connect(options.network);
+  if (!client) return refuse(client.problems());
+  if (const auto may = client::may_write(*client->participant, "call"); !may) return refuse(may.problems());
+  const auto place = find(*client, options);
+  if (!place) return refuse(place.problems());
+  std::random_device random;
+  const std::uint64_t me = (std::uint64_t{random()} << 32) | random();
+  const auto request = request_of(*place, options, me);
+  if (!request) return refuse(request.problems());
+
+  Answer answer{place->reply, me};
+  const dds::Quality quality{.reliable = true, .depth = 8, .deadline = {}, .lifespan = {}};
+  dds::Quality kept = quality;
+  kept.kept = true;  // the service may answer before it knows of this reader
+  const auto replies = dds::Tap::create(
+      client->participant, {.topic = place->reply_topic, .type = place->reply, .quality = kept},
+      [&answer](const std::byte* bytes, std::size_t size, std::int64_t) { answer.take(bytes, size); });
+  if (!replies) return refuse(replies.problems());
+  const auto asks = dds::Feed::create(
+      client->participant, {.topic = place->request_topic, .type = place->request, .quality = quality});
+  if (!asks) return refuse(asks.problems());
+  const Instant found = os::now() + kServiceFound;
+  while ((*asks)->health().matched == 0 || (*replies)->health().matched == 0) {
+    if (os::now() > found)
+      return refuse({fail(options.service + " was not found on DDS within 5 s",
+                          "is the device still there? takt status")});
+    os::sleep_until(os::now() + std::chrono::milliseconds{2});
+  }
+  const Instant begun = os::now();
+  if (!(*asks)->write(request->data(), request->size()))
+    return refuse({fail("DDS did not take the request", "see what it printed")});
+  const auto limit = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.timeout));
+  const Json reply = answer.wait_until(begun + limit);
+  const double milliseconds = std::chrono::duration<double, std::milli>(os::now() - begun).count();
+  if (reply.is_null()) {
+    return refuse({fail(fmt::format("{} did not answer within {} s", options.service, options.timeout),
+                        "whether it did what it was asked is not known; --timeout waits for longer")});
+  }
+  if (reply.value("code", "") != "SERVICE_REPLIED")
+    return refuse({fail(options.service + " refuses: " + reply.value("reason", ""))});
+  if (options.json) {
+    const double rounded = std::round(milliseconds * 1e3) / 1e3;
+    return print(model::json_text({{"reply", reply.at("reply")}, {"ms", rounded}}) + "\n") ? 0 : 1;
+  }
+  std::string lines;
+  for (const auto& [name, value] : reply.at("reply").items())
+    lines += fmt::format("{}: {}\n", name, model::json_text(value));
+  return print(lines.empty() ? "done\n" : lines) ? 0 : 1;
+}
+
+}  // namespace
+
+void add_call(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<CallOptions>();
+  auto* command = app.add_subcommand("call", "Send a request to a service and print its reply");
+  command->add_option("SERVICE", options->service, "DEVICE.MODULE.SERVICE")->required();
+  command
+      ->add_option(
+          "REQUEST", options->request,
+          "FIELD=VALUE ..., a field of a field as OUTER.INNER=VALUE; or one JSON object. A field that is "
+          "not given is zero")
+      ->type_name("");
+  command->add_option("--timeout", options->timeout, "wait for so long (2 unless given)")
+      ->type_name("SECONDS")
+      ->check(within(0.001, 50));
+  command->add_flag("--json", options->json, "print one JSON object: the reply, and how long it took");
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return call(*options); }; });
+}
+
+}  // namespace takt::tool

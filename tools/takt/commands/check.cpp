@@ -1,0 +1,109 @@
+#include <cstdio>
+#include <fstream>
+
+#include <takt/client/network.hpp>
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "commands/proof.hpp"
+#include "commands/ranges.hpp"
+#include "reports/check_report.hpp"
+#include "terminal/terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+struct CheckOptions {
+  std::string file;
+  bool json = false;
+  std::string svg;        ///< where to write the drawing; empty: nowhere
+  bool expanded = false;  ///< print the descriptor without includes and templates instead
+  bool remote = false;    ///< components that are not on this machine are warnings
+  ProofOptions proof;
+};
+
+int check(const CheckOptions& options) {
+  if (options.expanded) {
+    const auto flat = descriptor::flatten(options.file);
+    if (!flat) complain(flat.problems());
+    return flat && print(*flat) ? 0 : 1;
+  }
+  Problems missing;
+  auto loaded = load(options.file, options.remote ? &missing : nullptr);
+  for (const Problem& problem : missing) {
+    std::fprintf(stderr, "%s: warning: %s; its node will look for it\n", problem.where.c_str(),
+                 problem.what.c_str());
+  }
+  if (!loaded) {
+    complain(loaded.problems());
+    return 1;
+  }
+  const auto domain = client::domain_of({}, &loaded->cell);
+  if (!domain) {
+    complain(domain.problems());
+    return 1;
+  }
+  loaded->cell.domain = *domain;
+  std::optional<Proof> proof;
+  // Without being asked, where the descriptor says all that it takes.
+  if (options.proof.given() || schedule::all_state_budgets(loaded->cell)) {
+    auto proved = prove(loaded->cell, loaded->plans, options.proof);
+    if (!proved) {
+      complain(proved.problems());
+      return 1;
+    }
+    proof = std::move(*proved);
+    for (const Problem& problem : proof->warnings)
+      std::fprintf(stderr, "%s: warning: %s\n", problem.where.c_str(), problem.what.c_str());
+  }
+  if (!options.svg.empty()) {
+    std::ofstream out{options.svg};
+    out << check_svg(loaded->cell, loaded->plans);
+    if (!out.flush()) {
+      complain({{options.svg, "cannot be written", "name a file in a folder that you may write to"}});
+      return 1;
+    }
+  }
+  const std::string text = options.json
+                               ? model::json_text(check_json(loaded->cell, loaded->plans, proof)) + "\n"
+                               : check_text(loaded->cell, loaded->plans, terminal_style(), proof);
+  const bool printed = print(text);
+  if (!proof || proof->missed.empty()) return printed ? 0 : 1;
+  std::fflush(stdout);  // the table before what is said of it
+  complain(proof->missed);
+  return 1;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<CheckOptions>();
+  auto* command = app.add_subcommand("check", "Validate a descriptor and print its tables; start nothing");
+  command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->add_option("--svg", options->svg, "write the tables as a drawing to this file")->type_name("OUT");
+  command->add_flag("--expanded", options->expanded,
+                    "print the descriptor with includes and templates expanded, and no tables");
+  command->add_flag("--remote", options->remote,
+                    "warn of a component that is not on this machine instead of rejecting it");
+  command
+      ->add_option("--profile", options->proof.profile,
+                   "prove each deadline with the run times that takt run --profile wrote")
+      ->type_name("FILE");
+  command
+      ->add_option("--factor", options->proof.factor,
+                   "multiply run times (or budgets) by X, from 1 to 1000 (default 1)")
+      ->type_name("X")
+      ->check(within(1, 1000));
+  command
+      ->add_option("--cpus", options->proof.processors,
+                   "assume that each device has this many CPUs (default: as many as this machine)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024).description(""));
+  command->callback([options, &chosen] { chosen = [options] { return check(*options); }; });
+}
+
+}  // namespace takt::tool

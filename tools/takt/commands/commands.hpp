@@ -1,0 +1,49 @@
+// The commands of `takt`: one file a command or family, each of which adds itself to the command line.
+#pragma once
+
+#include <functional>
+
+#include <CLI/CLI.hpp>
+
+namespace takt::tool {
+
+/// Runs the command that was chosen and returns its exit status: 0 done, 1 rejected or failed, with a reason
+/// on standard error.
+using Chosen = std::function<int()>;
+/// Adds a command, which sets `chosen`. Both outlive the parsing.
+using AddCommand = void(CLI::App& app, Chosen& chosen);
+
+AddCommand add_check;
+AddCommand add_graph;
+AddCommand add_run;
+AddCommand add_new;
+AddCommand add_simulate;
+AddCommand add_deploy;
+AddCommand add_undeploy;
+AddCommand add_status;
+AddCommand add_watch;
+AddCommand add_web;
+AddCommand add_log;
+AddCommand add_orders;
+AddCommand add_swap;
+AddCommand add_properties;
+AddCommand add_echo;
+AddCommand add_record;
+AddCommand add_play;
+AddCommand add_plot;
+AddCommand add_trace;
+AddCommand add_call;
+AddCommand add_doctor;
+AddCommand add_secure;
+AddCommand add_sign;
+AddCommand add_bench;
+AddCommand add_describe;
+
+/// In the order of `takt --help`.
+inline constexpr AddCommand* kCommands[] = {
+    add_check,  add_graph,  add_run,   add_new,     add_simulate, add_deploy, add_undeploy,
+    add_status, add_watch,  add_web,   add_log,     add_orders,   add_swap,   add_properties,
+    add_echo,   add_record, add_play,  add_plot,    add_trace,    add_call,   add_doctor,
+    add_secure, add_sign,   add_bench, add_describe};
+
+}  // namespace takt::tool

@@ -1,0 +1,120 @@
+// takt doctor: what on this machine would spoil real time, each with its cure.
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <takt/model/json.hpp>
+#include <takt/node/diagnosis.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/security/identity.hpp>
+
+#include "commands/commands.hpp"
+#include "reports/doctor_report.hpp"
+#include "terminal/terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::chrono::milliseconds kMoment{500};
+
+struct DoctorOptions {
+  bool json = false;
+};
+
+double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
+
+/// Not of real time, but of the same importance: who may command this machine.
+node::Finding security_finding() {
+  using node::Severity;
+  node::Finding finding{
+      .name = "security",
+      .found = {},
+      .why = "without it whoever is on the network of a cell may command it and read what it says"};
+  const std::string folder = client::security_of({});
+  if (folder.empty()) {
+    finding.severity = Severity::note;
+    finding.found = "is off: TAKT_SECURITY names no identity";
+    finding.cure = "takt secure init CELL.xml DIR, or keep the network to yourself (docs/secure.md)";
+    return finding;
+  }
+  std::error_code error;
+  const std::int64_t now = os::wall_ns() / 1'000'000'000;
+  if (std::filesystem::is_directory(folder + "/authority", error)) {
+    finding.severity = Severity::note;
+    finding.found = folder + " holds the authority itself: who takes it can make anybody";
+    finding.cure = "keep it at home, and leave this machine the folder of its device";
+    return finding;
+  }
+  const auto identity = security::read_identity(folder, now);
+  if (!identity) {
+    finding.severity = Severity::note;
+    finding.found = "the identity in TAKT_SECURITY is refused: " + in_words(identity.problems());
+    finding.cure = "takt secure renew, and copy the folder again";
+    return finding;
+  }
+  finding.found = "is on: " + to_text(identity->subject);
+  if (const std::string warning = security::expiry_warning(identity->until, now); !warning.empty()) {
+    finding.severity = Severity::note;
+    finding.found += "; " + warning;
+    finding.cure = "takt secure renew, and copy the folder again";
+  }
+  return finding;
+}
+
+Json report_of(const os::Machine& machine, const os::Trial& trial) {
+  std::size_t spoils = 0;
+  std::size_t notes = 0;
+  Json findings = Json::array();
+  std::vector<node::Finding> all = node::diagnose(machine, trial);
+  all.push_back(security_finding());
+  for (const node::Finding& finding : all) {
+    spoils += finding.severity == node::Severity::spoils ? 1 : 0;
+    notes += finding.severity == node::Severity::note ? 1 : 0;
+    findings.push_back({{"check", finding.name},
+                        {"severity", to_text(finding.severity)},
+                        {"found", finding.found},
+                        {"why", finding.why},
+                        {"cure", finding.cure},
+                        {"mend_on", finding.mend_on}});
+  }
+  return {{"machine", os::host_name()},
+          {"kernel", machine.kernel},
+          {"root", os::is_root()},
+          {"spoils", spoils},
+          {"notes", notes},
+          {"findings", findings},
+          {"wake_up_us",
+           {{"count", trial.wake_ups.count},
+            {"p50", microseconds(trial.wake_ups.p50)},
+            {"p99", microseconds(trial.wake_ups.p99)},
+            {"max", microseconds(trial.wake_ups.max)}}}};
+}
+
+int doctor(const DoctorOptions& options) {
+  const os::Machine machine = os::read_machine();
+  const Json report = report_of(machine, os::try_machine(kMoment));
+  if (!print(options.json ? model::json_text(report) + "\n" : doctor_text(report, terminal_style()))) {
+    return 1;
+  }
+  return report["spoils"].get<std::size_t>() == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<DoctorOptions>();
+  auto* command =
+      app.add_subcommand("doctor", "Say what on this machine would spoil real time, each with its cure");
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->footer(
+      "Changes nothing; takes a second. Works without root and says what it could not see then.\n"
+      "Exit status: 0 nothing spoils real time (there may be notes), 1 something does, 2 wrong usage.");
+  command->callback([options, &chosen] { chosen = [options] { return doctor(*options); }; });
+}
+
+}  // namespace takt::tool

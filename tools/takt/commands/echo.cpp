@@ -1,0 +1,155 @@
+// takt echo: the samples of a port, field by field.
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <deque>
+#include <mutex>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <takt/client/connection.hpp>
+#include <takt/client/port_names.hpp>
+#include <takt/client/tap.hpp>
+#include <takt/dds/gateway.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/model/json.hpp>
+#include <takt/model/type.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/signals.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "commands/network_options.hpp"
+#include "terminal/terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+constexpr auto kQuiet = std::chrono::seconds{2};
+
+struct EchoOptions {
+  std::string port;
+  bool rate = false;
+  std::uint64_t count = 0;  ///< samples; 0: until Ctrl-C
+  client::Network network;
+};
+
+/// What came and was not printed yet. Bounded: a terminal may be slower than a port.
+class Samples {
+ public:
+  void add(const std::byte* bytes, std::size_t size) {
+    ++seen_;
+    const std::lock_guard lock{mutex_};
+    if (waiting_.size() < kMost) waiting_.emplace_back(bytes, bytes + size);
+  }
+  std::deque<std::vector<std::byte>> take() {
+    const std::lock_guard lock{mutex_};
+    return std::exchange(waiting_, {});
+  }
+  [[nodiscard]] std::uint64_t seen() const noexcept { return seen_; }
+
+ private:
+  static constexpr std::size_t kMost = 10000;
+  std::mutex mutex_;
+  std::deque<std::vector<std::byte>> waiting_;
+  std::atomic<std::uint64_t> seen_{0};
+};
+
+/// Why nothing comes, as far as it can be told from here.
+void say_quiet(const client::Connection& client, const client::PortName& name, const std::string& port) {
+  std::string state;
+  for (const dds::ObservedDevice& seen : client.observer->devices(name.device)) {
+    const auto& modules = seen.deployment.modules;
+    if (const auto found = modules.find(name.module); found != modules.end())
+      state = fmt::format("; {}.{} is in {}{}", name.device, name.module, to_text(found->second.state()),
+                          seen.alive ? "" : ", and its device is lost");
+  }
+  std::fprintf(stderr, "nothing has come from %s for %lld s%s\n", port.c_str(),
+               static_cast<long long>(kQuiet.count()), state.c_str());
+}
+
+int echo(const EchoOptions& options) {
+  const auto refuse = [](const Problems& problems) {
+    complain(problems);
+    return 1;
+  };
+  const auto signals = os::SignalQueue::of_requests_to_end();
+  if (!signals) return refuse(signals.problems());
+  const auto client = client::connect(options.network);
+  if (!client) return refuse(client.problems());
+
+  const auto flow = client::tapped(*client->asker, options.port);
+  if (!flow) return refuse(flow.problems());
+
+  Samples samples;
+  const auto tap = dds::Tap::create(
+      client->participant, *flow,
+      [&](const std::byte* bytes, std::size_t size, std::int64_t) { samples.add(bytes, size); });
+  if (!tap) return refuse(tap.problems());
+
+  Instant again = os::now() + client::kAskAgain;
+  Instant told = os::now();
+  std::uint64_t told_samples = 0;
+  std::uint64_t printed = 0;
+  Instant quiet_at = os::now() + kQuiet;
+  bool quiet_said = false;
+  std::uint64_t heard = 0;
+  while (options.count == 0 || printed < options.count) {
+    os::wait_readable({&signals->fd()}, 20);
+    if (signals->next()) break;
+    const Instant now = os::now();
+    if (now >= again) {
+      again = now + client::kAskAgain;
+      if (const auto longer = client::tapped(*client->asker, options.port); !longer)
+        return refuse(longer.problems());
+    }
+    if (const std::uint64_t seen = samples.seen(); seen != heard) {
+      heard = seen;
+      quiet_at = now + kQuiet;
+      quiet_said = false;
+    }
+    if (now >= quiet_at && !quiet_said) {
+      say_quiet(*client, *client::parse_port(options.port), options.port);
+      quiet_said = true;
+    }
+    const auto came = samples.take();
+    if (options.rate) {
+      const double seconds = std::chrono::duration<double>(now - told).count();
+      if (seconds < 1) continue;
+      const std::uint64_t seen = samples.seen();
+      if (!print(fmt::format("{:.1f} Hz, {} samples, {} lost\n",
+                             static_cast<double>(seen - told_samples) / seconds, seen,
+                             (*tap)->health().lost))) {
+        return 1;
+      }
+      ++printed;
+      told = now;
+      told_samples = seen;
+      continue;
+    }
+    for (const auto& sample : came) {
+      if (options.count != 0 && printed == options.count) break;
+      if (!print(model::sample_json(flow->type, sample.data(), sample.size()) + "\n")) return 1;
+      ++printed;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_echo(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<EchoOptions>();
+  auto* command = app.add_subcommand("echo", "Print the samples of a port, one a line, until Ctrl-C");
+  command->add_option("PORT", options->port, "DEVICE.MODULE.PORT")->required();
+  command->add_flag("--hz", options->rate, "print how many come in a second instead");
+  command->add_option("--count", options->count, "end after this many lines")->type_name("N");
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return echo(*options); }; });
+}
+
+}  // namespace takt::tool

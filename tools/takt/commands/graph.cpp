@@ -1,0 +1,88 @@
+// takt graph: a cell's devices, modules and connections; of one that runs, how they are.
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include <takt/client/connection.hpp>
+#include <takt/client/status.hpp>
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/model/json.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "commands/network_options.hpp"
+#include "reports/graph_report.hpp"
+#include "terminal/terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+struct GraphOptions {
+  std::string file;
+  std::string svg;  ///< where to write the picture; empty: a list is printed instead
+  bool json = false;
+  bool live = false;
+  client::Network network;
+};
+
+Result<CellHealth> ask(const model::Cell& cell, const client::Network& network) {
+  const auto client = client::connect(network, &cell);
+  if (!client) return client.problems();
+  const auto status = client::status(*client->asker);
+  if (!status) return status.problems();
+  CellHealth health = health_of(cell, *status);
+  if (health.devices.empty()) {
+    return fail("cell " + cell.name + " does not run on domain " + std::to_string(client->domain) +
+                    ", where there is cell " + status->at("cell").get<std::string>(),
+                "deploy it, or leave out --live");
+  }
+  return health;
+}
+
+int graph(const GraphOptions& options) {
+  // Not load(): what the cell looks like needs no component, and a table that does not fit is drawn as well.
+  auto cell = descriptor::load(options.file);
+  if (!cell) {
+    complain(cell.problems());
+    return 1;
+  }
+  if (const auto domain = client::domain_of(options.network, &*cell); domain) cell->domain = *domain;
+  CellHealth health;
+  if (options.live) {
+    auto heard = ask(*cell, options.network);
+    if (!heard) {
+      complain(heard.problems());
+      return 1;
+    }
+    health = std::move(*heard);
+  }
+  if (!options.svg.empty()) {
+    std::ofstream out{options.svg};
+    out << graph_svg(*cell, health);
+    if (!out.flush()) {
+      complain({{options.svg, "cannot be written", "name a file in a folder that you may write to"}});
+      return 1;
+    }
+    if (!options.json) return 0;
+  }
+  const std::string text = options.json ? model::json_text(graph_json(*cell, health)) + "\n"
+                                        : graph_text(*cell, health, terminal_style());
+  return print(text) ? 0 : 1;
+}
+
+}  // namespace
+
+void add_graph(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<GraphOptions>();
+  auto* command =
+      app.add_subcommand("graph", "Print or draw devices, modules and the connections between their ports");
+  command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
+  command->add_option("--svg", options->svg, "draw a picture into this file")->type_name("OUT");
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->add_flag("--live", options->live, "as the cell runs now: states, and how each connection is");
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return graph(*options); }; });
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,40 @@
+#include "commands/load.hpp"
+
+#include <cstdio>
+
+#include <takt/descriptor/descriptor.hpp>
+
+namespace takt::tool {
+
+Result<Loaded> load_remote(const std::string& file) {
+  std::string text;
+  auto cell = descriptor::load(file, &text);
+  if (!cell) return cell.problems();
+  auto plans = schedule::plan(*cell);
+  if (!plans) return plans.problems();
+  return Loaded{std::move(text), std::move(*cell), std::move(*plans), {}, {}};
+}
+
+Result<Loaded> load(const std::string& file, Problems* missing) {
+  std::string text;
+  auto cell = descriptor::load(file, &text);
+  if (!cell) return cell.problems();
+  Problems problems;
+  auto plans = schedule::plan(*cell);
+  if (!plans) problems = plans.problems();
+  auto components = host::check_components(*cell, missing);
+  if (!components)
+    problems.insert(problems.end(), components.problems().begin(), components.problems().end());
+  if (!problems.empty()) return problems;
+  return Loaded{std::move(text), std::move(*cell), std::move(*plans), std::move(components->paths),
+                std::move(components->ports)};
+}
+
+void complain(const Problems& problems) { std::fprintf(stderr, "%s\n", to_text(problems).c_str()); }
+
+int refuse(const Problems& problems) {
+  complain(problems);
+  return 1;
+}
+
+}  // namespace takt::tool

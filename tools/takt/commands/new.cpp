@@ -1,0 +1,106 @@
+// takt new: a component that builds, passes its tests and runs as it is; or a cell of two devices.
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "scaffold/scaffold.hpp"
+#include "terminal/terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct NewOptions {
+  std::string name;
+  std::string folder;  ///< empty: named as the component
+  std::string type = "thread";
+  std::string operation = "periodic";
+  std::string language = "c++";
+};
+
+/// Nothing that is there is overwritten: either all files are new, or none is written.
+Result<void> write_new_files(const fs::path& folder, const std::vector<NewFile>& files) {
+  std::error_code error;
+  for (const NewFile& file : files) {
+    if (fs::exists(folder / file.name, error))
+      return fail((folder / file.name).string() + " is there already", "name another folder, or remove it");
+  }
+  fs::create_directories(folder, error);
+  if (error)
+    return fail("the folder " + folder.string() + " cannot be made: " + error.message(), "name another one");
+  for (const NewFile& file : files) {
+    std::ofstream stream{folder / file.name, std::ios::binary};
+    stream << file.text;
+    if (!stream.flush())
+      return fail((folder / file.name).string() + " cannot be written",
+                  "look whether there is room, and who may write there");
+  }
+  return {};
+}
+
+int make(const NewOptions& options) {
+  const bool cell = options.name == "cell";
+  const std::string name =
+      cell ? (options.folder.empty() ? "cell" : fs::path{options.folder}.filename().string()) : options.name;
+  const auto files =
+      cell ? new_cell(name)
+           : new_component(
+                 {.name = options.name,
+                  .type = options.type == "thread" ? model::ModuleType::thread : model::ModuleType::process,
+                  .operation = options.operation == "periodic" ? model::Operation::periodic
+                                                               : model::Operation::sporadic,
+                  .in_c = options.language == "c"});
+  if (!files) {
+    complain(files.problems());
+    return 1;
+  }
+  const fs::path folder = options.folder.empty() ? fs::path{name} : fs::path{options.folder};
+  if (auto written = write_new_files(folder, *files); !written) {
+    complain(written.problems());
+    return 1;
+  }
+  std::string text = fmt::format("{}:", folder.string());
+  for (const NewFile& file : *files) text += " " + file.name;
+  text +=
+      cell ? fmt::format("\nnext:\n  takt run {}/{}.xml --for 5\n", folder.string(), name)
+           : fmt::format(
+                 "\nnext:\n  cd {0}\n  cmake -S . -B build && cmake --build build && ctest --test-dir build\n"
+                 "  TAKT_COMPONENT_PATH=$PWD/build/components takt run {1}.xml --for 5\n",
+                 folder.string(), name);
+  return print(text) ? 0 : 1;
+}
+
+}  // namespace
+
+void add_new(CLI::App& app, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "new",
+      "Write a component that builds, passes its tests and runs as it is; or, with the name 'cell', a cell");
+  auto options = std::make_shared<NewOptions>();
+  command->add_option("NAME", options->name, "of the component, as belt_drive; or cell")->required();
+  command->add_option("DIR", options->folder, "the folder to write; named as the component unless given");
+  command
+      ->add_option("--type", options->type,
+                   "thread (a .so that is called) or process (a program that is released)")
+      ->check(CLI::IsMember({"thread", "process"}))
+      ->capture_default_str();
+  command
+      ->add_option("--operation", options->operation,
+                   "periodic (by the table) or sporadic (when something has come)")
+      ->check(CLI::IsMember({"periodic", "sporadic"}))
+      ->capture_default_str();
+  command->add_option("--language", options->language, "c++ or c")
+      ->check(CLI::IsMember({"c++", "c"}))
+      ->capture_default_str();
+  command->callback([options, &chosen] { chosen = [options] { return make(*options); }; });
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,360 @@
+// takt plot: fields of a recording as a picture, as CSV, or as a few numbers.
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <takt/client/port_names.hpp>
+#include <takt/core/words.hpp>
+#include <takt/os/files.hpp>
+#include <takt/recording/amounts.hpp>
+#include <takt/recording/columns.hpp>
+#include <takt/recording/csv.hpp>
+#include <takt/recording/reader.hpp>
+#include <takt/recording/series.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "commands/ranges.hpp"
+#include "reports/page.hpp"
+#include "reports/plot_report.hpp"
+#include "terminal/terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+/// Curves in one picture.
+constexpr std::size_t kMostCurves = 200;
+
+struct PlotOptions {
+  std::string file;
+  std::vector<std::string> fields;  ///< device.module.port[.field]
+  std::string svg;
+  std::string csv;
+  std::optional<double> from;
+  std::optional<double> to;
+};
+
+/// One column of one port.
+struct Wanted {
+  const recording::PortOfRecording* port;
+  std::size_t column;
+  std::string name;  ///< device.module.port.field[0]
+};
+
+struct Source {
+  std::shared_ptr<recording::Columns> columns;
+  std::vector<std::size_t> wanted;  ///< places among all that are
+};
+
+struct Choice {
+  std::vector<Wanted> wanted;
+  std::map<std::int64_t, Source> sources;  ///< by number of the port
+};
+
+Result<Choice> choose(const recording::Recording& recording, const PlotOptions& options) {
+  Choice chosen;
+  Problems problems;
+  std::vector<std::string_view> paths;
+  for (const recording::PortOfRecording& port : recording.ports()) paths.emplace_back(port.path);
+  for (const std::string& text : options.fields) {
+    std::size_t end = 0;
+    for (int dots = 0; end < text.size() && (text[end] != '.' || ++dots < 3);) ++end;
+    const std::string path = text.substr(0, end);
+    const std::string field = end < text.size() ? text.substr(end + 1) : "";
+    bool found = false;
+    std::vector<std::string> fields;
+    for (const recording::PortOfRecording& port : recording.ports()) {
+      if (port.path != path) continue;
+      found = true;
+      Source& source = chosen.sources[port.id];
+      if (!source.columns) source.columns = std::make_shared<recording::Columns>(port.type);
+      const std::vector<std::size_t> columns = source.columns->named(field);
+      if (columns.empty()) fields = source.columns->fields();
+      for (const std::size_t column : columns) {
+        const std::string name = path + "." + source.columns->all()[column].name;
+        const bool twice = std::any_of(chosen.wanted.begin(), chosen.wanted.end(), [&](const Wanted& w) {
+          return w.port == &port && w.column == column;
+        });
+        if (twice) continue;
+        source.wanted.push_back(chosen.wanted.size());
+        chosen.wanted.push_back({&port, column, name});
+      }
+    }
+    if (!found)
+      problems.push_back(fail("no port " + in_quotes(path) + " is in it",
+                              paths.empty() ? "it has none" : suggestion(path, paths)));
+    else if (!fields.empty())
+      problems.push_back(fail("port " + path + " has no field " + in_quotes(field),
+                              suggestion(field, {fields.begin(), fields.end()})));
+  }
+  if (problems.empty()) return chosen;
+  for (Problem& problem : problems) problem.where = on_one_line(options.file);
+  return problems;
+}
+
+/// A file that is written from the beginning, or standard output for "-".
+class Output {
+ public:
+  static Result<Output> open(const std::string& file) {
+    std::FILE* to = file == "-" ? stdout : std::fopen(file.c_str(), "wb");
+    if (to == nullptr)
+      return Problem{on_one_line(file), std::string{"cannot be written: "} + std::strerror(errno), ""};
+    return Output{file, to};
+  }
+  void write(const std::string& text) {
+    whole_ &= std::fwrite(text.data(), 1, text.size(), to_.get()) == text.size();
+  }
+  Result<void> close() {
+    std::FILE* const to = to_.release();
+    whole_ &= std::fflush(to) == 0;
+    if (to != stdout) whole_ &= std::fclose(to) == 0;
+    if (whole_) return {};
+    return Problem{on_one_line(file_), "could not be written in full", "see whether the disk is full"};
+  }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const {
+      if (file != stdout) std::fclose(file);
+    }
+  };
+  Output(std::string file, std::FILE* to) : file_(std::move(file)), to_(to) {}
+  std::string file_;
+  std::unique_ptr<std::FILE, Close> to_;
+  bool whole_ = true;
+};
+
+class Plotter {
+ public:
+  Plotter(recording::Recording& recording, const PlotOptions& options, Choice chosen)
+      : recording_(recording), options_(options), chosen_(std::move(chosen)) {
+    if (options.from) selection_.from_ns = recording.first_ns() + to_ns(*options.from);
+    if (options.to) selection_.to_ns = recording.first_ns() + to_ns(*options.to);
+    for (const auto& [id, source] : chosen_.sources) selection_.ports.insert(id);
+  }
+
+  Result<void> csv() {
+    // Of sequences only the elements that some sample has.
+    std::vector<bool> there(chosen_.wanted.size(), true);
+    if (std::any_of(chosen_.sources.begin(), chosen_.sources.end(),
+                    [](const auto& each) { return !each.second.columns->fixed(); })) {
+      there.assign(there.size(), false);
+      auto looked =
+          read([&](const recording::RecordedSample&, const Source& source, const std::vector<recording::Value>& values) {
+            for (const std::size_t i : source.wanted)
+              if (values[chosen_.wanted[i].column].there()) there[i] = true;
+          });
+      if (!looked) return looked;
+    }
+    auto output = Output::open(options_.csv);
+    if (!output) return output.problems();
+    std::vector<std::string> line{"time_ns", "seconds"};
+    std::vector<std::size_t> place(chosen_.wanted.size(), 0);  // in the line
+    for (std::size_t i = 0; i < chosen_.wanted.size(); ++i) {
+      if (!there[i]) continue;
+      place[i] = line.size();
+      line.push_back(chosen_.wanted[i].name);
+    }
+    output->write(recording::csv_line(line));
+    const std::size_t cells = line.size();
+    auto done = read(
+        [&](const recording::RecordedSample& sample, const Source& source, const std::vector<recording::Value>& values) {
+          line.assign(cells, "");
+          line[0] = std::to_string(sample.time_ns);
+          line[1] = fmt::format("{:.9f}", since(sample.time_ns));
+          for (const std::size_t i : source.wanted)
+            if (there[i]) line[place[i]] = values[chosen_.wanted[i].column].text();
+          output->write(recording::csv_line(line));
+        });
+    auto closed = output->close();
+    return done ? closed : done;
+  }
+
+  /// The curves, for what is drawn and for the numbers.
+  Result<void> gather() {
+    bool any = false;
+    for (const auto& [id, source] : chosen_.sources) {
+      auto times = recording_.times(id, selection_);
+      if (!times) return times.problems();
+      if (times->empty()) continue;
+      const auto [low, high] = std::minmax_element(times->begin(), times->end());
+      range_.first_ns = any ? std::min(range_.first_ns, *low) : *low;
+      range_.last_ns = any ? std::max(range_.last_ns, *high) : *high;
+      any = true;
+      pauses_[id] = recording::longest_pause(std::move(*times), 0);
+    }
+    if (options_.from) range_.first_ns = selection_.from_ns;
+    if (options_.to) range_.last_ns = std::max(range_.first_ns, selection_.to_ns);
+    if (!any) {
+      const bool bounded = options_.from || options_.to;
+      return Problem{on_one_line(options_.file),
+                     bounded ? "no sample is in that time" : "holds no sample of that",
+                     "see takt play --list"};
+    }
+    // What is narrower than a pixel is not seen.
+    const std::int64_t pixel =
+        (range_.last_ns - range_.first_ns) / static_cast<std::int64_t>(kPlotColumns) + 1;
+    for (const Wanted& wanted : chosen_.wanted) {
+      const auto pause = pauses_.find(wanted.port->id);
+      series_.emplace_back(range_, kPlotColumns,
+                           std::max(pixel, pause == pauses_.end() ? pixel : pause->second));
+    }
+    return read(
+        [&](const recording::RecordedSample& sample, const Source& source, const std::vector<recording::Value>& values) {
+          for (const std::size_t i : source.wanted) {
+            const Wanted& wanted = chosen_.wanted[i];
+            const bool enumeration = !source.columns->all()[wanted.column].enumerators.empty();
+            series_[i].add(sample.time_ns, values[wanted.column].number(enumeration));
+          }
+        });
+  }
+
+  Result<void> svg() {
+    Plot plot{.title = recording_.cell().empty() ? options_.file : recording_.cell(),
+              .subtitle = "time 0 is " + recording::date_text(recording_.first_ns()),
+              .from = since(range_.first_ns),
+              .to = since(range_.last_ns)};
+    std::size_t curves = 0;
+    for (std::size_t i = 0; i < chosen_.wanted.size(); ++i) {
+      const Wanted& wanted = chosen_.wanted[i];
+      if (series_[i].count() == 0) continue;
+      if (++curves > kMostCurves)
+        return Problem{on_one_line(options_.file),
+                       "a picture has room for " + std::to_string(kMostCurves) + " curves",
+                       "name fewer fields, or elements: position[0]"};
+      const recording::Column& column = chosen_.sources.at(wanted.port->id).columns->all()[wanted.column];
+      auto panel = std::find_if(plot.panels.begin(), plot.panels.end(), [&](const PlotPanel& p) {
+        return p.title == column.field && p.labels == column.enumerators;
+      });
+      if (panel == plot.panels.end())
+        panel = plot.panels.insert(plot.panels.end(), {.title = column.field, .labels = column.enumerators});
+      PlotSeries series{.name = wanted.name};
+      for (const auto& curve : series_[i].curves()) {
+        auto& points = series.curves.emplace_back();
+        for (const recording::SeriesPoint& point : curve)
+          points.push_back({since(point.time_ns), point.value});
+      }
+      panel->series.push_back(std::move(series));
+    }
+    if (plot.panels.empty())
+      return Problem{on_one_line(options_.file), "there is no number to draw", "text goes into --csv only"};
+    auto output = Output::open(options_.svg);
+    if (!output) return output.problems();
+    output->write(plot_svg(plot));
+    return output->close();
+  }
+
+  int numbers() {
+    Page page{terminal_style()};
+    std::vector<Page::Words> rows{{"field", "samples", "min", "mean", "max", "pauses"}};
+    for (std::size_t i = 0; i < series_.size(); ++i) {
+      const recording::Series& series = series_[i];
+      if (series.count() == 0) continue;
+      rows.push_back({chosen_.wanted[i].name, std::to_string(series.count()),
+                      fmt::format("{:.6g}", series.least()), fmt::format("{:.6g}", series.mean()),
+                      fmt::format("{:.6g}", series.largest()), std::to_string(series.curves().size() - 1)});
+    }
+    page.table(0, rows);
+    return print(std::move(page).take()) ? 0 : 1;
+  }
+
+  [[nodiscard]] std::uint64_t wrong() const { return wrong_; }
+  [[nodiscard]] bool cut() const {
+    return std::any_of(chosen_.sources.begin(), chosen_.sources.end(),
+                       [](const auto& each) { return each.second.columns->cut(); });
+  }
+
+ private:
+  static std::int64_t to_ns(double seconds) { return static_cast<std::int64_t>(std::llround(seconds * 1e9)); }
+  [[nodiscard]] double since(std::int64_t time_ns) const {
+    return static_cast<double>(time_ns - recording_.first_ns()) / 1e9;
+  }
+  template <class Each>
+  Result<void> read(Each each) {
+    std::vector<recording::Value> values;
+    wrong_ = 0;
+    return recording_.read(
+        selection_,
+        [&](const recording::RecordedSample& sample) {
+          const Source& source = chosen_.sources.at(sample.port->id);
+          source.columns->values(sample.bytes, sample.size, values);
+          each(sample, source, values);
+          return true;
+        },
+        wrong_);
+  }
+
+  recording::Recording& recording_;
+  const PlotOptions& options_;
+  Choice chosen_;
+  recording::Selection selection_;
+  recording::Series::Range range_;
+  std::map<std::int64_t, std::int64_t> pauses_;  // of a port, in ns
+  std::vector<recording::Series> series_;        // as what is wanted
+  std::uint64_t wrong_ = 0;
+};
+
+int plot(const PlotOptions& options) {
+  const auto refuse = [](const Problems& problems) {
+    complain(problems);
+    return 1;
+  };
+  if (options.from && options.to && *options.from > *options.to)
+    return refuse({fail("--from lies after --to", "")});
+  auto recording = recording::Recording::open(options.file);
+  if (!recording) return refuse(recording.problems());
+  auto chosen = choose(*recording, options);
+  if (!chosen) return refuse(chosen.problems());
+  Plotter plotter{*recording, options, std::move(*chosen)};
+  if (plotter.cut())
+    std::fprintf(stderr, "takt plot: of a port with more than %zu columns the first are there\n",
+                 recording::Columns::kMost);
+  if (!options.csv.empty()) {
+    if (const auto done = plotter.csv(); !done) return refuse(done.problems());
+  }
+  if (!options.svg.empty() || options.csv.empty()) {
+    if (const auto done = plotter.gather(); !done) return refuse(done.problems());
+    if (!options.svg.empty()) {
+      if (const auto done = plotter.svg(); !done) return refuse(done.problems());
+    } else if (plotter.numbers() != 0) {
+      return 1;
+    }
+  }
+  if (plotter.wrong() == 0) return 0;
+  std::fprintf(stderr, "takt plot: %llu samples are damaged and were left out\n",
+               static_cast<unsigned long long>(plotter.wrong()));
+  return 1;
+}
+
+}  // namespace
+
+void add_plot(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<PlotOptions>();
+  auto* command = app.add_subcommand(
+      "plot", "Fields of a recording as a picture or as CSV; without either, their least, mean and largest");
+  command->add_option("FILE", options->file, "what takt record wrote")->required();
+  command
+      ->add_option("FIELD", options->fields,
+                   "DEVICE.MODULE.PORT.FIELD, or FIELD[0]; without a field, all of the port's")
+      ->required();
+  command->add_option("--svg", options->svg, "draw the curves to this file")->type_name("OUT");
+  command->add_option("--csv", options->csv, "write a line for each sample to this file; -: standard output")
+      ->type_name("OUT");
+  command->add_option("--from", options->from, "begin this long after the recording's first sample")
+      ->type_name("SECONDS")
+      ->check(within(0, 1e9));
+  command->add_option("--to", options->to, "end this long after the recording's first sample")
+      ->type_name("SECONDS")
+      ->check(within(0, 1e9));
+  command->callback([options, &chosen] { chosen = [options] { return plot(*options); }; });
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,66 @@
+#include "commands/proof.hpp"
+
+#include <numeric>
+
+#include <takt/model/profile_json.hpp>
+#include <takt/os/files.hpp>
+#include <takt/os/real_time.hpp>
+#include <takt/schedule/longest_runs.hpp>
+#include <takt/schedule/placement.hpp>
+
+namespace takt::tool {
+
+namespace {
+
+/// A million modules would not fill it.
+constexpr std::size_t kLargestProfile = std::size_t{256} << 20U;
+
+}  // namespace
+
+Result<model::Profile> read_profile(const std::string& file) {
+  const auto text = os::read_file(file, kLargestProfile);
+  if (!text) return Problem{file, in_words(text.problems()), ""};
+  if (!*text) return Problem{file, "there is no such file", "takt run --profile FILE writes one"};
+  return model::parse_profile(**text, file);
+}
+
+namespace {
+
+std::vector<int> processors(const std::optional<int>& count) {
+  if (!count) return os::allowed_cpus();
+  std::vector<int> cpus(static_cast<std::size_t>(*count));
+  std::iota(cpus.begin(), cpus.end(), 0);
+  return cpus;
+}
+
+}  // namespace
+
+Result<Proof> prove(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans,
+                    const ProofOptions& options) {
+  Proof proof;
+  proof.of_profile = !options.profile.empty();
+  proof.factor = options.factor;
+  model::Profile profile;
+  if (proof.of_profile) {
+    auto read = read_profile(options.profile);
+    if (!read) return read.problems();
+    profile = std::move(*read);
+  }
+  const auto runs = schedule::longest_runs(cell, proof.of_profile ? &profile : nullptr, options.factor);
+  if (!runs) return runs.problems();
+
+  const std::vector<int> cpus = processors(options.processors);
+  proof.processors = cpus.size();
+  for (std::size_t i = 0; i < cell.devices.size(); ++i) {
+    const model::Device& device = cell.devices[i];
+    const schedule::Placement placement = schedule::place(device.executors, cpus);
+    for (const std::string& warning : placement.warnings)
+      proof.warnings.push_back({"device " + device.name, warning, ""});
+    proof.devices.push_back(schedule::worst_cases(device, plans[i], placement, (*runs)[i]));
+    const Problems missed = schedule::missed_deadlines(cell, device, proof.devices.back());
+    proof.missed.insert(proof.missed.end(), missed.begin(), missed.end());
+  }
+  return proof;
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,55 @@
+// What numbers on the command line may be. CLI::Range takes nan, and a whole number below 0 for one near
+// 2^64.
+#pragma once
+
+#include <cctype>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+namespace takt::tool {
+
+/// A number from `from` to `to`.
+inline CLI::Validator within(double from, double to) {
+  return CLI::Validator{[from, to](const std::string& text) -> std::string {
+                          char* end = nullptr;
+                          const double value = std::strtod(text.c_str(), &end);
+                          const bool number = end != text.c_str() && *end == '\0';
+                          if (number && value >= from && value <= to) return "";
+                          return fmt::format("'{}' is no number from {} to {}", text, from, to);
+                        },
+                        ""};
+}
+
+/// CLI::PositiveNumber takes inf, and says its range with 308 digits.
+inline CLI::Validator positive_seconds() {
+  return CLI::Validator{[](const std::string& text) -> std::string {
+                          constexpr double kLongest = 1e9;
+                          char* end = nullptr;
+                          const double value = std::strtod(text.c_str(), &end);
+                          const bool number = end != text.c_str() && *end == '\0';
+                          if (number && value > 0 && value <= kLongest) return "";
+                          return "'" + text + "' is not a number of seconds above 0 and up to 1e9";
+                        },
+                        ""};
+}
+
+/// A whole number that fits into 64 bits.
+inline CLI::Validator whole_number() {
+  return CLI::Validator{[](const std::string& text) -> std::string {
+                          bool digits = !text.empty() && text.size() <= 20;
+                          for (const char c : text)
+                            digits &= std::isdigit(static_cast<unsigned char>(c)) != 0;
+                          errno = 0;
+                          if (digits) static_cast<void>(std::strtoull(text.c_str(), nullptr, 10));
+                          if (digits && errno == 0) return "";
+                          return "'" + text + "' is no whole number from 0 to 18446744073709551615";
+                        },
+                        ""};
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,339 @@
+// takt secure: the authority of a cell, and whom it knows.
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <takt/core/words.hpp>
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/model/validate.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/security/authority.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "terminal/terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+using security::Authority;
+using security::Plan;
+using security::Role;
+using security::Subject;
+
+struct SecureOptions {
+  std::string file;
+  std::string folder;
+  std::string role;
+  std::string name;
+  std::vector<std::string> names;
+  std::vector<std::string> operators;
+  std::vector<std::string> observers;
+  int days = 365;
+  client::Network network;
+};
+
+std::int64_t now_s() { return os::wall_ns() / 1'000'000'000; }
+
+std::string date(std::int64_t seconds) {
+  const auto time = static_cast<std::time_t>(seconds);
+  std::tm parts{};
+  ::gmtime_r(&time, &parts);
+  std::array<char, 16> text{};
+  const std::size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%d", &parts);
+  return {text.data(), length};
+}
+
+/// The cell of a descriptor, whose topics can all be granted.
+Result<Plan> plan_of(const std::string& file, const client::Network& network, std::string& text) {
+  auto cell = descriptor::load(file, &text);
+  if (!cell) return cell.problems();
+  if (Problems problems = security::obstacles(*cell); !problems.empty()) return problems;
+  const auto domain = client::domain_of(network, &*cell);
+  if (!domain) return domain.problems();
+  return Plan{std::move(*cell), *domain};
+}
+
+/// The one that the authority has kept.
+Result<Plan> kept_plan(const Authority& authority) {
+  const auto text = authority.descriptor();
+  if (!text) return text.problems();
+  const auto domain = authority.domain();
+  if (!domain) return domain.problems();
+  auto cell = descriptor::parse(*text, "cell.xml");
+  if (!cell) return cell.problems();
+  return Plan{std::move(*cell), *domain};
+}
+
+Result<void> admit_devices(Authority& authority, const Plan& plan, int days) {
+  for (const model::Device& device : plan.cell.devices) {
+    const Subject subject{authority.cell(), Role::device, device.name};
+    const std::vector<Subject> there = authority.named(device.name);
+    if (std::find(there.begin(), there.end(), subject) != there.end()) continue;
+    if (auto issued = authority.issue(subject, plan, days, now_s()); !issued) return issued;
+  }
+  return {};
+}
+
+int show_authority(const std::string& folder) {
+  const auto authority = Authority::open(folder);
+  if (!authority) return refuse(authority.problems());
+  const auto domain = authority->domain();
+  std::string text = fmt::format("cell {}, domain {}\n", authority->cell(), domain ? *domain : -1);
+  Problems problems;
+  const std::int64_t now = now_s();
+  for (const security::Member& member : authority->members(now)) {
+    const std::string warning = security::expiry_warning(member.until, now);
+    const std::string state = member.revoked            ? "revoked"
+                              : member.until <= now     ? "expired " + date(member.until)
+                              : member.problems.empty() ? "until " + date(member.until)
+                                                        : "not in order";
+    text += fmt::format("  {:<9} {:<24} {}{}\n", to_text(member.subject.role), member.subject.name, state,
+                        warning.empty() || member.revoked || member.until <= now ? "" : ": " + warning);
+    problems.insert(problems.end(), member.problems.begin(), member.problems.end());
+  }
+  if (!print(text)) return 1;
+  return problems.empty() ? 0 : refuse(problems);
+}
+
+int init(const SecureOptions& options) {
+  std::string text;
+  const auto plan = plan_of(options.file, options.network, text);
+  if (!plan) return refuse(plan.problems());
+  for (const auto* names : {&options.operators, &options.observers}) {
+    for (const std::string& name : *names) {
+      if (!model::is_valid_name(name))
+        return refuse(
+            {fail(in_quotes(name) + " is no name", "a letter or '_', then letters, digits, '_' and '-'")});
+    }
+  }
+  auto authority = Authority::create(options.folder, plan->cell.name, now_s());
+  if (!authority) return refuse(authority.problems());
+  if (auto kept = authority->keep(text, plan->domain); !kept) return refuse(kept.problems());
+  if (auto admitted = admit_devices(*authority, *plan, options.days); !admitted)
+    return refuse(admitted.problems());
+  const std::vector<std::string> operators =
+      options.operators.empty() ? std::vector<std::string>{"operator"} : options.operators;
+  for (const auto& [role, names] :
+       {std::pair{Role::operator_, operators}, {Role::observer, options.observers}}) {
+    for (const std::string& name : names) {
+      const auto issued = authority->issue({authority->cell(), role, name}, *plan, options.days, now_s());
+      if (!issued) return refuse(issued.problems());
+    }
+  }
+  return show_authority(options.folder);
+}
+
+int add(const SecureOptions& options) {
+  auto authority = Authority::open(options.folder);
+  if (!authority) return refuse(authority.problems());
+  const auto plan = kept_plan(*authority);
+  if (!plan) return refuse(plan.problems());
+  if (!model::is_valid_name(options.name)) {
+    return refuse({fail(in_quotes(options.name) + " is no name",
+                        "a letter or '_', then letters, digits, '_' and '-', at most 63")});
+  }
+  const auto role = std::find_if(security::kRoles.begin(), security::kRoles.end(),
+                                 [&](Role each) { return to_text(each) == options.role; });
+  const Subject subject{authority->cell(), *role, options.name};
+  if (security::access_of(plan->cell, plan->domain, subject).empty()) {
+    return refuse({fail("cell " + authority->cell() +
+                            " has no topics for a program: each of its connections " + "has two ends",
+                        "leave out from or to of a connection, and takt secure update")});
+  }
+  if (auto issued = authority->issue(subject, *plan, options.days, now_s()); !issued)
+    return refuse(issued.problems());
+  return show_authority(options.folder);
+}
+
+int update_authority(const SecureOptions& options) {
+  auto authority = Authority::open(options.folder);
+  if (!authority) return refuse(authority.problems());
+  std::string text;
+  client::Network network = options.network;
+  if (const auto domain = authority->domain(); domain && !network.domain) network.domain = *domain;
+  const auto plan = plan_of(options.file, network, text);
+  if (!plan) return refuse(plan.problems());
+  if (plan->cell.name != authority->cell()) {
+    return refuse(
+        {{options.file,
+          "it is cell " + plan->cell.name + ", and this is the authority of cell " + authority->cell(),
+          "make an authority for each cell"}});
+  }
+  if (auto kept = authority->keep(text, plan->domain); !kept) return refuse(kept.problems());
+  if (auto admitted = admit_devices(*authority, *plan, options.days); !admitted)
+    return refuse(admitted.problems());
+  if (auto written = authority->document(*plan, now_s()); !written) return refuse(written.problems());
+  for (const security::Member& member : authority->members(now_s())) {
+    const auto& devices = plan->cell.devices;
+    const bool in_cell = std::any_of(devices.begin(), devices.end(), [&](const model::Device& device) {
+      return device.name == member.subject.name;
+    });
+    if (member.subject.role != Role::device || member.revoked || in_cell) continue;
+    std::fprintf(
+        stderr,
+        "device %s is not in the cell any more, and its identity is valid; takt secure revoke %s %s\n",
+        member.subject.name.c_str(), options.folder.c_str(), member.subject.name.c_str());
+  }
+  return show_authority(options.folder);
+}
+
+/// Those that are meant; all where none is named. A problem for a name that nobody has.
+Result<std::vector<Subject>> meant(const Authority& authority, const std::vector<std::string>& names) {
+  std::vector<Subject> subjects;
+  Problems problems;
+  for (const std::string& name : names) {
+    const auto found = authority.named(name);
+    if (found.empty())
+      problems.push_back(fail("nobody here is named " + in_quotes(name), "takt secure show"));
+    subjects.insert(subjects.end(), found.begin(), found.end());
+  }
+  if (!problems.empty()) return problems;
+  return subjects;
+}
+
+int revoke(const SecureOptions& options) {
+  auto authority = Authority::open(options.folder);
+  if (!authority) return refuse(authority.problems());
+  const auto subjects = meant(*authority, options.names);
+  if (!subjects) return refuse(subjects.problems());
+  for (const Subject& subject : *subjects) {
+    if (auto revoked = authority->revoke(subject, now_s()); !revoked) return refuse(revoked.problems());
+  }
+  std::printf("copy crl.pem to every machine of the cell; its nodes refuse it from their next start on\n");
+  return show_authority(options.folder);
+}
+
+int renew(const SecureOptions& options) {
+  auto authority = Authority::open(options.folder);
+  if (!authority) return refuse(authority.problems());
+  const auto plan = kept_plan(*authority);
+  if (!plan) return refuse(plan.problems());
+  auto subjects = meant(*authority, options.names);
+  if (!subjects) return refuse(subjects.problems());
+  if (options.names.empty()) {
+    for (const security::Member& member : authority->members(now_s())) {
+      if (!member.revoked) subjects->push_back(member.subject);
+    }
+  }
+  for (const Subject& subject : *subjects) {
+    if (auto issued = authority->issue(subject, *plan, options.days, now_s(), true); !issued)
+      return refuse(issued.problems());
+  }
+  return show_authority(options.folder);
+}
+
+}  // namespace
+
+void add_secure(CLI::App& app, Chosen& chosen) {
+  auto* secure = app.add_subcommand(
+      "secure", "Make and keep the identities of a cell whose network is not trusted (DDS Security)");
+  secure->require_subcommand(1);
+  secure->footer(
+      "A folder DIR/devices/NAME, DIR/operators/NAME or DIR/observers/NAME is copied to the machine that it "
+      "is for,\n"
+      "and named there by --security or TAKT_SECURITY. DIR/authority stays at home: who has it can make "
+      "anybody.");
+  const auto command = [&](const char* name, const char* text, int (*run)(const SecureOptions&)) {
+    auto options = std::make_shared<SecureOptions>();
+    auto* made = secure->add_subcommand(name, text);
+    made->callback([options, run, &chosen] { chosen = [options, run] { return run(*options); }; });
+    return std::pair{made, options};
+  };
+  const auto days = [](CLI::App* made, SecureOptions& options) {
+    made->add_option("--days", options.days, "how long the identities are valid: 1 to 3650")
+        ->type_name("N")
+        ->check(CLI::Range(1, 3650).description(""))
+        ->capture_default_str();
+  };
+  const auto domain = [](CLI::App* made, SecureOptions& options) {
+    made->add_option("--domain", options.network.domain,
+                     "the DDS domain that it is for (else TAKT_DOMAIN, else the descriptor's, else 0)")
+        ->type_name("N")
+        ->check(CLI::Range(0, 232).description(""));
+  };
+  const auto folder = [](CLI::App* made, SecureOptions& options) {
+    made->add_option("DIR", options.folder, "the authority's folder")->required();
+  };
+  {
+    const auto [made, options] = command(
+        "init", "A new authority, with an identity for each device of the cell and for operators", init);
+    made->add_option("FILE", options->file, "the cell")->required();
+    folder(made, *options);
+    made->add_option("--operator", options->operators, "who may command (unless given one, named operator)")
+        ->type_name("NAME");
+    made->add_option("--observer", options->observers, "who may look and not command")->type_name("NAME");
+    days(made, *options);
+    domain(made, *options);
+  }
+  {
+    const auto [made, options] =
+        command("add", "One more operator, observer, or program that is not Takt's", add);
+    folder(made, *options);
+    made->add_option(
+            "ROLE", options->role,
+            "operator, observer, or program: that writes and reads what connections with one end leave "
+            "to it")
+        ->required()
+        ->check(CLI::IsMember({"operator", "observer", "program"}).description(""));
+    made->add_option("NAME", options->name, "a name")->required();
+    days(made, *options);
+  }
+  {
+    const auto [made, options] = command(
+        "update", "The cell has changed: permissions for all anew, identities for devices that are new",
+        update_authority);
+    folder(made, *options);
+    made->add_option("FILE", options->file, "the cell")->required();
+    days(made, *options);
+    made->add_option("--domain", options->network.domain, "another DDS domain than before")
+        ->type_name("N")
+        ->check(CLI::Range(0, 232).description(""));
+  }
+  {
+    const auto [made, options] =
+        command("renew", "New keys and certificates, before the old ones expire", renew);
+    folder(made, *options);
+    made->add_option("NAME", options->names, "whose (all, unless named)");
+    days(made, *options);
+  }
+  {
+    const auto [made, options] = command("revoke", "Take identities back", revoke);
+    folder(made, *options);
+    made->add_option("NAME", options->names, "whose")->required();
+  }
+  {
+    const auto [made, options] = command("show", "Who there is, and how long each is valid",
+                                         [](const SecureOptions& o) { return show_authority(o.folder); });
+    folder(made, *options);
+  }
+}
+
+void add_sign(CLI::App& app, Chosen& chosen) {
+  auto files = std::make_shared<std::vector<std::string>>();
+  auto folder = std::make_shared<std::string>();
+  auto* made = app.add_subcommand("sign", "Sign the files of components, each as FILE.sig beside it");
+  made->add_option("FILE", *files, "files of components")->required();
+  made->add_option("--key", *folder, "the folder of the authority that signs (takt secure init)")
+      ->type_name("DIR")
+      ->required();
+  made->footer(
+      "A node uses signed components alone where --signed-by or TAKT_SIGNED_BY names the certificate that is "
+      "printed,\nor where it lies as components.cert.pem in the node's folder of --security.");
+  made->callback([files, folder, &chosen] {
+    chosen = [files, folder] {
+      auto authority = Authority::open(*folder);
+      if (!authority) return refuse(authority.problems());
+      const auto certificate = authority->sign_components(*files, now_s());
+      if (!certificate) return refuse(certificate.problems());
+      return print(fmt::format("{} signed; checked with {}\n", files->size(), *certificate)) ? 0 : 1;
+    };
+  });
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,295 @@
+// Runs a cell on virtual time, in this process alone.
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <takt/client/connection.hpp>
+#include <takt/model/json.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/files.hpp>
+#include <takt/schedule/longest_runs.hpp>
+#include <takt/simulation/random_cell.hpp>
+#include <takt/simulation/simulation.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "commands/proof.hpp"
+#include "commands/ranges.hpp"
+#include "reports/run_report.hpp"
+#include "terminal/progress.hpp"
+#include "terminal/screen_style.hpp"
+#include "terminal/terminal.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+/// Bytes of a script.
+constexpr std::size_t kMostScript = std::size_t{16} * 1024 * 1024;
+
+struct SimulateOptions {
+  std::string file;
+  double seconds = 10;
+  std::uint64_t seed = 1;
+  std::string script;
+  std::string profile;
+  double faults = 0;
+  int cpus = 0;
+  std::string trace;
+  bool json = false;
+  std::uint64_t random_cell = 0;
+  bool is_random = false;
+};
+
+/// One line for each event.
+class Trace final : public simulation::Listener {
+ public:
+  /// "-": standard output.
+  static Result<std::unique_ptr<Trace>> open(const std::string& file, const model::Cell& cell) {
+    std::FILE* to = file == "-" ? stdout : std::fopen(file.c_str(), "w");
+    if (to == nullptr)
+      return Problem{file, std::string{"cannot be written: "} + std::strerror(errno),
+                     "give another file for the trace"};
+    return std::unique_ptr<Trace>(new Trace{to, cell});
+  }
+  ~Trace() override { close(); }
+  Trace(const Trace&) = delete;
+  Trace& operator=(const Trace&) = delete;
+
+  void hear(const simulation::Event& event) override {
+    line_ = simulation::to_text(event, cell_, simulation::kT0);
+    line_ += '\n';
+    written_ &= std::fwrite(line_.data(), 1, line_.size(), to_) == line_.size();
+  }
+  /// Whether all of it was written.
+  bool close() {
+    if (to_ == nullptr) return written_;
+    written_ &= std::fflush(to_) == 0;
+    if (to_ != stdout) written_ &= std::fclose(to_) == 0;
+    to_ = nullptr;
+    return written_;
+  }
+
+ private:
+  Trace(std::FILE* to, const model::Cell& cell) : to_(to), cell_(cell) {}
+  std::FILE* to_;
+  const model::Cell& cell_;
+  std::string line_;
+  bool written_ = true;
+};
+
+int show_simulation(const SimulateOptions& options, const model::Cell& cell,
+                    const std::vector<schedule::DevicePlan>& plans, const model::CellPorts& ports,
+                    simulation::Options simulated) {
+  std::unique_ptr<Trace> trace;
+  if (!options.trace.empty()) {
+    auto opened = Trace::open(options.trace, cell);
+    if (!opened) {
+      complain(opened.problems());
+      return 1;
+    }
+    trace = std::move(*opened);
+    simulated.listener = trace.get();
+  }
+  const Instant begun = os::now();
+  Progress progress;
+  if (progress.is_seen()) {
+    simulated.progress = [&](Nanoseconds passed) {
+      if (!progress.is_due()) return;
+      const double seconds = std::chrono::duration<double>(passed).count();
+      const double length = std::chrono::duration<double>(simulated.length).count();
+      const double took = std::chrono::duration<double>(os::now() - begun).count();
+      progress.show(share_text(
+          seconds / length,
+          fmt::format("{:.1f} of {:g} s simulated, {:.0f} times as fast", seconds, length, seconds / took),
+          {.unicode = is_utf8()}));
+    };
+  }
+  const auto course = simulation::simulate(cell, plans, ports, simulated);
+  const std::chrono::duration<double> took = os::now() - begun;
+  progress.clear();
+  if (!course) {
+    complain(course.problems());
+    return 1;
+  }
+  if (trace && !trace->close()) {
+    complain({{options.trace, "the trace could not be written in full", "see whether the disk is full"}});
+    return 1;
+  }
+  const bool printed =
+      print(options.json ? model::json_text(course->report) + "\n" : run_text(course->report));
+  const double simulated_s = std::chrono::duration<double>(simulated.length).count();
+  std::fprintf(stderr, "takt: simulated %g s in %.3f s, %.0f times as fast; seed %llu\n", simulated_s,
+               took.count(), simulated_s / took.count(), static_cast<unsigned long long>(simulated.seed));
+  if (!course->failures.empty()) complain(course->failures);
+  for (const std::string& violation : course->violations)
+    std::fprintf(stderr, "takt: error: must not happen: %s\n", violation.c_str());
+  return course->failures.empty() && course->violations.empty() && printed ? 0 : 1;
+}
+
+/// What nobody has a descriptor of.
+std::string words_of(const simulation::RandomCell& random) {
+  const model::Cell& cell = random.cell;
+  std::string text;
+  for (const model::Device& device : cell.devices) {
+    for (const model::Executor& executor : device.executors) {
+      text += fmt::format("# {}.{}: executor, priority {}{}\n", device.name, executor.name, executor.priority,
+                          executor.cpu ? fmt::format(", cpu {}", *executor.cpu) : "");
+    }
+    for (const model::Module& m : device.modules) {
+      text += fmt::format("# {}.{}: {} {}{}{}{}{}, priority {}{}\n", device.name, m.name,
+                          to_text(m.operation), to_text(m.type), m.period ? " of " + to_text(*m.period) : "",
+                          m.deadline ? ", deadline " + to_text(*m.deadline) : "",
+                          m.dispatch == model::Dispatch::immediate ? ", immediate" : "",
+                          m.interarrival ? ", interarrival " + to_text(*m.interarrival) : "", m.priority,
+                          m.executor.empty() ? "" : ", executor " + m.executor);
+    }
+  }
+  for (const model::Connection& connection : cell.connections) {
+    text += fmt::format("# {} to {}: {} of {}{}{}\n", to_text(connection.from), to_text(connection.to),
+                        to_text(connection.kind), connection.depth,
+                        connection.deadline ? ", deadline " + to_text(*connection.deadline) : "",
+                        connection.stale == model::Stale::error ? ", stale is an error" : "");
+  }
+  return text + fmt::format("# {} faults a second for {}, {} processors a device\n",
+                            random.options.faults_per_second, to_text(random.options.length),
+                            random.options.cpus);
+}
+
+/// Names of modules that are scheduled and state no budget.
+std::string without_budget(const model::Cell& cell) {
+  std::string names;
+  for (const model::Device& device : cell.devices) {
+    for (const model::Module& m : device.modules) {
+      if (m.budget || m.operation == model::Operation::non_real) continue;
+      names += (names.empty() ? "" : ", ") + device.name + "." + m.name;
+    }
+  }
+  return names;
+}
+
+int simulate(const SimulateOptions& options) {
+  if (options.is_random) {
+    const simulation::RandomCell random = simulation::random_cell(options.random_cell);
+    if (!options.json && !print(words_of(random))) return 1;
+    return show_simulation(options, random.cell, random.plans, {}, random.options);
+  }
+  Problems missing;  // the components themselves are not needed
+  const auto loaded = load(options.file, &missing);
+  if (!loaded) {
+    complain(loaded.problems());
+    return 1;
+  }
+  simulation::Options simulated;
+  simulated.seed = options.seed;
+  simulated.length = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.seconds));
+  simulated.faults_per_second = options.faults;
+  simulated.cpus = options.cpus;
+  if (!options.profile.empty()) {
+    auto profile = read_profile(options.profile);
+    if (!profile) {
+      complain(profile.problems());
+      return 1;
+    }
+    // Refused as `takt check` does: a profile that says nothing of a module would be a guess.
+    if (const auto runs = schedule::longest_runs(loaded->cell, &*profile, 1); !runs) {
+      complain(runs.problems());
+      return 1;
+    }
+    simulated.profile = std::move(*profile);
+  }
+  if (!options.script.empty()) {
+    const auto text = os::read_file(options.script, kMostScript);
+    if (!text || !*text) {
+      complain(text ? Problems{{options.script, "there is no such file", "one with a fault a line"}}
+                    : text.problems());
+      return 1;
+    }
+    auto faults = simulation::parse_script(**text, options.script, loaded->cell);
+    if (!faults) {
+      complain(faults.problems());
+      return 1;
+    }
+    simulated.faults = std::move(*faults);
+  }
+  if (const std::string guessed = without_budget(loaded->cell); options.profile.empty() && !guessed.empty()) {
+    std::fprintf(
+        stderr,
+        "takt: warning: nothing is known of how long these run, so they are given 5 %% of their period or "
+        "deadline: %s; state their budgets, or measure them: takt run --profile\n",
+        guessed.c_str());
+  }
+  return show_simulation(options, loaded->cell, loaded->plans, loaded->ports, std::move(simulated));
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<SimulateOptions>();
+  auto* command = app.add_subcommand(
+      "simulate",
+      "Run a descriptor on virtual time: the whole cell in one process, faster than it would run");
+  auto* file =
+      command->add_option("FILE", options->file, "a cell, or a module.xml; its components are not called");
+  auto* length =
+      command->add_option("--for", options->seconds, "from the first row to the end; 10 unless given")
+          ->type_name("SECONDS")
+          ->check(within(1e-6, 1e6));
+  auto* seed =
+      command
+          ->add_option("--seed", options->seed, "what is left to chance; the same seed gives the same trace")
+          ->type_name("N")
+          ->check(whole_number());
+  auto* script =
+      command->add_option("--script", options->script, "what is to go wrong, one fault a line; see below")
+          ->type_name("FILE");
+  auto* profile =
+      command
+          ->add_option("--profile", options->profile,
+                       "how long modules run, as takt run --profile wrote it; else by their budgets")
+          ->type_name("FILE");
+  auto* faults =
+      command->add_option("--faults", options->faults, "so many more a second, drawn from the seed")
+          ->type_name("PER_SECOND")
+          ->check(within(0.0, 1e5));
+  auto* cpus = command
+                   ->add_option("--cpus", options->cpus,
+                                "processors of each device that executors without a cpu share")
+                   ->type_name("N")
+                   ->check(CLI::Range(1, 1024).description(""));
+  command
+      ->add_option("--trace", options->trace,
+                   "write everything that happens to this file, a line each; - is standard output")
+      ->type_name("FILE");
+  auto* json = command->add_flag("--json", options->json, "print the closing report as one JSON object");
+  auto* random = command
+                     ->add_option("--random-cell", options->random_cell,
+                                  "a small cell by chance instead of a file, as the tests use it")
+                     ->type_name("N")
+                     ->check(whole_number())
+                     ->excludes(file);
+  for (auto* fixed : {length, seed, script, profile, faults, cpus}) random->excludes(fixed);  // by N
+  command->footer(
+      "Status: 0 when the cell ended in order, 1 when a module or device was given up or something happened "
+      "that must\n"
+      "not, whatever the faults. A module without a budget, and without a profile, takes 5 % of its period "
+      "or deadline.\n\n"
+      "A script, times from the first row on, in ns, us, ms or s:\n" +
+      simulation::script_help());
+  command->callback([options, file, random, json, &chosen] {
+    if (file->count() == 0 && random->count() == 0) throw CLI::RequiredError("FILE");
+    if (options->trace == "-" && json->count() != 0)
+      throw CLI::ValidationError("--trace", "- and --json both want standard output");
+    options->is_random = random->count() != 0;
+    chosen = [options] { return simulate(*options); };
+  });
+}
+
+}  // namespace takt::tool

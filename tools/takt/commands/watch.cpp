@@ -1,0 +1,353 @@
+// takt watch: every device and module of a domain, live. In a terminal a screen with keys; else a line for
+// each transition.
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include <takt/client/connection.hpp>
+#include <takt/core/words.hpp>
+#include <takt/dds/words.hpp>
+#include <takt/descriptor/descriptor.hpp>
+#include <takt/os/clock.hpp>
+#include <takt/os/keyboard.hpp>
+#include <takt/os/notice.hpp>
+#include <takt/os/signals.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "commands/network_options.hpp"
+#include "commands/ranges.hpp"
+#include "terminal/screen_style.hpp"
+#include "terminal/terminal.hpp"
+#include "watch/screen.hpp"
+#include "watch/watch_seen.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+struct WatchOptions {
+  double seconds = 0;  ///< 0: until q or Ctrl-C
+  client::Network network;
+};
+
+/// What goes on, from the threads of DDS to ours.
+class News {
+ public:
+  struct Piece {
+    std::string line;
+    std::optional<LifecycleStatus> transition{};  ///< that the line tells, if it tells one
+  };
+  explicit News(os::Notice notice) : notice_(std::move(notice)) {}
+
+  void add(Piece piece) {
+    {
+      const std::lock_guard lock{mutex_};
+      if (pieces_.size() < kMost) pieces_.push_back(std::move(piece));
+    }
+    notice_.give();
+  }
+  std::deque<Piece> take() {
+    notice_.take();
+    const std::lock_guard lock{mutex_};
+    return std::exchange(pieces_, {});
+  }
+  /// Can be read when there is something to take.
+  [[nodiscard]] const os::Fd& fd() const noexcept { return notice_.fd(); }
+  [[nodiscard]] const os::Notice& notice() const noexcept { return notice_; }
+
+ private:
+  os::Notice notice_;
+  static constexpr std::size_t kMost = 10000;
+  std::mutex mutex_;
+  std::deque<Piece> pieces_;
+};
+
+std::string line_of(const LifecycleStatus& s) {
+  const std::string text = s.text().to_string();
+  return fmt::format("{} {}.{}: {} -> {}{}", watch::clock_text(s.time_ns()), s.device().to_string(),
+                     s.name().to_string(), to_text(s.previous_state()), to_text(s.state()),
+                     text.empty() ? "" : " (" + on_one_line(text) + ")");
+}
+
+std::string line_of(const dds::ObservedDevice& device) {
+  const DeviceStatus& s = device.status;
+  const std::string text = s.text().to_string();
+  std::string state = device.alive ? to_text(s.state()) : "LOST";
+  if (device.alive && s.state() == DEVICE_RUNNING)
+    state += fmt::format(", {} of {} modules EXECUTING", s.executing(), s.modules());
+  return fmt::format("{} {}: {}{}", watch::clock_text(s.time_ns()), device.name(), state,
+                     text.empty() ? "" : " (" + on_one_line(text) + ")");
+}
+
+int print_lines(const WatchOptions& options, const os::SignalQueue& signals, News& news) {
+  const Instant end =
+      os::now() + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.seconds));
+  while (options.seconds == 0 || os::now() < end) {
+    os::wait_readable({&signals.fd(), &news.fd()}, 20);
+    for (const News::Piece& piece : news.take()) {
+      if (!print(piece.line + "\n")) return 1;
+    }
+    if (signals.next()) break;
+  }
+  return 0;
+}
+
+CommandKind kind_of(watch::Verb verb) {
+  switch (verb) {
+    case watch::Verb::initialize:
+      return COMMAND_INITIALIZE;
+    case watch::Verb::start:
+      return COMMAND_START;
+    case watch::Verb::stop:
+      return COMMAND_STOP;
+    case watch::Verb::recover:
+      return COMMAND_RECOVER;
+    case watch::Verb::reset:
+      return COMMAND_RESET;
+    case watch::Verb::destruct:
+      return COMMAND_DESTRUCT;
+  }
+  return COMMAND_START;
+}
+
+/// Questions to nodes, each on a thread of its own: an answer may take seconds, and the screen goes on.
+class Questions {
+ public:
+  /// `notice` is given whenever one has been answered; all of it outlives this.
+  Questions(client::Operator& asker, const os::Notice& notice) : asker_(asker), notice_(notice) {}
+  Questions(const Questions&) = delete;
+  Questions& operator=(const Questions&) = delete;
+  ~Questions() {
+    give_up_ = true;
+    for (auto& one : open_) one->thread.join();
+  }
+
+  using Then = std::function<void(const Result<dds::WholeReply>&)>;
+  /// `then` is called by take_answers(). False: too many are open.
+  bool ask(client::Question question, std::string words, Then then) {
+    if (open_.size() >= kMost) return false;
+    auto one = std::make_unique<Open>();
+    one->words = std::move(words);
+    one->since = os::now();
+    one->then = std::move(then);
+    one->thread = std::thread{[this, &open = *one, question = std::move(question)] {
+      open.answer.emplace(asker_.ask(std::vector{question}, [this] { return give_up_.load(); })[0]);
+      open.done = true;  // SYNC: answered
+      notice_.give();
+    }};
+    open_.push_back(std::move(one));
+    return true;
+  }
+  /// True when there was one.
+  bool take_answers() {
+    bool any = false;
+    for (auto at = open_.begin(); at != open_.end();) {
+      if (!(*at)->done) {  // SYNC: answered
+        ++at;
+        continue;
+      }
+      const std::unique_ptr<Open> one = std::move(*at);
+      at = open_.erase(at);
+      one->thread.join();
+      one->then(*one->answer);
+      any = true;
+    }
+    return any;
+  }
+  /// Those that a person waits for: "stop of robot.servo, 3 s".
+  [[nodiscard]] std::vector<std::string> open() const {
+    std::vector<std::string> all;
+    for (const auto& one : open_) {
+      if (one->words.empty()) continue;
+      const auto seconds = std::chrono::floor<std::chrono::seconds>(os::now() - one->since).count();
+      all.push_back(one->words + (seconds == 0 ? "" : fmt::format(", {} s", seconds)));
+    }
+    return all;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 16;
+  struct Open {
+    std::string words;
+    Instant since{};
+    Then then;
+    std::optional<Result<dds::WholeReply>> answer{};
+    std::atomic<bool> done{false};
+    std::thread thread{};
+  };
+  client::Operator& asker_;
+  const os::Notice& notice_;
+  std::atomic<bool> give_up_{false};
+  std::vector<std::unique_ptr<Open>> open_;
+};
+
+/// The screen as it is shown, from the first key to the last.
+class Screen {
+ public:
+  Screen(const client::Connection& client, News& news)
+      : news_(news), client_(client), watched_(client.domain) {}
+
+  int show(const os::SignalQueue& signals, double seconds);
+
+ private:
+  void hear();
+  void ask_for_descriptors(const std::vector<dds::ObservedDevice>& devices);
+  void order(const watch::Order& order);
+  /// False: asked to leave.
+  bool press_keys();
+  bool draw();
+
+  News& news_;
+  const client::Connection& client_;
+  Watched watched_;
+  os::Keyboard keyboard_;
+  watch::View view_;
+  watch::Seen seen_;
+  watch::Shown shown_;
+  std::vector<std::string> on_terminal_;
+  os::Keyboard::Size size_{};
+  std::optional<Questions> questions_;
+};
+
+void Screen::hear() {
+  for (News::Piece& piece : news_.take()) {
+    if (piece.transition) watched_.hear(*piece.transition);
+    watched_.hear(piece.line);
+  }
+}
+
+void Screen::ask_for_descriptors(const std::vector<dds::ObservedDevice>& devices) {
+  const auto unknown = watched_.unknown(devices, os::now());
+  if (!unknown) return;
+  const client::Question question{.kind = COMMAND_DESCRIPTOR, .device = unknown->device};
+  questions_->ask(question, "", [this, id = unknown->deployment](const Result<dds::WholeReply>& answer) {
+    if (!answer || answer->head.code() != REPLY_OK) return;
+    auto cell = descriptor::parse(answer->data, answer->head.value().to_string());
+    if (cell) watched_.hear(id, std::make_shared<const model::Cell>(std::move(*cell)));
+  });
+}
+
+void Screen::order(const watch::Order& order) {
+  const std::size_t dot = order.target.find('.');
+  const std::string module = dot == std::string::npos ? "" : order.target.substr(dot + 1);
+  const client::Question question{.kind = kind_of(order.verb),
+                                  .device = order.target.substr(0, dot),
+                                  .module = module,
+                                  .limit = std::chrono::seconds{20}};
+  const bool asked = questions_->ask(
+      question, fmt::format("{} of {}", to_text(order.verb), order.target),
+      [this, order, module](const Result<dds::WholeReply>& reply) {
+        const auto answer = client::accepted(reply);
+        if (answer) {
+          view_.message =
+              order.target + ": " + (module.empty() ? "all do it" : to_text(answer->head.state()));
+          return;
+        }
+        Problems problems = answer.problems();
+        for (Problem& problem : problems)  // its device answered, and the order says which that is
+          if (problem.where == "device " + order.target.substr(0, order.target.find('.')))
+            problem.where = order.target;
+        view_.message = in_words(problems);
+      });
+  if (!asked) view_.message = "too many orders are not answered yet: this one was not given";
+}
+
+bool Screen::press_keys() {
+  while (const auto key = keyboard_.next()) {
+    const watch::Done done = watch::press(view_, *key, shown_);
+    if (done.quit) return false;
+    if (done.order) order(*done.order);
+    // The next key finds what this one has left.
+    shown_ = watch::draw(seen_, view_, size_.columns, size_.rows, screen_style()).shown;
+  }
+  return true;
+}
+
+bool Screen::draw() {
+  const auto size = keyboard_.size();
+  if (size.columns != size_.columns || size.rows != size_.rows) on_terminal_.clear();
+  size_ = size;
+  seen_.orders = questions_->open();
+  watch::Screen screen = watch::draw(seen_, view_, size.columns, size.rows, screen_style());
+  shown_ = std::move(screen.shown);
+  const std::string changes = watch::changes(on_terminal_, screen.lines);
+  on_terminal_ = std::move(screen.lines);
+  return changes.empty() || print(changes);
+}
+
+int Screen::show(const os::SignalQueue& signals, double seconds) {
+  constexpr std::chrono::milliseconds kLooks{200};  // between two looks at what nobody tells
+  const Instant end =
+      os::now() + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
+  questions_.emplace(*client_.asker, news_.notice());
+  // A screen of its own, without a cursor, whose lines end at its edge.
+  static_cast<void>(print("\033[?1049h\033[?25l\033[?7l"));
+  const auto leave = [](int status) {
+    static_cast<void>(print("\033[?7h\033[?25h\033[?1049l"));
+    return status;
+  };
+  Instant looked{};
+  while (seconds == 0 || os::now() < end) {
+    os::wait_readable({&signals.fd(), &keyboard_.fd(), &news_.fd()}, 50);
+    if (signals.next()) return leave(0);
+    hear();
+    const bool answered = questions_->take_answers();
+    if (answered || os::now() - looked >= kLooks) {
+      looked = os::now();
+      const auto devices = client_.observer->devices();
+      ask_for_descriptors(devices);
+      seen_ = watched_.seen(devices, os::now());
+    }
+    if (!press_keys()) return leave(0);
+    if (!draw()) return leave(1);
+  }
+  return leave(0);
+}
+
+int follow(const WatchOptions& options) {
+  const auto refuse = [](const Problems& problems) {
+    complain(problems);
+    return 1;
+  };
+  const auto signals = os::SignalQueue::of_requests_to_end();
+  if (!signals) return refuse(signals.problems());
+  auto notice = os::Notice::create();
+  if (!notice) return refuse(notice.problems());
+  News news{std::move(*notice)};
+  const auto client = client::connect(
+      options.network, nullptr,
+      {.news = {.module =
+                    [&news](const LifecycleStatus& status) {
+                      news.add({line_of(status), status});
+                    },
+                .device = [&news](const dds::ObservedDevice& device) { news.add({line_of(device)}); }},
+       .statistics = true});
+  if (!client) return refuse(client.problems());
+  if (!os::Keyboard::is_terminal()) return print_lines(options, *signals, news);
+  Screen screen{*client, news};
+  return screen.show(*signals, options.seconds);
+}
+
+}  // namespace
+
+void add_watch(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<WatchOptions>();
+  auto* command = app.add_subcommand("watch",
+                                     "Show every device and module live, with keys to start, stop and "
+                                     "recover; not in a terminal, a line for each "
+                                     "transition");
+  command->add_option("--for", options->seconds, "end after this long")
+      ->type_name("SECONDS")
+      ->check(within(0.0, 1e9));
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return follow(*options); }; });
+}
+
+}  // namespace takt::tool

@@ -1,0 +1,112 @@
+// takt web: the cell as a page for browsers.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <takt/core/words.hpp>
+#include <takt/os/environment.hpp>
+#include <takt/os/files.hpp>
+#include <takt/os/signals.hpp>
+
+#include "commands/commands.hpp"
+#include "commands/load.hpp"
+#include "commands/network_options.hpp"
+#include "terminal/terminal.hpp"
+#include "web/gateway.hpp"
+#include "web/server.hpp"
+
+namespace takt::tool {
+
+namespace {
+
+constexpr std::size_t kMostToken = 4096;
+constexpr std::size_t kLeastToken = 16;
+
+struct WebOptions {
+  web::ServerOptions server;
+  bool commands = false;
+  std::string token_file;
+  client::Network network;
+};
+
+/// Empty: nobody may command.
+Result<std::string> token_of(const WebOptions& options) {
+  if (options.token_file.empty()) return options.commands ? web::random_word(16) : std::string{};
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::perms mode = fs::status(options.token_file, error).permissions();
+  if (!error && (mode & (fs::perms::group_all | fs::perms::others_all)) != fs::perms::none) {
+    return Problem{options.token_file, "others may read it",
+                   "whoever has the token may command the cell: chmod 600 " + options.token_file};
+  }
+  const auto content = os::read_file(options.token_file, kMostToken);
+  if (!content) return content.problems();
+  if (!*content) return Problem{options.token_file, "there is no such file", "write a token into it"};
+  const std::string token = (**content).substr(0, (**content).find('\n'));
+  const bool plain =
+      std::all_of(token.begin(), token.end(), [](unsigned char c) { return c > ' ' && c < 127; });
+  if (token.size() < kLeastToken || !plain) {
+    return Problem{options.token_file, "its first line is no token",
+                   fmt::format("write at least {} letters and digits: openssl rand -hex 16", kLeastToken)};
+  }
+  return token;
+}
+
+int serve(const WebOptions& options) {
+  const auto refuse = [](const Problems& problems) {
+    complain(problems);
+    return 1;
+  };
+  const auto signals = os::SignalQueue::of_requests_to_end();  // before there are threads, which inherit it
+  if (!signals) return refuse(signals.problems());
+  os::survive_broken_pipes();
+  web::ServerOptions server_options = options.server;
+  auto token = token_of(options);
+  if (!token) return refuse(token.problems());
+  server_options.token = *token;
+  const auto gateway = web::Gateway::create(options.network);
+  if (!gateway) return refuse(gateway.problems());
+  const auto server = web::Server::create(**gateway, server_options);
+  if (!server) return refuse(server.problems());
+  const bool everywhere = server_options.address == "0.0.0.0" || server_options.address == "::";
+  std::string host = everywhere ? os::host_name() : server_options.address;
+  if (host.find(':') != std::string::npos) host = "[" + host + "]";
+  const std::string url = fmt::format("http://{}:{}/", host, (*server)->port());
+  std::string text = "domain " + std::to_string((*gateway)->domain()) + " is to be seen at " + url + "\n";
+  if (options.token_file.empty() && !token->empty())
+    text += "whoever is to command it opens " + url + "#token=" + *token + "\n";
+  if (!print(text)) return 1;
+  while (!signals->next()) os::wait_readable({&signals->fd()}, 1000);
+  return 0;
+}
+
+}  // namespace
+
+void add_web(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<WebOptions>();
+  auto* command = app.add_subcommand(
+      "web", "Serve a page that shows every device and module live, and metrics for Prometheus");
+  command->add_option("--port", options->server.port, "to listen on; 0: one that is free")
+      ->type_name("N")
+      ->check(CLI::Range(0, 65535).description(""))
+      ->capture_default_str();
+  command
+      ->add_option("--listen", options->server.address,
+                   "the address to listen on; 0.0.0.0: all of this machine, for others to see")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
+  command->add_flag("--commands", options->commands,
+                    "let whoever has the token that is printed start, stop and recover modules and set "
+                    "properties; without it the page is only to look at");
+  command
+      ->add_option("--token-file", options->token_file,
+                   "the same with a token of your own: the first line of this file, which only you may read")
+      ->type_name("FILE");
+  add_network_options(*command, options->network);
+  command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });
+}
+
+}  // namespace takt::tool

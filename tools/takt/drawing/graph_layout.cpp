@@ -1,0 +1,404 @@
+#include "drawing/graph_layout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "reports/connections_report.hpp"
+
+namespace takt::tool::graph {
+namespace {
+
+using model::Connection;
+using model::Module;
+
+// Pixels.
+constexpr double kTrack = 12;  // between two lines side by side
+constexpr double kStub = 18;   // from a column to the first track, at least
+
+/// Of a line with its label; of a cell that runs there is a line of health below.
+constexpr double kPitchAtRest = 20;
+constexpr double kPitchLive = 32;
+/// Heights are whole steps, and every other column stands half a step lower, so that what leaves two columns
+/// for one channel is never on one line.
+constexpr double kStepAtRest = 20;
+constexpr double kStepLive = 16;
+
+Look look_of_state(std::string_view state) {
+  if (state == "EXECUTING") return kGood;
+  return state == "RECOVER" || state == "DESTRUCT" ? kBad : kPoor;
+}
+
+/// The middle of a long text left out.
+std::string shortened(const std::string& text, std::size_t most) {
+  if (text.size() <= most) return text;
+  return text.substr(0, most / 2) + "..." + text.substr(text.size() - (most - most / 2 - 3));
+}
+
+/// A line up or down in a channel.
+struct Track {
+  std::size_t wire = 0;
+  double from = 0;            // the height at the left
+  double to = 0;              // and at the right; of one that turns back, or goes below, where it goes
+  bool leaves_left = false;   // it has to do with the column at the left of the channel
+  bool leaves_right = false;  // and with that at the right
+  double x = 0;
+};
+
+/// The space to the right of a column.
+struct Channel {
+  double left_zone = kStub;  // room for what stands at arrows
+  double right_zone = kStub;
+  std::vector<Track> tracks;
+
+  [[nodiscard]] double width() const {
+    return tracks.empty() ? 2 * kMargin
+                          : left_zone + right_zone + kTrack * static_cast<double>(tracks.size() + 1);
+  }
+};
+
+/// The channel that an end goes to.
+std::size_t channel_of(const Place& place) { return place.at_right ? place.column : place.column - 1; }
+
+/// It goes below all columns.
+bool passes(const Wire& wire) {
+  return wire.from.column > wire.to.column + 1 || wire.to.column > wire.from.column + 1;
+}
+
+class Builder {
+ public:
+  Builder(const model::Cell& cell, const CellHealth& health) : cell_(cell), health_(health) {
+    const bool live = !health.connections.empty();
+    layout_.pitch = live ? kPitchLive : kPitchAtRest;
+    step_ = live ? kStepLive : kStepAtRest;
+  }
+
+  Layout build() {
+    for (std::size_t i = 0; i < std::min(cell_.devices.size(), kGraphDevices); ++i)
+      add_device(cell_.devices[i]);
+    add_wires();
+    for (Column& column : layout_.columns) {
+      for (Box& box : column.boxes) inputs_first(box);
+    }
+    name_places();
+    choose_sides();
+    set_heights();
+    set_widths();
+    find_ways();
+    return std::move(layout_);
+  }
+
+ private:
+  /// A port by its name, while ports are added and before they have their order.
+  struct Named {
+    Place place;
+    std::string port;
+    bool input = false;
+  };
+
+  void add_device(const model::Device& device);
+  Box box_of(const model::Device& device, const Module& module, bool alive) const;
+  Column& outside();
+  Named end_of(const model::Endpoint& end, const Connection& connection, bool input);
+  void add_wires();
+  static void inputs_first(Box& box);
+  void name_places();
+  void choose_sides();
+  void set_heights();
+  void set_heights(Column& column);
+  void set_widths();
+  void add_tracks(std::size_t wire);
+  static void order(Channel& channel);
+  void find_ways();
+  [[nodiscard]] double x_of(const Place& place, std::size_t wire) const;
+
+  Port& port_at(const Place& place) {
+    return layout_.columns[place.column].boxes[place.box].ports[place.port];
+  }
+  [[nodiscard]] double whole(double height) const { return std::ceil(height / step_) * step_; }
+
+  const model::Cell& cell_;
+  const CellHealth& health_;
+  double step_;
+  Layout layout_;
+  std::map<std::string, Place> modules_;       // by "device.module"
+  std::map<std::string, std::size_t> topics_;  // boxes of outside()
+  std::vector<std::pair<Named, Named>> ends_;  // of the wires
+  std::vector<Channel> channels_;
+};
+
+Box Builder::box_of(const model::Device& device, const Module& module, bool alive) const {
+  const std::string path = device.name + "." + module.name;
+  Box box;
+  box.name = module.name;
+  box.about = std::string{model::to_text(module.type)} + ", " + operation_text(module);
+  box.title = path + ": " + box.about + fmt::format(", priority {}", module.priority) +
+              (module.executor.empty() ? "" : ", executor " + module.executor) +
+              (module.budget ? ", budget " + to_text(*module.budget) : "");
+  if (const auto state = health_.modules.find(path); state != health_.modules.end()) {
+    box.state = alive ? state->second : state->second + " when last heard";
+    box.look = alive ? look_of_state(state->second) : kPoor;
+    box.title += "; " + box.state;
+  }
+  return box;
+}
+
+void Builder::add_device(const model::Device& device) {
+  Column column;
+  column.name = device.name;
+  column.about = count(device.modules.size(), "module");
+  bool alive = true;
+  if (const auto known = health_.devices.find(device.name); known != health_.devices.end()) {
+    const std::string& why = known->second.text;
+    alive = known->second.alive;
+    column.state = (alive ? "alive" : "LOST") + (why.empty() ? "" : ", " + shortened(why, 40));
+    column.look = !alive ? kBad : why.empty() ? kGood : kPoor;
+  }
+  for (const Module& module : device.modules) {
+    if (column.boxes.size() == kGraphModules) break;
+    modules_[device.name + "." + module.name] = {.column = layout_.columns.size(),
+                                                 .box = column.boxes.size()};
+    column.boxes.push_back(box_of(device, module, alive));
+  }
+  column.left_out = device.modules.size() - column.boxes.size();
+  layout_.columns.push_back(std::move(column));
+}
+
+/// The last column, made when somebody needs it.
+Column& Builder::outside() {
+  if (layout_.columns.empty() || !layout_.columns.back().outside) {
+    Column& column = layout_.columns.emplace_back();
+    column.name = "other programs";
+    column.outside = true;
+  }
+  return layout_.columns.back();
+}
+
+Builder::Named Builder::end_of(const model::Endpoint& end, const Connection& connection, bool input) {
+  if (end.given()) return {modules_.at(end.device + "." + end.module), end.port, input};
+  Column& column = outside();
+  const std::string domain = connection.domain ? fmt::format("domain {}", *connection.domain) : "";
+  const auto [topic, is_new] = topics_.emplace(connection.topic + " " + domain, column.boxes.size());
+  if (is_new) {
+    Box& box = column.boxes.emplace_back();
+    box.name = shortened(connection.topic, 48);
+    box.about = domain.empty() ? "topic" : "topic, " + domain;
+    box.title = "topic " + connection.topic + (domain.empty() ? "" : ", " + domain);
+  }
+  const Place place{.column = layout_.columns.size() - 1, .box = topic->second};
+  return {place, input ? "read" : "written", input};
+}
+
+void Builder::add_wires() {
+  const auto drawn = [&](const model::Endpoint& end) {
+    return !end.given() || modules_.count(end.device + "." + end.module) > 0;
+  };
+  for (std::size_t i = 0; i < cell_.connections.size(); ++i) {
+    const Connection& connection = cell_.connections[i];
+    if (layout_.wires.size() == kGraphConnections || !drawn(connection.from) || !drawn(connection.to)) {
+      ++layout_.connections_left_out;
+      continue;
+    }
+    Wire wire;
+    wire.connection = i;
+    layout_.wires.push_back(std::move(wire));
+    ends_.emplace_back(end_of(connection.from, connection, false), end_of(connection.to, connection, true));
+    for (const Named* end : {&ends_.back().first, &ends_.back().second}) {
+      std::vector<Port>& ports = layout_.columns[end->place.column].boxes[end->place.box].ports;
+      const bool known = std::any_of(ports.begin(), ports.end(), [&](const Port& port) {
+        return port.name == end->port && port.input == end->input;
+      });
+      if (known) continue;
+      ports.emplace_back();
+      ports.back().name = end->port;
+      ports.back().input = end->input;
+    }
+  }
+}
+
+/// Else as they were named.
+void Builder::inputs_first(Box& box) {
+  std::stable_partition(box.ports.begin(), box.ports.end(), [](const Port& port) { return port.input; });
+}
+
+void Builder::name_places() {
+  const auto place_of = [&](const Named& end) {
+    Place place = end.place;
+    while (port_at(place).name != end.port || port_at(place).input != end.input) ++place.port;
+    return place;
+  };
+  for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
+    layout_.wires[i].from = place_of(ends_[i].first);
+    layout_.wires[i].to = place_of(ends_[i].second);
+  }
+}
+
+/// Towards the other end; within a device at the right.
+void Builder::choose_sides() {
+  for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
+    Wire& wire = layout_.wires[i];
+    wire.from.at_right = wire.to.column >= wire.from.column;
+    wire.to.at_right = wire.to.column <= wire.from.column;
+    for (const Place* place : {&wire.from, &wire.to}) {
+      (place->at_right ? port_at(*place).right : port_at(*place).left).push_back(i);
+    }
+  }
+}
+
+void Builder::set_heights(Column& column) {
+  double y = column.top + whole(column.state.empty() ? 40 : 54);
+  for (Box& box : column.boxes) {
+    box.top = y;
+    y += whole(box.state.empty() ? 34 : 46);
+    for (Port& port : box.ports) {
+      port.y = y + layout_.pitch / 2;
+      y += layout_.pitch * static_cast<double>(port.lines());
+    }
+    box.height = whole(y - box.top + (box.ports.empty() ? 0 : 4));
+    y = box.top + box.height + step_;
+  }
+  if (column.left_out > 0) y += step_;
+  column.bottom = y;
+}
+
+void Builder::set_heights() {
+  std::vector<Column>& columns = layout_.columns;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    columns[c].top = kTop + (c % 2 == 1 ? step_ / 2 : 0);
+    set_heights(columns[c]);
+    layout_.bottom = std::max(layout_.bottom, columns[c].bottom);
+  }
+  for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
+    for (Place* place : {&layout_.wires[i].from, &layout_.wires[i].to}) {
+      const Port& port = port_at(*place);
+      const auto& side = place->at_right ? port.right : port.left;
+      const auto at = std::find(side.begin(), side.end(), i) - side.begin();
+      place->y = port.y + layout_.pitch * static_cast<double>(at);
+    }
+  }
+}
+
+/// A wire within a device or to the next has one track; one past a device has two, and a line below all.
+void Builder::add_tracks(std::size_t index) {
+  const Wire& wire = layout_.wires[index];
+  if (passes(wire)) {
+    for (const Place* place : {&wire.from, &wire.to}) {
+      channels_[channel_of(*place)].tracks.push_back({.wire = index,
+                                                      .from = place->y,
+                                                      .to = layout_.bottom,
+                                                      .leaves_left = place->at_right,
+                                                      .leaves_right = !place->at_right});
+    }
+    return;
+  }
+  const bool to_the_left = !wire.from.at_right;
+  channels_[channel_of(wire.from)].tracks.push_back(
+      {.wire = index,
+       .from = to_the_left ? wire.to.y : wire.from.y,
+       .to = to_the_left ? wire.from.y : wire.to.y,
+       .leaves_left = wire.from.at_right || wire.to.at_right,
+       .leaves_right = !wire.from.at_right || !wire.to.at_right});
+}
+
+/// For few crossings: what turns back or goes below stays near its column, the shorter the nearer; of what
+/// goes down to the right the lower goes first, of what goes up the higher.
+void Builder::order(Channel& channel) {
+  const auto rank = [](const Track& track) { return !track.leaves_right ? 0 : track.leaves_left ? 1 : 2; };
+  const auto length = [](const Track& track) { return std::abs(track.to - track.from); };
+  std::stable_sort(channel.tracks.begin(), channel.tracks.end(), [&](const Track& a, const Track& b) {
+    if (rank(a) != rank(b)) return rank(a) < rank(b);
+    if (rank(a) == 0) return length(a) < length(b);
+    if (rank(a) == 2) return length(a) > length(b);
+    const bool a_down = a.to > a.from;
+    const bool b_down = b.to > b.from;
+    if (a_down != b_down) return a_down;
+    return a_down ? a.from > b.from : a.from < b.from;
+  });
+}
+
+void Builder::set_widths() {
+  channels_.resize(layout_.columns.size());
+  for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
+    add_tracks(i);
+    const Wire& wire = layout_.wires[i];
+    const auto health = health_.connections.find(wire.connection);
+    double room = width_of(label_of(cell_.connections[wire.connection]), kSmall);
+    if (health != health_.connections.end())
+      room = std::max(room, width_of(health_text(health->second), kSmall));
+    Channel& channel = channels_[channel_of(wire.to)];
+    double& zone = wire.to.at_right ? channel.left_zone : channel.right_zone;
+    zone = std::max(zone, room + 8);
+  }
+  double x = kMargin;
+  for (std::size_t c = 0; c < layout_.columns.size(); ++c) {
+    Column& column = layout_.columns[c];
+    double widest = std::max(width_of(column.name, kLarge), width_of(column.state, kSmall));
+    for (const Box& box : column.boxes) {
+      widest = std::max({widest, width_of(box.name, kNormal) + kInside, width_of(box.about, kSmall) + kInside,
+                         width_of(box.state, kSmall) + kInside});
+      for (const Port& port : box.ports) widest = std::max(widest, width_of(port.name, kSmall) + 3 * kInside);
+    }
+    column.left = x;
+    column.width = std::ceil(widest + 2 * kInside);
+    Channel& channel = channels_[c];
+    order(channel);
+    for (std::size_t t = 0; t < channel.tracks.size(); ++t) {
+      channel.tracks[t].x = column.right() + channel.left_zone + kTrack * static_cast<double>(t + 1);
+    }
+    x = column.right() + channel.width();
+  }
+}
+
+double Builder::x_of(const Place& place, std::size_t wire) const {
+  const std::vector<Track>& tracks = channels_[channel_of(place)].tracks;
+  return std::find_if(tracks.begin(), tracks.end(), [&](const Track& track) { return track.wire == wire; })
+      ->x;
+}
+
+void Builder::find_ways() {
+  const auto edge = [&](const Place& place) {
+    const Column& column = layout_.columns[place.column];
+    return place.at_right ? column.right() - kInside : column.left + kInside;
+  };
+  for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
+    Wire& wire = layout_.wires[i];
+    const double first = x_of(wire.from, i);
+    const double last = x_of(wire.to, i);
+    wire.way = {{edge(wire.from), wire.from.y}, {first, wire.from.y}};
+    if (passes(wire)) {
+      layout_.bottom += kTrack;
+      wire.way.push_back({first, layout_.bottom});
+      wire.way.push_back({last, layout_.bottom});
+    }
+    wire.way.push_back({last, wire.to.y});
+    wire.way.push_back({edge(wire.to), wire.to.y});
+  }
+}
+
+}  // namespace
+
+std::size_t Port::lines() const { return std::max<std::size_t>({left.size(), right.size(), 1}); }
+
+Look look_of(const CellHealth::Connection& health) {
+  if (!health.matched || !health.incompatible.empty()) return kBroken;
+  if (health.stale || health.safe) return kBad;
+  return health.lost + health.dropped + health.late > 0 || !health.age ? kPoor : kGood;
+}
+
+std::string label_of(const Connection& connection) {
+  std::string text = kind_text(connection);
+  const bool queue = connection.kind == model::ConnectionKind::queue;
+  const bool reliable = connection.reliability == model::Reliability::reliable;
+  if (queue != reliable) text += std::string{", "} + model::to_text(connection.reliability);
+  if (connection.deadline) text += ", stale after " + to_text(*connection.deadline);
+  if (connection.stale == model::Stale::error) text += ": error";
+  return text;
+}
+
+Layout lay_out(const model::Cell& cell, const CellHealth& health) { return Builder{cell, health}.build(); }
+
+}  // namespace takt::tool::graph

@@ -1,0 +1,251 @@
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "drawing/canvas.hpp"
+#include "drawing/graph_layout.hpp"
+#include "reports/connections_report.hpp"
+#include "reports/graph_report.hpp"
+
+namespace takt::tool {
+namespace {
+
+using namespace graph;
+using model::Connection;
+using model::ConnectionKind;
+
+constexpr std::string_view kGraphColours = R"(
+.module { fill: #ffffff; stroke: #c3ccd5; stroke-width: 1; }
+.frame { stroke: #c3ccd5; stroke-width: 1; }
+.outside { stroke-dasharray: 5 4; }
+.pin { fill: #5c6773; }
+.halo { fill: none; stroke: #ffffff; stroke-width: 5; }
+.wire { fill: none; stroke: #5c6773; stroke-width: 1.4; }
+.queue { stroke-width: 2.6; }
+.joint { stroke: #5c6773; stroke-width: 2; }
+.head { fill: #5c6773; }
+g.link:hover .wire { stroke-width: 4; }
+.good { stroke: #2c7a4b; }
+.poor { stroke: #a86400; }
+.bad { stroke: #b3261e; stroke-dasharray: 6 4; }
+.broken { stroke: #b3261e; stroke-dasharray: 1.5 4; }
+.good-word { fill: #2c7a4b; }
+.poor-word { fill: #a86400; }
+.bad-word { fill: #b3261e; font-weight: bold; }
+)";
+
+constexpr std::string_view kDarkGraphColours = R"(
+.module { fill: #14181d; stroke: #3d4854; }
+.frame { stroke: #3d4854; }
+.pin { fill: #9aa6b2; }
+.halo { stroke: #14181d; }
+.wire { stroke: #9aa6b2; }
+.head { fill: #9aa6b2; }
+.joint { stroke: #9aa6b2; }
+.good { stroke: #56b37a; }
+.poor { stroke: #e0a040; }
+.bad, .broken { stroke: #ff8a80; }
+.good-word { fill: #56b37a; }
+.poor-word { fill: #e0a040; }
+.bad-word { fill: #ff8a80; }
+)";
+
+class GraphDrawing {
+ public:
+  GraphDrawing(const model::Cell& cell, const CellHealth& health)
+      : cell_(cell), health_(health), layout_(lay_out(cell, health)) {}
+
+  std::string draw() {
+    draw_title();
+    for (const Column& column : layout_.columns) draw_column(column);
+    for (const Wire& wire : layout_.wires) draw_wire(wire);
+    for (const Wire& wire : layout_.wires) draw_label(wire);
+    draw_legend();
+    return canvas_.document("The cell " + cell_.name, kGraphColours, kDarkGraphColours);
+  }
+
+ private:
+  void draw_title();
+  void draw_column(const Column& column);
+  void draw_box(const Column& column, const Box& box);
+  void draw_port(double left, double right, const Port& port);
+  void draw_wire(const Wire& wire);
+  void draw_label(const Wire& wire);
+  void draw_legend();
+
+  [[nodiscard]] const Connection& connection_of(const Wire& wire) const {
+    return cell_.connections[wire.connection];
+  }
+  /// A state or a health, which a page that has the picture in it puts others in place of.
+  [[nodiscard]] static std::string word_of(Look look) { return std::string{look.word} + " state"; }
+  [[nodiscard]] std::string title_of(const Wire& wire) const;
+  /// Null where nothing is known.
+  [[nodiscard]] const CellHealth::Connection* health_of(const Wire& wire) const {
+    const auto found = health_.connections.find(wire.connection);
+    return found == health_.connections.end() ? nullptr : &found->second;
+  }
+
+  const model::Cell& cell_;
+  const CellHealth& health_;
+  Layout layout_;
+  Canvas canvas_;
+};
+
+void GraphDrawing::draw_title() {
+  canvas_.text(kMargin, kMargin + 14, kLarge + 4, "title", cell_.name);
+  std::string about =
+      count(cell_.devices.size(), "device") + ", " + count(cell_.connections.size(), "connection");
+  if (is_on_network(cell_)) about += "; " + network_text(cell_);
+  constexpr std::size_t kLongest = 160;
+  if (about.size() > kLongest) about = about.substr(0, kLongest) + "...";
+  canvas_.text(kMargin, kMargin + 34, kNormal, "faint", about);
+}
+
+void GraphDrawing::draw_column(const Column& column) {
+  const double x = column.left + kInside;
+  if (column.outside)
+    canvas_.open_group("programs that are not Takt's");
+  else
+    canvas_.open_group("device " + column.name, "column", "device", column.name);
+  canvas_.rectangle(column.left, column.top, column.width, column.bottom - column.top,
+                    column.outside ? "panel frame outside" : "panel frame", 6);
+  canvas_.text(x, column.top + 19, kLarge, "title", column.name);
+  if (!column.about.empty()) canvas_.text(x, column.top + 33, kSmall, "faint", column.about);
+  if (!column.state.empty()) canvas_.text(x, column.top + 47, kSmall, word_of(column.look), column.state);
+  canvas_.close_group();
+  for (const Box& box : column.boxes) draw_box(column, box);
+  if (column.left_out == 0) return;
+  canvas_.text(x, column.bottom - 12, kSmall, "faint", "and " + count(column.left_out, "module") + " more");
+}
+
+void GraphDrawing::draw_box(const Column& column, const Box& box) {
+  const double left = column.left + kInside;
+  const double right = column.right() - kInside;
+  const double x = left + kInside / 2;
+  if (column.outside)
+    canvas_.open_group(box.title);
+  else
+    canvas_.open_group(box.title, "box", "module", column.name + "." + box.name);
+  canvas_.rectangle(left, box.top, right - left, box.height, "module", 4);
+  canvas_.text(x, box.top + 15, kNormal, "title", box.name);
+  canvas_.text(x, box.top + 28, kSmall, "faint", box.about);
+  if (!box.state.empty()) canvas_.text(x, box.top + 40, kSmall, word_of(box.look), box.state);
+  for (const Port& port : box.ports) draw_port(left, right, port);
+  canvas_.close_group();
+}
+
+std::string GraphDrawing::title_of(const Wire& wire) const {
+  const Connection& connection = connection_of(wire);
+  const auto* health = health_of(wire);
+  return end_text(connection.from) + " -> " + end_text(connection.to) + ": " + described(connection) +
+         (health == nullptr ? "" : "; " + health_text(*health));
+}
+
+/// Its name and a mark that points as the data goes, at the side of its wires.
+void GraphDrawing::draw_port(double left, double right, const Port& port) {
+  const bool at_right = port.named_at_right();
+  const double outer = at_right ? right - 5 : left + 5;
+  const double inner = at_right ? outer - 7 : outer + 7;
+  const double tip = port.input ? inner : outer;
+  const double back = port.input ? outer : inner;
+  canvas_.path({{back, port.y - 4}, {tip, port.y}, {back, port.y + 4}}, "pin", true);
+  if (at_right) {
+    canvas_.text_before(inner - 3, port.y + 4, kSmall, "", port.name);
+  } else {
+    canvas_.text(inner + 3, port.y + 4, kSmall, "", port.name);
+  }
+  // What leaves at the other side too has its name here.
+  if (!port.left.empty() && !port.right.empty()) {
+    const double named = inner + (at_right ? -1 : 1) * (width_of(port.name, kSmall) + 9);
+    canvas_.line(std::min(named, at_right ? left : right), port.y, std::max(named, at_right ? left : right),
+                 port.y, "grid");
+  }
+  // Several wires at one side are of one port.
+  for (const bool side : {false, true}) {
+    const auto& wires = side ? port.right : port.left;
+    const double x = side ? right : left;
+    if (wires.size() < 2) continue;
+    canvas_.line(x, port.y, x, port.y + layout_.pitch * static_cast<double>(wires.size() - 1), "joint");
+  }
+}
+
+void GraphDrawing::draw_wire(const Wire& wire) {
+  const Connection& connection = connection_of(wire);
+  const CellHealth::Connection* health = health_of(wire);
+  std::string classes = connection.kind == ConnectionKind::queue ? "wire queue" : "wire";
+  if (health != nullptr) classes += " " + std::string{look_of(*health).line};
+  // The line ends where the head begins.
+  std::vector<Point> way = wire.way;
+  const Point tip = way.back();
+  way.back().x += wire.to.at_right ? kArrow : -kArrow;
+  canvas_.open_group(title_of(wire), "link", "connection", std::to_string(wire.connection));
+  canvas_.path(way, "halo");
+  canvas_.path(way, classes);
+  canvas_.circle(way.front().x, way.front().y, 2.5, "head");
+  canvas_.path({tip, {way.back().x, tip.y - 4}, {way.back().x, tip.y + 4}}, "head", true);
+  canvas_.close_group();
+}
+
+void GraphDrawing::draw_label(const Wire& wire) {
+  const Column& column = layout_.columns[wire.to.column];
+  const auto put = [&](double y, std::string_view classes, const std::string& text) {
+    if (wire.to.at_right) {
+      canvas_.text(column.right() + 4, y, kSmall, classes, text);
+    } else {
+      canvas_.text_before(column.left - 4, y, kSmall, classes, text);
+    }
+  };
+  canvas_.open_group(title_of(wire), "label", "connection", std::to_string(wire.connection));
+  put(wire.to.y - 4, "faint", label_of(connection_of(wire)));
+  if (const auto* health = health_of(wire))
+    put(wire.to.y + 12, word_of(look_of(*health)), health_text(*health));
+  canvas_.close_group();
+}
+
+/// Of what is in the picture.
+void GraphDrawing::draw_legend() {
+  const double left = kMargin + 6;
+  double y = layout_.bottom + 24;
+  const auto entry = [&](std::string_view text) {
+    canvas_.text(left + 52, y + 4, kSmall, "faint", text);
+    y += 18;
+  };
+  const auto sample = [&](const std::string& classes, std::string_view text, auto holds) {
+    if (std::none_of(layout_.wires.begin(), layout_.wires.end(), holds)) return;
+    canvas_.line(left, y, left + 40, y, "wire " + classes);
+    entry(text);
+  };
+  const auto of_kind = [&](ConnectionKind kind) {
+    return [this, kind](const Wire& wire) { return connection_of(wire).kind == kind; };
+  };
+  sample("", "the latest value", of_kind(ConnectionKind::latest));
+  sample("queue", "a queue", of_kind(ConnectionKind::queue));
+  const auto with = [&](Look look) {
+    return [this, look](const Wire& wire) {
+      const auto* health = health_of(wire);
+      return health != nullptr && look_of(*health).line == look.line;
+    };
+  };
+  sample("good", "ok", with(kGood));
+  sample("poor", "no value yet, or samples were lost, dropped or late", with(kPoor));
+  sample("bad", "stale: the value is older than its deadline", with(kBad));
+  sample("broken", "not matched: nobody is at the other end", with(kBroken));
+  if (cell_.devices.size() > kGraphDevices) {
+    entry(fmt::format("only {} of {} devices are drawn; takt graph --json has them all", kGraphDevices,
+                      cell_.devices.size()));
+  }
+  if (layout_.connections_left_out > 0) {
+    entry(fmt::format("{} of {} are not drawn; takt graph --json has them all", layout_.connections_left_out,
+                      count(cell_.connections.size(), "connection")));
+  }
+}
+
+}  // namespace
+
+std::string graph_svg(const model::Cell& cell, const CellHealth& health) {
+  return GraphDrawing{cell, health}.draw();
+}
+
+}  // namespace takt::tool

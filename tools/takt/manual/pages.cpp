@@ -1,0 +1,303 @@
+#include "manual/pages.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace takt::tool {
+
+namespace {
+
+using OptionList = std::vector<const CLI::Option*>;
+
+/// Those that --help shows.
+bool is_shown(const CLI::Option* option) { return !option->get_group().empty(); }
+
+OptionList positionals_of(const CLI::App& app) {
+  return app.get_options([](const CLI::Option* o) { return o->get_positional() && is_shown(o); });
+}
+OptionList options_of(const CLI::App& app) {
+  return app.get_options([](const CLI::Option* o) { return !o->get_positional() && is_shown(o); });
+}
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* c) { return !c->get_group().empty(); });
+}
+
+bool takes_value(const CLI::Option* option) { return option->get_items_expected_max() > 0; }
+
+std::vector<std::string> names_of(const CLI::Option* option) {
+  std::vector<std::string> names;
+  for (const auto& name : option->get_snames()) names.push_back("-" + name);
+  for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+// roff
+
+std::string escaped(std::string_view text) {
+  std::string roff;
+  for (const char c : text) {
+    if (c == '\\')
+      roff += "\\e";
+    else if (c == '-')
+      roff += "\\-";
+    else if (c == '\'')
+      roff += "\\(aq";
+    else if (c == '`')
+      roff += "\\(ga";
+    else
+      roff += c;
+  }
+  return roff;
+}
+
+/// A line that begins with a dot would be a request.
+std::string line(std::string_view text) {
+  const bool request = text.starts_with(".");
+  return (request ? "\\&" : "") + escaped(text) + "\n";
+}
+
+std::string bold(std::string_view text) { return "\\fB" + escaped(text) + "\\fR"; }
+std::string italic(std::string_view text) { return "\\fI" + escaped(text) + "\\fR"; }
+
+std::string synopsis(const std::string& name, const CLI::App& app) {
+  std::string roff = ".B " + escaped(name) + "\n";
+  if (!options_of(app).empty()) roff += "[\\fIOPTION\\fR ...]\n";
+  if (!commands_of(app).empty()) roff += "\\fICOMMAND\\fR [\\fIARGUMENT\\fR ...]\n";
+  for (const auto* p : positionals_of(app)) {
+    const std::string argument = italic(p->get_name(true));
+    roff += (p->get_required() ? argument : "[" + argument + "]") + "\n";
+  }
+  return roff;
+}
+
+std::string option_items(const OptionList& options) {
+  std::string roff;
+  for (const auto* option : options) {
+    roff += ".TP\n";
+    if (option->get_positional()) {
+      roff += italic(option->get_name(true)) + "\n";
+    } else {
+      std::string names;
+      for (const std::string& name : names_of(option)) names += (names.empty() ? "" : ", ") + bold(name);
+      if (takes_value(option)) names += " " + italic(option->get_type_name());
+      roff += names + "\n";
+    }
+    std::string text = option->get_description();
+    if (!option->get_positional() && option->get_required()) text += " (required)";
+    roff += line(text);
+  }
+  return roff;
+}
+
+/// As it stands, which is how it was laid out for --help.
+std::string footer_of(const CLI::App& app) {
+  std::string text = app.get_footer();
+  while (!text.empty() && text.front() == '\n') text.erase(0, 1);
+  if (text.empty()) return "";
+  std::string roff = ".nf\n";
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    roff += end == begin ? std::string{".sp\n"} : line(std::string_view{text}.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return roff + ".fi\n";
+}
+
+std::string upper(std::string text) {
+  for (char& c : text) {
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  }
+  return text;
+}
+
+// bash
+
+/// What bash may offer for a value: files, folders, words, or nothing.
+std::string completed(const std::string& value) {
+  if (value == "FILE" || value == "OUT") return "files";
+  if (value == "DIR") return "folders";
+  return "";
+}
+
+/// The cases of one command, and of those within it. `path`: "", "run", "bench table1".
+void add_cases(const CLI::App& app, const std::string& path, std::string* values, std::string* words) {
+  std::string names;
+  for (const auto* option : options_of(app)) {
+    std::string pattern;
+    for (const std::string& name : names_of(option)) {
+      names += (names.empty() ? "" : " ") + name;
+      pattern += (pattern.empty() ? "'" : "|'") + path + ":" + name + "'";
+    }
+    if (takes_value(option))
+      *values += "    " + pattern + ") kind=" + completed(option->get_type_name()) + "; value=1 ;;\n";
+  }
+  std::string inner;
+  for (const auto* command : commands_of(app)) inner += (inner.empty() ? "" : " ") + command->get_name();
+  std::string kind;
+  for (const auto* p : positionals_of(app)) {
+    if (kind.empty()) kind = completed(p->get_name(true));
+  }
+  *words += "    '" + path + "') options='" + names + "'; commands='" + inner + "'; kind=" + kind + " ;;\n";
+  for (const auto* command : commands_of(app))
+    add_cases(*command, path.empty() ? command->get_name() : path + " " + command->get_name(), values, words);
+}
+
+constexpr std::string_view kBash = R"(# bash completion for @NAME@, written by its build.
+_@FUNCTION@() {
+  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]}
+  local path='' options='' commands='' kind='' value='' word i
+  COMPREPLY=()
+  # Which command it is: the words that are commands where they stand.
+  for ((i = 1; i < COMP_CWORD; i++)); do
+    word=${COMP_WORDS[i]}
+    _@FUNCTION@_words "$path"
+    [[ " $commands " == *" $word "* ]] && path=${path:+$path }$word
+  done
+  case "$path:$prev" in
+@VALUES@  esac
+  if [[ -z $value ]]; then
+    _@FUNCTION@_words "$path"
+    if [[ $cur == -* ]]; then
+      COMPREPLY=($(compgen -W "$options" -- "$cur"))
+      return
+    fi
+    COMPREPLY=($(compgen -W "$commands" -- "$cur"))
+  fi
+  local IFS=$'\n'
+  case $kind in
+    files) COMPREPLY+=($(compgen -f -- "$cur")) ;;
+    folders) COMPREPLY+=($(compgen -d -- "$cur")) ;;
+  esac
+  [[ -n $kind ]] && compopt -o filenames 2>/dev/null
+  return 0
+}
+_@FUNCTION@_words() {
+  case $1 in
+@WORDS@  esac
+}
+complete -F _@FUNCTION@ @NAME@
+)";
+
+void replace(std::string* text, std::string_view from, std::string_view to) {
+  for (std::size_t at = text->find(from); at != std::string::npos; at = text->find(from, at + to.size()))
+    text->replace(at, from.size(), to);
+}
+
+bool write_page(const std::filesystem::path& path, const std::string& text) {
+  std::error_code error;
+  std::filesystem::create_directories(path.parent_path(), error);
+  std::ofstream file{path};
+  file << text;
+  file.close();
+  if (!file) std::fprintf(stderr, "%s: error: it cannot be written\n", path.c_str());
+  return static_cast<bool>(file);
+}
+
+}  // namespace
+
+std::string manual_page(const CLI::App& program, const std::string& command, int section) {
+  const CLI::App& app = command.empty() ? program : *program.get_subcommand(command);
+  const std::string name = command.empty() ? program.get_name() : program.get_name() + "-" + command;
+  const std::string spoken = command.empty() ? name : program.get_name() + " " + command;
+  std::string roff = ".TH " + escaped(upper(name)) + " " + std::to_string(section) + " \"\" \"" +
+                     escaped("Takt " TAKT_VERSION) + "\" \"Takt\"\n";
+  roff += ".SH NAME\n" + escaped(name) + " \\- " + line(app.get_description());
+  roff += ".SH SYNOPSIS\n" + synopsis(spoken, app);
+  if (const OptionList positionals = positionals_of(app); !positionals.empty())
+    roff += ".SH ARGUMENTS\n" + option_items(positionals);
+  roff += ".SH OPTIONS\n" + option_items(options_of(app));
+  if (const auto commands = commands_of(app); !commands.empty()) {
+    roff += ".SH COMMANDS\n";
+    for (const auto* inner : commands) {
+      if (command.empty()) {
+        roff += ".TP\n" + bold(inner->get_name()) + "\n" + line(inner->get_description());
+        continue;
+      }
+      const std::string called = spoken + " " + inner->get_name();
+      roff += ".SS " + escaped(called) + "\n" + line(inner->get_description()) + ".PP\n" +
+              synopsis(called, *inner) + option_items(positionals_of(*inner)) +
+              option_items(options_of(*inner)) + footer_of(*inner);
+    }
+  }
+  if (const std::string footer = footer_of(app); !footer.empty()) roff += ".SH NOTES\n" + footer;
+  std::string others;
+  const auto mention = [&others](const std::string& page, int number) {
+    others += (others.empty() ? "" : ",\n") + (".BR " + escaped(page)) + " (" + std::to_string(number) + ")";
+  };
+  if (command.empty()) {
+    for (const auto* c : commands_of(program)) mention(name + "-" + c->get_name(), section);
+    if (name == "takt")
+      mention("takt-node", 8);
+    else
+      mention("takt", 1);
+  } else {
+    mention(program.get_name(), section);
+    mention("takt-node", 8);
+  }
+  return roff + ".SH SEE ALSO\n" + others + "\n";
+}
+
+std::string bash_completion(const CLI::App& program) {
+  std::string values;
+  std::string words;
+  add_cases(program, "", &values, &words);
+  std::string function = program.get_name();
+  replace(&function, "-", "_");
+  std::string script{kBash};
+  replace(&script, "@VALUES@", values);
+  replace(&script, "@WORDS@", words);
+  replace(&script, "@FUNCTION@", function);
+  replace(&script, "@NAME@", program.get_name());
+  return script;
+}
+
+void tidy_help(CLI::App& program) {
+  for (CLI::Option* option : program.get_options()) {
+    if (option->get_positional() && option->get_type_name() == "TEXT") option->type_name("");
+  }
+  for (CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) tidy_help(*command);
+}
+
+namespace {
+
+/// The help of whatever command was meant would be longer than a screen, and what is wrong out of sight.
+std::string wrong_usage(const CLI::App* program, const CLI::Error& error) {
+  const std::string help = program->help();
+  const std::string wrong = std::string{"error: "} + error.what() + "\n";
+  const CLI::App* meant = program;
+  std::string name = program->get_name();
+  while (!meant->get_subcommands().empty()) {
+    meant = meant->get_subcommands().front();
+    name += " " + meant->get_name();
+  }
+  if (meant == program && !program->get_subcommands({}).empty()) return wrong + "\n" + help;
+  const std::size_t usage = help.find("Usage: ");
+  return wrong + help.substr(usage, help.find('\n', usage) - usage) + "\n" + name + " --help says more\n";
+}
+
+}  // namespace
+
+void shorten_errors(CLI::App& program) { program.failure_message(wrong_usage); }
+
+int write_pages(const CLI::App& program, const std::string& folder, int section) {
+  namespace fs = std::filesystem;
+  const std::string number = std::to_string(section);
+  const fs::path manual = fs::path{folder} / "man" / ("man" + number);
+  const std::string name = program.get_name();
+  bool ok = write_page(manual / (name + "." + number), manual_page(program, "", section));
+  for (const auto* command : commands_of(program))
+    ok = write_page(manual / (name + "-" + command->get_name() + "." + number),
+                    manual_page(program, command->get_name(), section)) &&
+         ok;
+  ok = write_page(fs::path{folder} / "completions" / name, bash_completion(program)) && ok;
+  return ok ? 0 : 1;
+}
+
+}  // namespace takt::tool

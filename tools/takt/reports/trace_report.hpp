@@ -1,0 +1,61 @@
+// A trace as a person reads it: what was late, and why.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <takt/core/result.hpp>
+
+#include "reports/style.hpp"
+
+namespace takt::tool {
+
+struct TracedExecutor {
+  std::string name;
+  std::uint64_t rows = 0;
+  std::uint64_t late = 0;  ///< rows and modules in them
+  std::uint64_t lost = 0;  ///< entries that were overwritten while they were read
+  double holds_us = 0;     ///< how far back its record goes
+  double late_beyond_us = 0;
+};
+
+struct TracedStart {
+  std::string what;  ///< "plc" or "plc.servo"
+  double at_us = 0;  ///< when it was due, from the trace's beginning
+  double late_us = 0;
+  std::string cause;
+  std::string why;
+};
+
+struct TraceSummary {
+  std::string cell;
+  std::string device;
+  std::string machine;
+  std::string kernel;
+  std::string why;
+  std::int64_t taken_utc_ns = 0;
+  double lasts_us = 0;
+  double left_out_us = 0;
+  std::uint64_t lost = 0;
+  std::vector<TracedExecutor> executors;
+  std::vector<TracedStart> late;                 ///< the worst first
+  std::map<std::string, std::uint64_t> changes;  ///< of states, by what they are called
+};
+
+/// Fails on what is no trace of takt: where, what is wrong.
+Result<TraceSummary> summary_of(const nlohmann::ordered_json& trace);
+
+std::string trace_report(const TraceSummary& summary, const Style& style);
+nlohmann::ordered_json trace_json_report(const TraceSummary& summary);
+
+/// What ran when, as a picture: a lane for the rows of each executor, for each module and each program, and a
+/// mark where something began late, with the reason. Of more than kTraceBars bars the newest are drawn, and
+/// it says so. Fails as summary_of().
+Result<std::string> trace_svg(const nlohmann::ordered_json& trace);
+inline constexpr std::size_t kTraceBars = 4000;
+
+}  // namespace takt::tool
