@@ -23,7 +23,7 @@
 #include <vector>
 
 #include <takt/channel/link.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/dds/gateway.hpp>
 #include <takt/dds/raw.hpp>
 #include <takt/os/clock.hpp>
@@ -87,17 +87,17 @@ channel::Link::Options queue(std::uint32_t wake_bits) {
   return {.depth = 8, .payload = kBytes, .is_queue = true, .wake_bits = wake_bits};
 }
 
-void ring(channel::Bell& bell, std::uint32_t bits) {
-  bell.rings.fetch_add(1, std::memory_order_seq_cst);
-  os::futex_wake(bell.rings, bits);
+void ring(channel::WakeWord& wake_word, std::uint32_t bits) {
+  wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
+  os::futex_wake(wake_word.rings, bits);
 }
 
 /// As a module writes, and whoever runs it at the end of its cycle.
-void write(channel::LinkWriter& writer, channel::Bell& bell, const std::byte* bytes) {
+void write(channel::LinkWriter& writer, channel::WakeWord& wake_word, const std::byte* bytes) {
   std::memcpy(writer.link().payload(writer.buffer()), bytes, kBytes);
   writer.publish(kBytes, to_ns(os::now()));
-  bell.note(writer.link().block().wake_bits);
-  if (const std::uint32_t bits = bell.take_pending(); bits != 0) ring(bell, bits);
+  wake_word.note(writer.link().block().wake_bits);
+  if (const std::uint32_t bits = wake_word.take_pending(); bits != 0) ring(wake_word, bits);
 }
 
 /// A writer and a reader of Fast DDS with the QoS of a flow, and nothing of Takt in between.
@@ -222,8 +222,8 @@ Result<std::shared_ptr<dds::Participant>> participate(const char* name) {
 int echo() {
   auto participant = participate("echo");
   if (!participant) return 1;
-  channel::Bell bell{};
-  auto gateway = dds::Gateway::create(*participant, bell);
+  channel::WakeWord wake_word{};
+  auto gateway = dds::Gateway::create(*participant, wake_word);
   if (!gateway) return 1;
   std::vector<std::unique_ptr<Memory>> memory;
   std::vector<std::unique_ptr<Bare>> bare;
@@ -256,15 +256,15 @@ int echo() {
       const channel::Link in = memory.back()->link();
       if (!(*gateway)->add_outgoing(flow(back(way), way.reliable), out)) return 1;
       if (!(*gateway)->add_incoming(flow(there(way), way.reliable), {in})) return 1;
-      threads.emplace_back([in, out, &bell, &ending] {
+      threads.emplace_back([in, out, &wake_word, &ending] {
         channel::LinkReader reader{in};
         channel::LinkWriter writer{out};
         while (!ending) {
-          const std::uint32_t rings = bell.rings.load();
+          const std::uint32_t rings = wake_word.rings.load();
           if (reader.take())
-            write(writer, bell, in.payload(reader.buffer()));
+            write(writer, wake_word, in.payload(reader.buffer()));
           else
-            os::futex_wait(bell.rings, rings, in.block().wake_bits, os::now() + 1s);
+            os::futex_wait(wake_word.rings, rings, in.block().wake_bits, os::now() + 1s);
         }
       });
     }
@@ -274,7 +274,7 @@ int echo() {
   while (std::getchar() != EOF) {
   }
   ending = true;
-  ring(bell, ~0U);
+  ring(wake_word, ~0U);
   for (std::thread& each : threads) each.join();
   return 0;
 }
@@ -296,8 +296,8 @@ struct Times {
 class Pinger {
  public:
   Pinger(const Way& way, const std::shared_ptr<dds::Participant>& participant, dds::Gateway& gateway,
-         channel::Bell& bell)
-      : bell_(bell) {
+         channel::WakeWord& wake_word)
+      : wake_word_(wake_word) {
     if (way.bare) {
       bare_ = std::make_unique<Bare>(participant, there(way), back(way), way.reliable,
                                      [this](Bare&, const std::byte* bytes) { hand_.give(bytes); });
@@ -322,15 +322,15 @@ class Pinger {
         if (!hand_.take(seen_)) return false;
       } while (number_in(hand_.bytes()) != number_);
     } else {
-      write(writer_, bell_, bytes.data());
+      write(writer_, wake_word_, bytes.data());
       const Instant end = begin + 1s;
       for (;;) {
-        const std::uint32_t rings = bell_.rings.load();
+        const std::uint32_t rings = wake_word_.rings.load();
         if (reader_.take()) {
           if (number_in(in_->link().payload(reader_.buffer())) == number_) break;
         } else {
           if (os::now() > end) return false;
-          os::futex_wait(bell_.rings, rings, kPingBit, end);
+          os::futex_wait(wake_word_.rings, rings, kPingBit, end);
         }
       }
     }
@@ -339,7 +339,7 @@ class Pinger {
   }
 
  private:
-  channel::Bell& bell_;
+  channel::WakeWord& wake_word_;
   Hand hand_;
   std::uint32_t seen_ = 0;
   std::uint64_t number_ = 0;
@@ -351,9 +351,9 @@ class Pinger {
 };
 
 void round_trips(const std::shared_ptr<dds::Participant>& participant, dds::Gateway& gateway,
-                 channel::Bell& bell, int count) {
+                 channel::WakeWord& wake_word, int count) {
   std::vector<std::unique_ptr<Pinger>> pingers;
-  for (const Way& way : kWays) pingers.push_back(std::make_unique<Pinger>(way, participant, gateway, bell));
+  for (const Way& way : kWays) pingers.push_back(std::make_unique<Pinger>(way, participant, gateway, wake_word));
   std::array<Times, kWays.size()> times;
   for (std::size_t way = 0; way < kWays.size(); ++way) {  // until it comes back
     double us = 0;
@@ -382,7 +382,7 @@ void round_trips(const std::shared_ptr<dds::Participant>& participant, dds::Gate
 
 /// From the write of an event to the ring that wakes its module, in one process; and what of that is DDS.
 void event_to_ring(const std::shared_ptr<dds::Participant>& participant, dds::Gateway& gateway,
-                   channel::Bell& bell, int count) {
+                   channel::WakeWord& wake_word, int count) {
   const Memory in{queue(channel::kSporadicBit)};
   auto feed = dds::Feed::create(participant, flow("event", true));
   const auto coming = gateway.add_incoming(flow("event", true), {in.link()});
@@ -392,10 +392,10 @@ void event_to_ring(const std::shared_ptr<dds::Participant>& participant, dds::Ga
   channel::LinkReader reader{in.link()};
   for (int i = 0; i < count; ++i) {
     const auto bytes = ping(static_cast<std::uint64_t>(i));
-    const std::uint32_t rings = bell.rings.load();
+    const std::uint32_t rings = wake_word.rings.load();
     const Instant begin = os::now();
     (*feed)->write(bytes.data(), bytes.size());
-    while (bell.rings.load() == rings && os::now() - begin < 100ms) continue;
+    while (wake_word.rings.load() == rings && os::now() - begin < 100ms) continue;
     if (reader.take())
       times.us.push_back(static_cast<double>((os::now() - begin).count()) / 1000.0);
     else
@@ -406,7 +406,7 @@ void event_to_ring(const std::shared_ptr<dds::Participant>& participant, dds::Ga
 }
 
 /// What writing costs the thread that runs a module.
-void real_time_write(dds::Gateway& gateway, channel::Bell& bell) {
+void real_time_write(dds::Gateway& gateway, channel::WakeWord& wake_word) {
   const Memory out{{.depth = 8, .payload = kBytes, .is_queue = true, .wake_bits = channel::kGatewayBit}};
   if (!gateway.add_outgoing(flow("cost", false), out.link())) return;
   channel::LinkWriter writer{out.link()};
@@ -419,10 +419,10 @@ void real_time_write(dds::Gateway& gateway, channel::Bell& bell) {
       const Instant begin = os::now();
       std::memcpy(writer.link().payload(writer.buffer()), bytes.data(), kBytes);
       writer.publish(kBytes, to_ns(begin));
-      bell.note(channel::kGatewayBit);
+      wake_word.note(channel::kGatewayBit);
       const Instant written = os::now();
-      if (const std::uint32_t bits = bell.take_pending(); bits != 0) {
-        ring(bell, bits);
+      if (const std::uint32_t bits = wake_word.take_pending(); bits != 0) {
+        ring(wake_word, bits);
         ring_ns.us.push_back(static_cast<double>((os::now() - written).count()));
       }
       write_ns.us.push_back(static_cast<double>((written - begin).count()));
@@ -458,13 +458,13 @@ int run(const char* self, int count) {
   const Instant began = os::now();
   int status = 1;
   if (auto participant = participate("ping"); participant) {
-    channel::Bell bell{};
-    auto gateway = dds::Gateway::create(*participant, bell);
+    channel::WakeWord wake_word{};
+    auto gateway = dds::Gateway::create(*participant, wake_word);
     if (gateway) {
       std::printf("load %s; kernel %s\n", machine.load.c_str(), machine.kernel.c_str());
-      round_trips(*participant, **gateway, bell, count);
-      event_to_ring(*participant, **gateway, bell, count);
-      real_time_write(**gateway, bell);
+      round_trips(*participant, **gateway, wake_word, count);
+      event_to_ring(*participant, **gateway, wake_word, count);
+      real_time_write(**gateway, wake_word);
       status = 0;
     }
   }

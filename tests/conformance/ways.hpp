@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/component.hpp>
 #include <takt/dds/gateway.hpp>
-#include <takt/node/far_gateway.hpp>
+#include <takt/node/bridge.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/os/shared_memory.hpp>
@@ -107,10 +107,10 @@ class BetweenDevices {
         .quality = {.reliable = true, .depth = quality.depth, .deadline = {}, .lifespan = {}}};
     setenv("TAKT_INTERFACE", "127.0.0.1", 1);  // of the other program
     out_ = gateway().add_outgoing(flow, link(from_)).value();
-    far_ = node::FarGateway::start({.device = "test",
+    far_ = node::Bridge::start({.device = "test",
                                     .domain = domain(),
                                     .peers = {},
-                                    .bell = &bell_memory(),
+                                    .wake_word = &bell_memory(),
                                     .place = made_ % 31 + 1,
                                     .flows = {{.flow = flow, .outgoing = false, .links = {&to_}}}})
                .value();
@@ -126,8 +126,8 @@ class BetweenDevices {
     port.connect(link(port.direction() == PortDirection::out ? from_ : to_), nullptr);
   }
   void settle() {
-    bell().rings.fetch_add(1);
-    os::futex_wake(bell().rings, channel::kGatewayBit);
+    wake_word().rings.fetch_add(1);
+    os::futex_wake(wake_word().rings, channel::kGatewayBit);
     const channel::LinkBlock& from = link(from_).block();
     until([&] {
       const std::uint64_t moved = gateway().health(out_).samples;
@@ -145,10 +145,10 @@ class BetweenDevices {
   static int domain() { return dds_test::domain() + 20; }
   static channel::Link link(const os::SharedMemory& memory) { return channel::Link{memory.data()}; }
   static os::SharedMemory& bell_memory() {
-    static os::SharedMemory memory = os::SharedMemory::create("takt-bell", sizeof(channel::Bell)).value();
+    static os::SharedMemory memory = os::SharedMemory::create("takt-wake_word", sizeof(channel::WakeWord)).value();
     return memory;
   }
-  static channel::Bell& bell() { return *reinterpret_cast<channel::Bell*>(bell_memory().data()); }
+  static channel::WakeWord& wake_word() { return *reinterpret_cast<channel::WakeWord*>(bell_memory().data()); }
   // For all tests of the process: it may have one participant.
   static dds::Gateway& gateway() {
     static const auto made =
@@ -156,7 +156,7 @@ class BetweenDevices {
             dds::Participant::create(
                 {.name = "ports_test", .domain = domain(), .discovery = {}, .interfaces = {"127.0.0.1"}})
                 .value(),
-            bell())
+            wake_word())
             .value();
     return *made;
   }
@@ -174,7 +174,7 @@ class BetweenDevices {
   os::SharedMemory from_;
   os::SharedMemory to_;
   dds::Gateway::FlowId out_ = 0;
-  std::unique_ptr<node::FarGateway> far_;
+  std::unique_ptr<node::Bridge> far_;
 };
 
 /// A module with an output, or with an input, that runs at a time.

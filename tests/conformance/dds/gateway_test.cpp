@@ -15,7 +15,7 @@
 #include <vector>
 
 #include <takt/channel/link.hpp>
-#include <takt/channel/seat.hpp>
+#include <takt/channel/release_slot.hpp>
 #include <takt/dds/gateway.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
@@ -60,7 +60,7 @@ class GatewayTest : public testing::Test {
     auto participant = dds::Participant::create(on_loopback("test"));
     ASSERT_TRUE(participant.ok()) << to_text(participant.problems());
     participant_ = *participant;
-    auto gateway = dds::Gateway::create(participant_, bell_);
+    auto gateway = dds::Gateway::create(participant_, wake_word_);
     ASSERT_TRUE(gateway.ok());
     gateway_ = std::move(*gateway);
   }
@@ -70,10 +70,10 @@ class GatewayTest : public testing::Test {
              std::int64_t stamp = to_ns(os::now())) {
     std::memcpy(writer.link().payload(writer.buffer()), bytes.data(), bytes.size());
     writer.publish(static_cast<std::uint32_t>(bytes.size()), stamp);
-    bell_.note(writer.link().block().wake_bits);
-    if (const std::uint32_t bits = bell_.take_pending(); bits != 0) {
-      bell_.rings.fetch_add(1);
-      os::futex_wake(bell_.rings, bits);
+    wake_word_.note(writer.link().block().wake_bits);
+    if (const std::uint32_t bits = wake_word_.take_pending(); bits != 0) {
+      wake_word_.rings.fetch_add(1);
+      os::futex_wake(wake_word_.rings, bits);
     }
   }
   /// Writes 0 until the peer has heard one: its reader may match later than our writer does.
@@ -86,7 +86,7 @@ class GatewayTest : public testing::Test {
   }
   dds::FlowHealth health(dds::Gateway::FlowId flow) const { return gateway_->health(flow); }
 
-  channel::Bell bell_{};
+  channel::WakeWord wake_word_{};
   std::shared_ptr<dds::Participant> participant_;
   std::unique_ptr<dds::Gateway> gateway_;
 };
@@ -168,7 +168,7 @@ TEST_F(GatewayTest, ASleepingPumpIsRung) {
   channel::LinkWriter writer{memory.link()};
   std::vector<double> waited;
   for (std::uint64_t number = 1; number <= 40; ++number) {
-    ASSERT_TRUE(soon([&] { return bell_.gateway_sleeps.load() == 1; }));
+    ASSERT_TRUE(soon([&] { return wake_word_.gateway_sleeps.load() == 1; }));
     std::this_thread::sleep_for(3ms);
     const auto begin = Clock::now();
     write(writer, bytes_of(number));
@@ -188,11 +188,11 @@ TEST_F(GatewayTest, WhoeverWaitsForASampleIsRung) {
   std::thread sporadic{[&] {
     channel::LinkReader reader{memory.link()};
     while (!ending) {
-      const std::uint32_t rings = bell_.rings.load();
+      const std::uint32_t rings = wake_word_.rings.load();
       if (reader.take())
         ++woken;
       else
-        os::futex_wait(bell_.rings, rings, channel::kSporadicBit, os::now() + 20s);
+        os::futex_wait(wake_word_.rings, rings, channel::kSporadicBit, os::now() + 20s);
     }
   }};
   auto feed = dds::Feed::create(participant_, flow("in", kReliable));
@@ -205,8 +205,8 @@ TEST_F(GatewayTest, WhoeverWaitsForASampleIsRung) {
   }
   EXPECT_TRUE(soon([&] { return woken == 100; }, 5s)) << woken;
   ending = true;
-  bell_.rings.fetch_add(1);
-  os::futex_wake(bell_.rings, ~0U);
+  wake_word_.rings.fetch_add(1);
+  os::futex_wake(wake_word_.rings, ~0U);
   sporadic.join();
 }
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include <takt/wire/taktPubSubTypes.h>
-#include <takt/dds/guarded.hpp>
-#include <takt/dds/sensible.hpp>
+#include <takt/dds/checked_type.hpp>
+#include <takt/dds/validation.hpp>
 #include <takt/dds/topics.hpp>
 
 #include "domain.hpp"
@@ -268,40 +268,40 @@ TEST(Sensible, RefusesWhatCannotBe) {
   good.device("d");
   good.node("n");
   DeviceStatus status = good;
-  EXPECT_TRUE(dds::make_sensible(status));
+  EXPECT_TRUE(dds::validate(status));
   status.state(static_cast<DeviceState>(17));
-  EXPECT_FALSE(dds::make_sensible(status));
+  EXPECT_FALSE(dds::validate(status));
   status = good;
   status.device("");
-  EXPECT_FALSE(dds::make_sensible(status));
+  EXPECT_FALSE(dds::validate(status));
   status = good;
   status.device("a\x1b[2Jb");
-  EXPECT_FALSE(dds::make_sensible(status));
+  EXPECT_FALSE(dds::validate(status));
   status = good;
   status.cell("\xff");
-  EXPECT_FALSE(dds::make_sensible(status));
+  EXPECT_FALSE(dds::validate(status));
   status = good;
   status.text("it broke: \xff\x1b[31m \xc3\xa4");
-  EXPECT_TRUE(dds::make_sensible(status));
+  EXPECT_TRUE(dds::validate(status));
   EXPECT_EQ(status.text().to_string(), "it broke: ? [31m \xc3\xa4");
 
   Command command;
   command.id("1");
   command.device("d");
   command.parts(1);
-  EXPECT_TRUE(dds::make_sensible(command));
+  EXPECT_TRUE(dds::validate(command));
   command.part(1);
-  EXPECT_FALSE(dds::make_sensible(command));
+  EXPECT_FALSE(dds::validate(command));
   command.part(0);
   command.parts(0);
-  EXPECT_FALSE(dds::make_sensible(command));
+  EXPECT_FALSE(dds::validate(command));
   command.parts(1);
   command.kind(static_cast<CommandKind>(99));
-  EXPECT_FALSE(dds::make_sensible(command));
+  EXPECT_FALSE(dds::validate(command));
 }
 
 TEST(Keys, AreTheSameWhoeverComputesThemAtTheSameTime) {
-  dds::Guarded<LifecycleStatusPubSubType> type;
+  dds::CheckedType<LifecycleStatusPubSubType> type;
   const auto key_of = [&type](const std::string& path) {
     LifecycleStatus status;
     status.path(path);
