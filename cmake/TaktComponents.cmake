@@ -1,27 +1,26 @@
-# For authors.
+# CMake functions for the authors of components:
 #
-#   takt_add_component(servo servo.cpp ... [TYPES types ...])   a thread module: servo.so
-#   takt_add_process(vision vision.cpp ... [TYPES types ...])   a process module: vision.exe
+#   takt_add_component(servo servo.cpp ... [TYPES types ...])   builds a thread module: servo.so
+#   takt_add_process(vision vision.cpp ... [TYPES types ...])   builds a process module: vision.exe
+#   takt_add_component_test(servo servo_test.cpp ...)           builds its tests, with GoogleTest and <takt/testing.hpp>
 #
-#   takt_add_component_test(servo servo_test.cpp ...)           tests of one of these, with GoogleTest and <takt/testing.hpp>
+# They ignore CMAKE_UNITY_BUILD, because the sources of authors may not compile as one unit.
 #
-# CMAKE_UNITY_BUILD has no effect on them: sources of authors need not be fit for being compiled together.
-#
-# Components are built into ${TAKT_COMPONENT_DIR}, by default the folder `components` of the build tree. The types of their ports are
-# libraries of takt_add_idl().
+# Components are built into ${TAKT_COMPONENT_DIR}, by default the folder `components` of the build tree. TYPES names libraries of
+# takt_add_idl() with the types of their ports.
 
 set(TAKT_COMPONENT_DIR ${CMAKE_BINARY_DIR}/components CACHE PATH "Where components are built to")
 
 function(takt_add_component name)
   cmake_parse_arguments(MODULE "" "" "TYPES" ${ARGN})
   add_library(${name} MODULE ${MODULE_UNPARSED_ARGUMENTS})
-  # A second module of the same file gets its own copy of the file's variables; GNU_UNIQUE symbols would be shared.
+  # Two modules of the same file must not share variables, but GNU_UNIQUE symbols would be shared.
   target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
   target_link_libraries(${name} PRIVATE takt_component ${MODULE_TYPES})
   set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".so" LIBRARY_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR}
                         UNITY_BUILD OFF)
   if(COMMAND takt_precompile)  # in Takt's own build
-    set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "")  # else each has options of its own
+    set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "")  # otherwise each target has its own options
     takt_precompile(${name} component takt/component.hpp)
   endif()
 endfunction()
@@ -33,13 +32,13 @@ function(takt_add_process name)
   set_target_properties(${name} PROPERTIES SUFFIX ".exe" RUNTIME_OUTPUT_DIRECTORY ${TAKT_COMPONENT_DIR} UNITY_BUILD OFF)
 endfunction()
 
-# The tests are named servo.SUITE.TEST in CTest. A program is compiled a second time for them, as a library whose main() they call.
-# After all that is said of the component itself. Without GoogleTest (Debian: libgtest-dev) nothing is built.
+# The tests are named servo.SUITE.TEST in CTest. A process module is compiled a second time for them, as a library whose main() they
+# call. Call this function after all other commands for the component. Without GoogleTest (Debian: libgtest-dev) nothing is built.
 function(takt_add_component_test name)
   if(NOT TARGET ${name})
-    message(FATAL_ERROR "takt_add_component_test(${name}): no takt_add_component() or takt_add_process() of that name comes before it")
+    message(FATAL_ERROR "takt_add_component_test(${name}): call takt_add_component(${name}) or takt_add_process(${name}) first")
   endif()
-  # A component is called by one thread, on virtual time: ThreadSanitizer has nothing to see in it.
+  # One thread calls a component, on virtual time, so ThreadSanitizer has nothing to check.
   if(TAKT_SANITIZE STREQUAL "thread")
     return()
   endif()
@@ -63,7 +62,7 @@ function(takt_add_component_test name)
       set_target_properties(${tested} PROPERTIES ${property} "$<TARGET_PROPERTY:${name},${property}>")
     endforeach()
     target_compile_options(${tested} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
-    # Its end is that of the program, not of the test.
+    # exit() and atexit() must not act on the test program.
     target_link_options(${tested} PRIVATE -Wl,--wrap=exit,--wrap=atexit)
     target_link_libraries(${tested} PRIVATE takt_testing ${libraries})
   endif()

@@ -1,13 +1,14 @@
-# What `cmake --install` copies, and the packages `takt` and `takt-dev` that cpack makes of it. The target `installable` builds it.
+# The files that `cmake --install` copies, and the packages `takt` and `takt-dev` that cpack makes from them. The target `installable`
+# builds them.
 #
 #   bin                    takt, takt-node
-#   lib                    what components and programs link with
-#   lib/takt               what the programs look up: takt-host, libtakt_check.so (os::private_directory()); components/
-#   lib/cmake/takt         find_package(takt), and the compiler of takt_add_idl()
-#   include/takt           what authors include
+#   lib                    the libraries of components and programs
+#   lib/takt               private files of the programs (os::private_directory()): takt-host, libtakt_check.so, components/
+#   lib/cmake/takt         find_package(takt), and the IDL compiler of takt_add_idl()
+#   include/takt           the headers for authors of components
 #   share/takt             the schema, the descriptors of deploy/, the IDL files
 #
-# Everything is found from the place of the program or of the package file, so that the folder may be moved.
+# All paths are relative to the program or the package file, so the installed folder can be moved.
 
 include(CMakePackageConfigHelpers)
 
@@ -16,7 +17,7 @@ set(private ${lib}/takt)
 set(package ${lib}/cmake/takt)
 set(share ${CMAKE_INSTALL_DATADIR}/takt)
 
-# The targets of a folder and of those below it that a descriptor can name.
+# The targets of a folder and its subfolders that a descriptor can name.
 function(takt_modules_of directory out)
   set(modules)
   get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
@@ -37,7 +38,7 @@ takt_modules_of(${CMAKE_SOURCE_DIR}/components modules)
 takt_modules_of(${CMAKE_SOURCE_DIR}/tools/takt/bench of_bench)
 list(APPEND modules ${of_bench})
 
-# From where a program lies to the libraries.
+# Sets the path from a program to the libraries.
 function(takt_finds_libraries_from folder)
   file(RELATIVE_PATH path /${folder} /${lib})
   string(REGEX REPLACE "/$" "" path "$ORIGIN/${path}")
@@ -59,21 +60,30 @@ install(DIRECTORY deploy DESTINATION ${share} COMPONENT runtime)
 install(DIRECTORY ${TAKT_PAGES}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime)
 install(DIRECTORY ${TAKT_PAGES}/completions DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion COMPONENT runtime)
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime PATTERN reports EXCLUDE)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime PATTERN Doxyfile.in EXCLUDE PATTERN api.md EXCLUDE)
 file(GLOB pages RELATIVE ${CMAKE_SOURCE_DIR}/components CONFIGURE_DEPENDS components/*/README.md)
 foreach(page IN LISTS pages)
   get_filename_component(component ${page} DIRECTORY)
   install(FILES components/${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/components RENAME ${component}.md COMPONENT runtime)
 endforeach()
 
-# The unit names the program by the prefix that is chosen when it is installed.
+# The API reference of the headers for authors. A doxygen warning, such as an undocumented function, fails the build.
+find_package(Doxygen REQUIRED)
+configure_file(docs/Doxyfile.in ${CMAKE_BINARY_DIR}/Doxyfile @ONLY)
+file(GLOB_RECURSE documented CONFIGURE_DEPENDS framework/component/include/*.h* framework/testing/include/*.h* framework/core/include/*.hpp)
+add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/api/html/index.html COMMAND Doxygen::doxygen ${CMAKE_BINARY_DIR}/Doxyfile
+                   DEPENDS ${documented} ${CMAKE_BINARY_DIR}/Doxyfile docs/api.md VERBATIM COMMENT "API reference")
+add_custom_target(api ALL DEPENDS ${CMAKE_BINARY_DIR}/api/html/index.html)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/api/html/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/api COMPONENT dev)
+
+# The systemd unit contains the path of the program, and the prefix is only known at installation.
 install(CODE "
   set(CMAKE_INSTALL_BINDIR ${CMAKE_INSTALL_BINDIR})
   file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/systemd/system\")
   configure_file(\"${CMAKE_SOURCE_DIR}/config/takt-node@.service.in\"
                  \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/systemd/system/takt-node@.service\" @ONLY)" COMPONENT runtime)
 
-# For authors.
+# For the authors of components.
 install(TARGETS takt_core takt_lifecycle ARCHIVE COMPONENT dev)
 install(TARGETS takt_testing LIBRARY COMPONENT dev)
 takt_finds_libraries_from(${lib} takt_testing)
@@ -86,7 +96,8 @@ foreach(header activity flight layout link release_slot saved_state)  # the head
 endforeach()
 install(FILES idl/basic.idl idl/line.idl idl/motion.idl idl/takt.idl DESTINATION ${share}/idl COMPONENT dev)
 
-# Not at the top of the build tree, where find_package() looks once its bin is in PATH: there it finds why not, and looks on.
+# find_package() also searches the top of the build tree once its bin folder is in PATH. The file there reports why it is unsuitable,
+# and find_package() continues. The real package file is therefore in a subfolder.
 configure_package_config_file(cmake/takt-config.cmake.in ${CMAKE_BINARY_DIR}/package/takt-config.cmake INSTALL_DESTINATION ${package}
   PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_DATADIR)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/takt-config-version.cmake COMPATIBILITY SameMinorVersion)
@@ -100,6 +111,6 @@ install(FILES ${CMAKE_BINARY_DIR}/package/takt-config.cmake ${CMAKE_BINARY_DIR}/
 install(PROGRAMS cmake/takt_idl.py DESTINATION ${package} COMPONENT dev)
 install(DIRECTORY cmake/idl DESTINATION ${package} COMPONENT dev FILES_MATCHING PATTERN *.py)
 
-add_custom_target(installable DEPENDS takt_pages takt takt-node takt-host takt_check takt_component takt_process takt_testing takt_core takt_lifecycle ${modules})
+add_custom_target(installable DEPENDS takt_pages api takt takt-node takt-host takt_check takt_component takt_process takt_testing takt_core takt_lifecycle ${modules})
 
 include(TaktPackages)

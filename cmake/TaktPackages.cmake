@@ -1,4 +1,4 @@
-# Debian packages: `cpack -G DEB` in the build folder makes takt and takt-dev of what was built.
+# Debian packages: `cpack -G DEB` in the build folder makes takt and takt-dev.
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME takt)
@@ -8,7 +8,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "real-time component middleware for indust
 set(CPACK_COMPONENTS_ALL runtime dev)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_STRIP_FILES ON)
-# The unit names its program, which is where it will be and not where the package is put together.
+# The systemd unit contains the path of the installed program, not the path where the package is assembled.
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
 
@@ -18,18 +18,19 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME takt)
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION
-"Runs cells of robots, soft PLCs, sensors and stations: components that are
-described in XML, scheduled on time, watched, and deployed over DDS. This
-package has the programs takt and takt-node, and the ready components.")
+"Runs cells of robots, soft PLCs, sensors and stations. A cell consists of
+components that are described in XML, deployed over DDS, run in real time
+and monitored. This package contains the programs takt and takt-node, and
+the ready-made components.")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "bash-completion, stress-ng")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME takt-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_DESCRIPTION
-"What components are built with: the headers, the CMake package with
-takt_add_component() and takt_add_process(), and the compiler of
-takt_add_idl() for the types of their ports.")
+"Files for building components: the headers, the CMake package with
+takt_add_component() and takt_add_process(), and the IDL compiler of
+takt_add_idl() for the types of ports.")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
     "takt (= ${PROJECT_VERSION}), g++, cmake (>= 3.25), libfastcdr-dev, fastddsgen, python3 (>= 3.9)")
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libgtest-dev, libgmock-dev")

@@ -11,17 +11,17 @@
 # EXCEPT: sources that are built elsewhere. check_includes.py rejects every other include before anything is compiled.
 
 set(TAKT_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
-# A unity source includes the sources it combines, so GCC takes their private types for those of a header.
+# A unity source includes the sources it combines, so GCC treats their private types as types of a header.
 if(CMAKE_UNITY_BUILD)
   list(APPEND TAKT_WARNINGS $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endif()
-# Code that no real-time thread calls is optimised for a short build: it is two thirds of the build time.
+# Code that no real-time thread calls is two thirds of the build time. It is compiled with -O1 for a shorter build.
 if(CMAKE_BUILD_TYPE STREQUAL "RelWithDebInfo" AND NOT TAKT_SANITIZE AND NOT TAKT_FUZZ)
   set(TAKT_NOT_REAL_TIME -O1)
 endif()
 
-# takt_precompile(target KIND large.hpp ...): headers that take long to read are read once for all targets of a kind, which are compiled
-# with the same options. The preset `debug` compiles without, so that no source relies on it.
+# takt_precompile(target KIND large.hpp ...) precompiles large headers once for all targets of a kind, which are compiled with the same
+# options. The preset `debug` compiles without precompiled headers, so that no source relies on them.
 function(takt_precompile target kind)
   get_target_property(sources ${target} SOURCES)
   if(TAKT_FUZZ OR TAKT_SANITIZE OR NOT CMAKE_UNITY_BUILD OR sources MATCHES "\\.c(;|$)")
@@ -36,7 +36,7 @@ function(takt_precompile target kind)
       target_precompile_headers(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:<${header}$<ANGLE-R>>")
     endforeach()
   endif()
-  # GCC 12 forgets that precompiled headers are the system's, and warns of std::string in them.
+  # GCC 12 forgets that precompiled headers are system headers, and warns about std::string in them.
   target_compile_options(${target} PRIVATE
     "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow>")
 endfunction()
@@ -55,7 +55,7 @@ function(takt_room name)
   file(APPEND ${TAKT_ROOMS_FILE} "${name};${uses};${owns}\n")
 
   set(folder ${CMAKE_CURRENT_SOURCE_DIR}/${name})
-  file(GLOB sources CONFIGURE_DEPENDS ${folder}/src/*.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${folder}/src/*.cpp)
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${folder}/include/*.hpp)
   list(TRANSFORM ROOM_EXCEPT PREPEND ${folder}/src/)
   list(REMOVE_ITEM sources ${ROOM_EXCEPT})

@@ -1,8 +1,9 @@
-# takt_generate(OUT idl/takt.idl DIRECTORY out/takt/wire): the sources that fastddsgen makes of IDL files.
+# takt_generate(OUT idl/takt.idl DIRECTORY out/takt/wire) generates sources from IDL files with fastddsgen, and sets OUT to their paths.
 #
-# All files in one call, because included ones are generated too; a folder for its temporary files of its own, because it
-# uses fixed names in /tmp otherwise; -replace, because else it leaves an older output as it is; from the files' folder,
-# because it writes the path of an included file into #include as it was given.
+# - All files go into one call, because fastddsgen also generates the included files.
+# - Temporary files get their own folder; otherwise fastddsgen uses fixed names in /tmp.
+# - Without -replace, fastddsgen keeps an older output.
+# - It runs in the folder of the files, because it copies the path of an included file into #include as given.
 
 find_package(fastcdr REQUIRED)
 find_program(FASTDDSGEN fastddsgen REQUIRED)
@@ -26,14 +27,14 @@ function(takt_generate out)
   list(REMOVE_DUPLICATES folders)
   list(LENGTH folders n)
   if(NOT n EQUAL 1)
-    message(FATAL_ERROR "takt_generate: ${ARG_UNPARSED_ARGUMENTS} are not in one folder")
+    message(FATAL_ERROR "takt_generate: ${ARG_UNPARSED_ARGUMENTS} are not in the same folder")
   endif()
   file(MAKE_DIRECTORY ${ARG_DIRECTORY})
   string(MD5 scratch "${ARG_DIRECTORY}")
   set(scratch ${CMAKE_BINARY_DIR}/idl/${scratch})
   add_custom_command(OUTPUT ${outputs}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${scratch}
-    # It says much; that is shown when it fails.
+    # The output is long, and shown only on failure.
     COMMAND sh -c "\"$@\" >'${scratch}/log' 2>&1 || { cat '${scratch}/log' >&2; exit 1; }" sh
             ${FASTDDSGEN} -replace -cs -t ${scratch} -d ${ARG_DIRECTORY} ${names}
     DEPENDS ${files} WORKING_DIRECTORY ${folders} VERBATIM COMMENT "fastddsgen ${names}")

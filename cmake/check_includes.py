@@ -66,8 +66,8 @@ def check(source, rooms):
             found = INCLUDE.match(line)
             if not found:
                 continue
-            if room and ".." in (found[1] or found[2]):
-                errors.append(f"{path}:{number}: error: an include must not contain '..'; include <takt/ROOM/NAME.hpp>")
+            if room and (file.parent / (found[2] or "")).resolve().relative_to(source.resolve()).parts[:2] != path.parts[:2]:
+                errors.append(f"{path}:{number}: error: an include must not lead out of its room; include <takt/ROOM/NAME.hpp>")
                 continue
             wrong = complaint(source, room, found[1], rooms) if found[1] else None
             if wrong:

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""The types of ports: from IDL to what takt::PortType<T> and modules in C need of them.
+"""Generates takt::PortType<T> and the structs of C modules from the IDL files of port types.
 
-  takt_idl.py --check a.idl b.idl          only says what is wrong
-  takt_idl.py --out DIR a.idl b.idl        writes DIR/a.hpp, a_types.cpp, a_c.h, a_c.cpp and plain/a.idl for
-                                           fastddsgen, and the same of b.idl
+  takt_idl.py --check a.idl b.idl          only checks the files
+  takt_idl.py --out DIR a.idl b.idl        writes DIR/a.hpp, a_types.cpp, a_c.h, a_c.cpp and plain/a.idl (for fastddsgen),
+                                           and the same files for b.idl
 
-A port type is a final struct without keys whose strings and sequences are bounded, so that memory is decided before
-anything runs. What no port can carry is said all at once, one problem a line, `file:line: error: what; what would be right`,
-and ends with exit status 1. What is accepted here is accepted by fastddsgen and by Cyclone DDS's idlc too.
+A port type is a final struct without keys whose strings and sequences are bounded, so that its memory can be allocated
+before anything runs. All problems are reported in one run, one per line: `file:line: error: what; what to do`. The exit
+status is then 1. fastddsgen and Cyclone DDS's idlc also accept every file that this script accepts.
 """
 import argparse
 import sys
@@ -21,8 +21,8 @@ from idl.library import Library  # noqa: E402
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     group = parser.add_mutually_exclusive_group(required=True)
-    group.add_argument("--check", action="store_true", help="only say what is wrong")
-    group.add_argument("--out", metavar="DIR", help="where the sources go")
+    group.add_argument("--check", action="store_true", help="only check the files")
+    group.add_argument("--out", metavar="DIR", help="write the sources to DIR")
     parser.add_argument("files", nargs="+")
     arguments = parser.parse_args()
 

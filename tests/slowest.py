@@ -1,4 +1,4 @@
-"""Prints the ten tests of a CTest run that took longest: slowest.py RESULTS.xml, as ctest --output-junit writes it."""
+"""Prints the ten slowest tests of a CTest run. Usage: slowest.py RESULTS.xml, a file of ctest --output-junit."""
 
 import sys
 import xml.etree.ElementTree as xml

@@ -1,4 +1,4 @@
-"""What tools/pictures runs once everything is built."""
+"""Takes the screenshots and drawings of docs/pictures. tools/pictures builds everything first and runs this."""
 import os
 import re
 import subprocess
@@ -32,7 +32,7 @@ def takt(*arguments):
 
 
 def page(folder, address):
-    """The page in both themes."""
+    """Takes screenshots of the web page, in both themes."""
     browser = Browser(folder, 1440, 900)
     try:
         browser.open(address)
@@ -42,14 +42,14 @@ def page(folder, address):
             browser.size(width, height)
             browser.prefer(theme)
             browser.go(route)
-            time.sleep(4)  # a picture of what has settled
+            time.sleep(4)  # until the page has settled
             browser.driver.save_screenshot(out(name))
     finally:
         browser.close()
 
 
 class Terminal:
-    """takt watch as a terminal shows it."""
+    """A terminal that shows takt watch."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -57,7 +57,7 @@ class Terminal:
         subprocess.run(self.tmux + ["new-session", "-d", "-x", str(TERMINAL[0]), "-y", str(TERMINAL[1]), "takt watch"],
                        env=environment, check=True)
 
-    def picture(self):
+    def screenshot(self):
         shown = subprocess.run(self.tmux + ["capture-pane", "-e", "-p"], env=environment, check=True, capture_output=True).stdout
         html = subprocess.run(["aha", "--black", "--title", "takt watch"], input=shown, check=True, capture_output=True).stdout.decode()
         html = html.replace("<body style=\"", "<body style=\"overflow: hidden; margin: 0; ")
@@ -79,7 +79,7 @@ class Terminal:
 
 
 def bench(folder):
-    """The page of the paper's Table 1, measured here and now: before the cell runs beside it."""
+    """Takes a screenshot of the report of the paper's Table 1, measured here. Call it before the cell runs."""
     measured = os.path.join(folder, "table1.html")
     takt("bench", "table1", "--for", "3", "--html", measured)
     browser = Browser(folder, 1200, 900)
@@ -119,7 +119,7 @@ def main():
                 reports(folder)
                 time.sleep(40)
                 page(folder, address + token)
-                terminal.picture()
+                terminal.screenshot()
             finally:
                 terminal.close()
         finally:

@@ -1,4 +1,4 @@
-"""The sources that are made of declarations."""
+"""Generates the sources from declarations."""
 import json
 import os
 
@@ -14,13 +14,16 @@ def outputs_of(stem):
 
 
 def literal(text):
-    """A string of C, in lines."""
+    """A C string literal, split into lines."""
     pieces = [text[i:i + 90] for i in range(0, len(text), 90)] or [""]
     return "\n      ".join(json.dumps(piece) for piece in pieces)
 
 
 class Code:
-    """Lines of C++ that put or get the fields of a struct. In C++ they are behind functions and sequences are vectors."""
+    """Lines of C++ that write (put) or read (get) the fields of a struct.
+
+    The language "c++" means fields behind accessor functions and sequences as vectors. "c" means the structs of C modules.
+    """
 
     def __init__(self, language):
         self.language = language
@@ -52,7 +55,7 @@ class Code:
     def access(self, each):
         return f"value.{each.name}()" if self.language == "c++" else f"value.{each.name}"
 
-    # -- Putting
+    # -- Write
 
     def put(self, each):
         shape = each.shape
@@ -112,7 +115,7 @@ class Code:
     def function(self, shape, what):
         return f"PortType<::{shape.of.name}>::{what}" if self.language == "c++" else f"{what}_{c_name(shape.of.name)}"
 
-    # -- Getting
+    # -- Read
 
     def get(self, each):
         shape = each.shape
@@ -168,7 +171,7 @@ class Code:
         else:
             self.line(f"{at} = from.get<{SCALARS[shape.scalar][1]}>();")
 
-    # -- Whether put() takes it; in C++
+    # -- Whether put() accepts the value; only for C++
 
     def fits(self, each):
         shape = each.shape
@@ -185,7 +188,7 @@ class Code:
         self.line(f"if (static_cast<std::uint32_t>({at}) >= {len(shape.of.enumerators)}) return false;" if shape.scalar == "enum"
                   else f"if (!{self.function(shape, 'fits')}({at})) return false;")
 
-    # -- Room for sequences
+    # -- Reserve memory for sequences
 
     def reserve(self, each):
         shape = each.shape
@@ -204,11 +207,11 @@ def code_of(language, struct, what):
 
 
 def head(file, what):
-    return [f"// {what} Made of {os.path.basename(file.path)} by takt_idl.py; changes are lost."]
+    return [f"// {what} Generated from {os.path.basename(file.path)} by takt_idl.py; do not edit."]
 
 
-def in_c(shape, name):
-    """A declaration of C."""
+def c_declaration(shape, name):
+    """A declaration in C."""
     kind = "char" if shape.scalar == "string" else c_name(shape.of.name) if shape.of else SCALARS[shape.scalar][1]
     text = f"[{shape.bound + 1}]" if shape.scalar == "string" else ""
     if shape.sequence:
@@ -224,10 +227,9 @@ def integer_in_c(value):
 
 
 def c_header(file):
-    """X_c.h: structs for modules in C."""
+    """X_c.h: the structs of C modules."""
     guard = f"TAKT_IDL_{file.stem.upper()}_C_H"
-    lines = [f"/* The types of ports of C modules. Made of {os.path.basename(file.path)} by takt_idl.py; changes are "
-             "lost. */",
+    lines = [f"/* The port types of C modules. Generated from {os.path.basename(file.path)} by takt_idl.py; do not edit. */",
              f"#ifndef {guard}", f"#define {guard}", "", "#include <stdbool.h>", "#include <stdint.h>", "",
              "#include <takt/type.h>",
              ""] + [f'#include "{stem}_c.h"' for stem in included_stems(file)]
@@ -241,7 +243,7 @@ def c_header(file):
             names = [f"{scope}_{each}" if scope else each for each in declared.enumerators]
             lines += [f"typedef enum {name} {{ {', '.join(names)} }} {name};"]
         elif isinstance(declared, Struct):
-            lines += ["", f"typedef struct {name} {{"] + [f"  {in_c(f.shape, f.name)}" for f in declared.fields] + [
+            lines += ["", f"typedef struct {name} {{"] + [f"  {c_declaration(f.shape, f.name)}" for f in declared.fields] + [
                 f"}} {name};", f"extern const takt_type {name}_type;",
                 f"uint32_t {name}_encode(const {name}* value, unsigned char* to, uint32_t size);",
                 f"int {name}_decode(const unsigned char* from, uint32_t size, {name}* value);"]
@@ -249,10 +251,10 @@ def c_header(file):
 
 
 def c_source(file):
-    lines = head(file, "How samples of C modules become bytes.") + [f'#include "{file.stem}_c.h"', "", "#include "
-                                                                                                       "<cstddef>", "",
-                                                                    "#include <takt/core/cdr.hpp>", "", "namespace "
-                                                                                                        "takt::in_c {", ""]
+    """X_c.cpp: the serialization of the structs of X_c.h."""
+    lines = head(file, "Serialization of the port types of C modules.") + [
+        f'#include "{file.stem}_c.h"', "", "#include <cstddef>", "", "#include <takt/core/cdr.hpp>", "",
+        "namespace takt::in_c {", ""]
     ours = structs_of(file)
     theirs = {f.shape.of.name for s in ours for f in s.fields if f.shape.scalar == "struct"} - {s.name for s in ours}
     for name in map(c_name, sorted(theirs)):
@@ -281,8 +283,8 @@ def c_source(file):
     return lines + ["}"]
 
 
-def in_idl(declared, name):
-    """A declaration without typedefs, for fastddsgen leaves an array of a typedef without values. Sequences need theirs."""
+def idl_declaration(declared, name):
+    """A declaration without typedefs, because fastddsgen does not initialize an array of a typedef. Sequences keep theirs."""
     shape = declared.shape
     if shape.sequence:
         return f"{shape.text} {name}{sizes(declared.own)};"
@@ -291,7 +293,7 @@ def in_idl(declared, name):
 
 
 def plain_idl(file):
-    """The same for fastddsgen, with numbers for constants: the code that it makes of their names does not compile."""
+    """The same declarations for fastddsgen, with numbers instead of constants: its code for their names does not compile."""
     guard = f"{file.stem.upper()}_PLAIN_IDL"
     lines = head(file, "For fastddsgen.") + [f"#ifndef {guard}", f"#define {guard}"]
     lines += [f'#include "{stem}.idl"' for stem in included_stems(file)]
@@ -301,12 +303,12 @@ def plain_idl(file):
         if isinstance(declared, Const):
             lines.append(f"const {declared.type} {name} = {declared.value};")
         elif isinstance(declared, Alias):
-            lines.append(f"typedef {in_idl(declared, name)}")
+            lines.append(f"typedef {idl_declaration(declared, name)}")
         elif isinstance(declared, Enum):
             lines.append(f"enum {name} {{ {', '.join(declared.enumerators)} }};")
         else:
             lines += [f"@final struct {name} {{"]
-            lines += [f"  {in_idl(each, each.name)}" for each in declared.fields] + ["};"]
+            lines += [f"  {idl_declaration(each, each.name)}" for each in declared.fields] + ["};"]
         lines += ["};" for module in modules]
     return lines + ["#endif"]
 
@@ -320,8 +322,8 @@ def included_stems(file):
 
 
 def header(file):
-    """X.hpp: takt::PortType of each struct."""
-    lines = head(file, "The types of ports of C++ modules.") + [
+    """X.hpp: takt::PortType for each struct."""
+    lines = head(file, "The port types of C++ modules.") + [
         "#pragma once", "", "#include <cstddef>", "#include <cstdint>", "", "#include <takt/component/port_type.hpp>", "",
         f'#include "{file.stem}.h"'] + [f'#include "{stem}.hpp"' for stem in included_stems(file)] + [
         "", "namespace takt {", "class CdrReader;", "class CdrWriter;", ""]
@@ -342,7 +344,7 @@ def header(file):
 
 
 def ros2_names(file):
-    """A message of ROS 2 is called std_msgs::msg::dds_::String_ on the wire, and std_msgs::msg::String by its programs."""
+    """Aliases for ROS 2 messages: std_msgs::msg::dds_::String_ is the name on the wire, std_msgs::msg::String in programs."""
     lines = []
     for struct in structs_of(file):
         if is_ros2_message(struct.name):
@@ -357,7 +359,8 @@ def is_ros2_message(name):
 
 
 def source(file):
-    lines = head(file, "How samples become bytes.") + [f'#include "{file.stem}.hpp"', "", "#include <takt/core/cdr.hpp>", "",
+    """X_types.cpp: the serialization of the types of X.hpp."""
+    lines = head(file, "Serialization of the port types.") + [f'#include "{file.stem}.hpp"', "", "#include <takt/core/cdr.hpp>", "",
                                                        "namespace takt {", ""]
     for struct in structs_of(file):
         name, port = "::" + struct.name, f"PortType<::{struct.name}>"
@@ -371,7 +374,7 @@ def source(file):
                   "  CdrWriter writer{to, size};", "  put(writer, value);", "  return writer.size();", "}", ""]
         lines += [f"bool {port}::decode(const std::byte* from, std::uint32_t size, {name}& value) noexcept {{",
                   "  CdrReader reader{from, size};"]
-        # Only a value without room for its sequences throws.
+        # Only a value without reserved memory for its sequences throws.
         lines += (["  try {", "    get(reader, value);", "  } catch (...) {", "    return false;", "  }"] if struct.sequences
                   else ["  get(reader, value);"]) + ["  return reader.complete();", "}", ""]
     return lines + ["}  // namespace takt"]

@@ -1,20 +1,20 @@
-"""Where a parser is in its tokens, the names that it has seen, and expressions of constants."""
+"""The position of a parser in its tokens, the lookup of names, and constant expressions."""
 import os
 import re
 
 from idl.declarations import MAX_NAME, MAX_SAMPLE, Const, Scope
-from idl.tokens import Wrong
+from idl.tokens import IdlError
 
 
-# Words of IDL, for idlc in any mix of upper and lower case.
+# Keywords of IDL. idlc reserves them in any case.
 ANY_CASE_WORDS = set("""any bitfield bitmask bitset boolean case char const default double enum false fixed float int8 int16
     int32 int64 long map module native octet sequence short string struct switch true typedef uint8 uint16 uint32 uint64 union
     unsigned wchar wstring""".split())
-# More of them, for fastddsgen as they are written here.
+# More keywords of IDL, which fastddsgen reserves only as written here.
 WORDS = set("""Object ValueBase abstract annotation attribute component consumes context custom emits eventtype exception
     factory finder getraises home import in inout interface local manages multiple oneway out primarykey private provides
     public publishes raises readonly set setraises supports truncatable typeid typeprefix uses valuetype void""".split())
-# Names that the generated C and C++ cannot have.
+# Names that the generated C and C++ cannot use.
 CODE_WORDS = set("""alignas alignof and and_eq asm auto bitand bitor bool break catch char8_t char16_t char32_t class compl
     concept consteval constexpr constinit const_cast continue co_await co_return co_yield decltype delete do dynamic_cast
     else explicit export extern for friend goto if inline int mutable namespace new noexcept not not_eq nullptr operator or
@@ -25,9 +25,9 @@ CODE_WORDS = set("""alignas alignof and and_eq asm auto bitand bitor bool break 
 
 
 class Cursor:
-    """Knows `library`, `problems`, `file`, `scope`, `tokens` and `at` of the parser that it is."""
+    """Base of Parser, which provides `library`, `problems`, `file`, `scope`, `tokens` and `at`."""
 
-    # -- Where we are
+    # -- Position
 
     @property
     def token(self):
@@ -56,13 +56,17 @@ class Cursor:
 
     def expect(self, text, after):
         if not self.take(text):
-            # A missing end is missing on the line before.
+            # A missing ';' belongs to the line of the previous token.
             token = self.tokens[self.at - 1] if text == ";" and self.at > 0 else self.token
-            raise Wrong(self.place(token), f"{after} is followed by {self.token.text!r}; write {text!r}"
-                        if self.token.kind != "end" else f"{after} has no end; write {text!r}")
+            raise IdlError(self.place(token), f"{after} is followed by {self.token.text!r}; write {text!r}"
+                           if self.token.kind != "end" else f"{after} has no end; write {text!r}")
+
+    def unexpected(self, token, wanted):
+        return IdlError(self.place(token), f"expected {wanted}, found {token.text!r}" if token.kind != "end"
+                        else f"expected {wanted}, but the file ends here")
 
     def skip(self):
-        """To the end of a declaration that was not understood."""
+        """Skips to the end of a declaration that could not be parsed."""
         depth = 0
         while self.token.kind != "end":
             if self.is_next("}") and depth == 0:
@@ -71,7 +75,7 @@ class Cursor:
             depth += (token.text == "{") - (token.text == "}")
             if depth == 0 and token.text == "}" and not self.is_next(";"):
                 if self.token.kind != "name" or self.tokens[self.at + 1].text not in (";", ",", "["):
-                    return  # else the names of what was declared follow
+                    return  # otherwise the declared names follow
             if depth == 0 and token.text == ";":
                 return
 
@@ -79,8 +83,8 @@ class Cursor:
         start = self.at
         try:
             parse()
-        except Wrong as wrong:
-            self.problems.add(wrong.place, str(wrong))
+        except IdlError as error:
+            self.problems.add(error.place, str(error))
             self.at = max(self.at, start)
             self.skip()
             if self.at == start:
@@ -91,18 +95,18 @@ class Cursor:
     def new_name(self, what, full=None):
         token = self.next()
         if token.kind != "name":
-            raise Wrong(self.place(token), f"{token.text!r} stands where the name of {what} is to be")
+            raise self.unexpected(token, f"the name of {what}")
         name = token.text
         shown = full(name) if full else name
         if name in WORDS or name.lower() in ANY_CASE_WORDS:
-            how = "" if name in WORDS or name in ANY_CASE_WORDS else ", in upper and lower case"
-            self.problem(token, f"{shown}: {name!r} is a word of IDL{how}; take another name")
+            how = "" if name in WORDS or name in ANY_CASE_WORDS else ", in any case"
+            self.problem(token, f"{shown}: {name!r} is a keyword of IDL{how}; choose another name")
         elif name in CODE_WORDS:
-            self.problem(token, f"{shown}: {name!r} has a meaning in the C++ that is made of it; take another name")
+            self.problem(token, f"{shown}: {name!r} is reserved in the generated C++ code; choose another name")
         elif name.startswith("_"):
-            self.problem(token, f"{shown}: a name begins with a letter; leave out the '_'")
+            self.problem(token, f"{shown}: a name begins with a letter; remove the '_'")
         elif len(shown) > MAX_NAME:
-            self.problem(token, f"{name[:60]}...: a name has at most {MAX_NAME} characters with those of its modules")
+            self.problem(token, f"{name[:60]}...: a name has at most {MAX_NAME} characters, including its modules")
         return token
 
     def declare(self, token, entity):
@@ -110,41 +114,42 @@ class Cursor:
         own = self.scope.name.split("::")[-1]
         if token.text.lower() == own.lower():
             self.problem(token, f"{self.scope.full(token.text)} has the name of its "
-                                f"module{'' if token.text == own else ', which differs only in upper and lower case'}; "
-                         "take another name")
+                                f"module{'' if token.text == own else ' (IDL is not case-sensitive)'}; choose another name")
         if known is None:
             self.scope.names[token.text.lower()] = (token.text, entity)
             return True
         file, line = known[1].place
         full = self.scope.full(token.text)
         if known[0] == token.text:
-            self.problem(token, f"{full} is declared in {file}:{line} already; take another name")
+            self.problem(token, f"{full} is already declared in {file}:{line}; choose another name")
         else:
-            self.problem(token, f"{full} differs only in upper and lower case from {known[0]} in {file}:{line}, and IDL does "
-                         "not tell them apart; take another name")
+            self.problem(token, f"{full} differs only in case from {known[0]} in {file}:{line}, but IDL is not "
+                                "case-sensitive; choose another name")
         return False
 
     def scoped_name(self):
-        """The tokens of a::b::c as text, whether it begins with ::, and the first token."""
+        """Returns whether a::b::c begins with ::, its parts as text, and the first token."""
         first = self.token
         absolute = self.take("::")
         parts = []
         while True:
             token = self.next()
             if token.kind != "name":
-                raise Wrong(self.place(token), f"{token.text!r} stands where a name is to be")
+                raise self.unexpected(token, "a name")
             parts.append(token.text)
             if not self.take("::"):
                 return absolute, parts, first
 
     def find(self, absolute, parts, token, where="", members=()):
-        """The entity of a name as it is seen here, or None with a problem told of what is declared there."""
+        """Returns the entity that a name means here. If there is none, reports a problem and returns None.
+
+        `where` begins the message. `members` are the fields of the struct so far, which a name must not collide with.
+        """
         shown = where + ("::" if absolute else "") + "::".join(parts)
         for member in members if len(parts) == 1 and not absolute else ():
             if member.lower() == parts[0].lower():
-                self.problem(token, f"{where}{parts[0]} means a field here, for one before it is named {member}, and IDL "
-                                    "does not tell upper "
-                             "from lower case; name the field otherwise")
+                self.problem(token, f"{where}{parts[0]} refers to the field {member}, because IDL is not case-sensitive; "
+                                    "rename the field")
                 return None
         scope, known = (self.library.root if absolute else self.scope), None
         while scope is not None:
@@ -160,27 +165,27 @@ class Cursor:
             self.problem(token, f"{shown} is not declared before this line; declare it, or #include the file that does")
             return None
         if isinstance(known[1], Scope):
-            self.problem(token, f"{shown} is a module; write the name of something in it")
+            self.problem(token, f"{shown} is a module; write the name of a declaration in it")
             return None
         if known[0] != parts[-1]:
-            self.problem(token, f"{shown} is declared as {known[0]}; write it so")
+            self.problem(token, f"{shown} is declared as {known[0]}; use the same case")
             return None
         entity = known[1]
         real = self.library.real_of(entity.place[0])
         if real not in self.file.sees():
-            self.problem(token, f"{shown} is declared in {entity.place[0]}, which is not included here; write #include "
+            self.problem(token, f"{shown} is declared in {entity.place[0]}, which this file does not include; write #include "
                          f"\"{os.path.relpath(real, os.path.dirname(self.file.real))}\"")
             return None
         return entity
 
     def bound(self, name, what):
-        """A size from 1; a wrong one counts as 1."""
+        """Parses a size from 1. Returns 1 for a size that is not valid, which is reported."""
         token = self.token
         value = self.expression(in_angles=True)
         if value is None:
             return 1
         if not 1 <= value <= MAX_SAMPLE:
-            self.problem(token, f"{name}: {what} is {value}; it is from 1 to {MAX_SAMPLE}")
+            self.problem(token, f"{name}: {what} is {value}; use a value from 1 to {MAX_SAMPLE}")
             return 1
         return value
 
@@ -189,7 +194,7 @@ class Cursor:
     LEVELS = [("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "/", "%")]
 
     def expression(self, level=0, in_angles=False):
-        """An integer, None where it is wrong (and told)."""
+        """Returns an integer, or None after a problem, which is reported."""
         if level == len(self.LEVELS):
             return self.unary()
         left = self.expression(level + 1, in_angles)
@@ -211,20 +216,19 @@ class Cursor:
         if left is None or right is None:
             return None
         if sign in ("/", "%") and right == 0:
-            self.problem(token, "a division by 0; write another number")
+            self.problem(token, "division by 0; write another number")
             return None
         if sign in ("<<", ">>") and not 0 <= right < 64:
-            self.problem(token, f"a shift by {right}; it is from 0 to 63")
+            self.problem(token, f"shift by {right}; use a value from 0 to 63")
             return None
         quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1) if sign in ("/", "%") else 0
         result = {"|": lambda: left | right, "^": lambda: left ^ right, "&": lambda: left & right, "<<": lambda: left << right,
                   ">>": lambda: left >> right, "+": lambda: left + right, "-": lambda: left - right, "*": lambda: left * right,
                   "/": lambda: quotient, "%": lambda: left - quotient * right}[sign]()
-        # Beyond this idlc refuses it, or is wrong: -4 / 2 is 9223372036854775806.
+        # Outside this range idlc rejects the expression or computes a wrong value: -4 / 2 is 9223372036854775806.
         if sign not in ("|", "^", "&") and not all(0 <= n < 2 ** 32 for n in (left, right, result)):
-            self.problem(token, f"{left} {sign} {right} is {result}, but compilers of IDL agree only on numbers from 0 to "
-                                f"{2 ** 32 - 1}; write "
-                         "the result")
+            self.problem(token, f"{left} {sign} {right} is {result}, but IDL compilers agree only on numbers from 0 to "
+                                f"{2 ** 32 - 1}; write the result")
         return result
 
     def unary(self):
@@ -246,12 +250,13 @@ class Cursor:
             if re.fullmatch(r"0[0-7]+", token.text):
                 return int(token.text, 8)
             if re.fullmatch(r"0[0-9]+", token.text):
-                raise Wrong(self.place(token), f"{token.text} begins as an octal number and is none; leave out the 0")
+                raise IdlError(self.place(token), f"{token.text} begins with 0 like an octal number, but is not one; remove "
+                                                  "the 0")
             return int(token.text, 0)
         if token.kind == "name" and token.text.lower() not in ANY_CASE_WORDS or self.is_next("::"):
             absolute, parts, first = self.scoped_name()
             entity = self.find(absolute, parts, first)
             if entity is not None and not isinstance(entity, Const):
-                self.problem(first, f"{'::'.join(parts)} is no constant; write an integer or the name of a constant")
+                self.problem(first, f"{'::'.join(parts)} is not a constant; write an integer or the name of a constant")
             return entity.value if isinstance(entity, Const) else None
-        raise Wrong(self.place(token), f"{token.text!r} stands where an integer is to be")
+        raise self.unexpected(token, "an integer")

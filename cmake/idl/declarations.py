@@ -1,25 +1,25 @@
-"""What an IDL file declares, with sizes and the description that programs carry."""
+"""The declarations of an IDL file, their sizes, and the type description that is built into programs."""
 import functools
 import json
 import os
 from dataclasses import dataclass, field
 
 
-# The bounds of model/type.hpp: bytes of a sample, fields of a type with those of its structs, structs within one another,
-# characters of a name, bytes of a description.
+# The limits of model/type.hpp: bytes of a sample, fields of a type including those of nested structs, nesting levels of
+# structs, characters of a name, bytes of a description.
 MAX_SAMPLE = 64 * 1024 * 1024
 MAX_FIELDS = 4096
 MAX_NESTING = 16
 MAX_NAME = 255
 MAX_DESCRIPTION = 1024 * 1024
 
-# IDL's words: bytes, the type in C and C++.
+# By IDL type: the size in bytes and the type in C and C++.
 SCALARS = {
     "boolean": (1, "bool"), "octet": (1, "uint8_t"), "char": (1, "char"), "int8": (1, "int8_t"),
     "short": (2, "int16_t"), "unsigned short": (2, "uint16_t"), "long": (4, "int32_t"), "unsigned long": (4, "uint32_t"),
     "long long": (8, "int64_t"), "unsigned long long": (8, "uint64_t"), "float": (4, "float"), "double": (8, "double"),
 }
-# Other words for the same.
+# Other names of the same types.
 SAME = {"uint8": "octet", "int16": "short", "uint16": "unsigned short", "int32": "long", "uint32": "unsigned long",
         "int64": "long long", "uint64": "unsigned long long"}
 INTEGERS = {name: (size, name.startswith("unsigned") or name == "octet")
@@ -28,20 +28,20 @@ INTEGERS = {name: (size, name.startswith("unsigned") or name == "octet")
 
 @dataclass
 class Shape:
-    """What a field is: an array (dimensions) of sequences of arrays (elements) of a scalar, an enum or a struct."""
-    scalar: str                     # of SCALARS, or "string", "enum", "struct"; "" where it is wrong
-    bound: int = 0                  # of a string
+    """The type of a field: an array (dimensions) of sequences of arrays (elements) of a scalar, a string, an enum or a struct."""
+    scalar: str                     # a key of SCALARS, or "string", "enum", "struct"; "" for a type that is not valid
+    bound: int = 0                  # the bound of a string
     of: object = None               # the Enum or Struct
     dimensions: list = field(default_factory=list)
     sequence: int = 0
     elements: list = field(default_factory=list)
-    text: str = ""                  # the type as IDL, without the dimensions behind a name; constants are numbers
+    text: str = ""                  # the type in IDL, without the dimensions after a name, with numbers instead of constants
 
     def has_sequence(self):
         return self.sequence > 0 or (self.scalar == "struct" and self.of.sequences)
 
     def may_not_fit(self):
-        """A value in C++ may be none of the type: too long, or no enumerator."""
+        """Whether a C++ value can be outside the type: a sequence that is too long, or a number that is not an enumerator."""
         return self.sequence > 0 or self.scalar == "enum" or (self.scalar == "struct" and self.of.misfits)
 
 
@@ -57,7 +57,7 @@ class Const:
 class Alias:
     name: str
     shape: Shape
-    own: list                       # dimensions behind the name
+    own: list                       # the dimensions after the name
     place: tuple
 
 
@@ -78,7 +78,7 @@ class Enumerator:
 class Field:
     name: str
     shape: Shape
-    own: list                       # dimensions behind the name
+    own: list                       # the dimensions after the name
     place: tuple
 
 
@@ -92,7 +92,7 @@ class Struct:
     def structs(self):
         return [f.shape.of for f in self.fields if f.shape.scalar == "struct"]
 
-    # Asked once each: a struct that has another one twice would be asked for all of them again.
+    # Each is computed once. Otherwise the work would grow exponentially with the nesting of structs.
 
     @functools.cached_property
     def sequences(self):
@@ -103,8 +103,8 @@ class Struct:
         return any(f.shape.may_not_fit() for f in self.fields)
 
     @functools.cached_property
-    def sound(self):
-        return all(f.shape.scalar for f in self.fields) and all(s.sound for s in self.structs())
+    def valid(self):
+        return all(f.shape.scalar for f in self.fields) and all(s.valid for s in self.structs())
 
     @functools.cached_property
     def count(self):
@@ -120,7 +120,7 @@ class Struct:
 
 
 class Scope:
-    """The names of a module, by their lower case: IDL does not tell `Mode` from `mode`."""
+    """The names of a module, by lower-case name: in IDL, `Mode` and `mode` are the same name."""
 
     def __init__(self, name, outer):
         self.name = name
@@ -133,9 +133,9 @@ class Scope:
 
 @dataclass
 class File:
-    """One IDL file and what it declares, in order."""
-    path: str                       # as it is printed
-    real: str
+    """One IDL file and its declarations, in order."""
+    path: str                       # for messages
+    real: str                       # the real path
     declares: list = field(default_factory=list)
     includes: list = field(default_factory=list)  # (File, place)
     guarded: bool = False
@@ -146,6 +146,7 @@ class File:
         return os.path.splitext(os.path.basename(self.real))[0]
 
     def sees(self):
+        """The real paths of this file and of all files that it includes, directly or not."""
         seen, todo = set(), [self]
         while todo:
             file = todo.pop()
@@ -166,15 +167,17 @@ def padded(position, alignment):
     return (position + alignment - 1) // alignment * alignment
 
 
-# A span: the bytes that the longest value appends, by the place in 8 bytes where it begins; padding depends on nothing else.
+# A span: the bytes that the longest value appends, by its start offset modulo 8. Padding depends only on that offset.
 NOTHING = (0,) * 8
 
 
 def both(first, second):
+    """The span of one value followed by another."""
     return tuple(first[at] + second[(at + first[at]) % 8] for at in range(8))
 
 
 def repeated(one, n):
+    """The span of n equal values, by repeated doubling."""
     span = NOTHING
     while n:
         if n % 2:
@@ -184,6 +187,7 @@ def repeated(one, n):
 
 
 def aligned(size, more=0):
+    """The span of `size` bytes aligned to `size`, followed by `more` bytes."""
     return tuple(padded(at, size) - at + size + more for at in range(8))
 
 
@@ -200,12 +204,12 @@ def span_of(shape):
 
 
 def max_size(struct):
-    """With the encapsulation, and in whole words, as RTPS sends it."""
+    """The largest size of a sample in bytes as RTPS sends it: with the encapsulation header, padded to 4 bytes."""
     return padded(4 + struct.span[0], 4)
 
 
 def description(struct):
-    """What model::parse_type() reads; model/type.hpp says what the members mean."""
+    """The type description that model::parse_type() reads. model/type.hpp documents its members."""
     def of_fields(fields):
         result = []
         for each in fields:

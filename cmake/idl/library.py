@@ -1,4 +1,4 @@
-"""The files that become one library of types, and what is wrong with them together."""
+"""The IDL files of one type library, with the checks that need more than one declaration."""
 import os
 import re
 
@@ -9,7 +9,7 @@ from idl.parser import Parser
 from idl.tokens import Problems
 
 
-# Headers of the system: motion.idl makes motion.h, which is found as <motion.h>.
+# System headers. motion.idl generates motion.h, which would be found as <motion.h>.
 SYSTEM_HEADERS = set("""alloca assert complex ctype dirent dlfcn elf endian errno fcntl features fenv float inttypes iso646
     limits link locale malloc math memory poll pthread sched semaphore setjmp signal spawn stdalign stdarg stdatomic stdbool
     stddef stdint stdio stdlib stdnoreturn string strings syscall termios tgmath threads time uchar unistd utime values wait
@@ -17,13 +17,13 @@ SYSTEM_HEADERS = set("""alloca assert complex ctype dirent dlfcn elf endian errn
 
 
 class Library:
-    """The files that become one library of types."""
+    """The IDL files of one type library."""
 
     def __init__(self):
         self.problems = Problems()
         self.root = Scope("", None)
-        self.files = {}             # by real path, in the order in which they were read
-        self.named = []             # on the command line
+        self.files = {}             # by real path, in the order of reading
+        self.named = []             # the files on the command line
 
     def real_of(self, path):
         return next((f.real for f in self.files.values() if f.path == path), path)
@@ -48,7 +48,7 @@ class Library:
     def include(self, by, name, place):
         path = os.path.join(os.path.dirname(by.path), name)
         if not os.path.isfile(path):
-            self.problems.add(place, f"{name} is not there; it is looked for from the folder of this file")
+            self.problems.add(place, f"{name} not found; the path is relative to the folder of this file")
             return
         file = self.read(path)
         if not file.complete:
@@ -57,9 +57,9 @@ class Library:
         by.includes.append((file, place))
 
     def check_files(self):
-        """What is wrong with files as a whole."""
+        """Reports the problems of whole files."""
         for file in self.files.values():
-            # As the preprocessor sees it: a file without a guard is there as often as it is included.
+            # Like the preprocessor: a file without an include guard is repeated by each #include.
             seen = {}
 
             def visit(by, place):
@@ -67,38 +67,37 @@ class Library:
                     where = place or at
                     if other.real in seen and not other.guarded:
                         guard = other.stem.upper() + "_IDL"
-                        self.problems.add(where, f"{os.path.basename(other.path)} comes twice in this file; write #ifndef "
-                                                 f"{guard}, "
-                                          f"#define {guard} and #endif around what is in it")
+                        self.problems.add(where, f"{os.path.basename(other.path)} is included twice in this file; write "
+                                                 f"#ifndef {guard}, #define {guard} and #endif around its content")
                     elif other.real not in seen:
                         seen[other.real] = True
                         visit(other, where)
 
             visit(file, None)
             if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", file.stem):
-                self.problems.add((file.path, 1), f"{file.stem!r} becomes a part of names in C; name the file with "
-                                                  "letters, digits and '_'")
+                self.problems.add((file.path, 1), f"{file.stem!r} is used in C names; use only letters, digits and "
+                                                  "'_' in the file name")
             if file.stem.lower() in SYSTEM_HEADERS:
-                self.problems.add((file.path, 1), f"<{file.stem}.h> is a header of the system; name the file otherwise")
+                self.problems.add((file.path, 1), f"<{file.stem}.h> is a system header; rename the file")
         outputs = {}
         for file in self.named:
             for output in outputs_of(file.stem):
                 other = outputs.setdefault(output, file)
                 if other is not file:
-                    self.problems.add((file.path, 1), f"{other.path} becomes {output} too; name one of the files otherwise")
+                    self.problems.add((file.path, 1), f"{other.path} also generates {output}; rename one of the files")
                     break
             for included, place in file.includes:
                 if included not in self.named:
-                    self.problems.add(place, f"{os.path.basename(included.path)} is not in the same library; name it in "
-                                             "takt_add_idl too")
+                    self.problems.add(place, f"{os.path.basename(included.path)} is not in the same library; add it to "
+                                             "takt_add_idl")
 
     def check_hidden(self, scope):
-        """fastddsgen does not know ::a::b, so a::b has to mean the same everywhere."""
+        """Reports names that hide a module: fastddsgen does not support ::a::b, so a::b must mean the same everywhere."""
         for name, entity in scope.names.values():
             outer = self.root.names.get(name.lower())
-            own = scope.name.split("::")[-1].lower() == name.lower()  # told already
+            own = scope.name.split("::")[-1].lower() == name.lower()  # already reported
             if scope is not self.root and outer and isinstance(outer[1], Scope) and not own:
-                self.problems.add(entity.place, f"{scope.full(name)} hides module {outer[0]}; take another name")
+                self.problems.add(entity.place, f"{scope.full(name)} hides module {outer[0]}; choose another name")
             if isinstance(entity, Scope):
                 self.check_hidden(entity)
 
@@ -111,22 +110,19 @@ class Library:
                     flat = c_name(declared.name)
                     if names.setdefault(flat, declared) is not declared:
                         self.problems.add(declared.place, f"{declared.name} and {names[flat].name} are both {flat} in C; "
-                                                          "take another name")
-                if not isinstance(declared, Struct) or not declared.sound:
+                                                          "choose another name")
+                if not isinstance(declared, Struct) or not declared.valid:
                     continue
                 if declared.count > MAX_FIELDS:
-                    self.problems.add(declared.place, f"{declared.name} has {declared.count} fields with those of its "
-                                                      "structs; a type "
-                                      f"has at most {MAX_FIELDS}")
+                    self.problems.add(declared.place, f"{declared.name} has {declared.count} fields, including those of nested "
+                                                      f"structs; the limit is {MAX_FIELDS}")
                 elif declared.nesting > MAX_NESTING:
-                    self.problems.add(declared.place, f"{declared.name} has structs within one another {declared.nesting} "
-                                                      "deep; a type "
-                                      f"has at most {MAX_NESTING}")
+                    self.problems.add(declared.place, f"{declared.name} nests structs {declared.nesting} levels deep; the limit "
+                                                      f"is {MAX_NESTING}")
                 elif len(description(declared)) > MAX_DESCRIPTION:
-                    self.problems.add(declared.place, f"{declared.name} takes {len(description(declared))} bytes to "
-                                                      "describe; a type takes "
-                                      f"at most {MAX_DESCRIPTION}: fewer fields, fewer enumerators, shorter names")
+                    self.problems.add(declared.place, f"the description of {declared.name} has {len(description(declared))} "
+                                                      f"bytes; the limit is {MAX_DESCRIPTION}: use fewer fields, fewer "
+                                                      "enumerators or shorter names")
                 elif max_size(declared) > MAX_SAMPLE:
-                    self.problems.add(declared.place, f"a sample of {declared.name} has up to {max_size(declared)} bytes; "
-                                                      "it has at most "
-                                      f"{MAX_SAMPLE}")
+                    self.problems.add(declared.place, f"a sample of {declared.name} can have {max_size(declared)} bytes; the "
+                                                      f"limit is {MAX_SAMPLE}")

@@ -1,22 +1,22 @@
-"""Tokens to declarations."""
+"""Parses tokens into declarations."""
 import re
 from dataclasses import replace
 
 from idl.cursor import ANY_CASE_WORDS, WORDS, Cursor
 from idl.declarations import INTEGERS, SAME, SCALARS, Alias, Const, Enum, Enumerator, Field, Scope, Shape, Struct
-from idl.tokens import Token, Wrong, tokens_of
+from idl.tokens import IdlError, Token, tokens_of
 
 
-# What ports cannot carry, and what they can.
+# Types that ports do not support, with the type to write instead.
 INSTEAD = {
     "wstring": "string<64>, as UTF-8", "wchar": "unsigned short", "any": "a struct", "Object": "a struct", "fixed": "double",
     "map": "a sequence of structs", "union": "a struct with an enum", "bitset": "unsigned long", "bitmask": "unsigned long",
-    "struct": "its name, and declare it before", "enum": "its name, and declare it before",
+    "struct": "its name, and declare it first", "enum": "its name, and declare it first",
 }
 
 
 class Parser(Cursor):
-    """One file, with those that it includes."""
+    """Parses one file, and through the library the files that it includes."""
 
     def __init__(self, library, file, text):
         self.library = library
@@ -28,7 +28,7 @@ class Parser(Cursor):
         self.directives()
 
     def directives(self):
-        """Takes them out of the tokens: #include, and the three lines that keep a file from being read twice."""
+        """Handles and removes the directives: #include, and the three lines of an include guard."""
         found = [t for t in self.tokens if t.kind == "directive"]
         words = [t.text[1:].split("//")[0].split() for t in found]
         self.file.guarded = (
@@ -42,10 +42,10 @@ class Parser(Cursor):
             if name:
                 self.library.include(self.file, name.group(1), self.place(directive))
             elif re.match(r"#\s*include", directive.text):
-                self.problem(directive, 'write #include "file.idl", with the file named from where this one is')
+                self.problem(directive, 'write #include "file.idl", with a path relative to this file')
             else:
-                self.problem(directive, f"{directive.text.strip()} is not for the types of ports; besides #include only "
-                             "#ifndef NAME, #define NAME and #endif around the whole file are")
+                self.problem(directive, f"{directive.text.strip()} is not allowed; use only #include, and #ifndef NAME, "
+                                        "#define NAME and #endif around the whole file")
         self.tokens = [t for t in self.tokens if t.kind != "directive"]
 
     # -- Declarations
@@ -53,7 +53,7 @@ class Parser(Cursor):
     def parse(self):
         while self.token.kind != "end":
             if self.is_next("}"):
-                self.problem(self.next(), "a '}' without a '{' before it; take it out")
+                self.problem(self.next(), "a '}' without a '{' before it; remove it")
                 self.take(";")
             else:
                 self.guarded(self.declaration)
@@ -64,7 +64,7 @@ class Parser(Cursor):
         if self.is_next("struct"):
             return self.struct(annotations)
         for annotation in annotations:
-            self.problem(annotation, f"@{annotation.text} is only for a struct here; leave it out")
+            self.problem(annotation, f"@{annotation.text} is only allowed on a struct; remove it")
         if self.is_next("module"):
             return self.module()
         if self.is_next("enum"):
@@ -74,13 +74,12 @@ class Parser(Cursor):
         if self.is_next("const"):
             return self.const()
         if self.take(";"):
-            return self.problem(token, "a ';' that ends nothing; take it out")
-        raise Wrong(self.place(), f"{token.text!r} is not for the types of ports; a file has modules, and in them "
-                                  "structs, enums, "
-                    "typedefs and constants")
+            return self.problem(token, "a ';' without a declaration; remove it")
+        raise IdlError(self.place(), f"{token.text!r} is not allowed in a file of port types; write modules with structs, "
+                                     "enums, typedefs and constants")
 
     def annotations(self):
-        """Returns their names' tokens; @extensibility(FINAL) is @final."""
+        """Parses annotations and returns the tokens of their names. @extensibility(FINAL) becomes @final."""
         found = []
         while self.is_next("@"):
             self.next()
@@ -94,35 +93,35 @@ class Parser(Cursor):
                 while depth > 0:
                     token = self.next()
                     if token.kind == "end":
-                        raise Wrong(self.place(name), f"@{name.text}( has no end; write ')'")
+                        raise IdlError(self.place(name), f"@{name.text}( has no end; write ')'")
                     depth += (token.text == "(") - (token.text == ")")
                     argument += token.text if depth else ""
             if name.text == "extensibility" and argument is not None:
                 final = argument == "FINAL"
                 name = Token("name", "final" if final else f"extensibility({argument})", name.line, name.at)
             elif argument is not None and name.text == "final":
-                self.problem(name, "@final has no argument; leave it out")
+                self.problem(name, "@final has no arguments; remove them")
             found.append(name)
         return found
 
     def body(self, what, each):
-        """{ each each ... };"""
+        """Parses { each each ... };"""
         self.expect("{", what)
         opened = self.tokens[self.at - 1]
         while not self.is_next("}"):
             if self.token.kind == "end":
-                raise Wrong(self.place(opened), f"{what} has no end; write '}};'")
+                raise IdlError(self.place(opened), f"{what} has no end; write '}};'")
             try:
                 each()
-            except Wrong as wrong:
-                self.problems.add(wrong.place, str(wrong))
+            except IdlError as error:
+                self.problems.add(error.place, str(error))
                 while not self.is_next("}", "{", ";") and self.token.kind != "end":
                     self.next()
                 if not self.is_next("}"):
-                    raise Wrong(self.place(opened), f"{what} has no end; write '}};'") from None
+                    raise IdlError(self.place(opened), f"{what} has no end; write '}};'") from None
         self.next()
         if not self.take(";"):
-            self.problem(self.tokens[self.at - 1], f"{what} ends without ';'; write it")
+            self.problem(self.tokens[self.at - 1], f"{what} ends without ';'; add it")
 
     def module(self):
         self.next()
@@ -154,7 +153,7 @@ class Parser(Cursor):
         token = self.new_name("a constant", self.scope.full)
         name = self.scope.full(token.text)
         if kind not in INTEGERS:
-            self.problem(type_token, f"{name} is not of an integer type; constants are integers here, as unsigned long")
+            self.problem(type_token, f"{name} is not of an integer type; a constant must be an integer, such as unsigned long")
             while not self.is_next(";", "}") and self.token.kind != "end":
                 self.next()
             self.take(";")
@@ -166,7 +165,7 @@ class Parser(Cursor):
         size, unsigned = INTEGERS[kind]
         low, high = (0, 2 ** (8 * size) - 1) if unsigned else (-2 ** (8 * size - 1), 2 ** (8 * size - 1) - 1)
         if value is not None and not low <= value <= high:
-            self.problem(token, f"{name} is {value}, which {kind} cannot hold; it is from {low} to {high}")
+            self.problem(token, f"{name} is {value}, which {kind} cannot hold; use a value from {low} to {high}")
             value = None
         const = Const(name, kind, value, self.place(token))
         if self.declare(token, const):
@@ -180,21 +179,18 @@ class Parser(Cursor):
 
         def each():
             for annotation in self.annotations():
-                self.problem(annotation, f"{enum.name}: enumerators are numbered from 0 in their order, without "
-                             f"@{annotation.text}; leave it out")
+                self.problem(annotation, f"{enum.name}: enumerators are numbered from 0 in order; remove @{annotation.text}")
             name = self.new_name("an enumerator", self.scope.full)
             if self.declare(name, Enumerator(self.scope.full(name.text), self.place(name))):
                 enum.enumerators.append(name.text)
             if self.is_next("="):
-                self.problem(name, f"{self.scope.full(name.text)}: enumerators are numbered from 0 in their order; leave "
-                                   "out the "
-                             "'='")
+                self.problem(name, f"{self.scope.full(name.text)}: enumerators are numbered from 0 in order; remove the '='")
                 while not self.is_next(",", "}", ";") and self.token.kind != "end":
                     self.next()
             if not self.take(",") and not self.is_next("}"):
-                raise Wrong(self.place(), f"{self.scope.full(name.text)} is followed by {self.token.text!r}; write ','")
+                raise IdlError(self.place(), f"{self.scope.full(name.text)} is followed by {self.token.text!r}; write ','")
             if self.tokens[self.at - 1].text == "," and self.is_next("}"):
-                self.problem(self.tokens[self.at - 1], f"{enum.name} has a ',' after its last enumerator; take it out")
+                self.problem(self.tokens[self.at - 1], f"{enum.name} has a ',' after its last enumerator; remove it")
 
         self.body(f"enum {enum.name}", each)
         if not enum.enumerators:
@@ -215,16 +211,15 @@ class Parser(Cursor):
         token = self.new_name("a struct", self.scope.full)
         struct = Struct(self.scope.full(token.text), self.place(token))
         if self.is_next(";"):
-            raise Wrong(self.place(token), f"{struct.name} is announced and not declared; a struct is declared once, "
-                                           "before those "
-                        "that have it as a field")
+            raise IdlError(self.place(token), f"{struct.name} is a forward declaration, which is not supported; declare the "
+                                              "struct before its first use")
         if self.is_next(":"):
-            raise Wrong(self.place(token), f"{struct.name} inherits, which ports cannot carry; make the other struct a field")
+            raise IdlError(self.place(token), f"{struct.name} uses inheritance, which ports do not support; make the base "
+                                              "struct a field")
         kinds = [a.text for a in annotations]
         for annotation in annotations:
             if annotation.text != "final":
-                self.problem(annotation, f"{struct.name} has @{annotation.text}; the only annotation of a port's type is "
-                                         "@final")
+                self.problem(annotation, f"{struct.name} has @{annotation.text}; a port type can only have @final")
         if "final" not in kinds:
             self.problem(token, f"{struct.name} is not final; write @final before it")
         declared = self.declare(token, struct)
@@ -240,30 +235,31 @@ class Parser(Cursor):
         full = lambda name: f"{struct.name}.{name}"
         shown = self.declared_name(full, f"a field of {struct.name}")
         for annotation in annotations:
-            told = ("is a key; the types of ports have none" if annotation.text in ("key", "Key")
-                    else f"has @{annotation.text}; the fields of a port's type have no annotations")
-            self.problem(annotation, f"{shown} {told}")
+            text = ("is a key; port types have no keys" if annotation.text in ("key", "Key")
+                    else f"has @{annotation.text}; the fields of a port type have no annotations")
+            self.problem(annotation, f"{shown} {text}")
         shape = self.type_of(shown, self.token, [f.name for f in struct.fields])
         for token, own, whole in self.declarators(shape, "a field", full):
             if token.text.lower() == struct.name.split("::")[-1].lower():
-                self.problem(token, f"{struct.name}.{token.text} has the name of its struct (IDL knows no case); take another name")
+                self.problem(token, f"{struct.name}.{token.text} has the name of its struct (IDL is not case-sensitive); "
+                                    "choose another name")
             if whole.sequence and whole.scalar in ("enum", "string"):
-                # Fast CDR has no function for vectors of these within other things.
+                # Fast CDR has no functions for nested vectors and arrays of enums and strings.
                 what = ("an array of sequences", "the sequence", "an array") if whole.dimensions else \
                     ("a sequence of arrays", "the array", "a sequence") if whole.elements else None
                 if what:
-                    self.problem(token, f"{full(token.text)} is {what[0]} of {whole.scalar}s, of which fastddsgen makes "
-                                        "code that does not "
-                                 f"compile; put {what[1]} into a struct and write {what[2]} of those")
+                    self.problem(token, f"{full(token.text)} is {what[0]} of {whole.scalar}s, for which fastddsgen generates "
+                                        f"code that does not compile; put {what[1]} into a struct and write {what[2]} of "
+                                        "such structs")
             twin = next((f for f in struct.fields if f.name.lower() == token.text.lower()), None)
             if twin:
-                how = "is there twice" if twin.name == token.text else f"differs only in upper and lower case from {twin.name}"
-                self.problem(token, f"{struct.name}.{token.text} {how}; take another name")
+                how = "is declared twice" if twin.name == token.text else f"differs only in case from {twin.name}"
+                self.problem(token, f"{struct.name}.{token.text} {how}; choose another name")
             else:
                 struct.fields.append(Field(token.text, whole, own, self.place(token)))
 
     def declarators(self, shape, what, full):
-        """a, b[3], c[2][4]; as (token, dimensions, shape)."""
+        """Parses a, b[3], c[2][4]; and yields (token, dimensions, shape) for each name."""
         while True:
             token = self.new_name(what, full)
             dimensions = []
@@ -284,16 +280,15 @@ class Parser(Cursor):
     # -- Types
 
     def basic_type(self):
-        """One of SCALARS, None when the next tokens are none. Real numbers of other sizes are told."""
+        """Parses one of SCALARS or long double. Returns None if the next tokens are neither."""
         token = self.token
         if self.take("unsigned"):
             if self.take("short"):
                 return "unsigned short"
             if self.take("long"):
                 return "unsigned long long" if self.take("long") else "unsigned long"
-            raise Wrong(self.place(token), f"unsigned {self.token.text} is no type; write unsigned short, unsigned long "
-                                           "or unsigned "
-                        "long long")
+            raise IdlError(self.place(token), f"unsigned {self.token.text} is not a type; write unsigned short, unsigned long "
+                                              "or unsigned long long")
         if self.take("long"):
             if self.take("double"):
                 return "long double"
@@ -304,7 +299,7 @@ class Parser(Cursor):
         return None
 
     def declared_name(self, full, otherwise):
-        """Of a declaration that begins here: it stands after the type, and the problems of the type are to name it."""
+        """Looks ahead for the name of the declaration that begins here, for the problems of its type."""
         at, depth = self.at, 0
         while self.tokens[at].kind != "end":
             text = self.tokens[at].text
@@ -316,12 +311,12 @@ class Parser(Cursor):
         return full(token.text) if at > self.at and token.kind == "name" else otherwise
 
     def type_of(self, name, token, members=()):
-        """A type as it is written before a name, which is for problems."""
-        wrong = Shape("")
+        """Parses the type of the declaration `name`. `name` is only for messages."""
+        invalid = Shape("")
         if self.take("string"):
             if not self.take("<") or self.take(">"):
                 self.problem(token, f"{name} is a string without a bound; write string<64>")
-                return wrong
+                return invalid
             bound = self.bound(name, "the bound of a string")
             self.expect(">", f"the bound of {name}")
             return Shape("string", bound, text=f"string<{bound}>")
@@ -331,10 +326,9 @@ class Parser(Cursor):
             if element.scalar and element.has_sequence():
                 how = ("is a sequence of sequences" if element.sequence else
                        f"is a sequence of {element.of.name}, which has a sequence itself")
-                self.problem(token, f"{name} {how}, whose memory no port can decide beforehand; write an array of them, "
-                                    "as in "
-                             "sequence<double, 8> rows[4]")
-                element = wrong
+                self.problem(token, f"{name} {how}, for which a port cannot allocate memory in advance; use an array of "
+                                    "sequences, such as sequence<double, 8> rows[4]")
+                element = invalid
             if not self.take(","):
                 if not self.take(">"):
                     self.expect(",", f"the sequence of {name}")
@@ -342,42 +336,40 @@ class Parser(Cursor):
                 if element.scalar == "string":
                     word = f"string<{element.bound}>"
                 self.problem(token, f"{name} is a sequence without a bound; write sequence<{word}, 16>")
-                return wrong
+                return invalid
             bound = self.bound(name, "the bound of a sequence")
             self.expect(">", f"the sequence of {name}")
             if not element.scalar:
-                return wrong
+                return invalid
             return Shape(element.scalar, element.bound, element.of, [], bound, element.dimensions,
                          f"sequence<{element.text}, {bound}>")
         scalar = self.basic_type()
         if scalar in SCALARS:
             return Shape(scalar, text=scalar)
         if scalar == "long double":
-            self.problem(token, f"{name} is a long double, which is not the same on every machine; write double")
-            return wrong
+            self.problem(token, f"{name} is a long double, which differs between machines; write double")
+            return invalid
         for word, fix in INSTEAD.items():
             if self.is_next(word):
                 article = "an" if word[0] in "aeO" else "a"
-                raise Wrong(self.place(token), f"{name} is {article} {word}, which ports cannot carry; write {fix}")
+                raise IdlError(self.place(token), f"{name} is {article} {word}, which ports do not support; write {fix}")
         if self.token.kind != "name" and not self.is_next("::"):
-            raise Wrong(self.place(), f"{self.token.text!r} stands where a type is to be")
+            raise self.unexpected(self.token, "a type")
         absolute, parts, first = self.scoped_name()
         if parts[0] in WORDS or parts[0].lower() in ANY_CASE_WORDS:
-            raise Wrong(self.place(first), f"{name} is of type {parts[0]!r}, which ports cannot carry; write a type of "
-                                           "IDL as double "
-                        "or a struct")
+            raise IdlError(self.place(first), f"{name} is of type {parts[0]!r}, which ports do not support; write a basic "
+                                              "type, such as double, or a struct")
         entity = self.find(absolute, parts, first, f"{name}: ", members)
         if isinstance(entity, Struct):
             if not entity.complete:
-                self.problem(first, f"{name} has {entity.name} within itself, which ports cannot carry; write an array or "
-                                    "a bounded "
-                             "sequence of another struct")
-                return wrong
+                self.problem(first, f"{name} contains {entity.name} itself, which ports do not support; write an array or a "
+                                    "bounded sequence of another struct")
+                return invalid
             return Shape("struct", of=entity, text=entity.name)
         if isinstance(entity, Enum):
             return Shape("enum", of=entity, text=entity.name)
         if isinstance(entity, Alias):
             return replace(entity.shape, text=entity.name)
         if entity is not None:
-            self.problem(first, f"{name}: {'::'.join(parts)} is no type; write a struct, an enum or a typedef")
-        return wrong
+            self.problem(first, f"{name}: {'::'.join(parts)} is not a type; write a struct, an enum or a typedef")
+        return invalid

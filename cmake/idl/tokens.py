@@ -1,11 +1,11 @@
-"""Text to tokens, and what is wrong with it."""
+"""Splits IDL text into tokens, and collects problems."""
 import re
 import sys
 from dataclasses import dataclass
 
 
 class Problems:
-    """What is wrong, by file and line, 0 where there is none; each said once."""
+    """The problems found, by (file, line). Line 0 means the whole file. Each problem is reported once."""
 
     def __init__(self):
         self.seen = {}
@@ -19,8 +19,8 @@ class Problems:
             print(f"{file}:{line}: error: {text}" if line else f"{file}: error: {text}", file=sys.stderr)
 
 
-class Wrong(Exception):
-    """The text cannot be understood from here to the end of the declaration."""
+class IdlError(Exception):
+    """The text cannot be parsed from this place to the end of the declaration."""
 
     def __init__(self, place, text):
         super().__init__(text)
@@ -52,7 +52,7 @@ def tokens_of(text, path, problems):
         open_comment = text.startswith("/*", at) and (not match or match.lastgroup != "space")
         if open_comment or not match or (match.lastgroup == "directive" and not fresh):
             problems.add((path, line), "a comment without an end; write */" if open_comment
-                         else f"{text[at]!r} means nothing here; take it out")
+                         else f"unexpected character {text[at]!r}; remove it")
             at = len(text) if open_comment else at + 1
             continue
         if match.lastgroup != "space":

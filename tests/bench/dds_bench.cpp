@@ -1,8 +1,8 @@
-// What the way between two devices costs: module, link, gateway, DDS, gateway, link, module, beside the same
-// entities of Fast DDS used bare, in the same run, by turns. Two processes on the loopback interface. Prints;
-// asserts nothing.
+// Measures the latency between two devices: module, link, gateway, DDS, gateway, link, module. For
+// comparison, the same entities of Fast DDS are used bare, by turns in the same run. Uses two processes on
+// the loopback interface. Prints the results and asserts nothing.
 //
-//   dds_bench [ROUND TRIPS OF A TURN]
+//   dds_bench [ROUND TRIPS PER TURN]
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -25,7 +25,7 @@
 #include <takt/channel/link.hpp>
 #include <takt/channel/release_slot.hpp>
 #include <takt/dds/gateway.hpp>
-#include <takt/dds/raw.hpp>
+#include "raw.hpp"
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/os/platform.hpp>
@@ -38,7 +38,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kBytes = 4 + 64;
-constexpr std::uint32_t kPingBit = channel::bell_bit(0);
+constexpr std::uint32_t kPingBit = channel::wake_bit(0);
 constexpr int kTurns = 5;
 
 model::Type ping_type() {
@@ -92,7 +92,7 @@ void ring(channel::WakeWord& wake_word, std::uint32_t bits) {
   os::futex_wake(wake_word.rings, bits);
 }
 
-/// As a module writes, and whoever runs it at the end of its cycle.
+/// Writes as a module does, and rings as its caller does at the end of the cycle.
 void write(channel::LinkWriter& writer, channel::WakeWord& wake_word, const std::byte* bytes) {
   std::memcpy(writer.link().payload(writer.buffer()), bytes, kBytes);
   writer.publish(kBytes, to_ns(os::now()));
@@ -166,15 +166,15 @@ class Bare final : dds::fast::DataReaderListener, dds::Taker {
   std::array<std::byte, kBytes> bytes_{};
 };
 
-/// A thread that sleeps until it is handed a sample by the thread of Fast DDS, as an application has one.
-class Hand {
+/// Passes samples from the thread of Fast DDS to a sleeping thread, as an application does.
+class Handover {
  public:
   void give(const std::byte* bytes) {
     std::memcpy(bytes_.data(), bytes, kBytes);
     count_.fetch_add(1);
     os::futex_wake(count_, ~0U);
   }
-  /// False when it takes longer than a second.
+  /// Returns false if it takes longer than a second.
   bool take(std::uint32_t& seen) {
     const Instant end = os::now() + 1s;
     while (count_.load() == seen) {
@@ -197,7 +197,7 @@ struct Way {
   const char* name;
   bool reliable;
   bool bare;
-  bool thread;  // at each end, asleep until a sample comes; else it is turned round where it arrives
+  bool thread;  // a thread at each end sleeps until a sample arrives; else the callback sends it back
 };
 constexpr std::array<Way, 8> kWays{{{"bare/listener", false, true, false},
                                     {"gateway/links", false, false, false},
@@ -227,7 +227,7 @@ int echo() {
   if (!gateway) return 1;
   std::vector<std::unique_ptr<Memory>> memory;
   std::vector<std::unique_ptr<Bare>> bare;
-  std::vector<std::unique_ptr<Hand>> hands;
+  std::vector<std::unique_ptr<Handover>> hands;
   std::vector<std::thread> threads;
   std::atomic<bool> ending{false};
   for (const Way& way : kWays) {
@@ -235,8 +235,8 @@ int echo() {
       bare.push_back(std::make_unique<Bare>(*participant, back(way), there(way), way.reliable,
                                             [](Bare& self, const std::byte* bytes) { self.write(bytes); }));
     } else if (way.bare) {
-      hands.push_back(std::make_unique<Hand>());
-      Hand& hand = *hands.back();
+      hands.push_back(std::make_unique<Handover>());
+      Handover& hand = *hands.back();
       bare.push_back(std::make_unique<Bare>(*participant, back(way), there(way), way.reliable,
                                             [&hand](Bare&, const std::byte* bytes) { hand.give(bytes); }));
       threads.emplace_back([&hand, &ending, &self = *bare.back()] {
@@ -245,7 +245,7 @@ int echo() {
           if (hand.take(seen)) self.write(hand.bytes());
         }
       });
-    } else if (!way.thread) {  // what comes in goes out again: one link, filled and emptied by the gateway
+    } else if (!way.thread) {  // one link, which the gateway both fills and empties
       memory.push_back(std::make_unique<Memory>(queue(channel::kGatewayBit)));
       if (!(*gateway)->add_outgoing(flow(back(way), way.reliable), memory.back()->link())) return 1;
       if (!(*gateway)->add_incoming(flow(there(way), way.reliable), {memory.back()->link()})) return 1;
@@ -292,7 +292,7 @@ struct Times {
   }
 };
 
-/// One ping at a time over one way.
+/// Sends one ping at a time over one way.
 class Pinger {
  public:
   Pinger(const Way& way, const std::shared_ptr<dds::Participant>& participant, dds::Gateway& gateway,
@@ -312,7 +312,7 @@ class Pinger {
     reader_ = channel::LinkReader{in_->link()};
   }
 
-  /// False when it does not come back within a second.
+  /// Returns false if the ping does not return within a second.
   bool ping(double& us) {
     const auto bytes = bench::ping(++number_);
     const Instant begin = os::now();
@@ -340,7 +340,7 @@ class Pinger {
 
  private:
   channel::WakeWord& wake_word_;
-  Hand hand_;
+  Handover hand_;
   std::uint32_t seen_ = 0;
   std::uint64_t number_ = 0;
   std::unique_ptr<Bare> bare_;
@@ -353,9 +353,10 @@ class Pinger {
 void round_trips(const std::shared_ptr<dds::Participant>& participant, dds::Gateway& gateway,
                  channel::WakeWord& wake_word, int count) {
   std::vector<std::unique_ptr<Pinger>> pingers;
-  for (const Way& way : kWays) pingers.push_back(std::make_unique<Pinger>(way, participant, gateway, wake_word));
+  for (const Way& way : kWays)
+    pingers.push_back(std::make_unique<Pinger>(way, participant, gateway, wake_word));
   std::array<Times, kWays.size()> times;
-  for (std::size_t way = 0; way < kWays.size(); ++way) {  // until it comes back
+  for (std::size_t way = 0; way < kWays.size(); ++way) {  // warms up until a ping returns
     double us = 0;
     for (int i = 0; i < 20 && !pingers[way]->ping(us); ++i) continue;
   }
@@ -380,7 +381,7 @@ void round_trips(const std::shared_ptr<dds::Participant>& participant, dds::Gate
   }
 }
 
-/// From the write of an event to the ring that wakes its module, in one process; and what of that is DDS.
+/// Measures the time from the write of an event to the ring that wakes its module, in one process.
 void event_to_ring(const std::shared_ptr<dds::Participant>& participant, dds::Gateway& gateway,
                    channel::WakeWord& wake_word, int count) {
   const Memory in{queue(channel::kSporadicBit)};
@@ -405,7 +406,7 @@ void event_to_ring(const std::shared_ptr<dds::Participant>& participant, dds::Ga
               times.quantile(0.5), times.quantile(0.99), times.lost);
 }
 
-/// What writing costs the thread that runs a module.
+/// Measures what writing costs the thread that runs a module.
 void real_time_write(dds::Gateway& gateway, channel::WakeWord& wake_word) {
   const Memory out{{.depth = 8, .payload = kBytes, .is_queue = true, .wake_bits = channel::kGatewayBit}};
   if (!gateway.add_outgoing(flow("cost", false), out.link())) return;

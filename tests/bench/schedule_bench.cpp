@@ -1,5 +1,5 @@
-// How long it takes to decide what runs when: once for each `takt check` and each deployment, never in real
-// time.
+// Measures how long planning a schedule takes. It happens once for each `takt check` and each deployment,
+// never in real time.
 #include <array>
 #include <chrono>
 #include <string>
@@ -30,7 +30,7 @@ void build(benchmark::State& state, const std::vector<Task>& tasks) {
   state.SetItemsProcessed(static_cast<std::int64_t>(entries) * state.iterations());
 }
 
-/// Periods as people write them, 1 to 100 ms.
+/// A thousand modules with usual periods, 1 to 100 ms.
 std::vector<Task> thousand_modules() {
   constexpr std::array<Nanoseconds, 6> kPeriods{1ms, 2ms, 5ms, 10ms, 20ms, 100ms};
   std::vector<Task> tasks;
@@ -43,14 +43,14 @@ std::vector<Task> thousand_modules() {
 void TableOfAThousandModules(benchmark::State& state) { build(state, thousand_modules()); }
 BENCHMARK(TableOfAThousandModules)->Unit(benchmark::kMillisecond);
 
-/// The largest table that is accepted, in three shapes: one row, a thousand, a million.
+/// The largest accepted table in three shapes: one row, a thousand rows, a million rows.
 void TableOfAMillionEntriesInOneRow(benchmark::State& state) {
   build(state, std::vector<Task>(kMaxEntries, Task{1ms, 0}));
 }
 BENCHMARK(TableOfAMillionEntriesInOneRow)->Unit(benchmark::kMillisecond);
 
 void TableOfAMillionEntriesInAThousandRows(benchmark::State& state) {
-  // 999 that are always due and 1000 that are due once.
+  // 999 tasks that are due in every row, and 1000 that are due once.
   std::vector<Task> tasks(999, Task{1ms, 0});
   tasks.resize(1999, Task{1s, 1});
   build(state, tasks);
@@ -62,21 +62,21 @@ void TableOfAMillionEntriesInAMillionRows(benchmark::State& state) {
 }
 BENCHMARK(TableOfAMillionEntriesInAMillionRows)->Unit(benchmark::kMillisecond);
 
-/// A refusal looks for the pair of periods to blame; here every two of ten thousand differ.
-void RefusalOfTenThousandPeriods(benchmark::State& state) {
+/// A rejection names the pair of periods to blame; here all ten thousand periods differ.
+void RejectionOfTenThousandPeriods(benchmark::State& state) {
   std::vector<Task> tasks;
   for (int i = 0; i < 10'000; ++i) tasks.push_back({1us * (100'000 + i), 0});
   for (auto _ : state) benchmark::DoNotOptimize(Table::build(tasks).ok());
 }
-BENCHMARK(RefusalOfTenThousandPeriods)->Unit(benchmark::kMillisecond);
+BENCHMARK(RejectionOfTenThousandPeriods)->Unit(benchmark::kMillisecond);
 
-/// The same where many share factors, so that products say little about multiples.
-void RefusalOfRoundPeriods(benchmark::State& state) {
+/// The same with many common factors, so that products say little about common multiples.
+void RejectionOfRoundPeriods(benchmark::State& state) {
   std::vector<Task> tasks;
   for (int i = 1; i <= 10'000; ++i) tasks.push_back({1us * i, 0});
   for (auto _ : state) benchmark::DoNotOptimize(Table::build(tasks).ok());
 }
-BENCHMARK(RefusalOfRoundPeriods)->Unit(benchmark::kMillisecond);
+BENCHMARK(RejectionOfRoundPeriods)->Unit(benchmark::kMillisecond);
 
 void PlanOfAThousandModulesWithBudgets(benchmark::State& state) {
   model::Cell cell;

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What a storm of events to a sporadic module does to the periodic rows of its executor: their jitter beside runs without a storm.
+"""Measures how a storm of events to a sporadic module changes the jitter of the periodic rows of its executor.
 
     tests/bench/storm.py [--rate 20000] [--turns 5] [--seconds 4] [--program] [--build build/release]
 
-A periodic module every 500 us and a sporadic one that is dispatched at once share an executor; a module of another executor sends.
-With the storm, with an event every millisecond, and without any, by turns. Prints; never fails."""
+A periodic module (500 us) and a sporadic module with immediate dispatch share an executor; a module of another executor sends events.
+Each turn runs without events, with one event every millisecond, and with the storm. Prints the results and never fails."""
 import argparse
 import json
 import os
@@ -14,9 +14,9 @@ import sys
 import tempfile
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("--rate", type=int, default=20_000, help="events a second, in bursts of a millisecond's")
+parser.add_argument("--rate", type=int, default=20_000, help="events a second, sent as one burst every millisecond")
 parser.add_argument("--turns", type=int, default=5)
-parser.add_argument("--seconds", type=float, default=4, help="of each turn, with and without")
+parser.add_argument("--seconds", type=float, default=4, help="duration of each run of a turn")
 parser.add_argument("--program", action="store_true", help="the sporadic module is a process module")
 parser.add_argument("--build", default=os.path.join(os.path.dirname(__file__), "..", "..", "build", "release"))
 options = parser.parse_args()

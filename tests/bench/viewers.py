@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What it costs the rows of an executor that people look on: their jitter with the page of takt web open in browsers, beside runs without.
+"""Measures how browsers that show the page of takt web change the jitter of an executor's rows.
 
     tests/bench/viewers.py [--modules 100] [--browsers 3] [--turns 3] [--seconds 20] [--build build/release]
 
-So many modules run every millisecond; browsers without a screen show all of them, one after the other in its views. By turns with
-and without. The browsers run on the machine of the executor, which no operator's do. Prints; never fails."""
+The modules run every millisecond. Headless browsers go through the views of the page, which shows all modules. Each turn runs without
+and with browsers. They run on the executor's own machine, unlike those of an operator. Prints the results and never fails."""
 import argparse
 import json
 import os
@@ -22,7 +22,7 @@ parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.R
 parser.add_argument("--modules", type=int, default=100)
 parser.add_argument("--browsers", type=int, default=3)
 parser.add_argument("--turns", type=int, default=3)
-parser.add_argument("--seconds", type=float, default=20, help="of each turn, with and without")
+parser.add_argument("--seconds", type=float, default=20, help="duration of each run of a turn")
 parser.add_argument("--build", default=os.path.join(here, "..", "..", "build", "release"))
 options = parser.parse_args()
 build = os.path.abspath(options.build)
@@ -41,7 +41,7 @@ def ticks():
 
 
 def turn(browsers):
-    """The report of a run, and the share of the processors' time that the hypervisor took meanwhile."""
+    """The report of a run, and the share of CPU time that the hypervisor took meanwhile."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "cell.xml")
         with open(path, "w") as file:
@@ -53,7 +53,7 @@ def turn(browsers):
             if browsers:
                 web = subprocess.Popen([takt, "web", "--port", "0"], env=environment, stdout=subprocess.PIPE, text=True)
                 address = re.search(r"http://\S+/", web.stdout.readline()).group()
-                for i in range(browsers):  # open before it runs: how a browser starts is not what is measured
+                for i in range(browsers):  # opened before the run, so that starting them is not measured
                     place = os.path.join(folder, str(i))
                     os.mkdir(place)
                     opened.append(Browser(place))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""docs/descriptor.md names every element and attribute of the schema, with its values, bounds and default, and none besides; its
-bounds are those of the code, and its examples are right.
+"""Checks docs/descriptor.md: it has exactly the elements and attributes of the schema, with their values, bounds and defaults. Its bounds
+equal those of the code, and `takt check` accepts its examples.
 
 Usage: descriptor_page_test.py BUILD_DIRECTORY SOURCE_DIRECTORY"""
 import os
@@ -18,12 +18,12 @@ failures = []
 
 types = {t.get("name"): t for t in schema if t.tag in (XS + "complexType", XS + "simpleType")}
 groups = {g.get("name"): g for g in schema if g.tag == XS + "group"}
-# What the page says once for all of a type, and not in each row.
+# Types that the page explains once, not in each row.
 SAID_ABOVE = {"Name", "Time", "Endpoint"}
 
 
 def inside(node):
-    """The nodes of one element's own content, through groups and extensions, without those of its children."""
+    """The elements and attributes directly in one element, also those of groups and extensions."""
     for child in node:
         if child.tag == XS + "element":
             yield child
@@ -36,7 +36,7 @@ def inside(node):
 
 
 def facets(node):
-    """Words and numbers that a value of this attribute or element is held against."""
+    """The words and numbers that limit the value of this attribute or element."""
     kind = node.get("type")
     found = []
     if kind is not None:
@@ -47,7 +47,7 @@ def facets(node):
             return found
     for child in node.iter():
         if child.tag in (XS + "element", XS + "attribute") and child is not node:
-            break  # of a child
+            break  # the rest belongs to a child
         name = child.tag.replace(XS, "")
         if name == "enumeration":
             found.append("`%s`" % child.get("value"))
@@ -59,7 +59,7 @@ def facets(node):
 
 
 def walk(name, node, elements):
-    """elements[NAME] = {"`attribute`" or "`<element>`": its node}, for all elements with something in them."""
+    """Fills elements[NAME] = {"`attribute`" or "`<element>`": its node} for all elements that are not empty."""
     rows = {}
     for child in inside(types[node.get("type")] if node.get("type") in types else node):
         is_element = child.tag == XS + "element"
@@ -68,7 +68,7 @@ def walk(name, node, elements):
             walk(child.get("name"), child, elements)
     if rows:
         if elements.get(name, rows).keys() != rows.keys():
-            # <executor> and <deadline> stand in two places: the one with attributes is the one with a section.
+            # <executor> and <deadline> occur in two places. The section is about the one with attributes.
             rows = {**elements[name], **rows}
         elements[name] = rows
 
@@ -105,7 +105,7 @@ for name in set(elements) & set(sections):
                 if not re.search(r"(?<![\w-])" + re.escape(word) + r"(?![\w-])", where):
                     failures.append(f"<{name}>: the row of {row} does not say {word}: {where.strip()}")
 
-# The bounds as the code has them.
+# The bounds in the code.
 for header in ("framework/model/include/takt/model/validate.hpp", "framework/descriptor/src/well_formed.hpp", "framework/descriptor/src/include.hpp",
                "framework/descriptor/src/template.hpp"):
     code = open(os.path.join(source, header), encoding="utf-8").read()
@@ -114,7 +114,7 @@ for header in ("framework/model/include/takt/model/validate.hpp", "framework/des
         failures.append(f"{header} has no bounds")
     for constant, value in bounds:
         if constant == "kMaxProblems":
-            continue  # of a report, not of a descriptor
+            continue  # a limit of reports, not of descriptors
         value = value.replace("'", "")
         if not re.search(r"(?<!\d)" + value + r"(?!\d)", page):
             failures.append(f"{header}: {constant} is {value}, which the page does not name")

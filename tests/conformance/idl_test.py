@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""What takt_idl.py takes for the types of ports, fastddsgen and Cyclone's idlc take too, and what is made of it compiles; what
-it refuses, it refuses with these words.
+"""Checks that fastddsgen and Cyclone's idlc accept the port types that takt_idl.py accepts, that the generated code compiles, and that
+takt_idl.py rejects other types with the expected messages.
 
 Usage: idl_test.py SOURCE_DIRECTORY BUILD_DIRECTORY CXX CC FASTDDSGEN IDLC. Reads idl/ and, beside this file, idl/good and idl/bad,
-where each NAME.idl has a NAME.expected: the lines on stderr."""
+where each NAME.idl of idl/bad has a NAME.expected with the lines on stderr."""
 import glob
 import os
 import subprocess
@@ -33,7 +33,7 @@ def takt_idl(folder, *arguments):
 
 
 def accepted_by_others(folder, names, scratch):
-    """The files as their authors wrote them."""
+    """Checks that fastddsgen and idlc accept the files as their authors wrote them."""
     for tool in ("dds", "dds_tmp", "idlc"):
         os.makedirs(os.path.join(scratch, tool), exist_ok=True)
     result = run(fastddsgen, "-replace", "-cs", "-t", os.path.join(scratch, "dds_tmp"), "-d", os.path.join(scratch, "dds"), *names,
@@ -56,7 +56,7 @@ def test_ours(scratch):
     ports = [name for name in names if name != "takt.idl"]
     result = takt_idl(folder, "--check", *ports)
     expect(result.returncode == 0 and not result.stderr, "takt_idl.py refuses a type of ours", result)
-    # Its keys make topics of instances of it, and no ports.
+    # takt.idl has keys: its types are topics with instances, not port types.
     ros2 = os.path.join(folder, "ros2")
     accepted_by_others(ros2, idl_files(ros2), scratch)
     result = takt_idl(ros2, "--check", *idl_files(ros2))
@@ -75,7 +75,7 @@ def test_good(scratch):
         expect(result.returncode == 0 and not result.stdout and not result.stderr, f"takt_idl.py refuses {name}", result)
     every = names + sorted(os.path.relpath(path, folder) for path in glob.glob(os.path.join(folder, "*", "*.idl")))
     accepted_by_others(folder, names, scratch)
-    # All in one library, then the compilers: each kind of source as one.
+    # Generate all files as one library, then compile all sources of each kind together.
     result = takt_idl(folder, "--out", out, *every)
     expect(result.returncode == 0, "takt_idl.py makes nothing", result)
     stems = [os.path.splitext(os.path.basename(name))[0] for name in every]
@@ -99,7 +99,7 @@ def test_good(scratch):
 
 def test_bad(scratch):
     folder = os.path.join(here, "bad")
-    # Files that a case needs beside its own.
+    # Additional files of a case.
     more = {"sees.idl": ["part_a.idl", "sees.idl"], "twins.idl": ["folder/twins.idl", "twins.idl"]}
     parts = {"part_a.idl", "part_b.idl", "part_base.idl"}
     cases = [name for name in idl_files(folder) if name not in parts]
@@ -112,7 +112,7 @@ def test_bad(scratch):
             result = takt_idl(folder, *arguments, *more.get(name, [name]))
             lines = result.stderr
             if arguments[0] == "--out":
-                # A library must name its files too.
+                # With --out, takt_idl.py also reports files that are missing from the library.
                 lines = "".join(line for line in lines.splitlines(True) if "not in the same library" not in line)
             expect(result.returncode == 1, f"{name} is not refused", result)
             expect(lines == expected and not result.stdout, f"{name} is refused with other words", result)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What an author does by mistake is said by the compiler.
+"""Checks that the compiler reports typical mistakes of component authors.
 
-Usage: misuse_test.py BUILD_DIRECTORY. Takes the compile command of a component, as the build has it, and gives it other sources."""
+Usage: misuse_test.py BUILD_DIRECTORY. Compiles other sources with the compile command of a component in the build."""
 import json
 import os
 import shlex
@@ -23,7 +23,7 @@ class Feeder : public takt::Component {
 };
 TAKT_COMPONENT(Feeder)
 """
-# start() and run(), and what is said; None: it compiles.
+# The bodies of start() and run(), and the expected message; None: it compiles.
 CASES = [
     ('if (gain < 0) return takt::fail("no air", "open the valve");', "if (in.read()) out.write(in.value());", None),
     ('if (gain < 0) takt::fail("no air", "open the valve");', "", "return it: nobody hears of it otherwise"),

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What `takt new` writes builds outside the repository, passes its tests, and runs: each kind of component, and a cell.
+"""Checks that what `takt new` writes builds outside the repository, passes its tests, and runs: each kind of component, and a cell.
 
-Usage: new_test.py PREFIX      where Takt is installed"""
+Usage: new_test.py PREFIX      PREFIX: where Takt is installed"""
 import itertools
 import json
 import os
@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 
-sys.dont_write_bytecode = True  # beside takt_system
+sys.dont_write_bytecode = True  # leave no bytecode of takt_system in the source tree
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "system"))
 import takt_system
 
@@ -19,7 +19,7 @@ environment = {name: value for name, value in os.environ.items() if not name.sta
 environment.update({"PATH": os.path.join(prefix, "bin") + ":" + environment["PATH"], "CMAKE_PREFIX_PATH": prefix,
                     "TAKT_INTERFACE": "127.0.0.1", "TAKT_DOMAIN": str(takt_system.free_domain())})
 KINDS = list(itertools.product(("thread", "process"), ("periodic", "sporadic"), ("c++", "c")))
-if not takt_system.FULL:  # half of them, with each pair of choices
+if not takt_system.FULL:  # half of them, which still cover each pair of choices
     KINDS = [kind for kind in KINDS if (kind[0] == "thread") ^ (kind[1] == "periodic") ^ (kind[2] == "c++")]
 
 
@@ -38,7 +38,7 @@ def test_every_kind(folder):
     for kind in KINDS:
         type_, operation, language = kind
         run("takt", "new", name_of(kind), "--type", type_, "--operation", operation, "--language", language, cwd=folder)
-    # A folder of it does in a project that has found Takt, and by itself.
+    # A folder written by takt new works within a project that has found Takt, and alone.
     with open(os.path.join(folder, "CMakeLists.txt"), "w", encoding="utf-8") as file:
         file.write("cmake_minimum_required(VERSION 3.25)\nproject(all LANGUAGES C CXX)\nfind_package(takt REQUIRED)\nenable_testing()\n")
         file.writelines(f"add_subdirectory({name_of(kind)})\n" for kind in KINDS[1:])
@@ -62,7 +62,7 @@ def test_every_kind(folder):
         if kind[1] == "periodic":
             assert module["cycles"] > 0 and module["cycles"] + executor["missed"] > 500, (module, executor)
         refused = run("takt", "new", name, cwd=folder, status=1)
-        assert "is there already" in refused.stderr, refused.stderr
+        assert "already exists" in refused.stderr, refused.stderr
 
 
 def test_a_cell(folder):
@@ -74,13 +74,13 @@ def test_a_cell(folder):
     modules = {m["name"]: m for d in report["devices"] for m in d["modules"]}
     assert set(modules) == {"level", "filter", "limit"}, modules
     assert all(m["cycles"] > 0 and m["cycles"] + missed[name] > 100 for name, m in modules.items()), (modules, missed)
-    # Its level may come late where the machine stands still for more than the 50 ms that it has.
+    # If the machine stalls, the level may arrive later than the allowed 50 ms.
     late = len(re.findall(r"controller\.filter: \w+ -> RECOVER \(.*the newest value of input 'in' is older than", done.stderr))
     assert {name: m["errors"] for name, m in modules.items()} == {"level": 0, "filter": late, "limit": 0}, (modules, done.stderr)
 
 
 def test_what_is_refused(folder):
-    for name, words in (("Pump", "does not do"), ("2nd", "does not do"), ("test", "has already")):
+    for name, words in (("Pump", "is not a valid component name"), ("2nd", "is not a valid component name"), ("test", "is reserved by the build")):
         assert words in run("takt", "new", name, cwd=folder, status=1).stderr
     run("takt", "new", "pump", "--type", "fibre", cwd=folder, status=2)
     assert os.listdir(folder) == [], "nothing was written"

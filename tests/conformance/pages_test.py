@@ -1,17 +1,16 @@
 #!/usr/bin/env python3
-"""Runs what a page tells its reader to do, as the reader would: every file that it shows is written, every command run, in the
-order of the page, in an empty folder.
+"""Follows a page as a reader would: writes every file that it shows and runs every command, in the order of the page, in an empty folder.
 
-Usage: pages_test.py PREFIX SOURCE PAGE.md ...      PREFIX: where Takt is installed; SOURCE/deploy is in the folder too
+Usage: pages_test.py PREFIX SOURCE PAGE.md ...      PREFIX: where Takt is installed; the folder has a link to SOURCE/deploy
 
-In a page:
+Marks in a page:
 
-  <!-- file: NAME -->        before a fenced block: the block is that file
-  ```console                 lines that begin with "$ " are commands ("> ": and go on), those below them what is printed: these lines in this order,
-                             others between them; a number stands for any number, "..." for anything. "$ command  # exit status 1"
-                             says how it ends, 0 unless said
+  <!-- file: NAME -->        before a fenced block: the content of this file
+  ```console                 "$ " begins a command, "> " continues it. The lines below it must be printed in this order; other lines
+                             may come between them. A number matches any number, "..." matches anything. A command must exit with
+                             status 0, or with the status in "$ command  # exit status 1"
   <!-- not run: why -->      before a block that cannot be run here
-  ```                        other fenced blocks must say with one of the comments what they are, or "<!-- shown: why -->"
+  <!-- shown: why -->        before a block that is neither a file nor a command; every other fenced block needs one of these comments
 """
 import os
 import re
@@ -20,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 
-sys.dont_write_bytecode = True  # beside takt_system
+sys.dont_write_bytecode = True  # leave no bytecode of takt_system in the source tree
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "system"))
 import takt_system
 
@@ -33,7 +32,7 @@ class Wrong(Exception):
 
 
 def pattern_of(line):
-    """A regular expression of a line that a page shows."""
+    """A regular expression that matches a printed line as the page shows it."""
     parts = []
     for piece in re.split(rf"(\.\.\.|{NUMBER}|\s+)", line.strip()):
         if piece == "...":
@@ -58,7 +57,7 @@ def check_output(expected, printed):
 
 
 class Shell:
-    """One bash in which the commands of a page run one after the other."""
+    """The bash in which the commands of a page run one after the other."""
 
     def __init__(self, folder, environment):
         self.folder = folder
@@ -68,7 +67,7 @@ class Shell:
         os.mkdir(self.work)
         self.bash = subprocess.Popen(["bash", "--norc"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                      cwd=self.work, env=environment, text=True, start_new_session=True)
-        # What a page waits for takes twice as long on a machine that others hold up.
+        # The machine may stall, so a page waits twice as long as it says.
         self.bash.stdin.write('sleep() { command sleep "$@" "$@"; }\n')
         self.number = 0
 
@@ -87,7 +86,7 @@ class Shell:
         return int(reader.stdout), printed
 
     def end(self):
-        """And whatever it has started: the session is its own."""
+        """Ends the bash and all processes of its session."""
         self.bash.stdin.close()
         try:
             self.bash.wait(10)
@@ -120,7 +119,7 @@ def commands_of(text):
             status = re.search(r"\s+# exit status (\d+)$", line)
             command = line[2:status.start()] if status else line[2:]
             found.append([command, int(status.group(1)) if status else 0, []])
-        elif found and line.startswith("> "):  # the command goes on
+        elif found and line.startswith("> "):  # continues the command
             found[-1][0] += "\n" + line[2:]
         elif found:
             found[-1][2].append(line)
@@ -133,7 +132,7 @@ def run_page(path, source, environment):
     with open(path, encoding="utf-8") as stream:
         page = stream.read()
     for domain in sorted(set(re.findall(r"--domain (\d+)", page))):
-        takt_system.wait_until(lambda: takt_system.claim_domain(int(domain)), 100, f"domain {domain}, which the page names, to be free,")
+        takt_system.wait_until(lambda: takt_system.claim_domain(int(domain)), 100, f"domain {domain}, which the page names, to be free")
     ran = 0
     with tempfile.TemporaryDirectory(prefix="takt-page-") as folder:
         shell = Shell(folder, environment)

@@ -31,7 +31,7 @@ TYPED_TEST(Ports, HoldTheLatestValue) {
   for (std::uint64_t i = 1; i <= 5; ++i) EXPECT_EQ(writer.write(i), Written::yes);
   way.settle();
   EXPECT_EQ(reader.read_all(), Numbers{5});
-  EXPECT_EQ(reader.in.value().number(), 5U) << "it stays when nothing has come";
+  EXPECT_EQ(reader.in.value().number(), 5U) << "the value stays if nothing new has arrived";
   EXPECT_TRUE(reader.in.has_value());
   EXPECT_FALSE(reader.in.is_new());
   if (TypeParam::kAtOnce) {
@@ -39,7 +39,7 @@ TYPED_TEST(Ports, HoldTheLatestValue) {
   }
 }
 
-TYPED_TEST(Ports, TellNewsBeforeAndAfterTheyAreRead) {
+TYPED_TEST(Ports, ReportNewSamplesBeforeAndAfterReading) {
   TypeParam way{Quality{}};
   Writer writer;
   Reader reader;
@@ -65,7 +65,7 @@ TYPED_TEST(Ports, KeepTheOrderOfAQueue) {
   EXPECT_EQ(way.dropped(), 0U);
 }
 
-TYPED_TEST(Ports, DropTheOldestOfAFullQueueAndCountIt) {
+TYPED_TEST(Ports, DropAndCountTheOldestOfAFullQueue) {
   TypeParam way{Quality{.depth = 3}};
   Writer writer;
   Reader reader;
@@ -76,13 +76,13 @@ TYPED_TEST(Ports, DropTheOldestOfAFullQueueAndCountIt) {
   ASSERT_TRUE(reader.in.read());
   EXPECT_EQ(reader.in.value().number(), 6U);
   if (TypeParam::kAtOnce) {
-    EXPECT_EQ(reader.in.sequence(), 6U) << "the gap tells what was dropped";
+    EXPECT_EQ(reader.in.sequence(), 6U) << "the gap in the numbers shows what was dropped";
   }
   EXPECT_EQ(reader.read_all(), (Numbers{7, 8}));
   EXPECT_EQ(way.dropped(), 5U);
 }
 
-TYPED_TEST(Ports, TellTheAgeFromOneRunToTheOther) {
+TYPED_TEST(Ports, MeasureTheAgeFromRunToRun) {
   TypeParam way{Quality{}};
   Writer writer;
   Reader reader;
@@ -98,12 +98,12 @@ TYPED_TEST(Ports, TellTheAgeFromOneRunToTheOther) {
   ASSERT_TRUE(reader.in.read());
   EXPECT_TRUE(near(reader.in.age(), Nanoseconds{300'000'000})) << to_text(reader.in.age());
   reader.context.start_ns = start + 1'000'000'000;
-  EXPECT_TRUE(near(reader.in.age(), Nanoseconds{1'000'000'000})) << "it grows while nothing comes";
+  EXPECT_TRUE(near(reader.in.age(), Nanoseconds{1'000'000'000})) << "the age grows while nothing arrives";
   reader.context.start_ns = start - 1'000'000'000;
-  EXPECT_EQ(reader.in.age(), Nanoseconds{0}) << "a reader that began before the writer";
+  EXPECT_EQ(reader.in.age(), Nanoseconds{0}) << "the reader's run began before the writer's";
 }
 
-TYPED_TEST(Ports, ThatAreNotConnectedAreOrdinaryPorts) {
+TYPED_TEST(Ports, WorkWithoutAConnection) {
   Writer writer;
   Reader reader;
   EXPECT_FALSE(writer.out.connected());
@@ -113,7 +113,7 @@ TYPED_TEST(Ports, ThatAreNotConnectedAreOrdinaryPorts) {
   EXPECT_FALSE(reader.in.read());
 }
 
-TYPED_TEST(Ports, OfOneWriterReachAllReaders) {
+TYPED_TEST(Ports, DeliverOneWriterToAllReaders) {
   TypeParam first{Quality{}};
   TypeParam second{Quality{.depth = 4}};
   Writer writer;
@@ -130,7 +130,7 @@ TYPED_TEST(Ports, OfOneWriterReachAllReaders) {
   EXPECT_EQ(queue.read_all(), (Numbers{1, 2, 3}));
 }
 
-TYPED_TEST(Ports, OfSeveralWritersShareAQueueInTurn) {
+TYPED_TEST(Ports, InterleaveSeveralWritersInOneQueue) {
   TypeParam first{Quality{.depth = 4}};
   TypeParam second{Quality{.depth = 4}};
   Writer one;
@@ -147,7 +147,7 @@ TYPED_TEST(Ports, OfSeveralWritersShareAQueueInTurn) {
   EXPECT_EQ(reader.read_all(), (Numbers{1, 11, 2, 12, 3}));
 }
 
-TYPED_TEST(Ports, GoOnWhereAReaderWasThatStartsAgain) {
+TYPED_TEST(Ports, ContinueWhereARestartedReaderWas) {
   TypeParam way{Quality{.depth = 8}};
   Writer writer;
   way.connect(writer.out);
@@ -166,7 +166,7 @@ TYPED_TEST(Ports, GoOnWhereAReaderWasThatStartsAgain) {
   EXPECT_EQ(reader.read_all(), (Numbers{3, 4, 5}));
 }
 
-TYPED_TEST(Ports, GoOnWhenAWriterStartsAgain) {
+TYPED_TEST(Ports, ContinueWhenAWriterRestarts) {
   TypeParam way{Quality{.depth = 8}};
   Reader reader;
   way.connect(reader.in);
@@ -178,10 +178,10 @@ TYPED_TEST(Ports, GoOnWhenAWriterStartsAgain) {
   }
   way.settle();
   EXPECT_EQ(reader.read_all(), (Numbers{1, 2, 11, 12, 21, 22}));
-  EXPECT_EQ(reader.in.sequence(), 6U) << "the numbers go on";
+  EXPECT_EQ(reader.in.sequence(), 6U) << "the numbers continue";
 }
 
-TYPED_TEST(Ports, RefuseAValueBeyondItsBounds) {
+TYPED_TEST(Ports, RejectAValueBeyondItsBounds) {
   TypeParam way{Quality{}};
   Writer writer;
   Reader reader;
@@ -220,12 +220,12 @@ TYPED_TEST(Ports, NeverShowATornSample) {
     }
     thread.join();
     EXPECT_EQ(seen.wrong, 0U);
-    EXPECT_EQ(seen.last, kSamples) << "the newest is never lost";
+    EXPECT_EQ(seen.last, kSamples) << "the newest sample is never lost";
     EXPECT_EQ(seen.read + way.dropped(), kSamples);
   }
 }
 
-// Of bytes alone, which outlive a process.
+// Only for links with bytes, which outlive a process.
 TEST(RingPorts, GiveTheLatestValueToANewInstanceOfTheReader) {
   for (const bool is_queue : {false, true}) {
     Ring ring{Quality{.depth = is_queue ? 4U : 1U}};
@@ -234,14 +234,14 @@ TEST(RingPorts, GiveTheLatestValueToANewInstanceOfTheReader) {
     {
       Reader first;
       ring.connect(first.in);
-      EXPECT_FALSE(first.in.read()) << "nothing was ever written";
+      EXPECT_FALSE(first.in.read()) << "nothing was written yet";
       writer.write(1);
       EXPECT_EQ(first.read_all(), Numbers{1});
     }
     {
       Reader second;
       ring.connect(second.in);
-      EXPECT_EQ(second.read_all(), Numbers{}) << "it was read";
+      EXPECT_EQ(second.read_all(), Numbers{}) << "the first instance has read it";
       EXPECT_EQ(second.in.has_value(), !is_queue);
       EXPECT_EQ(second.in.sequence(), is_queue ? 0U : 1U);
       EXPECT_EQ(second.in.value().number(), is_queue ? 0U : 1U);
@@ -254,8 +254,8 @@ TEST(RingPorts, GiveTheLatestValueToANewInstanceOfTheReader) {
   }
 }
 
-// Of bytes alone: what comes from elsewhere may be anything.
-TEST(RingPorts, PassOverBytesThatAreNoSampleAndKeepTheLastOne) {
+// Only for links with bytes: bytes from outside may be anything.
+TEST(RingPorts, SkipInvalidBytesAndKeepTheLastSample) {
   const channel::Link::Options options{
       .depth = 4, .payload = PortType<Sample>::info.max_size, .is_queue = true};
   auto memory =

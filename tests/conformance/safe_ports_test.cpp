@@ -1,4 +1,4 @@
-// Ports with a safe value, which readers are given while the writer does not execute.
+// Ports with a safe value, which readers get while the writer is not in EXECUTING.
 #include "ways.hpp"
 
 namespace takt::safe_ports_test {
@@ -13,7 +13,7 @@ template <class Way>
 class SafePorts : public testing::Test {};
 TYPED_TEST_SUITE(SafePorts, Ways);
 
-TYPED_TEST(SafePorts, BeginWithTheSafeValueWhileTheWriterDoesNotExecute) {
+TYPED_TEST(SafePorts, StartWithTheSafeValueWhileTheWriterDoesNotExecute) {
   TypeParam way{Quality{.safe = true}};
   give_safe(way.at_reader());
   Writer writer;
@@ -21,22 +21,22 @@ TYPED_TEST(SafePorts, BeginWithTheSafeValueWhileTheWriterDoesNotExecute) {
   way.connect(writer.out);
   way.connect(reader.in);
   EXPECT_TRUE(reader.in.has_news());
-  ASSERT_TRUE(reader.in.read()) << "it comes like a sample";
+  ASSERT_TRUE(reader.in.read()) << "the safe value arrives like a sample";
   EXPECT_TRUE(reader.in.is_safe());
   EXPECT_TRUE(reader.in.is_new());
   EXPECT_TRUE(reader.in.has_value());
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
-  EXPECT_FALSE(reader.in.read()) << "and once";
+  EXPECT_FALSE(reader.in.read()) << "it arrives once";
   EXPECT_FALSE(reader.in.is_new());
   EXPECT_FALSE(reader.in.has_news());
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
   writer.write(1);
   way.settle();
-  EXPECT_FALSE(reader.in.read()) << "what it writes meanwhile is not to be trusted";
+  EXPECT_FALSE(reader.in.read()) << "samples written meanwhile are not trusted";
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
 }
 
-TYPED_TEST(SafePorts, GiveSamplesAgainFromTheFirstThatIsWrittenWhenItExecutes) {
+TYPED_TEST(SafePorts, ResumeWithTheFirstSampleWrittenWhileExecuting) {
   TypeParam way{Quality{.safe = true}};
   give_safe(way.at_reader());
   Writer writer;
@@ -47,18 +47,18 @@ TYPED_TEST(SafePorts, GiveSamplesAgainFromTheFirstThatIsWrittenWhenItExecutes) {
   way.settle();
   way.at_reader().trust();
   ASSERT_TRUE(reader.in.read());
-  EXPECT_TRUE(reader.in.is_safe()) << "the old one is not given";
+  EXPECT_TRUE(reader.in.is_safe()) << "the old sample is withheld";
   writer.write(2);
   way.settle();
   ASSERT_TRUE(reader.in.read());
   EXPECT_FALSE(reader.in.is_safe());
   EXPECT_EQ(reader.in.value().number(), 2U);
-  way.at_reader().trust();  // again, and nothing changes
+  way.at_reader().trust();  // a second call changes nothing
   EXPECT_FALSE(reader.in.read());
   EXPECT_EQ(reader.in.value().number(), 2U);
 }
 
-TYPED_TEST(SafePorts, GiveTheSafeValueWhenTheWriterStops) {
+TYPED_TEST(SafePorts, SwitchToTheSafeValueWhenTheWriterStops) {
   TypeParam way{Quality{.safe = true}};
   give_safe(way.at_reader());
   way.at_reader().trust();
@@ -80,7 +80,7 @@ TYPED_TEST(SafePorts, GiveTheSafeValueWhenTheWriterStops) {
   }
 }
 
-TYPED_TEST(SafePorts, GiveTheSafeValueInPlaceOfASampleThatIsOlderThanTheDeadline) {
+TYPED_TEST(SafePorts, ReplaceASampleOlderThanTheDeadlineByTheSafeValue) {
   constexpr Nanoseconds kDeadline = std::chrono::seconds{1};
   constexpr Nanoseconds kNear = TypeParam::kTolerance;
   TypeParam way{Quality{.safe = true, .deadline = kDeadline}};
@@ -95,7 +95,7 @@ TYPED_TEST(SafePorts, GiveTheSafeValueInPlaceOfASampleThatIsOlderThanTheDeadline
   way.settle();
   reader.context.start_ns = start + (kDeadline - kNear).count();
   ASSERT_TRUE(reader.in.read());
-  EXPECT_FALSE(reader.in.is_safe()) << "as old as the deadline is not older";
+  EXPECT_FALSE(reader.in.is_safe()) << "a sample exactly as old as the deadline is valid";
   reader.context.start_ns = start + (kDeadline + kNear).count() + 1;
   EXPECT_TRUE(reader.in.has_news());
   ASSERT_TRUE(reader.in.read());
@@ -103,11 +103,12 @@ TYPED_TEST(SafePorts, GiveTheSafeValueInPlaceOfASampleThatIsOlderThanTheDeadline
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
   reader.context.start_ns = start + (kDeadline - kNear).count();
   EXPECT_FALSE(reader.in.read());
-  EXPECT_TRUE(reader.in.is_safe()) << "until a fresh one comes, whatever the clock does";
+  EXPECT_TRUE(reader.in.is_safe())
+      << "the safe value stays until a fresh sample arrives, even if time goes back";
   writer.write(2, start);
   way.settle();
   reader.context.start_ns = start + 2 * (kDeadline + kNear).count();
-  EXPECT_FALSE(reader.in.read()) << "which this is not";
+  EXPECT_FALSE(reader.in.read()) << "this sample is not fresh";
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
   writer.write(3, start + 1'000'000);
   way.settle();
@@ -117,7 +118,7 @@ TYPED_TEST(SafePorts, GiveTheSafeValueInPlaceOfASampleThatIsOlderThanTheDeadline
   EXPECT_EQ(reader.in.value().number(), 3U);
 }
 
-TYPED_TEST(SafePorts, AreAsWithoutASafeValueUntilItIsKnown) {
+TYPED_TEST(SafePorts, BehaveNormallyUntilTheSafeValueIsKnown) {
   TypeParam way{Quality{.safe = true}};
   Writer writer;
   Reader reader;
@@ -133,9 +134,10 @@ TYPED_TEST(SafePorts, AreAsWithoutASafeValueUntilItIsKnown) {
   EXPECT_TRUE(is_safe_sample(reader.in.value()));
 }
 
-TYPED_TEST(SafePorts, NeverShowWhatWasWrittenWhileTheWriterDidNotExecute) {
+TYPED_TEST(SafePorts, NeverShowSamplesWrittenWhileTheWriterDidNotExecute) {
   TypeParam way{Quality{.safe = true}};
-  if (!TypeParam::kAtOnce) GTEST_SKIP() << "samples under way are of before or after";
+  if (!TypeParam::kAtOnce)
+    GTEST_SKIP() << "it is unknown whether samples in transit are from before or after the change";
   give_safe(way.at_reader());
   Writer writer;
   Reader reader;
@@ -143,7 +145,7 @@ TYPED_TEST(SafePorts, NeverShowWhatWasWrittenWhileTheWriterDidNotExecute) {
   way.connect(reader.in);
   std::atomic<bool> over{false};
   std::thread thread{[&] {
-    std::uint64_t number = 0;  // those that are odd are written by a module that executes
+    std::uint64_t number = 0;  // odd numbers are written while the module executes
     for (std::uint64_t round = 0; round < TypeParam::kMany / 10; ++round) {
       way.at_reader().trust();
       for (int i = 0; i < 5; ++i) writer.write(number += number % 2 == 0 ? 1 : 2);

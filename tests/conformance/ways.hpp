@@ -1,5 +1,5 @@
-// What a connection promises, whatever way its samples go. A way is a class that ties ports together; every
-// claim is held for each. To add one, give it the functions of InHost and name it in Ways.
+// The ways in which a connection can carry samples. A way is a class that connects ports; every test runs
+// with each of them. To add a way, give it the functions of InHost and add it to Ways.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -47,13 +47,13 @@ inline void give_safe(const channel::Link& link) {
   link.give_safe(bytes);
 }
 
-/// One writer, one reader, and what lies between. Settles at once.
+/// One writer, one reader, and a link between them. Settles at once.
 template <bool kObjects>
 class Link {
  public:
-  /// What was written can be read at once, under the writer's number.
+  /// Whether a written sample can be read at once, with the writer's number.
   static constexpr bool kAtOnce = true;
-  static constexpr Nanoseconds kTolerance{0};  ///< of an age
+  static constexpr Nanoseconds kTolerance{0};  ///< for the age of a sample
   static constexpr std::uint64_t kMany = 200'000;
 
   explicit Link(Quality quality) {
@@ -67,7 +67,7 @@ class Link {
     if (kObjects) values_ = OutPort<Sample>{"any"}.make_values(link().buffers());
   }
   void connect(PortBase& port) { port.connect(link(), values_); }
-  /// Returns once what was written can be read, or is lost.
+  /// Returns once every written sample can be read or is lost.
   void settle() const {}
   [[nodiscard]] channel::Link at_reader() const { return link(); }
   [[nodiscard]] std::uint64_t dropped() const { return link().block().overwritten.load(); }
@@ -79,10 +79,11 @@ class Link {
   void* values_ = nullptr;
 };
 
-using InHost = Link<true>;  // objects in the memory of the host
-using Ring = Link<false>;   // bytes in memory that is shared
+using InHost = Link<true>;  // objects in the host's memory
+using Ring = Link<false>;   // bytes in shared memory
 
-/// Over DDS: a gateway here takes what is written, one in a program of its own gives it to the reader's link.
+/// Over DDS: a gateway in this process takes the samples, and a bridge process writes them to the reader's
+/// link.
 class BetweenDevices {
  public:
   static constexpr bool kAtOnce = false;
@@ -105,17 +106,17 @@ class BetweenDevices {
         .topic = "takt/ports/" + std::to_string(++made_),
         .type = model::parse_type(PortType<Sample>::info.description).value(),
         .quality = {.reliable = true, .depth = quality.depth, .deadline = {}, .lifespan = {}}};
-    setenv("TAKT_INTERFACE", "127.0.0.1", 1);  // of the other program
+    setenv("TAKT_INTERFACE", "127.0.0.1", 1);  // for the bridge process
     out_ = gateway().add_outgoing(flow, link(from_)).value();
-    far_ = node::Bridge::start({.device = "test",
-                                    .domain = domain(),
-                                    .peers = {},
-                                    .wake_word = &bell_memory(),
-                                    .place = made_ % 31 + 1,
-                                    .flows = {{.flow = flow, .outgoing = false, .links = {&to_}}}})
-               .value();
+    bridge_ = node::Bridge::start({.device = "test",
+                                   .domain = domain(),
+                                   .peers = {},
+                                   .wake_word = &wake_word_memory(),
+                                   .place = made_ % 31 + 1,
+                                   .flows = {{.flow = flow, .outgoing = false, .links = {&to_}}}})
+                  .value();
     until([this] {
-      return far_->opened() && gateway().health(out_).matched == 1 && far_->health(0).matched == 1;
+      return bridge_->opened() && gateway().health(out_).matched == 1 && bridge_->health(0).matched == 1;
     });
   }
   ~BetweenDevices() { gateway().remove(out_); }
@@ -144,12 +145,15 @@ class BetweenDevices {
  private:
   static int domain() { return dds_test::domain() + 20; }
   static channel::Link link(const os::SharedMemory& memory) { return channel::Link{memory.data()}; }
-  static os::SharedMemory& bell_memory() {
-    static os::SharedMemory memory = os::SharedMemory::create("takt-wake_word", sizeof(channel::WakeWord)).value();
+  static os::SharedMemory& wake_word_memory() {
+    static os::SharedMemory memory =
+        os::SharedMemory::create("takt-wake_word", sizeof(channel::WakeWord)).value();
     return memory;
   }
-  static channel::WakeWord& wake_word() { return *reinterpret_cast<channel::WakeWord*>(bell_memory().data()); }
-  // For all tests of the process: it may have one participant.
+  static channel::WakeWord& wake_word() {
+    return *reinterpret_cast<channel::WakeWord*>(wake_word_memory().data());
+  }
+  // Shared by all tests of the process, which may have only one participant.
   static dds::Gateway& gateway() {
     static const auto made =
         dds::Gateway::create(
@@ -164,8 +168,8 @@ class BetweenDevices {
   void until(Condition condition) {
     const Instant end = os::now() + std::chrono::seconds{20};
     while (!condition()) {
-      if (far_) far_->step(os::now());
-      ASSERT_LT(os::now(), end) << "it does not settle";
+      if (bridge_) bridge_->step(os::now());
+      ASSERT_LT(os::now(), end) << "the connection does not settle";
       std::this_thread::sleep_for(std::chrono::milliseconds{1});
     }
   }
@@ -174,10 +178,10 @@ class BetweenDevices {
   os::SharedMemory from_;
   os::SharedMemory to_;
   dds::Gateway::FlowId out_ = 0;
-  std::unique_ptr<node::Bridge> far_;
+  std::unique_ptr<node::Bridge> bridge_;
 };
 
-/// A module with an output, or with an input, that runs at a time.
+/// A module with an output or an input, run at a given time.
 struct Writer {
   Writer() { out.serve(context); }
   Written write(std::uint64_t number, std::int64_t start_ns = 1000) {

@@ -1,4 +1,4 @@
-// An input of a fuzzer, taken from its begin; when it ends, everything that is taken is zero or empty.
+// Reads the input of a fuzzer from its beginning. After its end, all values are zero or empty.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class Bytes {
     left_.remove_prefix(taken.size());
     return taken;
   }
-  /// Two bytes that say how many follow, and those.
+  /// Reads a length of two bytes, and as many bytes.
   std::string_view take_counted() { return take(take<std::uint16_t>()); }
   std::string_view rest() { return take(left_.size()); }
 

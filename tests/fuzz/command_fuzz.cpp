@@ -1,8 +1,7 @@
-// What peers send to a node: commands, and what other nodes say of themselves, forged as they like, in parts
-// or whole, while things happen on the device. Each command that is one is answered once; and whatever the
-// node says to that makes sense to others, as they hold it against sensible.hpp.
+// Forged commands and forged states of other nodes, in parts or whole, while events happen on the device. The
+// node answers each valid command once. Everything that it publishes passes validation.hpp.
 //
-// An input is steps of a letter each: see Play.
+// An input is a list of steps, each with a letter: see Play.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,8 +12,8 @@
 #include <fastcdr/Cdr.h>
 
 #include <takt/core/check.hpp>
-#include <takt/dds/assembly.hpp>
-#include <takt/dds/validation.hpp>
+#include <takt/wire/assembly.hpp>
+#include <takt/wire/validation.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
 #include "bytes.hpp"
@@ -26,7 +25,7 @@ using namespace takt;
 using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
 
-/// As the generated type support does it, and whoever calls that (dds/guarded.hpp).
+/// Decodes like the generated type support and dds/checked_type.hpp.
 template <class T>
 bool decode(std::string_view bytes, T& value) {
   std::string copy{bytes};
@@ -51,21 +50,21 @@ void check_same_again(const T& value) {
   TAKT_CHECK(decode({buffer.getBuffer(), cdr.getSerializedDataLength()}, again) && again == value);
 }
 
-/// What came, cleaned; false where it is refused.
+/// Decodes and cleans a sample; returns false if it is rejected.
 template <class T>
 bool take(std::string_view bytes, T& value) {
-  if (!decode(bytes, value) || !dds::validate(value)) return false;
+  if (!decode(bytes, value) || !wire::validate(value)) return false;
   T again = value;
-  TAKT_CHECK(dds::validate(again) && again == value);
+  TAKT_CHECK(wire::validate(again) && again == value);
   check_same_again(value);
   return true;
 }
 
 template <class T>
-void check_sensible(const T& said) {
-  T copy = said;
-  TAKT_CHECK(dds::validate(copy));
-  TAKT_CHECK(copy == said);
+void check_valid(const T& published) {
+  T copy = published;
+  TAKT_CHECK(wire::validate(copy));
+  TAKT_CHECK(copy == published);
 }
 
 class Play {
@@ -75,7 +74,7 @@ class Play {
   void run() {
     for (std::size_t steps = 0; !bytes_.empty() && steps < kMostSteps; ++steps) step(bytes_.take<char>());
     end();
-    check_said();
+    check_published();
   }
 
  private:
@@ -117,12 +116,12 @@ class Play {
   void command(std::string_view bytes) {
     Command part;
     if (!take(bytes, part)) return;
-    dds::WholeCommand whole;
+    wire::WholeCommand whole;
     const bool all = assembly_.add(part, part.id().to_string(), whole);
     TAKT_CHECK(assembly_.bytes() <= assembly_.kMostBytes);
     if (!all) return;
     ++asked_;
-    device_.hear(whole);
+    device_.receive(whole);
   }
   template <class Status>
   void other() {
@@ -137,7 +136,7 @@ class Play {
     device_.agent.step();
   }
 
-  // As the real one finds it: a file for each module.
+  // The result of a real inspection: a file for each module.
   [[nodiscard]] node::Inspected found() const {
     node::Inspected inspected{
         .paths = {}, .description = R"({"modules":[{"name":"servo","properties":[{"name":"gain"}]}]})"};
@@ -155,10 +154,10 @@ class Play {
     device_.agent.step();
     device_.work.inspected.reset();
   }
-  // Only from one to a later one.
+  // Phases only move forward.
   void phase(node::Supervised::Phase to) {
     if (device_.work.supervised == 0 || device_.work.phase > to) return;
-    // Nothing that it was told stays without an outcome.
+    // Every pending request gets an outcome.
     while (to == node::Supervised::Phase::ended && !device_.work.done.empty()) outcomes(REPLY_FAILED);
     device_.work.phase = to;
     device_.agent.step();
@@ -174,38 +173,38 @@ class Play {
     device_.agent.step();
   }
 
-  // Whatever is under way ends.
+  // Ends everything that is in progress.
   void end() {
     device_.agent.end(true);
     inspected(fail("it ends"));
     phase(node::Supervised::Phase::ended);
     outcomes(REPLY_FAILED);
-    device_.agent.goes_down();
+    device_.agent.note_end();
   }
 
-  void check_said() {
-    TAKT_CHECK(device_.said.replies.size() == asked_);
-    for (const dds::WholeReply& reply : device_.said.replies) {
+  void check_published() {
+    TAKT_CHECK(device_.published.replies.size() == asked_);
+    for (const wire::WholeReply& reply : device_.published.replies) {
       Reply head = reply.head;
       head.parts(1);
-      check_sensible(head);
-      TAKT_CHECK(reply.data.size() <= dds::kMaxData);
+      check_valid(head);
+      TAKT_CHECK(reply.data.size() <= wire::kMaxData);
       TAKT_CHECK(reply.data.empty() || nlohmann::json::accept(reply.data) ||
                  reply.data.find(" of ") != std::string::npos ||
                  reply.data.find("<device") != std::string::npos);  // a descriptor
     }
-    for (const DeviceStatus& status : device_.said.devices) check_sensible(status);
-    for (const LifecycleStatus& step : device_.said.steps) check_sensible(step);
+    for (const DeviceStatus& status : device_.published.devices) check_valid(status);
+    for (const LifecycleStatus& step : device_.published.steps) check_valid(step);
     std::uint64_t last = 0;
-    for (const FaultEvent& event : device_.said.faults) {
-      check_sensible(event);
+    for (const FaultEvent& event : device_.published.faults) {
+      check_valid(event);
       TAKT_CHECK(event.sequence_number() == ++last);
       TAKT_CHECK(event.count() > 0);
     }
   }
 
   fuzz::Bytes bytes_;
-  dds::Assembly<Command, dds::WholeCommand> assembly_;
+  wire::Assembly<Command, wire::WholeCommand> assembly_;
   node::FakeDevice device_;
   DeviceStatus heard_;
   std::size_t asked_ = 0;

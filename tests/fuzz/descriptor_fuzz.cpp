@@ -1,5 +1,5 @@
-// Arbitrary bytes as a descriptor: either a cell that is right in every rule of the model, or problems that a
-// person can read. What the scanner lets through, tinyxml2 reads.
+// Arbitrary bytes as a descriptor. The result is either a cell that satisfies every rule of the model, or
+// readable problems. tinyxml2 can read everything that the scanner accepts.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -19,16 +19,16 @@ bool is_plain(const std::string& text) { return !text.empty() && takt::on_one_li
 void check_problem(const takt::Problem& problem, int last_line, bool bundle) {
   TAKT_CHECK(is_plain(problem.what));
   TAKT_CHECK(is_plain(problem.fix));
-  if (bundle) return;  // it names files and lines of its own
+  if (bundle) return;  // a bundle has its own file names and lines
   TAKT_CHECK(problem.what.size() < 1000 && problem.fix.size() < 4000);
   TAKT_CHECK(problem.where.starts_with(kFile));
   const int line = std::stoi(problem.where.substr(kFile.size()));
   TAKT_CHECK(line >= 1 && line <= last_line);
-  // Ours is the scanner that says what is not XML; tinyxml2 agrees with it.
+  // Takt's own scanner reports invalid XML first, so tinyxml2 never does.
   TAKT_CHECK(!problem.what.starts_with("the XML cannot be read"));
 }
 
-/// What others rely on, of a cell that was accepted.
+/// Checks what other code relies on in an accepted cell.
 void check_cell(const takt::model::Cell& cell) {
   using namespace takt::model;
   TAKT_CHECK(validate(cell).empty());

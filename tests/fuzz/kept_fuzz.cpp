@@ -1,9 +1,9 @@
-// What a node finds on its disk when it starts, as a disk or a person may have left it: its deployment, what
-// a module saved, the fault record. Whatever is taken is taken the same again once it was written; a fault
-// record goes on after it.
+// Arbitrary bytes as a file that a node finds on its disk when it starts: its deployment, the saved state of
+// a module, or the fault record. If the node accepts a file, writing and reading it again gives the same. A
+// fault record continues after its last event.
 //
-// The first letter of an input says which file, see LLVMFuzzerTestOneInput; a small one stands for a body
-// whose checksum is right.
+// The first letter of an input selects the file, see LLVMFuzzerTestOneInput. A small letter means a body with
+// a correct checksum.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,8 +21,8 @@
 
 #include <takt/channel/saved_state.hpp>
 #include <takt/core/check.hpp>
-#include <takt/dds/fault.hpp>
-#include <takt/dds/validation.hpp>
+#include <takt/wire/fault.hpp>
+#include <takt/wire/validation.hpp>
 #include <takt/model/safe.hpp>
 #include <takt/node/fault_record.hpp>
 #include <takt/node/kept_deployment.hpp>
@@ -34,8 +34,8 @@ namespace {
 
 using namespace takt;
 
-/// A folder of this process's own, in memory where there is some. It goes with the process, however that
-/// ends: one that finds something aborts, and destroys nothing.
+/// A private folder of this process, in memory if possible. A helper process removes it however this process
+/// ends: a fuzzer that finds something aborts, so destructors would not run.
 class Folder {
  public:
   Folder() {
@@ -43,7 +43,7 @@ class Folder {
     const ::pid_t remover = ::fork();
     TAKT_CHECK(remover >= 0);
     if (remover == 0) {
-      ::setsid();  // what ends the fuzzer's group must not end it
+      ::setsid();  // a signal to the fuzzer's process group must not end the helper
       ::close(life_[1]);
       char none = 0;
       while (::read(life_[0], &none, 1) > 0) continue;  // until the fuzzer has ended
@@ -81,7 +81,7 @@ std::uint64_t checksum(std::string_view bytes) {
   return hash;
 }
 
-/// As node/whole_file.hpp has it.
+/// The format of node/whole_file.hpp.
 std::string whole(const std::string& format, std::string_view body) {
   std::array<char, 24> digits{};
   std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(checksum(body)));
@@ -101,7 +101,7 @@ void check_deployment(std::string_view content) {
   TAKT_CHECK(kept->has_value());
   TAKT_CHECK(file.keep(**kept));
   const auto again = file.kept();
-  // What is no UTF-8 is kept as what it was read as.
+  // Bytes that are not UTF-8 are replaced when the file is read, and kept in that form.
   TAKT_CHECK(again && *again && **again == **kept);
   static_cast<void>(model::parse_safe((*kept)->safe));
 }
@@ -128,7 +128,7 @@ void check_record(std::string_view content) {
   const std::string path = folder() + "/robot.7.faults";
   put(path, content);
   const auto recorded = node::read_record(content);
-  constexpr std::size_t kSlots = 8;  // of one that is made anew
+  constexpr std::size_t kSlots = 8;  // of a new record
   node::FaultRecord record = node::FaultRecord::open(path, kSlots);
   TAKT_CHECK(record.file() == path);
   if (!recorded) {
@@ -140,13 +140,13 @@ void check_record(std::string_view content) {
     for (const model::Fault& fault : recorded->events) {
       TAKT_CHECK(fault.sequence > last);
       last = fault.sequence;
-      const auto again = node::decode_slot(node::encode_slot(fault));  // a text that had no end is cut
+      const auto again = node::decode_slot(node::encode_slot(fault));  // cuts off a text without an end
       TAKT_CHECK(again && node::decode_slot(node::encode_slot(*again)) == *again);
-      static_cast<void>(dds::to_wire(fault));
+      static_cast<void>(wire::to_wire(fault));
     }
   }
   const std::uint64_t newest = record.events().empty() ? 0 : record.events().back().sequence;
-  if (newest > (std::uint64_t{1} << 62U) - 3) return;  // the last ones that there may be
+  if (newest > (std::uint64_t{1} << 62U) - 3) return;  // near the highest possible numbers
   for (int i = 1; i <= 3; ++i) {
     model::Fault fault{
         .cell = "cell", .device = "robot", .kind = model::FaultKind::deployed, .cause = "it runs"};
@@ -158,7 +158,7 @@ void check_record(std::string_view content) {
   TAKT_CHECK(on_disk && on_disk->events == record.events());
 }
 
-/// Slots as they are written, of fields that are not.
+/// A record with valid slots that contain arbitrary fields.
 std::string forged_record(fuzz::Bytes bytes) {
   constexpr std::size_t kHeader = 4096;
   constexpr std::uint64_t kMagic = 0x7461'6b74'666c'0001;

@@ -1,8 +1,9 @@
-// A map of Modbus points as somebody wrote it, and what somebody who connects sends to a device of that map.
-// A map is taken or every mistake in it is said; its points obey what the programs rely on; a value goes
-// through its registers and back. Whoever sends gets proper frames for an answer, and writes outputs alone.
+// Arbitrary text as a map of Modbus points, and arbitrary bytes from a master to a device with that map. A
+// map is accepted, or all its mistakes are reported. Its points satisfy what the programs rely on, and a
+// value survives conversion to registers and back. The master gets only well-formed frames, and writes only
+// outputs.
 //
-// An input is the map, a zero, and what the master sends.
+// An input is the map, a zero byte, and the bytes of the master.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -74,7 +75,7 @@ void check_points(const std::vector<Point>& points) {
   check_groups(points, false, kReadLimits);
 }
 
-/// Whole frames and nothing else.
+/// Checks that the bytes consist of whole frames.
 void check_answers(std::string_view bytes) {
   while (!bytes.empty()) {
     TAKT_CHECK(bytes.size() >= 9 && bytes[2] == 0 && bytes[3] == 0);

@@ -1,8 +1,8 @@
-// Arbitrary bytes as a sample of a port. Three decode it, each in its own way: what a component in C++ has,
-// what one in C has, and what knows the type as data only, which stands before the ring of a reader
-// (dds/raw.cpp). They agree on what is a sample; and what is one is the same sample again when it is written.
+// Arbitrary bytes as a sample of a port. Three decoders must agree on whether it is valid: that of C++
+// components, that of C components, and the one that knows the type only as data (dds/raw.cpp). A valid
+// sample is the same again after it is encoded.
 //
-// The first byte of an input says which type.
+// The first byte of an input selects the type.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -20,7 +20,7 @@ namespace {
 
 using Sample = std::vector<std::byte>;
 
-/// A wrong length must not make room for what is not there.
+/// Extra bytes behind the buffer.
 constexpr std::size_t kGuard = 16;
 
 template <class T>
@@ -58,7 +58,7 @@ void check(const takt_type& in_c, const std::byte* bytes, std::size_t size) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  // Of its own size, so that whoever reads on is seen.
+  // A buffer of exactly this size, so that reading beyond its end is detected.
   const Sample sample(reinterpret_cast<const std::byte*>(data) + 1,
                       reinterpret_cast<const std::byte*>(data) + size);
   switch (data[0]) {

@@ -1,4 +1,4 @@
-// The agent of one device.
+// The program takt-node: the agent of one device.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -21,22 +21,23 @@
 
 namespace {
 
-// Memory and threads that the system refuses are exceptions of the standard library, which come up in Fast
-// DDS too and on threads of its own.
-[[noreturn]] void say_what_was_refused() {
-  const auto say = [](const char* what) {
-    std::fprintf(stderr,
-                 "takt-node: error: the system refuses it memory or a thread: %s; free memory, or raise the "
-                 "limits on memory and tasks: ulimit -v and -u, MemoryMax= and TasksMax= of its service\n",
-                 what);
+// The terminate handler. If the system denies memory or a thread, the standard library throws, also inside
+// Fast DDS and on its threads.
+[[noreturn]] void report_exhaustion() {
+  const auto report = [](const char* what) {
+    std::fprintf(
+        stderr,
+        "takt-node: error: the system denies takt-node memory or a thread: %s; free memory, or raise "
+        "the limits on memory and tasks: ulimit -v and -u, MemoryMax= and TasksMax= of its service\n",
+        what);
     std::_Exit(1);
   };
   try {
     if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
   } catch (const std::system_error& error) {
-    say(error.what());
+    report(error.what());
   } catch (const std::bad_alloc& error) {
-    say(error.what());
+    report(error.what());
   } catch (...) {
   }
   std::abort();
@@ -45,55 +46,55 @@ namespace {
 }  // namespace
 
 int main(int argc, char** argv) {
-  takt::tool::require_signatures();  // of those that the processes below look at
+  takt::tool::require_signatures();  // the process below that inspects components needs them too
   if (!takt::os::environment(takt::node::kInspectFd).empty()) return takt::node::run_inspection();
   if (!takt::os::environment(takt::node::kGatewayFd).empty()) {
     const int status = takt::node::run_bridge(takt::client::interfaces());
-    std::_Exit(status);  // not by way of the static objects of Fast DDS, as below
+    std::_Exit(status);  // skips the destructors of Fast DDS, as below
   }
 
-  std::set_terminate(say_what_was_refused);
+  std::set_terminate(report_exhaustion);
 
   takt::node::NodeOptions options;
   takt::client::Network network;
   options.state_folder = takt::node::default_state_folder();
   CLI::App app{
-      "The agent of one device: waits for a deployment (takt deploy), starts its host and its programs, "
-      "watches them, and "
-      "ends them in order.",
+      "The agent of one device. It waits for a deployment (takt deploy), starts the device's host and "
+      "programs, supervises them, and shuts them down.",
       "takt-node"};
-  app.add_option("--device", options.device, "the device that this machine, or this part of it, is")
+  app.add_option("--device", options.device,
+                 "name of the device that this machine, or a part of it, represents")
       ->type_name("NAME")
       ->required();
   takt::tool::add_network_options(app, network);
   std::uint16_t port = 0;
-  app.add_option("--serve-discovery", port, "be the discovery server, on this port")->type_name("PORT");
+  app.add_option("--serve-discovery", port, "also act as the discovery server, on this port")
+      ->type_name("PORT");
   const auto* state_folder =
-      app.add_option(
-             "--state-dir", options.state_folder,
-             "where the deployment is kept for --resume, and the fault record (else TAKT_STATE_DIR, else "
-             "/var/lib/takt for root and ~/.local/state/takt for others)")
+      app.add_option("--state-dir", options.state_folder,
+                     "folder of the fault record and of the deployment that --resume restores (default: "
+                     "TAKT_STATE_DIR, else /var/lib/takt for root and ~/.local/state/takt for other users)")
           ->type_name("DIR");
-  app.add_flag("--resume", options.resume, "take up the deployment that was running when this node ended");
+  app.add_flag("--resume", options.resume, "restore the deployment that was running when this node ended");
   app.add_flag("--require-realtime", options.require_real_time,
-               "refuse to run where the system refuses real-time scheduling");
+               "reject a deployment if the system denies real-time scheduling");
   app.add_flag(
       "--check-realtime", options.check_real_time,
-      "see what modules do that no real-time code may: allocations, locks, system calls, page faults");
+      "detect what real-time code must not do in modules: allocations, locks, system calls, page faults");
   app.add_option(
          "--signed-by", options.signed_by,
-         "use only components that are signed with the key of this certificate (else TAKT_SIGNED_BY, else "
-         "components.cert.pem of the --security folder, if it is there)")
+         "use only components that are signed with the key of this certificate (default: TAKT_SIGNED_BY, "
+         "else components.cert.pem of the --security folder, if present)")
       ->type_name("CERT")
       ->envname("TAKT_SIGNED_BY");
-  app.add_flag("--quiet", options.quiet, "say nothing but errors");
+  app.add_flag("--quiet", options.quiet, "print only errors");
   app.set_version_flag("--version", TAKT_VERSION);
   app.footer(R"(
-SIGTERM and SIGINT end the device in order. A cell that runs then is kept for --resume, as it is when the power
-fails; takt undeploy ends it for good.
+SIGTERM and SIGINT shut the device down. Its deployment stays on disk for --resume, as after a power failure;
+takt undeploy removes it.
 
 Environment: TAKT_COMPONENT_PATH, TAKT_DOMAIN, TAKT_INTERFACE, TAKT_SECURITY and TAKT_STATE_DIR, as for takt.
-Status: 0 ended in order, 1 refused or failed with the reason on standard error, 2 wrong usage.)");
+Status: 0 clean shutdown, 1 rejected or failed (the reason is on standard error), 2 wrong usage.)");
   takt::tool::tidy_help(app);
   takt::tool::shorten_errors(app);
   if (argc == 3 && std::string_view{argv[1]} == takt::tool::kWritePages)
@@ -110,7 +111,7 @@ Status: 0 ended in order, 1 refused or failed with the reason on standard error,
   }
   options.domain = *domain;
   options.state_folder_given = state_folder->count() != 0;
-  // A program of the cell that speaks DDS itself, as the recorder does, finds the cell's domain.
+  // Programs of the cell that use DDS themselves, such as the recorder, find the cell's domain here.
   takt::os::set_environment("TAKT_DOMAIN", std::to_string(*domain));
   options.discovery = takt::client::discovery_of(network);
   options.interfaces = takt::client::interfaces();
@@ -120,7 +121,7 @@ Status: 0 ended in order, 1 refused or failed with the reason on standard error,
     options.discovery.serve = true;
     if (options.discovery.server.empty()) options.discovery.server = "0.0.0.0:" + std::to_string(port);
   }
-  // Not by way of the static objects of Fast DDS, which sleep for a while in their destructors.
+  // Skips the static objects of Fast DDS, whose destructors sleep for a while.
   const int status = takt::node::run_node(options);
   std::fflush(nullptr);
   std::_Exit(status);

@@ -22,16 +22,16 @@ int run_program(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(R"(
 Environment:
-  TAKT_COMPONENT_PATH         folders, separated by ':', where the files of components are looked up after the
-                              descriptor's own and before the ready components
-  TAKT_DOMAIN                 the DDS domain where no --domain is given
-  TAKT_INTERFACE              addresses, separated by ',', of the network cards that are used; all unless set
-  TAKT_SECURITY               the folder of takt secure that says who this is, where no --security is given
-  TAKT_SIGNED_BY              a certificate: components are used only if they are signed with its key
-  TAKT_STATE_DIR              where takt-node keeps what it is to resume, and its fault record
-  NO_COLOR                    no colours
+  TAKT_COMPONENT_PATH         folders, separated by ':', to search for components: after the descriptor's own
+                              folder, before the ready-made components
+  TAKT_DOMAIN                 the DDS domain, unless --domain is given
+  TAKT_INTERFACE              addresses, separated by ',', of the network interfaces to use (default: all)
+  TAKT_SECURITY               the folder of the identity to use (see takt secure), unless --security is given
+  TAKT_SIGNED_BY              a certificate: use only components that are signed with its key
+  TAKT_STATE_DIR              where takt-node keeps its fault record, and the deployment for --resume
+  NO_COLOR                    turns colours off
 
-Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong usage.)");
+Exit status: 0 success, 1 rejected or failed, with the reason on standard error, 2 wrong usage.)");
 
   Chosen chosen;
   for (const auto add : kCommands) add(app, chosen);
@@ -65,7 +65,7 @@ Status: 0 done, 1 refused or failed with the reason on standard error, 2 wrong u
 
 int main(int argc, char** argv) {
   const int status = run_program(argc, argv);
-  // Not by way of the static objects of Fast DDS, which sleep for a while in their destructors.
+  // Skip the static destructors: those of Fast DDS sleep for a while.
   std::fflush(nullptr);
   std::_Exit(status);
 }

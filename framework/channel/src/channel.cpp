@@ -23,7 +23,7 @@ const char* to_text(Doing doing) noexcept {
     case Doing::destruct:
       return "destruct()";
     case Doing::load:
-      return "its loading";
+      return "loading the component";
     case Doing::serve:
       return "the handler of a service";
   }
@@ -77,17 +77,17 @@ Result<Channel> Channel::attach(os::Fd fd) {
   Channel channel;
   channel.memory_ = std::move(*memory);
   if (channel.memory_.size() < sizeof(ChannelHeader))
-    return fail("this is no channel", "start the host by takt-node");
+    return fail("the memory is not a channel", "start the host with takt-node");
   const auto& header = at<ChannelHeader>(channel.memory_, 0);
   channel.hosts_ = header.hosts;
   channel.executors_ = header.executors;
   channel.modules_ = header.modules;
   const std::size_t size = channel.memory_.size();
-  // None is more than the bytes there are, so that their size is no number that has gone round.
+  // Each number is at most the size in bytes, so the computation of the whole size cannot overflow.
   if (header.magic != kChannelMagic || header.hosts > size || header.executors > size ||
       header.modules > size || size != size_of(header.hosts, header.executors, header.modules)) {
-    return fail("the channel was laid out by another version",
-                "install takt-node and takt-host of one version");
+    return fail("another version of Takt created the channel",
+                "install takt-node and takt-host of the same version");
   }
   return channel;
 }

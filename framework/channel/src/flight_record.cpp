@@ -65,8 +65,8 @@ Result<FlightRecord> FlightRecord::attach(os::Fd fd) {
   FlightRecord record;
   record.memory_ = std::move(*memory);
   const std::size_t size = record.memory_.size();
-  const Problems other{fail("the flight record was laid out by another version",
-                            "install takt-node and takt-host of one version")};
+  const Problems other{fail("another version of Takt created the flight record",
+                            "install takt-node and takt-host of the same version")};
   if (size < sizeof(FlightHeader)) return other;
   const FlightHeader header = *flight_at<FlightHeader>(record.memory_, 0);
   if (header.magic != kFlightMagic || header.rings > (size - sizeof(FlightHeader)) / sizeof(std::uint64_t))
@@ -75,7 +75,7 @@ Result<FlightRecord> FlightRecord::attach(os::Fd fd) {
   for (std::size_t i = 0; i < header.rings; ++i) {
     capacities.push_back(
         *flight_at<std::uint64_t>(record.memory_, sizeof(FlightHeader) + i * sizeof(std::uint64_t)));
-    // None is more than the bytes there are, so that their size is no number that has gone round.
+    // Each capacity is at most the size in bytes, so the computation of the whole size cannot overflow.
     if (!is_capacity(capacities.back()) || capacities.back() > size) return other;
   }
   record.places_ = places_of(capacities);
@@ -111,11 +111,11 @@ FlightCopy FlightRecord::copy(std::size_t index) const {
     const std::int64_t time_ns = entry.time_ns.load(std::memory_order_acquire);
     all.push_back(FlightWriter::unpack(time_ns, entry.what.load(std::memory_order_acquire)));
   }
-  // One more than is written may be half there, in the place of the oldest. SYNC: flight
+  // The entry after the last counted one may be partly written, in the place of the oldest. SYNC: flight
   const std::uint64_t now = ring(index).written.load(std::memory_order_relaxed);
   const std::uint64_t first = now + 1 > capacity ? now + 1 - capacity : 0;
   const std::uint64_t gone = first <= begin ? 0 : (first < end ? first : end) - begin;
-  // Of a ring that stood still its oldest entry may be there or not; nobody was kept from reading it.
+  // If the ring stood still, its oldest entry may or may not be in the copy. It does not count as lost.
   copy.lost = now == end ? 0 : gone;
   copy.entries.assign(all.begin() + static_cast<std::ptrdiff_t>(gone), all.end());
   copy.written = end;

@@ -13,10 +13,10 @@ Result<ModuleWatch> ModuleWatch::find() {
   };
   find(watch.enter_, "takt_check_enter");
   find(watch.leave_, "takt_check_leave");
-  // The library takes the variable when it is loaded.
+  // The library removes the variable when it is loaded.
   if (!os::environment(kCheckFd).empty() || (watch.enter_ == nullptr) != (watch.leave_ == nullptr)) {
-    return fail("the loader did not take libtakt_check.so",
-                "it must lie beside takt-host, which must have no capabilities of its own (setcap -r)");
+    return fail("the dynamic loader did not load libtakt_check.so",
+                "put it beside takt-host, and remove the file capabilities of takt-host (setcap -r)");
   }
   return watch;
 }

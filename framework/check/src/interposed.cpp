@@ -1,5 +1,5 @@
-// In front of the C library's functions that allocate or may wait. What these do in turn does not count
-// again.
+// Replaces the C library's functions that allocate or may wait, and records their calls. Calls that these
+// functions make themselves are not recorded.
 #include <dlfcn.h>
 #include <malloc.h>
 #include <pthread.h>
@@ -15,7 +15,7 @@
 namespace takt::check {
 namespace {
 
-/// The function is called, by whoever may not, or by us.
+/// Records a call of the function if a module makes it; then pauses recording until the call ends.
 class Call {
  public:
   Call(channel::ViolationKind kind, const char* function) noexcept {
@@ -41,7 +41,7 @@ void* __libc_memalign(std::size_t alignment, std::size_t size) noexcept;
 void __libc_free(void* block) noexcept;
 }
 
-// operator new and delete come here too.
+// operator new and delete end up here too.
 #pragma GCC visibility push(default)
 extern "C" {
 
@@ -88,7 +88,7 @@ void free(void* block) noexcept {
   __libc_free(block);
 }
 
-// The functions of condition variables have an old form too, which dlsym() may find first.
+// The functions of condition variables also have an old version, which dlsym() may find first.
 #define TAKT_IN_FRONT_OF(name, parameters, ...)                                                           \
   int name parameters noexcept(noexcept(::name(__VA_ARGS__))) {                                           \
     static std::atomic<int(*) parameters> real{nullptr};                                                  \

@@ -21,7 +21,7 @@ thread_local bool only_counted = false;
 thread_local std::uint64_t counted = 0;
 
 void faulted(int signal, siginfo_t* info, void* /*context*/) {
-  if (info->si_code != kFromPerf) {  // a breakpoint that nobody waits for
+  if (info->si_code != kFromPerf) {  // a breakpoint without a debugger
     ::signal(signal, SIG_DFL);
     ::raise(signal);
     return;
@@ -45,7 +45,7 @@ void watch_page_faults() noexcept {
   wanted.exclude_hv = 1;
   wanted.sigtrap = 1;
   wanted.remove_on_exec = 1;
-  // Stays open as long as the process: a thread that is watched runs until then.
+  // Stays open until the process ends, because watched threads run until then.
   const long fd = ::syscall(SYS_perf_event_open, &wanted, 0, -1, -1, PERF_FLAG_FD_CLOEXEC);
   only_counted = fd < 0;
   if (only_counted) is_blind(channel::ViolationLog::kNoFaultPlaces);

@@ -1,14 +1,14 @@
-// Page faults, as the kernel signals or counts them.
+// Detects page faults by the kernel's signals or counters.
 #pragma once
 
 namespace takt::check {
 
-/// Of this process: makes ready for the signals. Once.
+/// Installs the signal handler of this process. Call it once.
 void serve_page_faults() noexcept;
-/// Of the calling thread: from now on its faults are seen. Once a thread.
+/// From now on, faults of the calling thread are detected. Call it once per thread.
 void watch_page_faults() noexcept;
-/// Where faults have no place: records how many there were since it was called last, if these count. With a
-/// system call then; else nothing.
+/// If the kernel gives no place for faults: records the number of faults since the last call if
+/// `these_count`, at the cost of a system call. Otherwise does nothing.
 void count_page_faults(bool these_count) noexcept;
 
 }  // namespace takt::check

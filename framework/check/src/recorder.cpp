@@ -34,19 +34,19 @@ constexpr auto relaxed = std::memory_order_relaxed;
 constexpr char kAllow = 0;
 constexpr char kBlock = 1;
 
-/// Of one thread.
+/// The state of one thread.
 struct Mine {
   volatile char selector = kAllow;
   bool prepared = false;
-  std::uint64_t mark = 0;  ///< kInside, the hook, the module
+  std::uint64_t mark = 0;  ///< kInside, hook and module
 };
 constexpr std::uint64_t kInside = std::uint64_t{1} << 63;
 
 thread_local Mine mine;
 
 ViolationLog* violation_log = nullptr;
-FixedText<256> program;            // of this process
-const void* own_object = nullptr;  // where this library is loaded
+FixedText<256> program;            // path of this process's program
+const void* own_object = nullptr;  // address at which this library is loaded
 
 void take_log() noexcept {
   const char* fd = std::getenv(channel::kCheckFd);
@@ -59,7 +59,7 @@ void take_log() noexcept {
   if (memory == MAP_FAILED) return;
   ::close(number);
   ::unsetenv(channel::kCheckFd);
-  ::unsetenv("LD_PRELOAD");  // what this program starts is not checked
+  ::unsetenv("LD_PRELOAD");  // programs that this one starts are not checked
   violation_log = static_cast<ViolationLog*>(memory);
 }
 
@@ -69,7 +69,7 @@ void take_log() noexcept {
   std::array<char, PATH_MAX> path{};
   const ssize_t length = ::readlink("/proc/self/exe", path.data(), path.size() - 1);
   program.assign({path.data(), length > 0 ? static_cast<std::size_t>(length) : 0});
-  // The first time it loads a library, and allocates.
+  // The first call loads a library and allocates.
   std::array<void*, 2> frames{};
   ::backtrace(frames.data(), frames.size());
   take_log();
@@ -98,17 +98,17 @@ channel::CodePlace place_of(void* address) noexcept {
   if (::_dl_find_object(address, &object) != 0) return {0, reinterpret_cast<std::uintptr_t>(address)};
   const link_map* map = object.dlfo_link_map;
   const std::string_view name = map->l_name;
-  // An address that a call returns to is behind the call.
+  // A return address lies behind the call.
   return {object_number(name.empty() ? program.view() : name),
           reinterpret_cast<std::uintptr_t>(address) - map->l_addr - 1};
 }
 
-bool is_ours(void* address) noexcept {
+bool is_in_this_library(void* address) noexcept {
   dl_find_object object{};
   return ::_dl_find_object(address, &object) == 0 && object.dlfo_map_start == own_object;
 }
 
-// The entry of this key: found, or claimed and then to be filled in.
+// The entry with this key: either found, or claimed and still to be filled in.
 struct Found {
   Violation* entry;
   bool claimed;
@@ -116,7 +116,7 @@ struct Found {
 Found entry_of(std::uint64_t key) noexcept {
   for (Violation& entry : violation_log->violations) {
     std::uint64_t there = entry.key.load(relaxed);
-    // SYNC: violation claimed. Whoever changes 0 into its key has the entry.
+    // SYNC: violation claimed. The thread that changes 0 into its key owns the entry.
     if (there == 0 && entry.key.compare_exchange_strong(there, key, relaxed)) return {&entry, true};
     if (there == key) return {&entry, false};
   }
@@ -133,38 +133,38 @@ Pause::~Pause() { mine.selector = before_; }
 
 void is_blind(std::uint32_t bit) noexcept { violation_log->blind.fetch_or(bit, relaxed); }
 
-void record(const Deed& deed) noexcept {
-  // Those of this library come first, and are nobody's deed.
+void record(const Occurrence& occurrence) noexcept {
+  // The innermost frames belong to this library and are skipped.
   constexpr int kOwn = 8;
   std::array<void*, Violation::kFrames + kOwn> frames{};
-  const int all = deed.placed ? ::backtrace(frames.data(), static_cast<int>(frames.size())) : 0;
+  const int all = occurrence.placed ? ::backtrace(frames.data(), static_cast<int>(frames.size())) : 0;
   int first = 0;
-  while (first < all && is_ours(frames[static_cast<std::size_t>(first)])) ++first;
+  while (first < all && is_in_this_library(frames[static_cast<std::size_t>(first)])) ++first;
   const std::size_t depth = std::min<std::size_t>(static_cast<std::size_t>(all - first), Violation::kFrames);
   void* const* const stack = frames.data() + first;
 
   std::uint64_t key = 0xcbf29ce484222325;  // FNV-1a
   const auto add = [&key](std::uint64_t value) { key = (key ^ value) * 0x100000001b3; };
   add(mine.mark);
-  add(static_cast<std::uint64_t>(deed.kind));
-  add(static_cast<std::uint64_t>(deed.system_call));
-  add(reinterpret_cast<std::uintptr_t>(deed.function));
+  add(static_cast<std::uint64_t>(occurrence.kind));
+  add(static_cast<std::uint64_t>(occurrence.system_call));
+  add(reinterpret_cast<std::uintptr_t>(occurrence.function));
   for (std::size_t i = 0; i < depth; ++i) add(reinterpret_cast<std::uintptr_t>(stack[i]));
   const auto [entry, claimed] = entry_of(key == 0 ? 1 : key);
   if (entry == nullptr) {
-    violation_log->dropped.fetch_add(deed.times, relaxed);
+    violation_log->dropped.fetch_add(occurrence.times, relaxed);
     return;
   }
-  entry->count.fetch_add(deed.times, relaxed);
+  entry->count.fetch_add(occurrence.times, relaxed);
   if (!claimed) return;
   entry->module = static_cast<std::uint32_t>(mine.mark);
   entry->hook = static_cast<channel::Doing>((mine.mark & ~kInside) >> 32);
-  entry->kind = deed.kind;
-  entry->system_call = deed.system_call;
-  entry->function.assign(deed.function);
+  entry->kind = occurrence.kind;
+  entry->system_call = occurrence.system_call;
+  entry->function.assign(occurrence.function);
   entry->depth = static_cast<std::uint32_t>(depth);
   for (std::size_t i = 0; i < depth; ++i) entry->frames[i] = place_of(stack[i]);
-  if (deed.exact && depth > 0) ++entry->frames[0].address;
+  if (occurrence.exact && depth > 0) ++entry->frames[0].address;
   entry->ready.store(1, std::memory_order_release);  // SYNC: violation
 }
 
@@ -175,7 +175,7 @@ extern "C" {
 [[gnu::visibility("default")]] std::uint64_t takt_check_enter(std::uint32_t module, std::uint32_t hook) {
   using namespace takt::check;
   if (violation_log == nullptr) return 0;
-  mine.selector = kAllow;  // it may be within another mark
+  mine.selector = kAllow;  // marks may be nested
   if (!mine.prepared) {
     mine.prepared = true;
     watch_system_calls();

@@ -1,4 +1,4 @@
-// Whether what the calling thread does counts just now, and where it is written down.
+// Records the violations of the calling thread while it runs a module.
 #pragma once
 
 #include <cstdint>
@@ -7,38 +7,38 @@
 
 namespace takt::check {
 
-/// Whether the calling thread is in a module, and not in what this library does for it.
+/// Whether violations of the calling thread count: it is in a module, and not in this library's own code.
 bool counts() noexcept;
 
-/// Nothing that the calling thread does counts while this lives.
+/// While this object exists, nothing that the calling thread does counts.
 class Pause {
  public:
   Pause() noexcept;
   ~Pause();
   Pause(const Pause&) = delete;
   Pause& operator=(const Pause&) = delete;
-  /// It goes on after the end of this, until the thread enters a module again.
+  /// Extends the pause beyond this object, until the thread enters a module again.
   void goes_on() noexcept { before_ = 0; }
 
  private:
   char before_;
 };
 
-/// What the thread just did, with the calls that led there. Only while it counts, with a Pause.
-struct Deed {
+/// A violation of the calling thread. Record it only if counts(), and within a Pause.
+struct Occurrence {
   channel::ViolationKind kind = channel::ViolationKind::allocation;
   const char* function = "";
   std::int64_t system_call = 0;
   std::uint64_t times = 1;
-  bool exact = false;  ///< the innermost place is an instruction, not what a call returns to
-  bool placed = true;  ///< the calls that led here are those that led to it
+  bool exact = false;  ///< the innermost address is the instruction itself, not a return address
+  bool placed = true;  ///< the present call stack is that of the violation
 };
-void record(const Deed& deed) noexcept;
+void record(const Occurrence& occurrence) noexcept;
 
-/// Something that this machine does not show.
+/// Notes a kind of violation that this machine cannot detect.
 void is_blind(std::uint32_t bit) noexcept;
 
-/// The byte that tells the kernel, too, whether the calling thread's system calls count.
+/// The byte from which the kernel reads whether the calling thread's system calls count.
 char* selector() noexcept;
 
 }  // namespace takt::check

@@ -1,4 +1,5 @@
-// A signal handler that ends by our own way back to the kernel, where the kernel would hand over any other.
+// Installs a signal handler that returns to the kernel through this library's gate. The kernel would
+// intercept any other return, because it is a system call too.
 #pragma once
 
 #include <signal.h>
@@ -18,7 +19,7 @@ using SignalHandler = void (*)(int signal, siginfo_t* info, void* context);
 inline void handle(int signal, SignalHandler handler) noexcept {
 #if defined(__x86_64__)
   constexpr unsigned long kHasRestorer = 0x04000000;  // SA_RESTORER
-  // As the kernel has it (asm/signal.h).
+  // The kernel's own structure (asm/signal.h).
   struct {
     SignalHandler handler;
     unsigned long flags;

@@ -15,14 +15,15 @@
 
 #if defined(__x86_64__)
 
-// linux/prctl.h of Debian 12 has them; older ones do not.
+// linux/prctl.h of Debian 12 defines these; older versions do not.
 #ifndef PR_SET_SYSCALL_USER_DISPATCH
 #define PR_SET_SYSCALL_USER_DISPATCH 59
 #define PR_SYS_DISPATCH_ON 1
 #endif
 
-// The only code whose system calls the kernel lets through while they count: one that makes those that were
-// handed over, and the end of our signal handlers, which the unwinder knows by its bytes.
+// The gate: the only code whose system calls the kernel does not intercept. It contains the function that
+// makes the intercepted calls, and the return of the signal handlers, which the unwinder recognizes by its
+// bytes.
 extern "C" {
 extern const char takt_check_gate[];      // NOLINT(modernize-avoid-c-arrays)
 extern const char takt_check_gate_end[];  // NOLINT(modernize-avoid-c-arrays)
@@ -49,7 +50,7 @@ takt_check_system_call:
 takt_check_restorer:
   movq $15, %rax
   syscall
-  ud2  # a call is where it returns to, so this is within the gate too
+  ud2  # a system call counts as at its return address, so this must be within the gate too
 takt_check_gate_end:
 )");
 
@@ -60,7 +61,7 @@ namespace {
 constexpr int kUserDispatch = 2;  // SYS_USER_DISPATCH
 constexpr int kInstruction = 2;   // bytes of `syscall`
 
-// What would be of no effect, or of a wrong one, if a signal handler did it for the thread.
+// System calls that would have no effect, or a wrong one, if a signal handler made them for the thread.
 bool only_the_thread_can(int number) noexcept {
   switch (number) {
     case SYS_rt_sigreturn:
@@ -81,7 +82,7 @@ bool only_the_thread_can(int number) noexcept {
   }
 }
 
-void handed_over(int /*signal*/, siginfo_t* info, void* context) {
+void intercepted(int /*signal*/, siginfo_t* info, void* context) {
   if (info->si_code != kUserDispatch) return;
   auto& registers = static_cast<ucontext_t*>(context)->uc_mcontext.gregs;
   const int number = info->si_syscall;
@@ -100,7 +101,7 @@ void handed_over(int /*signal*/, siginfo_t* info, void* context) {
 
 }  // namespace
 
-void serve_system_calls() noexcept { handle(SIGSYS, handed_over); }
+void serve_system_calls() noexcept { handle(SIGSYS, intercepted); }
 
 void watch_system_calls() noexcept {
   const auto length = static_cast<std::size_t>(takt_check_gate_end - takt_check_gate);

@@ -1,11 +1,11 @@
-// System calls, as the kernel hands them over.
+// Intercepts system calls with the help of the kernel.
 #pragma once
 
 namespace takt::check {
 
-/// Of this process: makes ready for what the kernel will hand over. Once.
+/// Installs the signal handler of this process. Call it once.
 void serve_system_calls() noexcept;
-/// Of the calling thread: from now on its system calls are handed over while they count. Once a thread.
+/// From now on, system calls of the calling thread are intercepted while they count. Call it once per thread.
 void watch_system_calls() noexcept;
 
 }  // namespace takt::check

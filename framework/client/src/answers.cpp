@@ -38,10 +38,10 @@ Problems of_device(const std::string& device, Problems problems) {
   return problems;
 }
 
-model::CellPorts ports_of(const model::Cell& cell, const std::vector<dds::WholeReply>& replies) {
+model::CellPorts ports_of(const model::Cell& cell, const std::vector<wire::WholeReply>& replies) {
   model::CellPorts ports;
   for (const model::Device& device : cell.devices) ports.emplace_back(device.modules.size());
-  for (const dds::WholeReply& reply : replies) {
+  for (const wire::WholeReply& reply : replies) {
     const json data = model::parse_json(reply.data);
     if (!data.is_object()) continue;
     for (const json& entry : data.value("modules", json::array())) {
@@ -58,12 +58,12 @@ model::CellPorts ports_of(const model::Cell& cell, const std::vector<dds::WholeR
   return ports;
 }
 
-void SignOfLife::give(Operator& asker, const std::vector<std::string>& devices,
-                      const std::function<Question(CommandKind, const std::string& device)>& question) {
+void KeepAlive::send(Operator& asker, const std::vector<std::string>& devices,
+                     const std::function<Question(CommandKind, const std::string& device)>& question) {
   constexpr std::chrono::seconds kEvery{4};
   constexpr std::chrono::milliseconds kAnswered{500};
   if (std::chrono::steady_clock::now() - last_ < kEvery) return;
-  given();
+  sent();
   std::vector<Question> questions;
   for (const std::string& device : devices) {
     questions.push_back(question(COMMAND_REPORT, device));

@@ -1,4 +1,4 @@
-// What deploying a cell and updating it share: the answers of all devices together, and being heard by them.
+// Shared by deploy() and update(): evaluates the answers of all devices, and sends them keep-alives.
 #pragma once
 
 #include <chrono>
@@ -15,24 +15,25 @@
 
 namespace takt::client {
 
-/// Of the clock of this machine.
+/// The wall clock of this machine, ns since 1970.
 std::int64_t wall_ns();
-/// One that nobody else has.
+/// A random id of 16 hexadecimal digits.
 std::string new_id();
-/// Problems that a device gave, with its name where they do not say it.
+/// Adds the device's name to each problem that does not mention it.
 Problems of_device(const std::string& device, Problems problems);
-/// What each device said of the ports of its modules: together they can be held against the connections.
-model::CellPorts ports_of(const model::Cell& cell, const std::vector<dds::WholeReply>& replies);
+/// The ports of all modules of the cell, as the devices reported them. The connections of the whole cell can
+/// then be checked against them.
+model::CellPorts ports_of(const model::Cell& cell, const std::vector<wire::WholeReply>& replies);
 
-/// A device that holds something for us undoes it when it hears nothing for a while, as when we have died.
-/// While others take longer than that it is told that we live.
-class SignOfLife {
+/// A device undoes what it has prepared if it receives nothing from this program for a while, because the
+/// program may have died. Keep-alives prevent that while another device takes long.
+class KeepAlive {
  public:
-  /// Asks each for its report, where the last time that they heard us was some seconds ago.
-  void give(Operator& asker, const std::vector<std::string>& devices,
+  /// Asks each device for its report, if the last message to the devices was some seconds ago.
+  void send(Operator& asker, const std::vector<std::string>& devices,
             const std::function<Question(CommandKind, const std::string& device)>& question);
-  /// They hear us at this moment.
-  void given() noexcept { last_ = std::chrono::steady_clock::now(); }
+  /// A message to all devices is being sent now.
+  void sent() noexcept { last_ = std::chrono::steady_clock::now(); }
 
  private:
   std::chrono::steady_clock::time_point last_{};

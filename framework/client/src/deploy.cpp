@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/ports.hpp>
 #include <takt/model/safe.hpp>
@@ -30,19 +30,19 @@ class Deployment {
 
  private:
   [[nodiscard]] bool cancelled() const { return options_.cancelled && options_.cancelled(); }
-  void tell(const std::string& text) const {
+  void show_progress(const std::string& text) const {
     if (options_.progress) options_.progress(text);
   }
   Question question(CommandKind kind, const std::string& device) const;
-  // One answer of each device, and every reason why one is not a yes.
-  Problems ask(const std::vector<Question>& questions, std::vector<dds::WholeReply>* replies = nullptr);
+  // Asks all devices; returns every reason for which one did not accept.
+  Problems ask(const std::vector<Question>& questions, std::vector<wire::WholeReply>* replies = nullptr);
 
   Operator& asker_;
   const model::Cell& cell_;
   const DeployOptions& options_;
   std::string id_;
-  std::string safe_;  // the safe values of all outputs: each device knows its own components only
-  SignOfLife sign_of_life_;
+  std::string safe_;  // the safe values of all outputs, as JSON; each device knows only its own components
+  KeepAlive keep_alive_;
 };
 
 Question Deployment::question(CommandKind kind, const std::string& device) const {
@@ -52,14 +52,14 @@ Question Deployment::question(CommandKind kind, const std::string& device) const
   return question;
 }
 
-Problems Deployment::ask(const std::vector<Question>& questions, std::vector<dds::WholeReply>* replies) {
+Problems Deployment::ask(const std::vector<Question>& questions, std::vector<wire::WholeReply>* replies) {
   Problems problems;
   std::vector<std::string> names;
   for (const model::Device& device : cell_.devices) names.push_back(device.name);
-  sign_of_life_.given();
+  keep_alive_.sent();
   auto answers = asker_.ask(questions, [&] {
-    sign_of_life_.give(asker_, names,
-                       [this](CommandKind kind, const std::string& name) { return question(kind, name); });
+    keep_alive_.send(asker_, names,
+                     [this](CommandKind kind, const std::string& name) { return question(kind, name); });
     return cancelled();
   });
   for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -69,26 +69,26 @@ Problems Deployment::ask(const std::vector<Question>& questions, std::vector<dds
     const Problems reasons = of_device(questions[i].device, answer.problems());
     problems.insert(problems.end(), reasons.begin(), reasons.end());
   }
-  if (cancelled()) return {fail("it was given up before all devices were ready")};
+  if (cancelled()) return {fail("cancelled before all devices were ready")};
   return problems;
 }
 
-// Every device exactly once, and free.
+// Each device must be there exactly once, without a deployment.
 Problems Deployment::find() {
-  const auto nodes = [](const std::vector<dds::ObservedDevice>& devices, const model::Device& device) {
-    std::vector<dds::ObservedDevice> found;
-    for (const dds::ObservedDevice& seen : devices) {
+  const auto nodes = [](const std::vector<wire::ObservedDevice>& devices, const model::Device& device) {
+    std::vector<wire::ObservedDevice> found;
+    for (const wire::ObservedDevice& seen : devices) {
       if (seen.alive && seen.name() == device.name) found.push_back(seen);
     }
     return found;
   };
-  const auto expected = [this](const dds::ObservedDevice& seen) {
+  const auto expected = [this](const wire::ObservedDevice& seen) {
     const auto process = options_.process_ids.find(seen.name());
     return process == options_.process_ids.end() || process->second == seen.status.process_id();
   };
   std::set<std::string> missing;
   asker_.observer().wait(
-      [&](const std::vector<dds::ObservedDevice>& devices) {
+      [&](const std::vector<wire::ObservedDevice>& devices) {
         std::set<std::string> now;
         for (const model::Device& device : cell_.devices) {
           const auto found = nodes(devices, device);
@@ -97,13 +97,13 @@ Problems Deployment::find() {
         if (now != missing && !now.empty()) {
           std::string names;
           for (const std::string& name : now) names += (names.empty() ? "" : ", ") + name;
-          tell("waiting for " + names);
+          show_progress("waiting for " + names);
         }
         missing = now;
         return missing.empty() || cancelled();
       },
-      options_.discovery);
-  if (cancelled()) return {fail("it was given up before all devices were found")};
+      std::max(options_.discovery, asker_.search_limit()));
+  if (cancelled()) return {fail("cancelled before all devices were found")};
 
   Problems problems;
   const auto devices = asker_.observer().devices();
@@ -113,11 +113,11 @@ Problems Deployment::find() {
     const auto found = nodes(devices, device);
     if (found.empty()) {
       problems.push_back(
-          {where, "it is not on " + domain,
+          {where, "not found on " + domain,
            "start it: takt-node --device " + device.name + " --domain " + std::to_string(asker_.domain())});
     } else if (found.size() > 1) {
       std::string places;
-      for (const dds::ObservedDevice& seen : found) {
+      for (const wire::ObservedDevice& seen : found) {
         places += (places.empty() ? "process " : ", process ") + std::to_string(seen.status.process_id()) +
                   " on " + seen.status.host_name().to_string();
       }
@@ -126,7 +126,7 @@ Problems Deployment::find() {
            "end all but one of them, or use another domain"});
     } else if (!expected(found[0])) {
       problems.push_back({where, "another node has this name on " + domain, "use another domain"});
-    } else if (found[0].status.cell() != std::string{dds::kNoCell}) {
+    } else if (found[0].status.cell() != std::string{wire::kNoCell}) {
       const std::string cell = found[0].status.cell().to_string();
       const bool over = found[0].status.state() == DEVICE_ENDED;
       std::string fix = "undeploy it first: takt undeploy " + cell;
@@ -140,18 +140,18 @@ Problems Deployment::find() {
 }
 
 Problems Deployment::prepare(const std::string& text) {
-  tell("preparing " + std::to_string(cell_.devices.size()) +
-       (cell_.devices.size() == 1 ? " device" : " devices"));
+  show_progress("preparing " + std::to_string(cell_.devices.size()) +
+                (cell_.devices.size() == 1 ? " device" : " devices"));
   std::vector<Question> questions;
   for (const model::Device& device : cell_.devices) {
     Question q = question(COMMAND_PREPARE, device.name);
-    q.property = options_.require_real_time ? dds::kRequireRealTime : "";
-    q.value = dds::cut(cell_.file, 255);
+    q.property = options_.require_real_time ? wire::kRequireRealTime : "";
+    q.value = wire::cut(cell_.file, 255);
     q.data = text;
     q.limit.reset();
     questions.push_back(std::move(q));
   }
-  std::vector<dds::WholeReply> replies;
+  std::vector<wire::WholeReply> replies;
   if (Problems problems = ask(questions, &replies); !problems.empty()) return problems;
   const model::CellPorts ports = ports_of(cell_, replies);
   safe_ = model::safe_json(model::safe_outputs(cell_, ports));
@@ -172,12 +172,12 @@ Problems Deployment::run(std::int64_t t0_ns) {
 }
 
 void Deployment::undo() {
-  tell("undoing it");
+  show_progress("undoing the deployment");
   Devices devices{.names = {}, .process_ids = options_.process_ids, .deployment = id_};
   for (const model::Device& device : cell_.devices) {
-    // One that is not there has nothing to undo, and is not waited for.
+    // A device that is not there has nothing to undo; do not wait for it.
     const auto seen = asker_.observer().devices(device.name);
-    if (std::any_of(seen.begin(), seen.end(), [](const dds::ObservedDevice& s) { return s.alive; }))
+    if (std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& s) { return s.alive; }))
       devices.names.push_back(device.name);
   }
   auto undone = undeploy(asker_, devices, [this] { static_cast<void>(cancelled()); });
@@ -188,8 +188,8 @@ void Deployment::undo() {
 
 Result<Deployed> deploy(Operator& asker, const model::Cell& cell, const std::string& text,
                         const DeployOptions& options) {
-  if (text.size() > dds::kMaxData)
-    return fail("the descriptor has more than " + std::to_string(dds::kMaxData >> 20U) + " MiB",
+  if (text.size() > wire::kMaxData)
+    return fail("the descriptor has more than " + std::to_string(wire::kMaxData >> 20U) + " MiB",
                 "make it smaller");
   Deployment deployment{asker, cell, options};
   if (Problems problems = deployment.find(); !problems.empty()) return problems;
@@ -229,7 +229,7 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
       if (data.is_object()) {
         one.report = data.value("report", json{});
         for (const std::string& failure : data.value("failures", std::vector<std::string>{})) {
-          // A module that failed in the same way twice is told of once.
+          // Report repeated failures of one module only once.
           if (std::find(one.failures.begin(), one.failures.end(), failure) == one.failures.end())
             one.failures.push_back(failure);
         }
@@ -244,28 +244,28 @@ std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
 
 Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
   const Observer& observer = asker.observer();
-  const auto of_cell = [&cell](const std::vector<dds::ObservedDevice>& devices) {
+  const auto of_cell = [&cell](const std::vector<wire::ObservedDevice>& devices) {
     std::set<std::string> names;
-    for (const dds::ObservedDevice& seen : devices) {
+    for (const wire::ObservedDevice& seen : devices) {
       if (seen.alive && seen.status.cell() == cell) names.insert(seen.name());
     }
     return names;
   };
-  constexpr std::chrono::seconds kFound{3};
-  observer.wait([&](const auto& devices) { return !of_cell(devices).empty(); }, kFound);
+  const Nanoseconds limit = asker.search_limit();
+  observer.wait([&](const auto& devices) { return !of_cell(devices).empty(); }, limit);
   std::set<std::string> names = of_cell(observer.devices());
   if (names.empty()) {
     std::set<std::string> cells;
-    for (const dds::ObservedDevice& seen : observer.devices()) {
-      if (seen.alive && seen.status.cell() != std::string{dds::kNoCell})
+    for (const wire::ObservedDevice& seen : observer.devices()) {
+      if (seen.alive && seen.status.cell() != std::string{wire::kNoCell})
         cells.insert(seen.status.cell().to_string());
     }
     std::string list;
     for (const std::string& name : cells) list += (list.empty() ? "" : ", ") + name;
-    return fail("no device on domain " + std::to_string(asker.domain()) + " runs a cell " + cell,
-                list.empty() ? "none runs any cell" : "there is " + list);
+    return fail("no device on domain " + std::to_string(asker.domain()) + " runs cell " + cell,
+                list.empty() ? "no cell runs on this domain" : "cells on this domain: " + list);
   }
-  // Any of them knows which devices the cell has; those that are there and were not found yet are waited for.
+  // Any device of the cell knows all others. Wait for those that are there but not discovered yet.
   const auto answer = accepted(asker.ask({.kind = COMMAND_REPORT, .device = *names.begin()}));
   std::set<std::string> lost;
   if (answer) {
@@ -282,7 +282,7 @@ Result<CellDevices> devices_of(Operator& asker, const std::string& cell) {
           const auto found = of_cell(devices);
           return std::includes(found.begin(), found.end(), whole.begin(), whole.end());
         },
-        kFound);
+        limit);
     names = of_cell(observer.devices());
   }
   for (const std::string& name : names) lost.erase(name);

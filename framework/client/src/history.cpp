@@ -8,12 +8,12 @@ namespace takt::client {
 
 namespace {
 
-/// Statistics come once a second, a little earlier or later.
+/// Statistics come about once a second; closer ones are skipped.
 constexpr std::int64_t kApart_ms = 900;
 
 std::int64_t milliseconds_of(std::int64_t ns) { return ns / 1'000'000; }
 
-/// The sum of what was measured, of the mean of all of it, less the same of before.
+/// The mean of the measurements since the previous statistics, from both overall means and counts.
 double between(double mean, double count, double mean_before, double count_before) {
   return (mean * count - mean_before * count_before) / (count - count_before);
 }
@@ -40,7 +40,7 @@ void History::add(Module& module, const ModuleStatistics& now) {
                                   loaded_afresh ? 0 : mean_square(before.jitter_us()), count_before);
     const double run =
         between(now.run_us().mean(), count, loaded_afresh ? 0 : before.run_us().mean(), count_before);
-    // What the digits of a double do not hold any more.
+    // Rounding may make the difference slightly negative.
     entry.jitter = value(std::sqrt(std::max(square, 0.0)));
     entry.run = value(std::max(run, 0.0));
   }
@@ -53,9 +53,9 @@ void History::add(Module& module, const ModuleStatistics& now) {
   module.next = (module.next + 1) % kSeconds;
 }
 
-void History::hear(const std::vector<dds::ObservedDevice>& devices) {
+void History::hear(const std::vector<wire::ObservedDevice>& devices) {
   for (auto& [name, module] : modules_) module.seen = false;
-  for (const dds::ObservedDevice& device : devices) {
+  for (const wire::ObservedDevice& device : devices) {
     for (const auto& [name, statistics] : device.deployment.statistics) {
       const std::string path = device.name() + "." + name;
       auto found = modules_.find(path);

@@ -19,23 +19,23 @@ Result<std::string> identity_of(const Network& network) {
   if (!identity) return identity.problems();
   const security::Subject& subject = identity->subject;
   if (!chosen.passed_over.empty()) {
-    // Not how to mend it: who was revoked is to stay so.
+    // Without the cures: a revoked operator is to stay revoked.
     for (const Problem& problem : chosen.passed_over)
       std::fprintf(stderr, "%s: %s\n", problem.where.c_str(), problem.what.c_str());
-    std::fprintf(stderr, "so it is operator %s who asks\n", subject.name.c_str());
+    std::fprintf(stderr, "using the identity of operator %s instead\n", subject.name.c_str());
   }
   if (subject.role == Role::operator_ || subject.role == Role::observer) return chosen.folder;
   return Problem{chosen.folder,
                  std::string{"this is the identity of "} + to_text(subject.role) + " " + subject.name +
                      ", not of an operator or observer",
-                 "name the folder of one, as DIR/operators/NAME"};
+                 "give the folder of one, such as DIR/operators/NAME"};
 }
 
 Result<void> may_write(const dds::Participant& participant, const std::string& what) {
   const auto& identity = participant.identity();
   if (!identity || identity->subject.role != Role::observer) return {};
-  return Problem{identity->folder, "observer " + identity->subject.name + " may look and not " + what,
-                 "name the folder of an operator, as DIR/operators/NAME"};
+  return Problem{identity->folder, "observer " + identity->subject.name + " may only observe, not " + what,
+                 "give the folder of an operator, such as DIR/operators/NAME"};
 }
 
 }  // namespace takt::client

@@ -12,7 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/dds/fault.hpp>
+#include <takt/wire/fault.hpp>
 #include <takt/dds/topics.hpp>
 #include <takt/model/json.hpp>
 #include "reports.hpp"
@@ -24,7 +24,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using json = nlohmann::ordered_json;
 
-/// Within which the last events of a node have come that was found.
+/// A newly found node sends its last events within this time.
 constexpr std::chrono::seconds kLastEvents{3};
 
 Question question_of(const std::string& device, const model::FaultFilter& filter) {
@@ -32,18 +32,19 @@ Question question_of(const std::string& device, const model::FaultFilter& filter
 }
 
 Problem unreadable(const std::string& device) {
-  return {"device " + device, "its log cannot be read", "is it of the same version?"};
+  return {"device " + device, "its answer is not a fault record",
+          "check that it runs the same version of Takt"};
 }
 
-// Each once: two nodes of one name are said by whatever they are asked.
+// Adds each problem once: that two nodes have one name comes back as the answer to every question.
 void add_new(Problems& problems, const Problems& more) {
   for (const Problem& problem : more) {
     if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
   }
 }
 
-// What one node answered; the devices that it misses go to `missed`.
-void add_events_of(Log& log, const std::string& device, const dds::WholeReply& reply,
+// Adds the events that one node answered; the devices that it has lost go to `missed`.
+void add_events_of(Log& log, const std::string& device, const wire::WholeReply& reply,
                    std::set<std::string>* missed) {
   const json value = model::parse_json(reply.data);
   try {
@@ -70,7 +71,7 @@ void add_events_of(Log& log, const std::string& device, const dds::WholeReply& r
 }  // namespace
 
 void sort_by_time(std::vector<model::Fault>& events) {
-  // What was put together may be older than what was let through before it: it keeps its place.
+  // A merged event may be older than a later-numbered one that passed the rate limit: it keeps its place.
   std::stable_sort(events.begin(), events.end(),
                    [](const auto& a, const auto& b) { return a.sequence < b.sequence; });
   std::map<std::string, std::int64_t> newest;
@@ -97,11 +98,11 @@ Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limi
     const auto reports = all_reports(asker, limit);
     if (!reports) {
       log.problems = reports.problems();
-      log.problems[0].fix += "; of a node that is gone, read its file with --file";
+      log.problems[0].fix += "; to read the fault record of a stopped node, use --file";
       return log;
     }
     log.problems = reports->problems;
-    for (const dds::ObservedDevice& seen : asker.observer().devices())
+    for (const wire::ObservedDevice& seen : asker.observer().devices())
       (seen.alive ? names : missed).insert(seen.name());
     for (const auto& [name, modules] : reports->lost) missed.insert(name);
     not_found = reports->missing();
@@ -118,15 +119,15 @@ Log read_log(Operator& asker, const model::FaultFilter& filter, Nanoseconds limi
   }
   for (const std::string& name : missed) {
     if (names.contains(name)) continue;
-    log.problems.push_back({"device " + name, "it is lost: what it recorded is on its machine alone",
-                            "start its node again, or read its file there with takt log --file"});
+    log.problems.push_back({"device " + name, "it is lost; its fault record can be read only on its machine",
+                            "start its node again, or read the file there with takt log --file"});
   }
   for (const std::string& name : not_found) {
     if (names.contains(name) || missed.contains(name)) continue;
     log.problems.push_back(
         {"device " + name,
-         "others of its cell name it, and it was not found from here within " + takt::to_text(limit),
-         "ask again, or read its file on its machine with takt log --file"});
+         "other devices of its cell list it, but it was not found from here within " + takt::to_text(limit),
+         "try again, or read the file on its machine with takt log --file"});
   }
   sort_by_time(log.events);
   if (filter.last && log.events.size() > *filter.last)
@@ -138,15 +139,15 @@ struct LogFollower::Inside {
   struct Place {
     std::uint64_t sequence = 0;
     std::int64_t time_ns = 0;
-    std::optional<Clock::time_point> found{};  ///< after us
+    std::optional<Clock::time_point> found{};  ///< when its node was found, if after this follower started
   };
 
   std::mutex mutex;
   std::condition_variable came;
   std::deque<model::Fault> news;
-  std::map<std::string, Place> places;  ///< by device: what was told last
+  std::map<std::string, Place> places;  ///< the last event returned, by device
   std::int64_t began_ns = 0;
-  std::optional<dds::Reader<FaultEvent>> reader;  // last: nothing is heard after it is gone
+  std::optional<dds::Reader<FaultEvent>> reader;  // last member: destroyed first, so that no callback comes
 };
 
 LogFollower::LogFollower(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
@@ -158,10 +159,10 @@ Result<std::unique_ptr<LogFollower>> LogFollower::create(std::shared_ptr<dds::Pa
   place->began_ns =
       std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
   auto reader = dds::Reader<FaultEvent>::create(std::move(participant),
-                                                {.sample = [place](const FaultEvent& event, dds::WriterId) {
+                                                {.sample = [place](const FaultEvent& event, wire::WriterId) {
                                                   {
                                                     const std::lock_guard lock{place->mutex};
-                                                    place->news.push_back(dds::from_wire(event));
+                                                    place->news.push_back(wire::from_wire(event));
                                                   }
                                                   place->came.notify_all();
                                                 }});
@@ -182,31 +183,31 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
     inside_->came.wait_for(lock, limit, [this] { return !inside_->news.empty(); });
     news.swap(inside_->news);
   }
-  std::vector<model::Fault> told;
-  const auto tell = [&told](Inside::Place& place, model::Fault fault) {
+  std::vector<model::Fault> events;
+  const auto add = [&events](Inside::Place& place, model::Fault fault) {
     place.sequence = fault.sequence;
     place.time_ns = std::max(place.time_ns, fault.time_ns);
-    told.push_back(std::move(fault));
+    events.push_back(std::move(fault));
   };
   for (model::Fault& fault : news) {
     const auto [at, added] = inside_->places.try_emplace(fault.device);
     Inside::Place& place = at->second;
     const auto now = Clock::now();
     if (added) place.found = now;
-    // Its node came after us and tells its last events at once: what was before us is no news. Afterwards all
-    // is, whatever its clock.
+    // A node that appears after this follower sends its last events at once: skip those from before. After
+    // kLastEvents every event counts, whatever the node's clock.
     if (place.found && now - *place.found < kLastEvents && fault.time_ns < inside_->began_ns) {
       place.sequence = fault.sequence;
       place.time_ns = std::max(place.time_ns, fault.time_ns);
       continue;
     }
     if (added) {
-      tell(place, std::move(fault));
+      add(place, std::move(fault));
       continue;
     }
     if (fault.sequence <= place.sequence) {
-      // Told already; unless its node lost its record and counts from 1 again.
-      if (fault.time_ns > place.time_ns) tell(place, std::move(fault));
+      // Already returned, unless the node lost its record and counts from 1 again.
+      if (fault.time_ns > place.time_ns) add(place, std::move(fault));
       continue;
     }
     if (fault.sequence > place.sequence + 1 && place.sequence != 0) {
@@ -215,7 +216,7 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
       Log log;
       if (answer) add_events_of(log, fault.device, *answer, nullptr);
       for (model::Fault& each : log.events) {
-        if (each.sequence > place.sequence && each.sequence < fault.sequence) tell(place, std::move(each));
+        if (each.sequence > place.sequence && each.sequence < fault.sequence) add(place, std::move(each));
       }
       if (fault.sequence > place.sequence + 1) {
         problems.push_back({"device " + fault.device,
@@ -224,9 +225,9 @@ std::vector<model::Fault> LogFollower::next(Operator& asker, Nanoseconds limit, 
                             ""});
       }
     }
-    tell(place, std::move(fault));
+    add(place, std::move(fault));
   }
-  return told;
+  return events;
 }
 
 }  // namespace takt::client

@@ -31,7 +31,7 @@ Result<int> domain_of(const Network& network, const model::Cell* cell) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
   if (error != std::errc{} || end != text.data() + text.size() || domain < 0 || domain > model::kMaxDomain)
     return fail("TAKT_DOMAIN is " + in_quotes(text),
-                "a domain is a number from 0 to " + std::to_string(model::kMaxDomain));
+                "set it to a number from 0 to " + std::to_string(model::kMaxDomain));
   return domain;
 }
 

@@ -32,7 +32,7 @@ Observer::Observer(Options options) : options_(std::move(options)), readers_(std
 
 Observer::~Observer() = default;
 
-void Observer::changed(const std::function<void(dds::CellState&)>& change) {
+void Observer::changed(const std::function<void(wire::CellState&)>& change) {
   {
     const std::lock_guard lock{mutex_};
     change(cell_state_);
@@ -40,16 +40,16 @@ void Observer::changed(const std::function<void(dds::CellState&)>& change) {
   changed_.notify_all();
 }
 
-void Observer::heard(const DeviceStatus& status, dds::WriterId writer) {
-  std::optional<dds::ObservedDevice> news;
+void Observer::heard(const DeviceStatus& status, wire::WriterId writer) {
+  std::optional<wire::ObservedDevice> news;
   {
     const std::lock_guard lock{mutex_};
     bool known = false;
-    for (const dds::ObservedDevice& before : cell_state_.devices(status.device().to_string()))
+    for (const wire::ObservedDevice& before : cell_state_.devices(status.device().to_string()))
       known |= before.alive && same(before.status, status);
     cell_state_.heard(status, writer);
     if (known) return;
-    for (const dds::ObservedDevice& now : cell_state_.devices(status.device().to_string())) {
+    for (const wire::ObservedDevice& now : cell_state_.devices(status.device().to_string())) {
       if (now.status.node() == status.node()) news = now;
     }
   }
@@ -72,35 +72,35 @@ Result<std::unique_ptr<Observer>> Observer::create(std::shared_ptr<dds::Particip
 
   keep(readers.modules, dds::Reader<LifecycleStatus>::create(
                             participant, {.sample =
-                                              [self](const LifecycleStatus& status, dds::WriterId) {
-                                                self->changed([&](dds::CellState& p) { p.heard(status); });
+                                              [self](const LifecycleStatus& status, wire::WriterId) {
+                                                self->changed([&](wire::CellState& p) { p.heard(status); });
                                                 if (self->options_.news.module)
                                                   self->options_.news.module(status);
                                               },
                                           .disposed =
-                                              [self](const LifecycleStatus& key, dds::WriterId) {
-                                                self->changed([&](dds::CellState& p) { p.gone(key); });
+                                              [self](const LifecycleStatus& key, wire::WriterId) {
+                                                self->changed([&](wire::CellState& p) { p.gone(key); });
                                               },
                                           .lost = {}}));
   keep(readers.devices,
        dds::Reader<DeviceStatus>::create(
            participant, {.sample = [self](const DeviceStatus& status,
-                                          dds::WriterId writer) { self->heard(status, writer); },
+                                          wire::WriterId writer) { self->heard(status, writer); },
                          .disposed =
-                             [self](const DeviceStatus& key, dds::WriterId writer) {
-                               self->changed([&](dds::CellState& p) { p.gone(key, writer); });
+                             [self](const DeviceStatus& key, wire::WriterId writer) {
+                               self->changed([&](wire::CellState& p) { p.gone(key, writer); });
                              },
                          .lost =
-                             [self](dds::WriterId writer) {
-                               std::vector<dds::ObservedDevice> lost;
-                               self->changed([&](dds::CellState& p) {
+                             [self](wire::WriterId writer) {
+                               std::vector<wire::ObservedDevice> lost;
+                               self->changed([&](wire::CellState& p) {
                                  lost = p.devices();
                                  p.lost(writer);
-                                 const std::vector<dds::ObservedDevice> now = p.devices();
+                                 const std::vector<wire::ObservedDevice> now = p.devices();
                                  for (std::size_t i = 0; i < now.size(); ++i)
                                    lost[i].alive = lost[i].alive && !now[i].alive;
                                });
-                               for (dds::ObservedDevice& device : lost) {
+                               for (wire::ObservedDevice& device : lost) {
                                  if (!device.alive || !self->options_.news.device) continue;
                                  device.alive = false;
                                  self->options_.news.device(device);
@@ -108,33 +108,33 @@ Result<std::unique_ptr<Observer>> Observer::create(std::shared_ptr<dds::Particip
                              }}));
   if (self->options_.statistics) {
     keep(readers.statistics, dds::Reader<ModuleStatistics>::create(
-                                 participant, {.sample = [self](const ModuleStatistics& s, dds::WriterId) {
-                                   self->changed([&](dds::CellState& p) { p.heard(s); });
+                                 participant, {.sample = [self](const ModuleStatistics& s, wire::WriterId) {
+                                   self->changed([&](wire::CellState& p) { p.heard(s); });
                                  }}));
     keep(readers.executors, dds::Reader<ExecutorStatistics>::create(
-                                participant, {.sample = [self](const ExecutorStatistics& s, dds::WriterId) {
-                                  self->changed([&](dds::CellState& p) { p.heard(s); });
+                                participant, {.sample = [self](const ExecutorStatistics& s, wire::WriterId) {
+                                  self->changed([&](wire::CellState& p) { p.heard(s); });
                                 }}));
     keep(readers.ports,
-         dds::Reader<PortStatus>::create(participant, {.sample = [self](const PortStatus& s, dds::WriterId) {
-                                           self->changed([&](dds::CellState& p) { p.heard(s); });
+         dds::Reader<PortStatus>::create(participant, {.sample = [self](const PortStatus& s, wire::WriterId) {
+                                           self->changed([&](wire::CellState& p) { p.heard(s); });
                                          }}));
   }
   if (!problems.empty()) return problems;
   return observer;
 }
 
-std::vector<dds::ObservedDevice> Observer::devices() const {
+std::vector<wire::ObservedDevice> Observer::devices() const {
   const std::lock_guard lock{mutex_};
   return cell_state_.devices();
 }
 
-std::vector<dds::ObservedDevice> Observer::devices(const std::string& name) const {
+std::vector<wire::ObservedDevice> Observer::devices(const std::string& name) const {
   const std::lock_guard lock{mutex_};
   return cell_state_.devices(name);
 }
 
-bool Observer::wait(const std::function<bool(const std::vector<dds::ObservedDevice>&)>& condition,
+bool Observer::wait(const std::function<bool(const std::vector<wire::ObservedDevice>&)>& condition,
                     Nanoseconds limit) const {
   const auto end = Clock::now() + limit;
   while (!condition(devices())) {
@@ -150,7 +150,7 @@ void Observer::settle(Nanoseconds limit) const {
   std::size_t found = 0;
   auto since = begin;
   wait(
-      [&](const std::vector<dds::ObservedDevice>& devices) {
+      [&](const std::vector<wire::ObservedDevice>& devices) {
         const auto now = Clock::now();
         if (devices.size() != found) since = now;
         found = devices.size();

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
 #include "answers.hpp"
 
@@ -22,11 +22,13 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 using json = nlohmann::ordered_json;
 
-/// Within which a node must begin what has no limit of its own.
+/// A node must begin a command without a limit of its own within this time.
 constexpr std::chrono::seconds kBegun{10};
-/// Within which a node that is there has been found, however long its answer may take.
-constexpr Nanoseconds kFound = std::chrono::seconds{3};
-/// Within which a node that is lost while it is asked may come back: its machine was busy, not dead.
+/// The longest search for a node, without and with DDS Security.
+constexpr Nanoseconds kSearch = std::chrono::seconds{3};
+constexpr Nanoseconds kSecuredSearch = std::chrono::seconds{10};
+/// A node that is lost while a command waits for its answer may come back within this time: its machine may
+/// have been busy, not dead.
 constexpr Nanoseconds kBack = milliseconds{700};
 
 std::string device_of(const Question& question) { return "device " + question.device; }
@@ -36,12 +38,12 @@ std::string device_of(const Question& question) { return "device " + question.de
 struct Operator::Inside {
   std::mutex mutex;
   std::condition_variable answered;
-  std::map<std::string, std::optional<dds::WholeReply>> open;  // by id of the command
+  std::map<std::string, std::optional<wire::WholeReply>> open;  // by id of the command
   std::uint64_t asked = 0;
   std::string name;  // begins every id
   std::optional<dds::CommandClient> client;
 
-  void heard(const dds::WholeReply& reply) {
+  void heard(const wire::WholeReply& reply) {
     {
       const std::lock_guard lock{mutex};
       const auto found = open.find(reply.head.id().to_string());
@@ -52,8 +54,9 @@ struct Operator::Inside {
   }
 };
 
-Operator::Operator(std::unique_ptr<Inside> inside, const Observer& observer, int domain)
-    : inside_(std::move(inside)), observer_(observer), domain_(domain) {}
+Operator::Operator(std::unique_ptr<Inside> inside, const Observer& observer, int domain,
+                   Nanoseconds search_limit)
+    : inside_(std::move(inside)), observer_(observer), domain_(domain), search_limit_(search_limit) {}
 
 Operator::~Operator() = default;
 
@@ -65,26 +68,27 @@ Result<std::unique_ptr<Operator>> Operator::create(std::shared_ptr<dds::Particip
   std::array<char, 17> digits{};
   std::snprintf(digits.data(), digits.size(), "%08x%08x", random(), random());
   inside->name = digits.data();
+  const Nanoseconds search_limit = participant->identity() ? kSecuredSearch : kSearch;
   auto client = dds::CommandClient::create(std::move(participant),
-                                           [place](const dds::WholeReply& reply) { place->heard(reply); });
+                                           [place](const wire::WholeReply& reply) { place->heard(reply); });
   if (!client) return client.problems();
   inside->client.emplace(std::move(*client));
-  return std::unique_ptr<Operator>{new Operator{std::move(inside), observer, domain}};
+  return std::unique_ptr<Operator>{new Operator{std::move(inside), observer, domain, search_limit}};
 }
 
-Result<dds::WholeReply> Operator::ask(const Question& question) {
+Result<wire::WholeReply> Operator::ask(const Question& question) {
   return std::move(ask(std::vector{question})[0]);
 }
 
-std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& questions,
+std::vector<Result<wire::WholeReply>> Operator::ask(const std::vector<Question>& questions,
                                                    const std::function<bool()>& give_up) {
-  // One at a time is enough for each of them: found, asked, answered.
+  // Each question goes through three stages: node found, command sent, answer received.
   struct State {
     std::string id;
     std::string node;
     std::optional<Clock::time_point> sent;
     std::optional<Clock::time_point> gone_since;
-    std::optional<Result<dds::WholeReply>> outcome;
+    std::optional<Result<wire::WholeReply>> outcome;
   };
   std::vector<State> states(questions.size());
   const auto begun = Clock::now();
@@ -96,14 +100,14 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     }
   }
 
-  const auto meant = [](const Question& q, const dds::ObservedDevice& seen) {
+  const auto meant = [](const Question& q, const wire::ObservedDevice& seen) {
     return q.process_id == 0 || seen.status.process_id() == q.process_id;
   };
-  const auto look = [&](const Question& q, State& state) {
-    const Nanoseconds find_within = std::min(q.limit.value_or(kFound), kFound);
-    std::vector<dds::ObservedDevice> alive;
+  const auto advance = [&](const Question& q, State& state) {
+    const Nanoseconds find_within = std::min(q.limit.value_or(search_limit_), search_limit_);
+    std::vector<wire::ObservedDevice> alive;
     bool lost = false;
-    for (const dds::ObservedDevice& seen : observer_.devices(q.device)) {
+    for (const wire::ObservedDevice& seen : observer_.devices(q.device)) {
       if (!meant(q, seen)) continue;
       if (seen.alive)
         alive.push_back(seen);
@@ -111,7 +115,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
         lost = true;
     }
     if (state.sent) {
-      const bool there = std::any_of(alive.begin(), alive.end(), [&](const dds::ObservedDevice& seen) {
+      const bool there = std::any_of(alive.begin(), alive.end(), [&](const wire::ObservedDevice& seen) {
         return seen.node() == state.node;
       });
       if (there) {
@@ -120,19 +124,19 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
         state.gone_since = Clock::now();
       }
       if (!there && Clock::now() - *state.gone_since > kBack) {
-        state.outcome =
-            Problem{device_of(q), std::string{"it was lost before it answered to "} + to_text(q.kind), ""};
+        state.outcome = Problem{device_of(q),
+                                std::string{"it was lost before it answered command "} + to_text(q.kind), ""};
       } else if (q.limit && Clock::now() - *state.sent > *q.limit) {
         state.outcome = Problem{
             device_of(q),
-            std::string{"it gave no answer to "} + to_text(q.kind) + " within " + takt::to_text(*q.limit),
+            std::string{"no answer to command "} + to_text(q.kind) + " within " + takt::to_text(*q.limit),
             ""};
       }
       return;
     }
     if (alive.size() > 1) {
       std::string where;
-      for (const dds::ObservedDevice& seen : alive) {
+      for (const wire::ObservedDevice& seen : alive) {
         where += (where.empty() ? "process " : ", process ") + std::to_string(seen.status.process_id()) +
                  " on " + seen.status.host_name().to_string();
       }
@@ -144,25 +148,25 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     }
     if (alive.empty()) {
       if (Clock::now() - begun <= find_within) return;
-      state.outcome =
-          lost ? Problem{device_of(q), "it is lost: its node does not answer any more",
-                         "start its node again; with --resume it takes up what it ran"}
-               : Problem{device_of(q), "it is not there: no answer within " + takt::to_text(find_within),
-                         "is takt-node --device " + q.device + " running on domain " +
-                             std::to_string(domain_) + "?"};
+      state.outcome = lost
+                          ? Problem{device_of(q), "it is lost: its node no longer answers",
+                                    "start its node again; with --resume it restores its deployment"}
+                          : Problem{device_of(q), "not found: no answer within " + takt::to_text(find_within),
+                                    "check that takt-node --device " + q.device + " is running on domain " +
+                                        std::to_string(domain_)};
       return;
     }
     state.sent = Clock::now();
     state.node = alive[0].node();
-    dds::WholeCommand command;
+    wire::WholeCommand command;
     command.head.id(state.id);
-    dds::set(command.head.device(), q.device);
-    dds::set(command.head.node(), state.node);
-    dds::set(command.head.module_name(), q.module);
+    wire::set(command.head.device(), q.device);
+    wire::set(command.head.node(), state.node);
+    wire::set(command.head.module_name(), q.module);
     command.head.kind(q.kind);
-    dds::set(command.head.deployment(), q.deployment);
-    dds::set(command.head.property(), q.property);
-    dds::set(command.head.value(), q.value);
+    wire::set(command.head.deployment(), q.deployment);
+    wire::set(command.head.property(), q.property);
+    wire::set(command.head.value(), q.value);
     command.head.time_ns(q.time_ns);
     command.head.deadline_ns(wall_ns() + q.limit.value_or(kBegun).count());
     command.data = q.data;
@@ -174,7 +178,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
   };
   while (open()) {
     for (std::size_t i = 0; i < states.size(); ++i) {
-      if (!states[i].outcome) look(questions[i], states[i]);
+      if (!states[i].outcome) advance(questions[i], states[i]);
     }
     const bool enough = give_up && give_up();
     std::unique_lock lock{inside_->mutex};
@@ -183,7 +187,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
       for (State& state : states) {
         auto& reply = inside_->open.at(state.id);
         if (!reply) continue;
-        state.outcome = std::move(*reply);  // also where it came just after it was given up
+        state.outcome = std::move(*reply);  // also if it came just after give_up returned true
         reply.reset();
         taken = true;
       }
@@ -192,12 +196,12 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
     if (take()) continue;
     for (std::size_t i = 0; enough && i < states.size(); ++i) {
       if (!states[i].outcome)
-        states[i].outcome = Problem{device_of(questions[i]), "it was not waited for any more", ""};
+        states[i].outcome = Problem{device_of(questions[i]), "no answer before the wait was cancelled", ""};
     }
     if (open()) inside_->answered.wait_for(lock, milliseconds{10});
   }
 
-  std::vector<Result<dds::WholeReply>> outcomes;
+  std::vector<Result<wire::WholeReply>> outcomes;
   outcomes.reserve(states.size());
   const std::lock_guard lock{inside_->mutex};
   for (State& state : states) {
@@ -208,7 +212,7 @@ std::vector<Result<dds::WholeReply>> Operator::ask(const std::vector<Question>& 
   return outcomes;
 }
 
-Problems problems_of(const dds::WholeReply& reply) {
+Problems problems_of(const wire::WholeReply& reply) {
   Problems problems;
   const json list = model::parse_json(reply.data);
   if (list.is_array()) {
@@ -225,7 +229,7 @@ Problems problems_of(const dds::WholeReply& reply) {
   return problems;
 }
 
-Result<dds::WholeReply> accepted(Result<dds::WholeReply> answer) {
+Result<wire::WholeReply> accepted(Result<wire::WholeReply> answer) {
   if (!answer || answer->head.code() == REPLY_OK) return answer;
   return problems_of(*answer);
 }

@@ -7,21 +7,21 @@
 namespace takt::client {
 
 bool matches(std::string_view pattern, std::string_view name) {
-  // To the last * that was met one character more is given whenever what follows it does not fit.
+  // If the text after the last * does not match, that * takes one character more and the rest is tried again.
   std::size_t p = 0;
   std::size_t n = 0;
   std::size_t star = std::string_view::npos;
-  std::size_t given = 0;
+  std::size_t taken = 0;
   while (n < name.size()) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = p++;
-      given = n;
+      taken = n;
     } else if (p < pattern.size() && pattern[p] == name[n]) {
       ++p;
       ++n;
     } else if (star != std::string_view::npos) {
       p = star + 1;
-      n = ++given;
+      n = ++taken;
     } else {
       return false;
     }
@@ -41,13 +41,13 @@ Result<PortName> parse_port(const std::string& name) {
   const std::size_t second = first == std::string::npos ? first : name.find('.', first + 1);
   const bool three = second != std::string::npos && first > 0 && second > first + 1 &&
                      second + 1 < name.size() && name.find('.', second + 1) == std::string::npos;
-  if (!three) return fail(in_quotes(name) + " names no port", "say DEVICE.MODULE.PORT, or DEVICE.*");
+  if (!three) return fail(in_quotes(name) + " is not a port name", "write DEVICE.MODULE.PORT, or DEVICE.*");
   return PortName{name.substr(0, first), name.substr(first + 1, second - first - 1), name.substr(second + 1)};
 }
 
 Result<void> check_ports(const std::vector<std::string>& names) {
   Problems problems;
-  if (names.empty()) problems.push_back(fail("no port is named", "say DEVICE.MODULE.PORT, or DEVICE.*"));
+  if (names.empty()) problems.push_back(fail("no port is given", "write DEVICE.MODULE.PORT, or DEVICE.*"));
   for (const std::string& name : names) {
     if (is_pattern(name)) continue;
     if (const auto port = parse_port(name); !port)

@@ -12,8 +12,8 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-/// Throws where it is no report.
-void hear(Reports& reports, const std::string& name, json report) {
+/// Throws json::exception if `report` is not a report.
+void add(Reports& reports, const std::string& name, json report) {
   for (const json& device : report.at("lost"))
     reports.lost.try_emplace(device.at("name").get<std::string>(), device.at("modules"));
   for (const json& other : report.at("devices")) reports.named.insert(other.get<std::string>());
@@ -35,10 +35,10 @@ void ask(Reports& reports, Operator& asker, const std::set<std::string>& names) 
       continue;
     }
     try {
-      hear(reports, name, model::parse_json(answer->data));
+      add(reports, name, model::parse_json(answer->data));
     } catch (const json::exception&) {
       reports.problems.push_back(
-          {"device " + name, "its report cannot be read", "is it of the same version?"});
+          {"device " + name, "its report cannot be read", "check that it runs the same version of Takt"});
     }
   }
 }
@@ -53,9 +53,9 @@ std::set<std::string> Reports::missing() const {
   return names;
 }
 
-std::set<std::string> alive(const std::vector<dds::ObservedDevice>& seen) {
+std::set<std::string> alive(const std::vector<wire::ObservedDevice>& seen) {
   std::set<std::string> names;
-  for (const dds::ObservedDevice& device : seen) {
+  for (const wire::ObservedDevice& device : seen) {
     if (device.alive) names.insert(device.name());
   }
   return names;
@@ -65,30 +65,31 @@ Result<Reports> all_reports(Operator& asker, Nanoseconds limit) {
   const Observer& observer = asker.observer();
   if (!observer.wait([](const auto& seen) { return !alive(seen).empty(); }, limit)) {
     const std::string domain = std::to_string(asker.domain());
-    return fail("no device is on domain " + domain, "start one: takt-node --device NAME --domain " + domain);
+    return fail("no device found on domain " + domain,
+                "start one: takt-node --device NAME --domain " + domain);
   }
   Reports reports;
   std::set<std::string> asked;  // nodes, not names: a second node of one name is a problem to report
-  const auto is_new = [&asked](const dds::ObservedDevice& seen) {
+  const auto is_new = [&asked](const wire::ObservedDevice& seen) {
     return seen.alive && !asked.contains(seen.node());
   };
-  const auto any_new = [&is_new](const std::vector<dds::ObservedDevice>& seen) {
+  const auto any_new = [&is_new](const std::vector<wire::ObservedDevice>& seen) {
     return std::any_of(seen.begin(), seen.end(), is_new);
   };
   const auto all_heard = [&reports, &observer] {
     std::set<std::string> known;
-    for (const dds::ObservedDevice& seen : observer.devices()) known.insert(seen.node());
+    for (const wire::ObservedDevice& seen : observer.devices()) known.insert(seen.node());
     return std::includes(known.begin(), known.end(), reports.heard.begin(), reports.heard.end());
   };
   Nanoseconds patience{0};
   do {
     std::set<std::string> names;
-    for (const dds::ObservedDevice& seen : observer.devices()) {
+    for (const wire::ObservedDevice& seen : observer.devices()) {
       if (is_new(seen)) names.insert(seen.name());
       if (seen.alive) asked.insert(seen.node());
     }
     ask(reports, asker, names);
-    // One that the others have lost may be coming back.
+    // A device that the others have lost may be coming back.
     const bool none_lost =
         std::all_of(reports.lost.begin(), reports.lost.end(),
                     [&reports](const auto& lost) { return reports.devices.contains(lost.first); });

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include "reports.hpp"
 
 namespace takt::client {
@@ -39,11 +39,11 @@ json lost_device(const std::string& name, const json& modules) {
   return device;
 }
 
-// "a", or "a, b" where there are devices of two cells; "-" where none has one.
+// "a", or "a, b" if the devices run two cells; "-" if they run none.
 std::string names(const std::set<std::string>& cells) {
   std::string text;
   for (const std::string& cell : cells) text += (text.empty() ? "" : ", ") + cell;
-  return text.empty() ? std::string{dds::kNoCell} : text;
+  return text.empty() ? std::string{wire::kNoCell} : text;
 }
 
 }  // namespace
@@ -52,15 +52,15 @@ Result<json> status(Operator& asker, Nanoseconds limit) {
   auto found = all_reports(asker, limit);
   if (!found) return found.problems();
   Reports& reports = *found;
-  // Two nodes of one name, or one that was lost while it was asked: there is no complete cell state then.
+  // The cell state is incomplete if two nodes have one name, or if a node was lost before it answered.
   if (!reports.problems.empty()) return reports.problems;
   for (const auto& [name, modules] : reports.lost)
     reports.devices.try_emplace(name, lost_device(name, modules));
   for (const std::string& name : reports.missing()) reports.devices[name] = lost_device(name, json::array());
 
   std::set<std::string> cells;
-  for (const dds::ObservedDevice& seen : asker.observer().devices()) {
-    if (seen.status.cell() != std::string{dds::kNoCell}) cells.insert(seen.status.cell().to_string());
+  for (const wire::ObservedDevice& seen : asker.observer().devices()) {
+    if (seen.status.cell() != std::string{wire::kNoCell}) cells.insert(seen.status.cell().to_string());
   }
   json list = json::array();
   for (auto& [name, device] : reports.devices) list.push_back(std::move(device));

@@ -12,7 +12,7 @@ namespace takt::client {
 
 Result<dds::Flow> tapped(Operator& asker, const std::string& port) {
   const auto name = parse_port(port);
-  if (!name) return fail(in_quotes(port) + " names no port", "say DEVICE.MODULE.PORT");
+  if (!name) return fail(in_quotes(port) + " is not a port name", "write DEVICE.MODULE.PORT");
   const auto answer = accepted(asker.ask({.kind = COMMAND_TAP,
                                           .device = name->device,
                                           .module = name->module,
@@ -20,11 +20,11 @@ Result<dds::Flow> tapped(Operator& asker, const std::string& port) {
                                           .time_ns = os::wall_ns() + Nanoseconds{kTapped}.count()}));
   if (!answer) return answer.problems();
   const auto place = model::parse_json(answer->data);
-  if (!place.is_object()) return fail("the device's answer is of another version of Takt");
+  if (!place.is_object()) return fail("the device runs another version of Takt: its answer cannot be read");
   if (place.contains("reply")) {
-    return fail(port + " is a service", "takt call " + port +
-                                            " asks it; takt echo of the client's NAME/request and "
-                                            "NAME/reply shows what is asked and answered");
+    return fail(port + " is a service", "call it with takt call " + port +
+                                            "; takt echo of the client's NAME/request and NAME/reply "
+                                            "shows requests and replies");
   }
   auto type = model::parse_type(place.value("type", ""));
   if (!type) return type.problems();

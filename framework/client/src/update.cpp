@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/client/deploy.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/model/difference.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/ports.hpp>
@@ -37,7 +37,7 @@ class Update {
   Updated carry_out(const std::string& text);
 
  private:
-  using Answers = std::vector<Result<dds::WholeReply>>;
+  using Answers = std::vector<Result<wire::WholeReply>>;
 
   Problems find();
   Problems compare(const std::string& text);
@@ -46,7 +46,7 @@ class Update {
   Updated put_back(Problems problems);
 
   [[nodiscard]] bool cancelled() const { return options_.cancelled && options_.cancelled(); }
-  void tell(const std::string& text) const {
+  void show_progress(const std::string& text) const {
     if (options_.progress) options_.progress(text);
   }
   [[nodiscard]] Question question(CommandKind kind, const std::string& device) const {
@@ -54,35 +54,35 @@ class Update {
         .kind = kind, .device = device, .deployment = deployment_, .property = id_, .limit = std::nullopt};
   }
   Answers ask(const std::vector<Question>& questions, bool may_be_cancelled = true);
-  Problems problems_in(Answers answers, std::vector<dds::WholeReply>* replies = nullptr) const;
+  Problems problems_in(Answers answers, std::vector<wire::WholeReply>* replies = nullptr) const;
 
   Operator& asker_;
   const model::Cell& cell_;
   const UpdateOptions& options_;
   std::string id_;
   std::string deployment_;
-  std::vector<std::string> devices_;        // that the cell has now, and that it is to have
-  std::vector<std::string> words_;          // what differs
-  std::vector<std::string> changing_;       // devices on which something does
-  std::set<std::string> refusing_;          // that did not begin with it
-  std::vector<std::string> not_as_before_;  // where putting it back failed
+  std::vector<std::string> devices_;       // of the running cell and of the new descriptor
+  std::vector<std::string> differences_;   // one line each
+  std::vector<std::string> changing_;      // devices on which something differs
+  std::set<std::string> rejecting_;        // devices that did not begin the update
+  std::vector<std::string> not_restored_;  // devices that could not undo their changes
   std::int64_t t0_ns_ = 0;
   bool require_real_time_ = false;
   std::string safe_;
-  SignOfLife sign_of_life_;
+  KeepAlive keep_alive_;
 };
 
 Update::Answers Update::ask(const std::vector<Question>& questions, bool may_be_cancelled) {
-  sign_of_life_.given();
+  keep_alive_.sent();
   return asker_.ask(questions, [&] {
-    sign_of_life_.give(asker_, devices_,
-                       [this](CommandKind kind, const std::string& name) { return question(kind, name); });
+    keep_alive_.send(asker_, devices_,
+                     [this](CommandKind kind, const std::string& name) { return question(kind, name); });
     return cancelled() && may_be_cancelled;
   });
 }
 
-// Each reason once: what is wrong with the whole cell all devices say.
-Problems Update::problems_in(Answers answers, std::vector<dds::WholeReply>* replies) const {
+// Each problem once: all devices report a problem of the whole cell.
+Problems Update::problems_in(Answers answers, std::vector<wire::WholeReply>* replies) const {
   Problems problems;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const auto answer = accepted(std::move(answers[i]));
@@ -91,62 +91,65 @@ Problems Update::problems_in(Answers answers, std::vector<dds::WholeReply>* repl
       continue;
     }
     for (const Problem& problem : answer.problems()) {
-      // One that has a line says where it is.
+      // A problem with a line of the descriptor needs no device.
       const bool of_file = !cell_.file.empty() && problem.where.find(':') != std::string::npos;
-      const Problem told = of_file ? problem : of_device(devices_[i], {problem})[0];
-      if (std::find(problems.begin(), problems.end(), told) == problems.end()) problems.push_back(told);
+      const Problem placed = of_file ? problem : of_device(devices_[i], {problem})[0];
+      if (std::find(problems.begin(), problems.end(), placed) == problems.end()) problems.push_back(placed);
     }
   }
   return problems;
 }
 
-// All that run the cell, and are to.
+// Finds the devices that run the cell now or shall run it.
 Problems Update::find() {
   const auto there = devices_of(asker_, cell_.name);
   if (!there) {
     Problem problem = there.problems()[0];
-    problem.fix += (problem.fix.empty() ? "" : "; ") + std::string{"takt deploy starts it"};
+    problem.fix += (problem.fix.empty() ? "" : "; ") + std::string{"start the cell with takt deploy"};
     return {problem};
   }
   Problems problems;
   for (const std::string& device : there->lost)
-    problems.push_back({"device " + device, "it is lost, and an update is one of all devices",
+    problems.push_back({"device " + device, "it is lost; an update needs all devices",
                         "start its node again with --resume, or undeploy the cell and deploy it"});
   devices_ = there->names;
   for (const model::Device& device : cell_.devices) {
     if (std::find(devices_.begin(), devices_.end(), device.name) == devices_.end())
       devices_.push_back(device.name);
   }
-  for (const dds::ObservedDevice& seen : asker_.observer().devices(there->names[0])) {
+  for (const wire::ObservedDevice& seen : asker_.observer().devices(there->names[0])) {
     if (seen.alive) deployment_ = seen.status.deployment().to_string();
   }
   return problems;
 }
 
 Problems Update::compare(const std::string& text) {
-  tell("comparing on " + list_of(devices_));
+  show_progress("comparing on " + list_of(devices_));
   std::vector<Question> questions;
   for (const std::string& device : devices_) {
     questions.push_back(question(COMMAND_UPDATE, device));
-    questions.back().value = dds::cut(cell_.file, 255);
+    questions.back().value = wire::cut(cell_.file, 255);
     questions.back().data = text;
   }
-  std::vector<dds::WholeReply> replies;
+  std::vector<wire::WholeReply> replies;
   Answers answers = ask(questions);
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    if (answers[i] && answers[i]->head.code() == REPLY_REFUSED) refusing_.insert(devices_[i]);
+    if (answers[i] && answers[i]->head.code() == REPLY_REFUSED) rejecting_.insert(devices_[i]);
   }
   Problems problems = problems_in(std::move(answers), &replies);
-  if (cancelled()) return {fail("it was given up")};
+  if (cancelled()) return {fail("the update was cancelled")};
   if (!problems.empty()) return problems;
   for (std::size_t i = 0; i < replies.size(); ++i) {
-    const json said = model::parse_json(replies[i].data);
-    if (!said.is_object()) return {{"device " + devices_[i], "it gave an answer that cannot be read", ""}};
-    if (said.value("change", "") != model::to_text(model::Change::none)) changing_.push_back(devices_[i]);
-    for (const std::string& line : said.value("words", std::vector<std::string>{})) words_.push_back(line);
-    if (!said.contains("t0_ns")) continue;
-    t0_ns_ = said["t0_ns"].get<std::int64_t>();
-    require_real_time_ = said.value("require_real_time", false);
+    const json answer = model::parse_json(replies[i].data);
+    if (!answer.is_object())
+      return {{"device " + devices_[i], "its answer cannot be read",
+               "check that it runs the same version of Takt"}};
+    if (answer.value("change", "") != model::to_text(model::Change::none)) changing_.push_back(devices_[i]);
+    for (const std::string& line : answer.value("words", std::vector<std::string>{}))
+      differences_.push_back(line);
+    if (!answer.contains("t0_ns")) continue;
+    t0_ns_ = answer["t0_ns"].get<std::int64_t>();
+    require_real_time_ = answer.value("require_real_time", false);
   }
   const model::CellPorts ports = ports_of(cell_, replies);
   safe_ = model::safe_json(model::safe_outputs(cell_, ports));
@@ -154,25 +157,25 @@ Problems Update::compare(const std::string& text) {
 }
 
 Problems Update::change() {
-  tell("changing " + list_of(changing_));
+  show_progress("changing " + list_of(changing_));
   std::vector<Question> questions;
   for (const std::string& device : devices_) {
     questions.push_back(question(COMMAND_CHANGE, device));
     questions.back().time_ns = t0_ns_;
-    questions.back().value = require_real_time_ ? dds::kRequireRealTime : "";
+    questions.back().value = require_real_time_ ? wire::kRequireRealTime : "";
     questions.back().data = safe_;
   }
   Answers answers = ask(questions);
   for (std::size_t i = 0; i < answers.size(); ++i) {
     if (answers[i] && answers[i]->head.code() == REPLY_FAILED &&
-        answers[i]->head.value() != std::string{dds::kAsBefore})
-      not_as_before_.push_back(devices_[i]);
+        answers[i]->head.value() != std::string{wire::kAsBefore})
+      not_restored_.push_back(devices_[i]);
   }
   Problems problems = problems_in(std::move(answers));
-  return cancelled() ? Problems{fail("it was given up")} : problems;
+  return cancelled() ? Problems{fail("the update was cancelled")} : problems;
 }
 
-// Nobody goes back after this.
+// Makes the changes permanent: no device undoes them after this.
 Problems Update::keep() {
   std::vector<Question> questions;
   for (const std::string& device : devices_) questions.push_back(question(COMMAND_KEEP, device));
@@ -183,10 +186,10 @@ Updated Update::put_back(Problems problems) {
   const std::string name = "cell " + cell_.name + " is not updated; ";
   std::vector<Question> questions;
   for (const std::string& device : devices_) {
-    if (refusing_.contains(device)) continue;
-    // One that is not there has kept what it had, and is not waited for.
+    if (rejecting_.contains(device)) continue;
+    // A device that is not there has changed nothing; do not wait for it.
     const auto seen = asker_.observer().devices(device);
-    if (std::any_of(seen.begin(), seen.end(), [](const dds::ObservedDevice& s) { return s.alive; }))
+    if (std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& s) { return s.alive; }))
       questions.push_back(question(COMMAND_PUT_BACK, device));
   }
   Answers answers = ask(questions, false);
@@ -196,12 +199,12 @@ Updated Update::put_back(Problems problems) {
     for (const Problem& problem : of_device(questions[i].device, answer.problems())) {
       if (std::find(problems.begin(), problems.end(), problem) == problems.end()) problems.push_back(problem);
     }
-    not_as_before_.push_back(questions[i].device);
+    not_restored_.push_back(questions[i].device);
   }
-  if (!not_as_before_.empty())
-    return {std::move(problems), name + "what had been changed could not be put back on " +
-                                     list_of(not_as_before_) + "; takt status shows how it stands"};
-  return {std::move(problems), name + "what had been changed was put back"};
+  if (!not_restored_.empty())
+    return {std::move(problems), name + "its changes could not be undone on " + list_of(not_restored_) +
+                                     "; takt status shows the present state"};
+  return {std::move(problems), name + "all changes were undone"};
 }
 
 Updated Update::carry_out(const std::string& text) {
@@ -209,19 +212,19 @@ Updated Update::carry_out(const std::string& text) {
   if (Problems problems = find(); !problems.empty()) return {std::move(problems), unchanged};
   if (Problems problems = compare(text); !problems.empty())
     return {put_back(std::move(problems)).problems, unchanged};
-  if (words_.empty()) {
+  if (differences_.empty()) {
     static_cast<void>(put_back({}));
     return {{}, "nothing differs"};
   }
-  if (options_.differs) options_.differs(words_);
+  if (options_.differs) options_.differs(differences_);
   if (Problems problems = change(); !problems.empty()) {
-    tell("putting it back");
+    show_progress("undoing the changes");
     return put_back(std::move(problems));
   }
   if (Problems problems = keep(); !problems.empty())
     return {std::move(problems), "cell " + cell_.name +
-                                     " is changed, but not all devices keep it; takt deploy --update again "
-                                     "makes them one"};
+                                     " is changed, but not all devices confirmed the change; run takt deploy "
+                                     "--update again"};
   return {{}, "cell " + cell_.name + " is updated"};
 }
 
@@ -229,8 +232,8 @@ Updated Update::carry_out(const std::string& text) {
 
 Updated update(Operator& asker, const model::Cell& cell, const std::string& text,
                const UpdateOptions& options) {
-  if (text.size() > dds::kMaxData)
-    return {{fail("the descriptor has more than " + std::to_string(dds::kMaxData >> 20U) + " MiB",
+  if (text.size() > wire::kMaxData)
+    return {{fail("the descriptor has more than " + std::to_string(wire::kMaxData >> 20U) + " MiB",
                   "make it smaller")},
             "nothing was changed"};
   return Update{asker, cell, options}.carry_out(text);

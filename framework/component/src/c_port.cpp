@@ -1,4 +1,5 @@
-// The ports of modules in the C form, and of programs: part of libtakt_component and of libtakt_process.
+// The functions of <takt/port.h>, for modules in the C form and programs in C. Part of libtakt_component and
+// of libtakt_process.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -15,7 +16,7 @@ namespace {
 
 TypeInfo info_of(const takt_type& type) { return {type.name, type.description, type.max_size}; }
 
-/// Room for one value of any C struct.
+/// Memory for one value of any C struct.
 class Value {
  public:
   explicit Value(std::uint32_t size) : words_(size / sizeof(std::max_align_t) + 1) {}
@@ -94,7 +95,7 @@ class CInPort final : public InPortBase {
   Value second_{c_type_.value_size};
   Value safe_{c_type_.value_size};
   bool safe_known_ = false;
-  Value* last_ = &first_;  // what is no sample is decoded into the other one
+  Value* last_ = &first_;  // samples are decoded into *other_, so an invalid one does not damage *last_
   Value* other_ = &second_;
 };
 

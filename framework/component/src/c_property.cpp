@@ -1,5 +1,5 @@
-// The properties of modules in the C form, and of programs in C: part of libtakt_component and of
-// libtakt_process.
+// The functions of <takt/property.h>, for modules in the C form and programs in C. Part of libtakt_component
+// and of libtakt_process.
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -11,23 +11,23 @@
 namespace takt {
 namespace {
 
-/// A property whose value is also a variable of C, written when the property takes its value over.
+/// A property whose value is also a variable in C. take_over() writes the variable.
 template <class T, class Variable>
 class CProperty final : public Property<T> {
  public:
   CProperty(const takt_property& property, T value, typename Property<T>::Options options)
       : Property<T>(property.name, std::move(value), std::move(options)),
         variable_(*static_cast<Variable*>(property.value)) {
-    show();  // the base was given its value before this class was there
+    write_variable();  // the base class took its value before this class was constructed
   }
 
   void take_over() noexcept override {
     Property<T>::take_over();
-    show();
+    write_variable();
   }
 
  private:
-  void show() noexcept {
+  void write_variable() noexcept {
     if constexpr (std::is_same_v<T, std::string>)
       variable_ = this->value().c_str();
     else

@@ -37,20 +37,20 @@ const char* to_text(ErrorType type) noexcept {
 
 namespace {
 // The host links with this library, so its thread-local storage is in place before any thread starts.
-thread_local FixedText<kFailureText> said [[gnu::tls_model("initial-exec")]];
-thread_local bool has_said [[gnu::tls_model("initial-exec")]] = false;
+thread_local FixedText<kFailureText> reported_failure [[gnu::tls_model("initial-exec")]];
+thread_local bool has_reported_failure [[gnu::tls_model("initial-exec")]] = false;
 thread_local const Cycle* served [[gnu::tls_model("initial-exec")]] = nullptr;
 }  // namespace
 
-void say_failure(std::string_view text) noexcept {
-  said.assign(text.empty() ? "no reason given" : text);
-  has_said = true;
+void report_failure(std::string_view text) noexcept {
+  reported_failure.assign(text.empty() ? "no reason given" : text);
+  has_reported_failure = true;
 }
 
 const char* take_failure() noexcept {
-  if (!has_said) return nullptr;
-  has_said = false;
-  return said.c_str();
+  if (!has_reported_failure) return nullptr;
+  has_reported_failure = false;
+  return reported_failure.c_str();
 }
 
 void serve_cycle(const Cycle* cycle) noexcept { served = cycle; }
@@ -58,12 +58,12 @@ const Cycle* served_cycle() noexcept { return served; }
 
 Nanoseconds Component::period() noexcept { return served == nullptr ? Nanoseconds{0} : served->period; }
 
-void Component::fail(const char* text) noexcept { say_failure(text); }
+void Component::fail(const char* text) noexcept { report_failure(text); }
 
 Result<void> Component::restore(const SavedBefore& before) {
-  return takt::fail(
-      "it was saved by version " + std::to_string(before.version) + " of what it saves, and this is another",
-      "override restore() to take over what is still right");
+  return takt::fail("it was saved by version " + std::to_string(before.version) +
+                        ", and this component saves another version or size",
+                    "override restore() to take over what is still valid");
 }
 
 void ServiceBase::enlist(Component& owner) { owner.services_.push_back(this); }
@@ -75,8 +75,8 @@ bool Component::condition() {
 }
 
 namespace {
-/// Of the module that this thread loads: its constructors run within dlopen(). Null when the thread's list is
-/// gone already; ports that are global variables end after it.
+/// The objects without an owner of the module that this thread loads; their constructors run within dlopen().
+/// Null if the thread's list is already destroyed, because ports that are global variables outlive it.
 template <class T>
 std::vector<T*>* loose() {
   thread_local bool gone = false;
@@ -98,7 +98,7 @@ std::vector<PropertyBase*> take_loose_properties() { return std::exchange(*loose
 std::vector<SavedBase*> take_loose_saved() { return std::exchange(*loose<SavedBase>(), {}); }
 
 namespace detail {
-const char* take_said() noexcept { return take_failure(); }
+const char* take_reported_failure() noexcept { return take_failure(); }
 void add_loose_port(PortBase& port) { loose<PortBase>()->push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { remove_loose(port); }
 void add_loose_property(PropertyBase& property) { loose<PropertyBase>()->push_back(&property); }
@@ -111,7 +111,7 @@ void remove_loose_saved(SavedBase& saved) noexcept { remove_loose(saved); }
 
 extern "C" {
 
-void takt_fail(const char* text) { takt::say_failure(text == nullptr ? "" : text); }
+void takt_fail(const char* text) { takt::report_failure(text == nullptr ? "" : text); }
 
 uint64_t takt_cycle(void) { return takt::served == nullptr ? 0 : takt::served->number; }
 int64_t takt_release_ns(void) { return takt::served == nullptr ? 0 : takt::to_ns(takt::served->time); }

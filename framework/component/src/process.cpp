@@ -1,4 +1,4 @@
-// libtakt_process: the other side of channel/slot.hpp, inside the user's own program.
+// libtakt_process: the program's side of channel/release_slot.hpp, inside the user's own program.
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -26,24 +26,28 @@
 #include <takt/os/waker.hpp>
 #include "program_properties.hpp"
 
-/// Of a program in C that has a TAKT_SAVED.
+/// Defined by TAKT_SAVED in a program in C.
 extern "C" __attribute__((weak)) const takt_saved_state takt_saved;
 
 namespace {
 
 using namespace takt;
 
-/// Of the program, in the order in which they were constructed.
+constexpr const char* kOtherVersion =
+    "takt-node and libtakt_process have different versions; install the same version of both";
+
+/// The ports of the program, in the order of construction.
 std::vector<PortBase*>& ports() {
   static std::vector<PortBase*> all;
   return all;
 }
+/// The Saved variables of the program, in the order of construction.
 std::vector<SavedBase*>& saved() {
   static std::vector<SavedBase*> all;
   return all;
 }
 
-/// This program's place in the scheduler, from the first line of main to its end.
+/// This program's side of its release slot, from the first line of main() to the end of the program.
 class Guest {
  public:
   void attach(channel::ReleaseSlotKind kind, const char* function);
@@ -67,18 +71,18 @@ class Guest {
   void body_done();
   void spin_until_release();
   bool release_by_event();
-  void sleep_on_bell();
-  void end_if_told() const;
+  void sleep_on_wake_word();
+  void end_if_requested() const;
 
-  os::SharedMemory seat_memory_;
+  os::SharedMemory slot_memory_;
   os::SharedMemory wake_word_memory_;
   channel::ReleaseSlot* slot_ = nullptr;
   channel::WakeWord* wake_word_ = nullptr;
   os::WakeMargin margin_{Nanoseconds{0}};
   std::vector<os::SharedMemory> link_memories_;
   PortContext context_;
-  takt_saved_state saved_{};  // what it saves; no data: nothing
-  channel::Taken taken_;      // the release that is served, or was last
+  takt_saved_state saved_{};  // the saved variable; data is null if there is none
+  channel::Taken taken_;      // the release that is served, or that was served last
   Instant started_{};
   channel::ModuleWatch watch_;
   std::uint32_t watched_as_ = 0;
@@ -93,7 +97,7 @@ void Guest::check_ports(const char* function) {
   for (const PortBase* port : ports()) {
     const auto same = [port](const PortBase* other) { return other->name() == port->name(); };
     if (std::count_if(ports().begin(), ports().end(), same) > 1)
-      refuse(function, "there are two ports '" + port->name() + "'; give each a name of its own");
+      refuse(function, "the program has two ports '" + port->name() + "'; give each a different name");
   }
 }
 
@@ -102,15 +106,15 @@ void Guest::find_saved(const char* function) {
   for (const SavedBase* one : saved()) all.push_back({one->version(), one->size(), one->data()});
   if (&takt_saved != nullptr) all.push_back(takt_saved);
   if (all.empty()) return;
-  if (all.size() > 1) refuse(function, "there is more than one variable to save; put them into one struct");
+  if (all.size() > 1) refuse(function, "the program saves more than one variable; put them into one struct");
   saved_ = all[0];
   if (saved_.data == nullptr || saved_.size == 0 || saved_.size > channel::kMostSaved) {
-    refuse(function, "it saves " + std::to_string(saved_.size) + " bytes; at most " +
-                         std::to_string(channel::kMostSaved) + " are saved");
+    refuse(function, "the saved variable has " + std::to_string(saved_.size) + " bytes; use 1 to " +
+                         std::to_string(channel::kMostSaved) + " bytes");
   }
 }
 
-// What another version saved is not for this one.
+// A value of another version or size is not restored.
 void Guest::restore() const {
   const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : slot_->saved.saved();
   if (before == nullptr) return;
@@ -118,15 +122,15 @@ void Guest::restore() const {
   if (same) std::memcpy(saved_.data, before->bytes.data(), saved_.size);
   for (SavedBase* one : saved()) one->set_restored(same);
   if (same) {
-    std::puts("takt: what it saved is restored");
+    std::puts("takt: its saved state is restored");
   } else {
     std::printf(
-        "takt: what version %u of it saved (%u bytes) is not restored: this is version %u (%u bytes)\n",
+        "takt: the state that version %u saved (%u bytes) is not restored: this is version %u (%u bytes)\n",
         before->version, before->size, saved_.version, saved_.size);
   }
 }
 
-// Whoever started us only asks what we are: answered, and the program ends before it does anything.
+// If the program was started only to describe itself, sends the description and ends the program.
 void Guest::describe(channel::ReleaseSlotKind kind) const {
   os::MessageSocket asker{os::take_fd_from_environment("TAKT_DESCRIBE_FD")};
   if (!asker.fd()) return;
@@ -163,7 +167,7 @@ void Guest::check_properties(const char* function) {
   if (!problems.empty()) std::exit(1);
 }
 
-// TAKT_LINKS is "PORT=FD,PORT=FD"; a port may be there several times.
+// Connects the ports to the links in TAKT_LINKS, "PORT=FD,PORT=FD,...". A port may occur several times.
 void Guest::connect_ports(const char* function) {
   const std::string links = os::take_from_environment("TAKT_LINKS");
   std::string_view rest = links;
@@ -175,13 +179,12 @@ void Guest::connect_ports(const char* function) {
     int fd = -1;
     std::from_chars(number.data(), number.data() + number.size(), fd);
     auto memory = os::SharedMemory::attach(os::adopt_fd(fd));
-    if (!memory || !channel::Link::is_link(memory->data(), memory->size()))
-      refuse(function, "takt-node is of another version than libtakt_process");
+    if (!memory || !channel::Link::is_link(memory->data(), memory->size())) refuse(function, kOtherVersion);
     const auto port =
         std::find_if(ports().begin(), ports().end(), [name](const PortBase* p) { return p->name() == name; });
     if (port == ports().end()) {
-      refuse(function, "there is no port '" + std::string{name} +
-                           "', which a connection names; construct it before this call");
+      refuse(function, "a connection names port '" + std::string{name} +
+                           "', which the program does not have; construct the port before this call");
     }
     const channel::Link link{memory->data()};
     if (link.stride() < (*port)->type().max_size)
@@ -191,7 +194,8 @@ void Guest::connect_ports(const char* function) {
   }
 }
 
-// When the first event that is there becomes valid.
+// The time from which the first waiting event is valid, in ns of the monotonic clock; kNever if there is
+// none.
 std::int64_t Guest::event_at() {
   std::int64_t first = channel::kNever;
   for (const PortBase* port : ports()) {
@@ -201,33 +205,34 @@ std::int64_t Guest::event_at() {
 }
 
 void Guest::attach(channel::ReleaseSlotKind kind, const char* function) {
-  // Lines are to be seen when they are written, also through a pipe.
+  // Line buffering: through a pipe too, each line must appear when it is written.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (slot_ != nullptr) refuse(function, "called twice; call it once, before the first wait");
   check_ports(function);
   find_saved(function);
   describe(kind);
   check_properties(function);
-  os::Fd slot = os::take_fd_from_environment("TAKT_SEAT_FD");
-  os::Fd wake_word = os::take_fd_from_environment("TAKT_BELL_FD");
+  os::Fd slot = os::take_fd_from_environment("TAKT_SLOT_FD");
+  os::Fd wake_word = os::take_fd_from_environment("TAKT_WAKE_WORD_FD");
   if (!slot || !wake_word)
-    refuse(function, "this program was not started by takt-node; name it in a descriptor and run that");
-  auto seat_memory = os::SharedMemory::attach(std::move(slot));
-  auto bell_memory = os::SharedMemory::attach(std::move(wake_word));
-  if (!seat_memory || !bell_memory) refuse(function, "the memory shared with takt-node cannot be mapped");
-  seat_memory_ = std::move(*seat_memory);
-  wake_word_memory_ = std::move(*bell_memory);
-  slot_ = reinterpret_cast<channel::ReleaseSlot*>(seat_memory_.data());
+    refuse(function, "takt-node did not start this program; name the program in a descriptor and run that");
+  auto slot_memory = os::SharedMemory::attach(std::move(slot));
+  auto wake_memory = os::SharedMemory::attach(std::move(wake_word));
+  if (!slot_memory || !wake_memory) refuse(function, "the memory shared with takt-node cannot be mapped");
+  slot_memory_ = std::move(*slot_memory);
+  wake_word_memory_ = std::move(*wake_memory);
+  slot_ = reinterpret_cast<channel::ReleaseSlot*>(slot_memory_.data());
   wake_word_ = reinterpret_cast<channel::WakeWord*>(wake_word_memory_.data());
-  if (seat_memory_.size() < sizeof(channel::ReleaseSlot) || slot_->magic != channel::ReleaseSlot::kMagic) {
-    refuse(function, "takt-node is of another version than libtakt_process");
+  if (slot_memory_.size() < sizeof(channel::ReleaseSlot) || slot_->magic != channel::ReleaseSlot::kMagic) {
+    refuse(function, kOtherVersion);
   }
   if (slot_->kind != kind) {
-    refuse(function, slot_->kind == channel::ReleaseSlotKind::periodic
-                         ? "the descriptor says periodic; use initPeriodExe() and waitPeriod()"
-                     : slot_->kind == channel::ReleaseSlotKind::sporadic
-                         ? "the descriptor says sporadic; use initSporadicExe() and waitSporadic()"
-                         : "the descriptor says non-real; such a program is not released and needs no call");
+    refuse(function,
+           slot_->kind == channel::ReleaseSlotKind::periodic
+               ? "the descriptor says periodic; use initPeriodExe() and waitPeriod()"
+           : slot_->kind == channel::ReleaseSlotKind::sporadic
+               ? "the descriptor says sporadic; use initSporadicExe() and waitSporadic()"
+               : "the descriptor says non-real; such a program has no releases, so remove this call");
   }
   context_ = {.start_ns = to_ns(os::now()), .wake_word = wake_word_};
   for (PortBase* port : ports()) port->serve(context_);
@@ -244,13 +249,12 @@ void Guest::attach(channel::ReleaseSlotKind kind, const char* function) {
   slot_->phase.store(channel::ReleaseSlotPhase::attached, std::memory_order_release);
 }
 
-void Guest::end_if_told() const {
+void Guest::end_if_requested() const {
   if (slot_->end.load(std::memory_order_acquire) != 0) std::exit(0);
 }
 
-// The release is expected one period after the last. It comes a little later than its instant, after the
-// modules before it in the row, so the spin goes on for as long behind the instant as the margin may be
-// before it.
+// The release is expected one period after the last one. It comes a little after its instant, because other
+// modules of the row are released or run first. So the program spins until margin_cap_ns after the instant.
 void Guest::spin_until_release() {
   const Instant expected = from_ns(taken_.release_ns + slot_->period_ns);
   const Instant wake = expected - margin_.value();
@@ -268,29 +272,30 @@ void Guest::spin_until_release() {
   }
 }
 
-// The scheduler leaves a program that is dispatched at once to its events.
+// A program with immediate dispatch releases itself when an event is due; the scheduler never releases it.
 bool Guest::release_by_event() {
   const Instant now = os::now();
   if (to_ns(now) < std::max(event_at(), channel::not_before_ns(*slot_))) return false;
   if (channel::begin(*slot_, to_ns(now))) return true;
-  taken_.count =
-      slot_->released.load(std::memory_order_relaxed);  // it was shut out in between: nothing to serve
+  // The node took the module out of the tables meanwhile: there is no release to serve.
+  taken_.count = slot_->released.load(std::memory_order_relaxed);
   return false;
 }
 
-void Guest::sleep_on_bell() {
+void Guest::sleep_on_wake_word() {
   const std::uint32_t rings = wake_word_->rings.load(std::memory_order_seq_cst);
   slot_->sleeping.store(1, std::memory_order_seq_cst);  // SYNC: sleeping
   bool due = slot_->released.load(std::memory_order_seq_cst) != taken_.count ||
              slot_->end.load(std::memory_order_seq_cst) != 0;
   std::optional<Instant> until;
-  // Whoever writes an event or opens the slot rings after it, so what is not seen here ends the sleep.
+  // The writer of an event, and the node when it opens the slot, wake this program afterwards. So a change
+  // that comes too late to be seen here ends the sleep.
   const std::int64_t event = slot_->immediate != 0 ? event_at() : channel::kNever;
   if (event != channel::kNever && slot_->open.load(std::memory_order_seq_cst) != 0) {
     until = from_ns(std::max(event, channel::not_before_ns(*slot_)));
     due |= *until <= os::now();
   }
-  if (!due) os::futex_wait(wake_word_->rings, rings, slot_->bell_bit, until);
+  if (!due) os::futex_wait(wake_word_->rings, rings, slot_->wake_bit, until);
   slot_->sleeping.store(0, std::memory_order_seq_cst);
 }
 
@@ -312,7 +317,7 @@ void Guest::wait(const char* function) {
   const bool first = taken_.count == 0;
   if (watch_ && !first) watch_.leave(0);
   if (!first) body_done();
-  // What was written for somebody who waits is rung for once a body.
+  // Wakes the readers of all samples that the body wrote.
   if (const std::uint32_t bits = wake_word_->take_pending(); bits != 0) {
     wake_word_->rings.fetch_add(1, std::memory_order_seq_cst);
     os::futex_wake(wake_word_->rings, bits);
@@ -320,12 +325,12 @@ void Guest::wait(const char* function) {
   slot_->done.store(taken_.count, std::memory_order_release);  // SYNC: done
   if (first) slot_->phase.store(channel::ReleaseSlotPhase::ready, std::memory_order_release);
 
-  end_if_told();
+  end_if_requested();
   const bool immediate = slot_->immediate != 0;
   if (!immediate && !first && !released()) spin_until_release();
   while (!released()) {
-    end_if_told();
-    if (!immediate || !release_by_event()) sleep_on_bell();
+    end_if_requested();
+    if (!immediate || !release_by_event()) sleep_on_wake_word();
   }
   taken_ = channel::take(*slot_, taken_.count);
   started_ = os::now();
@@ -346,7 +351,7 @@ std::vector<PortBase*> take_loose_ports() { return ports(); }
 std::vector<SavedBase*> take_loose_saved() { return saved(); }
 
 namespace detail {
-const char* take_said() noexcept { return nullptr; }
+const char* take_reported_failure() noexcept { return nullptr; }
 void add_loose_port(PortBase& port) { ports().push_back(&port); }
 void remove_loose_port(PortBase& port) noexcept { std::erase(ports(), &port); }
 void add_loose_saved(SavedBase& one) { saved().push_back(&one); }

@@ -13,9 +13,9 @@ namespace takt {
 
 namespace {
 
-// Global variables of the program use it before main().
+// The constructors of the program's global variables use it before main().
 struct Properties {
-  std::vector<PropertyBase*> all;  // in the order in which they were constructed
+  std::vector<PropertyBase*> all;  // in the order of construction
   std::vector<std::pair<std::string, std::string>> given;
   Problems refused;
 

@@ -1,4 +1,4 @@
-// The properties of this program, and what its arguments say to them. Part of libtakt_process.
+// The properties of this program, and the values that its arguments give them. Part of libtakt_process.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace takt {
 
-/// Everything that is wrong with the properties or with what they were given: a name that is none or is there
-/// twice, a default out of its range, a value that was not taken, an argument that no property is named for.
-/// Of a program without properties nothing is.
+/// Everything that is wrong with the properties or their arguments: a duplicate name, a default out of its
+/// range, a value that was rejected, an argument that names no property. Empty for a program without
+/// properties.
 Problems check_program_properties();
 
-/// A list of {"name", "type", "default", "range", "min", "max", "unit", "text"}, JSON.
+/// The properties as JSON: a list of {"name", "type", "default", "range", "min", "max", "unit", "text"}.
 std::string program_properties_json();
 
-/// The text as JSON has it, in its "".
+/// The text as a JSON string, with its quotes.
 std::string in_json(std::string_view text);
 
 }  // namespace takt

@@ -40,13 +40,13 @@ Problems check_declared(const std::vector<PropertyBase*>& properties, const std:
     if (std::any_of(properties.begin(), one,
                     [&](const PropertyBase* other) { return other->name() == name; }))
       problems.push_back(
-          takt::fail(owner + " has two properties '" + name + "'", "give each a name of its own"));
-    // A value that nobody could give the property is none that it may begin with.
+          takt::fail(owner + " has two properties '" + name + "'", "give each a different name"));
+    // The default must be a value that the property accepts.
     const std::string range = (*one)->range_text();
     if (range.empty() || (*one)->check((*one)->default_text())) continue;
     problems.push_back(takt::fail(owner + " has a property '" + name + "' whose default " +
                                       brief((*one)->default_text()) + " is out of its range: " + range,
-                                  "give it a default that is within its range, or mend the range"));
+                                  "change the default or the range"));
   }
   return problems;
 }

@@ -14,13 +14,13 @@
 #include <vector>
 
 #include <takt/wire/taktPubSubTypes.h>
-#include <takt/dds/assembly.hpp>
-#include <takt/dds/checked_type.hpp>
-#include <takt/dds/inside.hpp>
-#include <takt/dds/question.hpp>
-#include <takt/dds/validation.hpp>
-#include <takt/dds/words.hpp>
-#include "rate_limit.hpp"
+#include <takt/wire/assembly.hpp>
+#include "workarounds/checked_type.hpp"
+#include "inside.hpp"
+#include <takt/wire/question.hpp>
+#include <takt/wire/validation.hpp>
+#include <takt/wire/words.hpp>
+#include <takt/wire/rate_limit.hpp>
 #include "watch.hpp"
 
 namespace takt::dds {
@@ -31,14 +31,14 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::int32_t kDepth = 32;
-constexpr std::size_t kPaced = kDepth / 2;  // parts that are sent before their arrival is waited for
-constexpr std::size_t kRemembered = 256;    // commands: answered, in work or waiting
-constexpr std::size_t kMostWaitingBytes = 4 * kMaxData;  // of those waiting, of the answers
+constexpr std::size_t kPaced = kDepth / 2;  // parts to send before waiting for their acknowledgement
+constexpr std::size_t kRemembered = 256;    // commands: answered, being handled or waiting
+constexpr std::size_t kMostWaitingBytes = 4 * wire::kMaxData;  // of waiting commands; the same limit for answers
 constexpr auto kResend = milliseconds{1000};
-constexpr auto kSlowestResend = milliseconds{8000};  // of what has many parts
+constexpr auto kSlowestResend = milliseconds{8000};  // for commands with many parts
 constexpr auto kAcknowledge = milliseconds{2000};
-constexpr auto kMatchWait = milliseconds{3000};  // for the asker's reader; then the reply is sent anyway
-// A writer asks after what is not acknowledged; by default after 3 s, and a reader lets 5 ms pass.
+constexpr auto kMatchWait = milliseconds{3000};  // for the client's reader; then the reply is sent anyway
+// A writer asks for missing acknowledgements, by default only after 3 s; a reader answers after 5 ms.
 constexpr Nanoseconds kCommandHeartbeat = milliseconds{10};
 constexpr Nanoseconds kCommandNackDelay = milliseconds{1};
 constexpr Nanoseconds kCommandFirstAck = milliseconds{10};
@@ -61,17 +61,17 @@ void set_command_quality(Qos& qos) {
   qos.data_sharing().off();
 }
 
-/// Writes data in parts; waits now and then for the other side to have them, because the history keeps 32.
+/// Writes data in parts. Waits now and then for acknowledgements, because the history keeps only 32 samples.
 template <class Whole>
 bool write_parts(fast::DataWriter& writer, const Whole& whole) {
   auto head = whole.head;
-  const std::size_t parts = std::max<std::size_t>(1, (whole.data.size() + kPart - 1) / kPart);
+  const std::size_t parts = std::max<std::size_t>(1, (whole.data.size() + wire::kPart - 1) / wire::kPart);
   head.parts(static_cast<std::uint32_t>(parts));
   for (std::size_t i = 0; i < parts; ++i) {
     head.part(static_cast<std::uint32_t>(i));
-    const auto begin = whole.data.begin() + static_cast<std::ptrdiff_t>(i * kPart);
+    const auto begin = whole.data.begin() + static_cast<std::ptrdiff_t>(i * wire::kPart);
     const auto end =
-        whole.data.begin() + static_cast<std::ptrdiff_t>(std::min(whole.data.size(), (i + 1) * kPart));
+        whole.data.begin() + static_cast<std::ptrdiff_t>(std::min(whole.data.size(), (i + 1) * wire::kPart));
     head.data(std::vector<std::uint8_t>(begin, end));
     if (!writer.write(&head)) return false;
     if (i % kPaced == kPaced - 1) static_cast<void>(writer.wait_for_acknowledgments(duration(kAcknowledge)));
@@ -111,7 +111,7 @@ class Ends : Recreatable {
     return {};
   }
 
-  /// There are no calls of the listeners afterwards.
+  /// Afterwards no listener is called.
   void end() {
     own(*participant_).dismiss(*this);
     unmake();
@@ -151,7 +151,7 @@ class Ends : Recreatable {
           mine.make_reader(also_in_topic_, reader_qos, reader_listener_, fast::StatusMask::data_available());
     }
     if (writer_ == nullptr || reader_ == nullptr || (also_in_topic_ != nullptr && also_reader_ == nullptr))
-      return fail("DDS made no writer or reader for commands", "see what it printed");
+      return fail("DDS created no writer or reader for commands", "see the message that DDS printed");
     return {};
   }
   void unmake() {
@@ -188,37 +188,37 @@ std::uint64_t participant_of(const rtps::InstanceHandle_t& handle) {
 
 }  // namespace
 
-// ---- A node's end
+// ---- The node's side
 
 struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterListener {
   struct Asked {
-    std::uint64_t asker = 0;  // the participant
+    std::uint64_t client = 0;  // the client's participant
     bool answered = false;
-    WholeReply reply;
+    wire::WholeReply reply;
   };
   struct Outgoing {
-    WholeReply reply;
-    std::uint64_t asker = 0;
+    wire::WholeReply reply;
+    std::uint64_t client = 0;
     Clock::time_point since;
   };
 
   std::string device;
   std::string node;
-  std::function<void(const WholeCommand&)> handle;
+  std::function<void(const wire::WholeCommand&)> handle;
 
   std::mutex mutex;
   std::condition_variable changed;
   bool ending = false;
-  Assembly<Command, WholeCommand> assembly;
-  std::deque<WholeCommand> to_handle;
+  wire::Assembly<Command, wire::WholeCommand> assembly;
+  std::deque<wire::WholeCommand> to_handle;
   std::size_t to_handle_bytes = 0;
   std::deque<Outgoing> to_send;
   std::map<std::string, Asked> asked;
   std::deque<std::string> asked_order;
   std::size_t answer_bytes = 0;
-  std::uint64_t senseless = 0;
-  std::uint64_t too_many = 0;
-  RateLimit rate_limit;
+  std::uint64_t invalid = 0;
+  std::uint64_t over_limit = 0;
+  wire::RateLimit rate_limit;
   std::multiset<std::uint64_t> matched;  // participants of reply readers
   std::thread handler;
   std::thread sender;
@@ -242,64 +242,64 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     while (from->take_next_sample(&command, &info) == ReturnCode::RETCODE_OK) {
       if (!info.valid_data) continue;
       const std::lock_guard lock{mutex};
-      if (!validate(command)) {
-        ++senseless;
+      if (!wire::validate(command)) {
+        ++invalid;
         continue;
       }
       if (device != command.device().c_str()) continue;
       if (command.node().size() != 0 && node != command.node().c_str()) continue;
       const rtps::GuidPrefix_t& prefix = info.sample_identity.writer_guid().guidPrefix;
-      const std::uint64_t asker = number_of(prefix);
-      // Of what has several parts the first counts: those after one that was not taken are of no use.
-      if (command.part() == 0 && !rate_limit.admit(asker, Clock::now())) {
-        ++too_many;
+      const std::uint64_t client = number_of(prefix);
+      // Only the first part of a command counts. If it is rejected, the later parts are useless.
+      if (command.part() == 0 && !rate_limit.admit(client, Clock::now())) {
+        ++over_limit;
         ends.participant().notices().tell(
-            "refused: more than " + std::to_string(static_cast<int>(RateLimit::kEach.a_second)) +
-            " commands a second of one asker, or " +
-            std::to_string(static_cast<int>(RateLimit::kAll.a_second)) + " in all");
+            "rejected: more than " + std::to_string(static_cast<int>(wire::RateLimit::kEach.per_second)) +
+            " commands per second from one client, or " +
+            std::to_string(static_cast<int>(wire::RateLimit::kAll.per_second)) + " in total");
         continue;
       }
-      WholeCommand whole;
-      if (!assembly.add(command, std::to_string(asker) + '/' + command.id().c_str(), whole)) continue;
+      wire::WholeCommand whole;
+      if (!assembly.add(command, std::to_string(client) + '/' + command.id().c_str(), whole)) continue;
       Watch* const watch = ends.participant().watch();
-      const bool only_looks = from->get_topicdescription()->get_name() == security::kQuestionTopic;
-      if (only_looks && watch != nullptr && !is_question(command.kind()))
-        refuse(std::move(whole), asker, watch->who(prefix));
+      const bool is_observer = from->get_topicdescription()->get_name() == security::kQuestionTopic;
+      if (is_observer && watch != nullptr && !wire::is_question(command.kind()))
+        refuse(std::move(whole), client, watch->who(prefix));
       else
-        arrived(std::move(whole), asker);
+        arrived(std::move(whole), client);
     }
   }
 
-  void refuse(WholeCommand command, std::uint64_t asker, const std::string& who) {
-    ends.participant().notices().tell("refused: " + who + " asked to " + to_text(command.head.kind()) +
-                                      ", which only an operator may");
+  void refuse(wire::WholeCommand command, std::uint64_t client, const std::string& who) {
+    ends.participant().notices().tell("rejected: " + who + " asked to " + to_text(command.head.kind()) +
+                                      ", which only an operator may do");
     const std::string id = command.head.id().to_string();
-    if (asked.contains(id)) return arrived(std::move(command), asker);  // is answered again
+    if (asked.contains(id)) return arrived(std::move(command), client);  // repeats the answer
     if (!make_room(0)) return;
-    asked[id].asker = asker;
+    asked[id].client = client;
     asked_order.push_back(id);
-    WholeReply reply;
+    wire::WholeReply reply;
     reply.head.id(id);
     reply.head.code(REPLY_REFUSED);
-    reply.head.text((who + " may look and not " + to_text(command.head.kind())).substr(0, 255));
+    reply.head.text((who + " may only observe, not " + to_text(command.head.kind())).substr(0, 255));
     answered(reply);
   }
 
-  void arrived(WholeCommand command, std::uint64_t asker) {
+  void arrived(wire::WholeCommand command, std::uint64_t client) {
     const std::string id = command.head.id().to_string();
     if (const auto found = asked.find(id); found != asked.end()) {
-      found->second.asker = asker;
-      if (found->second.answered) to_send.push_back({found->second.reply, asker, Clock::now()});
+      found->second.client = client;
+      if (found->second.answered) to_send.push_back({found->second.reply, client, Clock::now()});
     } else if (make_room(command.data.size())) {
-      asked[id].asker = asker;
+      asked[id].client = client;
       asked_order.push_back(id);
       to_handle_bytes += command.data.size();
       to_handle.push_back(std::move(command));
-    }  // else it will be asked again
+    }  // else the client sends it again
     changed.notify_all();
   }
 
-  // For one more command. False where as many as may be are still without an answer.
+  // Makes room for one more command. Returns false if too many commands are still without an answer.
   bool make_room(std::size_t bytes) {
     if (to_handle_bytes + bytes > kMostWaitingBytes) return false;
     if (asked_order.size() < kRemembered) return true;
@@ -315,23 +315,23 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     return true;
   }
 
-  void answered(const WholeReply& reply) {
+  void answered(const wire::WholeReply& reply) {
     const auto found = asked.find(reply.head.id().to_string());
     if (found == asked.end() || found->second.answered) return;
-    WholeReply full = reply;
+    wire::WholeReply full = reply;
     full.head.device(device.c_str());
     full.head.node(node.c_str());
-    if (full.data.size() > kMaxData) {
+    if (full.data.size() > wire::kMaxData) {
       full.data.clear();
       full.head.code(REPLY_FAILED);
-      full.head.text("the answer is longer than 16 MiB");
+      full.head.text("the reply is longer than 16 MiB");
     }
-    to_send.push_back({full, found->second.asker, Clock::now()});
+    to_send.push_back({full, found->second.client, Clock::now()});
     answer_bytes += full.data.size();
     found->second.reply = std::move(full);
     while (answer_bytes > kMostWaitingBytes && forget_an_answer()) {
     }
-    found->second.answered = true;  // now it may be forgotten too
+    found->second.answered = true;  // from now on it may be forgotten
     changed.notify_all();
   }
 
@@ -358,7 +358,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
         changed.wait(lock);
         continue;
       }
-      const WholeCommand command = std::move(to_handle.front());
+      const wire::WholeCommand command = std::move(to_handle.front());
       to_handle.pop_front();
       to_handle_bytes -= command.data.size();
       lock.unlock();
@@ -367,13 +367,13 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
     }
   }
 
-  // The asker's reader may match later than its command came: a reply before that would be lost.
+  // Holds each reply until the client's reader has matched; an earlier reply would be lost.
   void send() {
     std::unique_lock lock{mutex};
     while (!ending) {
       const auto now = Clock::now();
       const auto found = std::find_if(to_send.begin(), to_send.end(), [&](const Outgoing& each) {
-        return matched.count(each.asker) > 0 || now - each.since > kMatchWait;
+        return matched.count(each.client) > 0 || now - each.since > kMatchWait;
       });
       if (found == to_send.end()) {
         if (to_send.empty())
@@ -382,7 +382,7 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
           changed.wait_for(lock, milliseconds{50});
         continue;
       }
-      const WholeReply reply = std::move(found->reply);
+      const wire::WholeReply reply = std::move(found->reply);
       to_send.erase(found);
       lock.unlock();
       ends.write(reply);
@@ -393,12 +393,12 @@ struct CommandServer::Inside final : fast::DataReaderListener, fast::DataWriterL
 
 Result<CommandServer> CommandServer::create(std::shared_ptr<Participant> participant, std::string device,
                                             std::string node,
-                                            std::function<void(const WholeCommand&)> handle) {
+                                            std::function<void(const wire::WholeCommand&)> handle) {
   auto inside = std::make_unique<Inside>(std::move(participant));
   inside->device = std::move(device);
   inside->node = std::move(node);
   inside->handle = std::move(handle);
-  // Without security nobody has less rights than another, and everybody asks on takt/command.
+  // Without security all clients have the same rights and use takt/command.
   const char* questions = inside->ends.participant().watch() == nullptr ? nullptr : security::kQuestionTopic;
   if (auto made =
           inside->ends.begin("takt/reply", fast::TypeSupport{new CheckedType<ReplyPubSubType>},
@@ -417,32 +417,32 @@ CommandServer::CommandServer(CommandServer&&) noexcept = default;
 CommandServer& CommandServer::operator=(CommandServer&&) noexcept = default;
 CommandServer::~CommandServer() = default;
 
-void CommandServer::reply(const WholeReply& reply) {
+void CommandServer::reply(const wire::WholeReply& reply) {
   const std::lock_guard lock{inside_->mutex};
   inside_->answered(reply);
 }
 
 std::uint64_t CommandServer::refused() const {
   const std::lock_guard lock{inside_->mutex};
-  return inside_->senseless + inside_->too_many + inside_->assembly.refused() + inside_->ends.not_decoded();
+  return inside_->invalid + inside_->over_limit + inside_->assembly.refused() + inside_->ends.not_decoded();
 }
 
-// ---- The asker's end
+// ---- The client's side
 
 struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterListener {
   struct Open {
-    WholeCommand command;
+    wire::WholeCommand command;
     Clock::time_point again;
     milliseconds pause = kResend;
     bool sent = false;
   };
 
-  std::function<void(const WholeReply&)> heard;
+  std::function<void(const wire::WholeReply&)> heard;
   std::mutex mutex;
   std::condition_variable changed;
   bool ending = false;
   int matched = 0;
-  Assembly<Reply, WholeReply> assembly;
+  wire::Assembly<Reply, wire::WholeReply> assembly;
   std::map<std::string, Open> open;
   std::thread sender;
   Ends ends;
@@ -462,17 +462,17 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     Reply reply;
     fast::SampleInfo info;
     while (from->take_next_sample(&reply, &info) == ReturnCode::RETCODE_OK) {
-      if (!info.valid_data || !validate(reply)) continue;
+      if (!info.valid_data || !wire::validate(reply)) continue;
       Watch* const watch = ends.participant().watch();
       const rtps::GUID_t& writer = info.sample_identity.writer_guid();
       if (watch != nullptr && !watch->is_device(writer, reply.device().to_string())) {
         watch->impostor(writer, "takt/reply", reply.device().to_string());
         continue;
       }
-      WholeReply whole;
+      wire::WholeReply whole;
       {
         const std::lock_guard lock{mutex};
-        // Replies to everybody come here; only those to our commands are ours.
+        // This reader gets the replies to all clients; only those to own commands count.
         const auto mine = open.find(reply.id().c_str());
         if (mine == open.end()) continue;
         const std::string key = std::string{reply.id().c_str()} + '/' + reply.node().c_str();
@@ -486,7 +486,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
   void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
     const std::lock_guard lock{mutex};
     matched = status.current_count;
-    if (status.current_count_change > 0) {  // somebody has come who has not heard what is open
+    if (status.current_count_change > 0) {  // a new node has not received the open commands
       for (auto& each : open) each.second.again = Clock::now();
     }
     changed.notify_all();
@@ -502,7 +502,7 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
     while (!ending) {
       const auto now = Clock::now();
       const std::int64_t wall = wall_ns();
-      // After its deadline it is sent only to be answered: who has it already answers again.
+      // After its deadline a command is only repeated, to get the answer of a node that already has it.
       const auto due = std::find_if(open.begin(), open.end(), [&](const auto& each) {
         const Open& one = each.second;
         return matched > 0 && one.again <= now && (one.sent || one.command.head.deadline_ns() >= wall);
@@ -514,8 +514,8 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
           changed.wait_for(lock, milliseconds{20});
         continue;
       }
-      const WholeCommand command = due->second.command;
-      if (command.data.size() > kPart) due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
+      const wire::WholeCommand command = due->second.command;
+      if (command.data.size() > wire::kPart) due->second.pause = std::min(2 * due->second.pause, kSlowestResend);
       due->second.again = now + due->second.pause;
       due->second.sent = true;
       lock.unlock();
@@ -526,12 +526,12 @@ struct CommandClient::Inside final : fast::DataReaderListener, fast::DataWriterL
 };
 
 Result<CommandClient> CommandClient::create(std::shared_ptr<Participant> participant,
-                                            std::function<void(const WholeReply&)> heard) {
+                                            std::function<void(const wire::WholeReply&)> heard) {
   auto inside = std::make_unique<Inside>(std::move(participant));
   inside->heard = std::move(heard);
   Watch* const watch = inside->ends.participant().watch();
-  const bool only_looks = watch != nullptr && watch->mine().subject.role == security::Role::observer;
-  const char* const topic = only_looks ? security::kQuestionTopic : "takt/command";
+  const bool is_observer = watch != nullptr && watch->mine().subject.role == security::Role::observer;
+  const char* const topic = is_observer ? security::kQuestionTopic : "takt/command";
   if (auto made =
           inside->ends.begin(topic, fast::TypeSupport{new CheckedType<CommandPubSubType>}, "takt/reply",
                              fast::TypeSupport{new CheckedType<ReplyPubSubType>}, nullptr, inside.get(),
@@ -548,8 +548,8 @@ CommandClient::CommandClient(CommandClient&&) noexcept = default;
 CommandClient& CommandClient::operator=(CommandClient&&) noexcept = default;
 CommandClient::~CommandClient() = default;
 
-bool CommandClient::send(const WholeCommand& command) {
-  if (command.data.size() > kMaxData) return false;
+bool CommandClient::send(const wire::WholeCommand& command) {
+  if (command.data.size() > wire::kMaxData) return false;
   const std::lock_guard lock{inside_->mutex};
   inside_->open[command.head.id().to_string()] = {.command = command, .again = Clock::now()};
   inside_->changed.notify_all();

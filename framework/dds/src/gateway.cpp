@@ -7,7 +7,7 @@
 #include <mutex>
 #include <utility>
 
-#include <takt/dds/raw.hpp>
+#include "raw.hpp"
 #include <takt/os/clock.hpp>
 #include <takt/os/futex.hpp>
 #include <takt/os/real_time.hpp>
@@ -16,12 +16,12 @@ namespace takt::dds {
 
 namespace {
 
-constexpr int kAtOnce = 16;  // samples of one link before the others have their turn
+constexpr int kAtOnce = 16;  // samples of one link before it is the other links' turn
 constexpr Nanoseconds kLongestSleep = std::chrono::milliseconds{100};
-// A writer's time that is older says that its clock is another one than ours.
+// If a sample is older than this, the writer's clock differs from this machine's.
 constexpr std::int64_t kOldest = std::int64_t{60} * 1'000'000'000;
 
-/// Both clocks, read together.
+/// Both clocks, read at the same time.
 struct Now {
   std::int64_t wall_ns =
       std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -45,10 +45,11 @@ Result<void> fits(const Flow& flow, const channel::Link& link) {
   const std::size_t size = model::max_size(flow.type);
   if (link.stride() >= size) return {};
   return fail("samples of '" + flow.type.name + "' have up to " + std::to_string(size) +
-              " bytes and the link of '" + flow.topic + "' has room for " + std::to_string(link.stride()));
+              " bytes, but the link of '" + flow.topic + "' has room for only " +
+              std::to_string(link.stride()));
 }
 
-/// From a link to DDS.
+/// Moves samples from a link to DDS.
 class Outgoing {
  public:
   Outgoing(std::unique_ptr<RawWriter> writer, channel::Link from) : writer_(std::move(writer)), from_(from) {}
@@ -56,7 +57,7 @@ class Outgoing {
   [[nodiscard]] std::int64_t news_at() const noexcept { return from_.news_at(); }
   [[nodiscard]] FlowHealth health() const { return writer_->health(); }
 
-  /// A few samples. False where there was none.
+  /// Moves a few samples. Returns false if there was none.
   bool move() {
     const Now now;
     if (!from_.take(now.monotonic_ns)) return false;
@@ -73,7 +74,7 @@ class Outgoing {
   channel::LinkReader from_;
 };
 
-/// From DDS to links.
+/// Moves samples from DDS to links.
 class Incoming final : RawReader::Receiver {
  public:
   Incoming(const std::vector<channel::Link>& to, channel::WakeWord& wake_word) : wake_word_(wake_word) {
@@ -90,16 +91,16 @@ class Incoming final : RawReader::Receiver {
  private:
   struct End {
     channel::LinkWriter writer;
-    std::uint32_t size = 0;  // of what lies in its own buffer; 0: nothing
+    std::uint32_t size = 0;  // bytes in the writer's own buffer; 0: none
   };
 
-  // The links' own buffers, which nobody sees before they are published.
+  // Copies the bytes into the links' own buffers, which no reader sees before they are published.
   void receive(const Bytes& bytes) override {
     for (End& end : to_) {
       const channel::Link& link = end.writer.link();
       end.size = 0;
       if (link.block().enabled.load(std::memory_order_relaxed) == 0) continue;
-      // Bytes of alignment at its end may make a sample longer than its type says.
+      // Alignment bytes at the end may make a sample longer than its type.
       end.size = static_cast<std::uint32_t>(std::min<std::size_t>(bytes.size, link.stride()));
       std::memcpy(link.payload(end.writer.buffer()), bytes.data, end.size);
     }
@@ -119,7 +120,7 @@ class Incoming final : RawReader::Receiver {
   channel::WakeWord& wake_word_;
   std::vector<End> to_;
   std::uint32_t to_ring_ = 0;
-  std::unique_ptr<RawReader> reader_;  // the last: it calls this until it is gone
+  std::unique_ptr<RawReader> reader_;  // the last member: it calls this object until it is destroyed
 };
 
 class OwnGateway final : public Gateway {
@@ -163,7 +164,7 @@ class OwnGateway final : public Gateway {
   }
 
   void remove(FlowId flow) override {
-    // Taken out under the lock, deleted without: who deletes waits for callbacks to end.
+    // Removed under the lock, but deleted without it, because deleting waits for callbacks to end.
     std::unique_ptr<Outgoing> outgoing;
     std::unique_ptr<Incoming> incoming;
     const std::lock_guard lock{mutex_};
@@ -188,13 +189,13 @@ class OwnGateway final : public Gateway {
     while (!ending_.load()) {
       const std::uint32_t rings = wake_word_.rings.load(std::memory_order_seq_cst);
       if (move()) continue;
-      // SYNC: gateway sleeps. Who writes publishes and then looks here; either he sees that we sleep and
-      // rings, or we see his sample.
+      // SYNC: gateway sleeps. A writer publishes and then reads gateway_sleeps. So either it sees this bit
+      // and rings, or this thread sees its sample.
       wake_word_.gateway_sleeps.fetch_or(sleeps_, std::memory_order_seq_cst);
       const Instant now = os::now();
       const std::int64_t news = news_at();
       if (news > to_ns(now) && !ending_.load()) {
-        // A host that died before it rang must not hold up what it wrote.
+        // The limit bounds the delay of samples whose host died before it rang.
         const Instant until = std::min(now + kLongestSleep, from_ns(news));
         os::futex_wait(wake_word_.rings, rings, channel::kGatewayBit, until);
       }
@@ -207,7 +208,7 @@ class OwnGateway final : public Gateway {
     for (auto& [id, flow] : outgoing_) moved = flow->move() || moved;
     return moved;
   }
-  /// When the first sample that is there may be read.
+  /// When the first available sample may be read.
   std::int64_t news_at() {
     const std::lock_guard lock{mutex_};
     std::int64_t first = channel::kNever;
@@ -217,7 +218,7 @@ class OwnGateway final : public Gateway {
 
   std::shared_ptr<Participant> participant_;
   channel::WakeWord& wake_word_;
-  const std::uint32_t sleeps_;  // our bit of WakeWord::gateway_sleeps
+  const std::uint32_t sleeps_;  // this gateway's bit of WakeWord::gateway_sleeps
   mutable std::mutex mutex_;
   FlowId last_id_ = 0;
   std::map<FlowId, std::unique_ptr<Outgoing>> outgoing_;
@@ -244,7 +245,7 @@ class OwnTap final : public Tap, RawReader::Receiver {
 
   std::function<void(const std::byte*, std::size_t, std::int64_t)> sample_;
   std::vector<std::byte> bytes_;
-  std::unique_ptr<RawReader> reader_;  // the last: it calls this until it is gone
+  std::unique_ptr<RawReader> reader_;  // the last member: it calls this object until it is destroyed
 };
 
 class OwnFeed final : public Feed {

@@ -1,4 +1,4 @@
-// What Fast DDS says of itself.
+// The log messages of Fast DDS.
 #pragma once
 
 #include <functional>
@@ -6,11 +6,11 @@
 
 namespace takt::dds {
 
-/// From now on its errors go to standard error, one a line; by itself it prints them, in colour, among what a
-/// program prints for others to read. Of many that come together the first are shown and the others counted.
+/// From now on errors of Fast DDS go to standard error, one per line. By default it prints them in colour on
+/// standard output. If many come together, the first ones are printed and the others are counted.
 void log_to_standard_error();
-/// `look` is shown each message first, on the log's own thread; one that it takes (true) is not printed.
-/// Null: nobody looks. On return the one before is not called any more.
+/// `look` gets each message first, on the log's own thread. If it returns true, the message is not printed.
+/// Null removes it. On return, the previous function is no longer called.
 void look_at_log(std::function<bool(const std::string& message)> look);
 
 }  // namespace takt::dds

@@ -15,14 +15,14 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
 #include <takt/core/check.hpp>
-#include <takt/dds/filtered_transport.hpp>
-#include <takt/dds/inside.hpp>
+#include "workarounds/filtered_transport.hpp"
+#include "inside.hpp"
 #include <takt/os/clock.hpp>
 #include <takt/os/environment.hpp>
 #include <takt/os/network.hpp>
 #include <takt/os/real_time.hpp>
 #include "log.hpp"
-#include "spent_tokens.hpp"
+#include "workarounds/spent_tokens.hpp"
 #include "watch.hpp"
 
 namespace takt::dds {
@@ -30,18 +30,19 @@ namespace takt::dds {
 namespace {
 
 constexpr const char* kServerPrefix =
-    "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the first server's, as the manual has it
+    "44.53.00.5f.45.50.52.4f.53.49.4d.41";  // the first server's prefix, according to the manual
 constexpr std::uint16_t kServerPort = 11811;
 constexpr std::uint32_t kReceiveBuffer = 4 * 1024 * 1024;
-/// Participants of one machine that are tried where only its address is known.
+/// The number of participants of one machine to try if only its address is known.
 constexpr std::uint32_t kPeerParticipants = 40;
-/// More than a participant takes on a machine of a few networks. Fast DDS ends a process that has too few.
+/// More file descriptors than a participant needs on a machine with a few networks. Fast DDS ends a process
+/// that has too few.
 constexpr std::size_t kDescriptors = 48;
 
 std::atomic<bool> there_is_one{false};
 
-// What stands in the environment, or in a file of the working directory, is for other programs of this
-// machine; it would change how ours are found.
+// Ignores settings in the environment and in files of the working directory. They are for other programs and
+// would change the discovery of Takt's participants.
 void ignore_environment() {
   ::setenv("SKIP_DEFAULT_XML", "1", 1);
   for (const char* name : {"FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_DISCOVERY_SERVER", "FASTDDS_STATISTICS"})
@@ -65,8 +66,8 @@ Result<rtps::Locator_t> server_locator(const std::string& server) {
     const std::string_view text = std::string_view{server}.substr(colon + 1);
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
     if (error != std::errc{} || end != text.data() + text.size() || port == 0) {
-      return fail("the discovery server '" + server + "' has no port",
-                  "say host:port, for example 10.0.0.1:11811");
+      return fail("the port of discovery server '" + server + "' is not a number from 1 to 65535",
+                  "write host:port, for example 10.0.0.1:11811");
     }
   }
   return locator(server.substr(0, colon), port);
@@ -81,9 +82,10 @@ Result<void> set_discovery(fast::DomainParticipantQos& qos, const model::Discove
   auto& builtin = qos.wire_protocol().builtin;
   auto& config = builtin.discovery_config;
   config.leaseDuration = {3, 0};
-  // Who is found answers at once, but to one that may not be listening yet; it is heard with the next one.
+  // A newly found participant answers at once, perhaps before the other one listens. The next announcement
+  // gets through.
   config.leaseDuration_announcementperiod = {0, 250'000'000};
-  // The first announcement of one that starts is lost on another that starts at the same time.
+  // The first announcement can be lost if both participants start at the same time.
   config.initial_announcements.count = 25;
   config.initial_announcements.period = {0, 20'000'000};
   switch (discovery.kind) {
@@ -127,7 +129,7 @@ Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<st
       std::string known;
       for (const std::string& each : mine) known += (known.empty() ? "" : ", ") + each;
       return fail("this machine has no interface with the address '" + address + "'",
-                  known.empty() ? "it has none that is up" : "it has " + known);
+                  known.empty() ? "no interface is up" : "its addresses are " + known);
     }
     udp->interfaceWhiteList.push_back(address);
   }
@@ -137,25 +139,25 @@ Result<void> set_transport(fast::DomainParticipantQos& qos, const std::vector<st
   return {};
 }
 
-/// The identity of this folder, if it is in order and for this domain.
+/// The identity in this folder. Fails if it is damaged or not for this domain.
 Result<security::Identity> identity_for(const ParticipantOptions& options) {
   if (options.discovery.kind == model::Discovery::Kind::server) {
     return fail("DDS Security and a discovery server exclude each other in this version of Fast DDS",
-                "find each other by multicast or by --peers");
+                "use multicast or --peers instead of the server");
   }
   auto identity = security::read_identity(options.security, os::wall_ns() / 1'000'000'000);
   if (!identity) return identity;
   const std::vector<int>& domains = identity->domains;
   if (std::find(domains.begin(), domains.end(), options.domain) != domains.end()) return identity;
   if (domains.empty()) {
-    return Problem{options.security, "this identity may write and read nothing in its cell",
-                   "a program has the topics of connections that have one end"};
+    return Problem{options.security, "this identity may not read or write any topic of its cell",
+                   "a program gets the topics of connections with only one end"};
   }
   std::string known;
   for (const int domain : domains) known += (known.empty() ? "" : ", ") + std::to_string(domain);
   return Problem{
       options.security,
-      "this identity is for domain " + known + " and not for domain " + std::to_string(options.domain),
+      "this identity is for domain " + known + ", not for domain " + std::to_string(options.domain),
       "use that domain, or takt secure update --domain " + std::to_string(options.domain)};
 }
 
@@ -182,11 +184,11 @@ void set_security(fast::DomainParticipantQos& qos, const security::Identity& ide
 
 Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOptions& options) {
   if (options.domain < 0 || options.domain > 232)
-    return fail("there is no DDS domain " + std::to_string(options.domain), "a domain is 0 to 232");
+    return fail("DDS domain " + std::to_string(options.domain) + " does not exist", "use 0 to 232");
   if (os::is_real_time()) {
     return fail(
-        "a participant of DDS cannot be made on a real-time thread: its threads would be real-time too",
-        "make it before the thread is made real-time, or on another thread");
+        "a DDS participant cannot be created on a real-time thread: its threads would be real-time too",
+        "create it before the thread becomes real-time, or on another thread");
   }
   if (there_is_one.exchange(true)) return fail("this process has a DDS participant already", "use that one");
   const auto refuse = [](Problems problems) {
@@ -205,7 +207,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   fast::DomainParticipantQos qos;
   qos.name(options.name.c_str());
   if (auto set = set_discovery(qos, options.discovery); !set) return refuse(set.problems());
-  auto notices = std::make_unique<Notices>(options.refused);
+  auto notices = std::make_unique<wire::Notices>(options.refused);
   auto filter = std::make_shared<PacketFilter>(*notices, !options.security.empty());
   if (auto set = set_transport(qos, options.interfaces, *addresses, filter); !set)
     return refuse(set.problems());
@@ -224,7 +226,7 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
                                                               qos, watch.get(), fast::StatusMask::none());
   if (made == nullptr) {
     return refuse({fail("DDS cannot be used on domain " + std::to_string(options.domain),
-                        "see what it printed; each process takes ports from " +
+                        "see the message that DDS printed; each process takes ports from " +
                             std::to_string(7400 + 250 * options.domain) +
                             " upwards, and about 120 of them fit on one machine")});
   }
@@ -233,13 +235,14 @@ Result<std::shared_ptr<Participant>> Participant::create(const ParticipantOption
   std::shared_ptr<Participant> participant = std::make_shared<OwnParticipant>(
       made, publisher, subscriber, options.interfaces.empty() && only_loopback(*addresses),
       std::move(notices), std::move(watch), std::move(filter));
-  if (publisher == nullptr || subscriber == nullptr) return fail("DDS made no publisher or subscriber");
+  if (publisher == nullptr || subscriber == nullptr)
+    return fail("DDS created no publisher or subscriber", "see the message that DDS printed");
   return participant;
 }
 
 OwnParticipant::OwnParticipant(fast::DomainParticipant* participant, fast::Publisher* publisher,
                                fast::Subscriber* subscriber, bool only_loopback,
-                               std::unique_ptr<Notices> notices, std::unique_ptr<Watch> watch,
+                               std::unique_ptr<wire::Notices> notices, std::unique_ptr<Watch> watch,
                                std::shared_ptr<PacketFilter> filter)
     : notices_(std::move(notices)),
       watch_(std::move(watch)),
@@ -261,7 +264,7 @@ OwnParticipant::~OwnParticipant() {
 }
 
 void OwnParticipant::rescan_interfaces() {
-  // Without a descriptor left nobody is told of any, and Fast DDS would complain each time.
+  // Without a free file descriptor no address is known, and Fast DDS would report an error each time.
   const auto addresses = os::ipv4_addresses();
   if (!addresses) return;
   fast::DomainParticipantQos qos;
@@ -289,12 +292,12 @@ Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::
   if (const auto found = types_.find(type_name);
       found != types_.end() &&
       (found->second.size != type->m_typeSize || found->second.decoder != typeid(decoder))) {
-    return fail("there are two types of the name '" + type_name + "' in this process",
-                "components that are built with different versions of a type cannot be used together");
+    return fail("there are two different types named '" + type_name + "' in this process",
+                "build all components with the same version of the type");
   }
   if (const auto found = topics_.find(name); found != topics_.end()) {
     if (found->second.topic->get_type_name() != type_name) {
-      return fail("the topic '" + name + "' has the type '" + found->second.topic->get_type_name() + "' here",
+      return fail("topic '" + name + "' already has the type '" + found->second.topic->get_type_name() + "'",
                   "give the topic of type '" + type_name + "' another name");
     }
     ++found->second.users;
@@ -312,7 +315,8 @@ Result<fast::Topic*> OwnParticipant::topic(const std::string& name, const fast::
       participant_->unregister_type(type_name);
       types_.erase(type_name);
     }
-    return fail("DDS made no topic '" + name + "' of type '" + type_name + "'", "see what it printed");
+    return fail("DDS created no topic '" + name + "' of type '" + type_name + "'",
+                "see the message that DDS printed");
   }
   ++known.topics;
   topics_[name] = {made, 1};

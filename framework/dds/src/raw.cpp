@@ -1,4 +1,4 @@
-#include <takt/dds/raw.hpp>
+#include "raw.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -9,10 +9,10 @@ namespace takt::dds {
 
 namespace {
 
-constexpr std::size_t kWriters = 64;  // whose numbers are followed
+constexpr std::size_t kWriters = 64;  // writers whose sequence numbers are tracked
 constexpr std::int32_t kReliableReaderDepth = 32;
-constexpr std::size_t kPreallocated = 4 * 1024 * 1024;  // bytes at most that are made ready for one flow
-// What is lost is noticed by the writer's next sample, or after a heartbeat; 3 s by default.
+constexpr std::size_t kPreallocated = 4 * 1024 * 1024;  // most bytes to preallocate for one flow
+// A lost sample is noticed at the writer's next sample, or after a heartbeat; by default after 3 s.
 constexpr Nanoseconds kFlowHeartbeat = std::chrono::milliseconds{10};
 constexpr Nanoseconds kFlowNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kFlowFirstAck = std::chrono::milliseconds{10};
@@ -117,7 +117,8 @@ Result<void> RawWriter::make() {
   fast::StatusMask mask = fast::StatusMask::publication_matched();
   mask << fast::StatusMask::offered_incompatible_qos();
   writer_ = own(*participant_).publisher().create_datawriter(topic_, qos, this, mask);
-  if (writer_ == nullptr) return fail("DDS made no writer of '" + flow_.topic + "'", "see what it printed");
+  if (writer_ == nullptr)
+    return fail("DDS created no writer of '" + flow_.topic + "'", "see the message that DDS printed");
   return {};
 }
 
@@ -127,7 +128,7 @@ void RawWriter::recreate() {
   const std::lock_guard lock{using_it_};
   unmake();
   health_.matched(0);
-  static_cast<void>(make());  // without one every write fails, and is counted
+  static_cast<void>(make());  // without a writer every write fails and is counted
 }
 
 bool RawWriter::write(const Bytes& bytes, std::int64_t time_ns) {
@@ -171,18 +172,19 @@ RawReader::~RawReader() {
 
 Result<void> RawReader::make() {
   fast::DataReaderQos qos;
-  // What comes before a sample that is sent again is kept until that one is here.
+  // Samples that arrive before a resent one are kept until it has arrived.
   const std::int32_t depth = flow_.quality.reliable ? std::max(depth_of(flow_.quality), kReliableReaderDepth)
                                                     : depth_of(flow_.quality);
   set_flow_quality(qos, flow_.quality, depth, model::max_size(flow_.type));
-  // With a fixed size, a sample that is too long would be offered again and again, and never be counted.
+  // With a fixed size, Fast DDS would offer a sample that is too long repeatedly, and never count it.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.reliable_reader_qos().times.heartbeatResponseDelay = duration(kFlowNackDelay);
   qos.reliable_reader_qos().times.initialAcknackDelay = duration(kFlowFirstAck);
   fast::StatusMask mask = fast::StatusMask::data_available();
   mask << fast::StatusMask::subscription_matched() << fast::StatusMask::requested_incompatible_qos();
   reader_ = own(*participant_).make_reader(topic_, qos, this, mask);
-  if (reader_ == nullptr) return fail("DDS made no reader of '" + flow_.topic + "'", "see what it printed");
+  if (reader_ == nullptr)
+    return fail("DDS created no reader of '" + flow_.topic + "'", "see the message that DDS printed");
   return {};
 }
 

@@ -12,9 +12,9 @@
 
 #include <takt/wire/takt.h>
 #include <takt/wire/taktPubSubTypes.h>
-#include <takt/dds/checked_type.hpp>
-#include <takt/dds/inside.hpp>
-#include <takt/dds/validation.hpp>
+#include "workarounds/checked_type.hpp"
+#include "inside.hpp"
+#include <takt/wire/validation.hpp>
 #include "watch.hpp"
 
 namespace takt::dds {
@@ -22,23 +22,23 @@ namespace takt::dds {
 namespace {
 
 constexpr int kMaxKeys =
-    16384;  ///< modules, or ports, of all devices on a domain; 10 by default, and further ones are lost
+    16384;  ///< modules, or ports, of all devices on a domain; by default 10, and further ones are lost
 constexpr Nanoseconds kLease = std::chrono::milliseconds{300};
 constexpr std::int32_t kReaderDepth =
-    64;  ///< so that a burst is not overwritten before the listener has taken it
-constexpr std::int32_t kEventsKept = 64;  ///< of a device, for who comes later
-// A writer asks after what is not acknowledged; by default after 3 s, and a reader lets 5 ms pass before it
-// answers. A transition must not wait that long for the one before it.
+    64;  ///< large enough that a burst is not overwritten before the listener has taken it
+constexpr std::int32_t kEventsKept = 64;  ///< per device, for later readers
+// A writer asks for missing acknowledgements, by default only after 3 s; a reader answers after 5 ms. A
+// transition must not wait that long for the previous one.
 constexpr Nanoseconds kTopicHeartbeat = std::chrono::milliseconds{5};
 constexpr Nanoseconds kTopicNackDelay = std::chrono::milliseconds{1};
 constexpr Nanoseconds kTopicFirstAck = std::chrono::milliseconds{10};
-constexpr Nanoseconds kStep = std::chrono::milliseconds{20};  ///< of a wait, in which nobody else gets at it
+constexpr Nanoseconds kStep = std::chrono::milliseconds{20};  ///< of a wait, during which the lock is held
 
-/// A state is kept for who comes later and its writer's life is watched; of events the last few are kept;
-/// what is measured is not.
+/// A state is kept for later readers, and its writer's liveliness is watched. The last few events are kept.
+/// Measurements are not kept.
 enum class Sort { state, measure, event };
 
-/// What the contract says of each topic.
+/// The definition of each topic.
 template <class T>
 struct TopicOf;
 template <>
@@ -103,7 +103,7 @@ fast::TypeSupport type_of() {
   return fast::TypeSupport{new CheckedType<typename TopicOf<T>::Generated>};
 }
 
-/// "robot" of "cell/robot" and of "cell/robot/arm"; empty where there is none.
+/// "robot" for "cell/robot" and "cell/robot/arm"; empty if there is no device.
 std::string device_in(std::string_view path) {
   const std::size_t begin = path.find('/');
   if (begin == std::string_view::npos) return {};
@@ -111,15 +111,15 @@ std::string device_in(std::string_view path) {
   return std::string{rest.substr(0, rest.find('/'))};
 }
 
-/// With DDS Security a device speaks for itself alone, though all of them write these topics.
+/// With DDS Security a device may publish only about itself, although all devices write these topics.
 template <class T>
-bool may_say(OwnParticipant& participant, const rtps::GUID_t& writer, const T& sample) {
+bool may_publish(OwnParticipant& participant, const rtps::GUID_t& writer, const T& sample) {
   Watch* const watch = participant.watch();
   if (watch == nullptr) return true;
   const std::string path = sample.path().to_string();
   const std::string device = device_in(path);
   const bool named =
-      sample.device().size() == 0 || sample.device().to_string() == device;  // none: a disposal
+      sample.device().size() == 0 || sample.device().to_string() == device;  // empty: a disposal
   if (named && watch->is_device(writer, device)) return true;
   watch->impostor(writer, TopicOf<T>::name, path);
   return false;
@@ -127,7 +127,8 @@ bool may_say(OwnParticipant& participant, const rtps::GUID_t& writer, const T& s
 
 template <class T>
 Problem no_entity(const char* what) {
-  return fail(std::string{"DDS made no "} + what + " of " + TopicOf<T>::name, "see what it printed");
+  return fail(std::string{"DDS created no "} + what + " of " + TopicOf<T>::name,
+              "see the message that DDS printed");
 }
 
 }  // namespace
@@ -138,8 +139,8 @@ struct Writer<T>::Inside final : Recreatable {
   fast::Topic* topic = nullptr;
   std::mutex using_it;
   fast::DataWriter* writer = nullptr;
-  std::map<std::string, T> states;  // by path: what is to be said again
-  std::deque<T> events;             // the same, of events
+  std::map<std::string, T> states;  // by path: to publish again after recreate()
+  std::deque<T> events;             // likewise
   std::atomic<std::uint64_t> failures{0};
 
   ~Inside() override {
@@ -163,7 +164,7 @@ struct Writer<T>::Inside final : Recreatable {
   void recreate() override {
     const std::lock_guard lock{using_it};
     own(*participant).end(writer);
-    if (!make()) return;  // every write fails, and is counted
+    if (!make()) return;  // then every write fails and is counted
     for (auto& [path, sample] : states) writer->write(&sample);
     for (T& sample : events) writer->write(&sample);
   }
@@ -200,7 +201,7 @@ bool Writer<T>::write(const T& sample) {
     inside_->events.push_back(sample);
     if (inside_->events.size() > kEventsKept) inside_->events.pop_front();
   }
-  // Fast DDS takes a pointer that is not const and does not write through it.
+  // Fast DDS takes a non-const pointer but does not write through it.
   const bool taken = inside_->writer != nullptr && inside_->writer->write(const_cast<T*>(&sample));
   if (!taken) inside_->failures.fetch_add(1, std::memory_order_relaxed);
   return taken;
@@ -224,7 +225,7 @@ void Writer<T>::assert_liveliness() {
 
 template <class T>
 bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
-  // In steps: others assert its liveliness meanwhile.
+  // Waits in steps, so that other threads can assert the writer's liveliness meanwhile.
   const auto end = std::chrono::steady_clock::now() + limit;
   for (;;) {
     const auto left = std::max(
@@ -249,12 +250,12 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
   fast::Topic* topic = nullptr;
   fast::DataReader* reader = nullptr;
   std::atomic<int> matched{0};
-  std::mutex calling;  // data and status come on different threads
+  std::mutex calling;  // data and status arrive on different threads
   T sample;
-  std::set<WriterId> living;
+  std::set<wire::WriterId> living;
   Undecoded* undecoded = nullptr;
   std::atomic<std::uint64_t> refused{0};
-  // What was disposed comes without a key of its own, only with the handle of its instance.
+  // A disposal arrives without the key, only with the handle of the instance.
   std::map<rtps::InstanceHandle_t, std::string> paths;
 
   ~Inside() override {
@@ -285,10 +286,10 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
     static_cast<void>(make());
   }
 
-  void lives(WriterId writer) {
+  void lives(wire::WriterId writer) {
     if (living.insert(writer).second && heard.alive) heard.alive(writer);
   }
-  void is_lost(WriterId writer) {
+  void is_lost(wire::WriterId writer) {
     if (living.erase(writer) > 0 && heard.lost) heard.lost(writer);
   }
 
@@ -296,9 +297,10 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
     const std::lock_guard lock{calling};
     fast::SampleInfo info;
     while (from->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK) {
-      const WriterId writer = number_of(info.sample_identity.writer_guid());
+      const wire::WriterId writer = number_of(info.sample_identity.writer_guid());
       if (info.valid_data) {
-        if (!validate(sample) || !may_say(own(*participant), info.sample_identity.writer_guid(), sample)) {
+        if (!wire::validate(sample) ||
+            !may_publish(own(*participant), info.sample_identity.writer_guid(), sample)) {
           refused.fetch_add(1, std::memory_order_relaxed);
           continue;
         }
@@ -309,7 +311,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
                  info.instance_state == fast::NOT_ALIVE_DISPOSED_INSTANCE_STATE && found != paths.end()) {
         T gone;
         gone.path(found->second.c_str());
-        if (!may_say(own(*participant), info.sample_identity.writer_guid(), gone)) continue;
+        if (!may_publish(own(*participant), info.sample_identity.writer_guid(), gone)) continue;
         paths.erase(found);
         heard.disposed(gone, writer);
       }
@@ -318,7 +320,7 @@ struct Reader<T>::Inside final : fast::DataReaderListener, Recreatable {
 
   void on_liveliness_changed(fast::DataReader*, const fast::LivelinessChangedStatus& status) override {
     const std::lock_guard lock{calling};
-    const WriterId writer = number_of(status.last_publication_handle);
+    const wire::WriterId writer = number_of(status.last_publication_handle);
     if (status.not_alive_count_change > 0) is_lost(writer);
     if (status.alive_count_change > 0) lives(writer);
   }

@@ -22,8 +22,8 @@ std::string printed_address_of(const rtps::ParticipantProxyData& data) {
   return {};
 }
 
-ParticipantNumber number_in(const rtps::GuidPrefix_t& prefix) {
-  ParticipantNumber number{};
+wire::ParticipantNumber number_in(const rtps::GuidPrefix_t& prefix) {
+  wire::ParticipantNumber number{};
   std::copy(std::begin(prefix.value), std::end(prefix.value), number.begin());
   return number;
 }
@@ -53,14 +53,14 @@ bool Watch::is_device(const rtps::GUID_t& writer, const std::string& device) {
 }
 
 void Watch::impostor(const rtps::GUID_t& writer, const std::string& topic, const std::string& path) {
-  tell("refused: " + who(writer.guidPrefix) + " speaks on " + topic + " for " + brief(path) +
+  tell("rejected: " + who(writer.guidPrefix) + " publishes on " + topic + " for " + brief(path) +
        ", which is not its own");
 }
 
 std::string Watch::who(const rtps::GuidPrefix_t& prefix) {
   const std::lock_guard lock{mutex_};
   const auto found = seen_.find(prefix);
-  if (found == seen_.end()) return "a participant that is not known";
+  if (found == seen_.end()) return "an unknown participant";
   const Seen& seen = found->second;
   const std::string where = seen.address.empty() ? "" : " at " + seen.address;
   if (const auto subject = announced_subject(seen.subject)) {
@@ -76,7 +76,7 @@ void Watch::on_participant_discovery(fast::DomainParticipant*, rtps::Participant
   std::unique_lock lock{mutex_};
   if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
     seen_.erase(data.m_guid.guidPrefix);
-    newcomers_.left(number_in(data.m_guid.guidPrefix));
+    unauthenticated_.left(number_in(data.m_guid.guidPrefix));
     return;
   }
   if (seen_.size() >= kMostSeen) seen_.clear();
@@ -87,32 +87,31 @@ void Watch::on_participant_discovery(fast::DomainParticipant*, rtps::Participant
     if (property.name() == "dds.cert.sn") seen.subject = property.value();
     if (property.name() == "dds.ca.sn") seen.authority = property.value();
   }
-  // Who of the two asks first is not for us to choose, and it may be the other one that turns us away: then
-  // we are told nothing, or only after 14 s.
+  // Either side may start the authentication. If the other one rejects this one, Fast DDS reports nothing, or
+  // only after 14 s.
   const bool foreign = !seen.authority.empty() && seen.authority != mine_.authority;
   lock.unlock();
-  if (foreign) turned_away(data.m_guid.guidPrefix);
+  if (foreign) report_rejected(data.m_guid.guidPrefix);
 }
 
-void Watch::turned_away(const rtps::GuidPrefix_t& prefix) {
+void Watch::report_rejected(const rtps::GuidPrefix_t& prefix) {
   Seen seen;
   {
     const std::lock_guard lock{mutex_};
     if (const auto found = seen_.find(prefix); found != seen_.end()) seen = found->second;
   }
-  tell("refused: " + who(prefix) +
+  tell("rejected: " + who(prefix) +
        (seen.subject.empty()                ? " has no identity of this cell"
-        : seen.authority != mine_.authority ? ": its identity is of another authority"
-                                            : ": its identity was revoked, has expired, or is not its own") +
-       "; it is not heard");
+        : seen.authority != mine_.authority ? ": its identity is from another authority"
+                                            : ": its identity was revoked, has expired, or is not its own"));
 }
 
 void Watch::onParticipantAuthentication(fast::DomainParticipant*,
                                         rtps::ParticipantAuthenticationInfo&& info) {
   if (info.status == rtps::ParticipantAuthenticationInfo::UNAUTHORIZED_PARTICIPANT)
-    turned_away(info.guid.guidPrefix);
+    report_rejected(info.guid.guidPrefix);
   else
-    newcomers_.proved(number_in(info.guid.guidPrefix));
+    unauthenticated_.authenticated(number_in(info.guid.guidPrefix));
 }
 
 bool Watch::look(const std::string& message) {
@@ -136,8 +135,8 @@ bool Watch::look(const std::string& message) {
         if (text.str() == guid) prefix = each.first;
       }
     }
-    tell("refused: " + (prefix ? who(*prefix) : std::string{"somebody"}) + " " + does + " " + brief(topic) +
-         ", which it was not granted");
+    tell("rejected: " + (prefix ? who(*prefix) : std::string{"an unknown participant"}) + " " + does + " " +
+         brief(topic) + " without permission");
     return true;
   }
   return false;

@@ -24,11 +24,11 @@ std::vector<Source> sources_of(const Node& bundle, Report& report) {
     const auto file = source.required_attribute("file");
     if (!file || report.full()) continue;
     if (!files.insert(file->text).second)
-      report.add(file->line, "duplicate source " + in_quotes(file->text), "a bundle has each file once");
+      report.add(file->line, "duplicate source " + in_quotes(file->text), "list each file once");
     sources.push_back({file->text, source.text(), source.line()});
   }
   if (sources.empty() && report.empty())
-    report.add(bundle.line, "a bundle without a source", "its first source is the descriptor");
+    report.add(bundle.line, "the bundle has no <source>", "add the descriptor as the first <source>");
   if (!report.empty()) sources.clear();
   return sources;
 }

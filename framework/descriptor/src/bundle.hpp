@@ -1,8 +1,8 @@
-// A descriptor and the files that it includes as one text, each as it was written.
+// A bundle: a descriptor and the files that it includes, unchanged, in one text.
 //
-// A node is sent a text and no files, and what it says of that text is to name the files and lines that their
-// author knows. So what is sent is not what became of them, but all of them: <bundle><source
-// file="cell.xml">...</source>...</bundle>, the descriptor first.
+// A node receives one text and no files, and its messages must name the files and lines that the author
+// knows. So a bundle contains all the files instead of the expanded descriptor, the descriptor first:
+// <bundle><source file="cell.xml">...</source>...</bundle>.
 #pragma once
 
 #include <map>
@@ -22,7 +22,7 @@ struct Source {
 
 std::string bundle_of(const std::vector<Source>& sources);
 
-/// Nothing where it is none; that is reported.
+/// The sources of a bundle. If the bundle is not valid, reports that and returns none.
 std::vector<Source> sources_of(const Node& bundle, Report& report);
 
 }  // namespace takt::descriptor

@@ -18,7 +18,7 @@ namespace takt::descriptor {
 
 namespace {
 
-/// A descriptor that is right.
+/// A valid descriptor.
 struct Read {
   model::Cell cell;
   Node tree;  ///< without includes and templates
@@ -63,44 +63,42 @@ Result<Read> read_bundle(const Node& bundle, const std::string& file) {
   const Source& descriptor = sources.front();
   auto tree = tree_of(descriptor.text, descriptor.file);
   if (!tree) return tree.problems();
-  auto all =
-      read(std::move(*tree), descriptor.text.size(), descriptor.file,
-           [&sources](const std::string& path) -> Result<std::string> {
-             for (const Source& source : sources) {
-               if (source.file == path) return source.text;
-             }
-             return fail("did not come along", "send the bundle that takt deploy makes of the descriptor");
-           });
+  auto all = read(std::move(*tree), descriptor.text.size(), descriptor.file,
+                  [&sources](const std::string& path) -> Result<std::string> {
+                    for (const Source& source : sources) {
+                      if (source.file == path) return source.text;
+                    }
+                    return fail("was not sent with the descriptor", "send a bundle, as takt deploy does");
+                  });
   if (!all) return all;
   for (std::size_t i = 1; i < sources.size(); ++i) {
     if (all->included.count(sources[i].file) == 0)
-      report.add(sources[i].line, "nothing includes the source " + in_quotes(sources[i].file),
-                 "leave it out");
+      report.add(sources[i].line, "nothing includes the source " + in_quotes(sources[i].file), "remove it");
   }
   if (!report.empty()) return report.take();
   return all;
 }
 
-/// At most one byte more than a descriptor may have.
+/// Reads at most one byte more than a descriptor may have.
 Result<std::string> content_of(const std::string& file) {
   errno = 0;
   std::ifstream stream{file, std::ios::binary};
   std::string content(kMaxBytes + 1, '\0');
   if (stream) stream.read(content.data(), static_cast<std::streamsize>(content.size()));
   const int error = errno;
-  // A directory opens and cannot be read.
+  // A directory can be opened but not read.
   if (!stream.is_open() || stream.bad() || (stream.gcount() == 0 && error != 0))
     return fail("cannot be read" + (error != 0 ? ": " + std::generic_category().message(error) : ""));
   content.resize(static_cast<std::size_t>(stream.gcount()));
   return content;
 }
 
-/// Of the file system.
+/// Reads an included file from the file system.
 Result<std::string> included_content(const std::string& path) {
   std::error_code error;
-  // Opening anything else may wait for ever.
+  // Opening anything but a regular file may block forever.
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
-    return fail("is no regular file", "include a file");
+    return fail("is not a regular file", "include a regular file");
   auto content = content_of(path);
   if (content) return content;
   return fail(content.problems()[0].what, "a path is relative to the file that includes it");
@@ -133,12 +131,11 @@ Result<Read> read_file(const std::string& file, std::string* text) {
 Result<model::Cell> parse(std::string_view xml, const std::string& file) {
   auto tree = tree_of(xml, file);
   if (!tree) return tree.problems();
-  auto all =
-      tree->name == "bundle"
-          ? read_bundle(*tree, file)
-          : read(std::move(*tree), xml.size(), file, [](const std::string&) -> Result<std::string> {
-              return fail("did not come along", "send the bundle that takt deploy makes of the descriptor");
-            });
+  auto all = tree->name == "bundle"
+                 ? read_bundle(*tree, file)
+                 : read(std::move(*tree), xml.size(), file, [](const std::string&) -> Result<std::string> {
+                     return fail("was not sent with the descriptor", "send a bundle, as takt deploy does");
+                   });
   if (!all) return all.problems();
   return std::move(all->cell);
 }

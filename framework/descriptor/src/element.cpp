@@ -38,7 +38,7 @@ void Element::check_attributes() {
   }
 }
 
-void Element::refuse_child(const Node& child) {
+void Element::reject_child(const Node& child) {
   unknown_children_ = true;
   if (report_.full()) return;
   Words allowed = shape_.once;
@@ -49,9 +49,9 @@ void Element::refuse_child(const Node& child) {
     meant_.push_back(meant);
     fix = "did you mean " + tag(meant) + "?";
   } else if (allowed.empty()) {
-    fix = "remove it: " + tag(node_.name) + " has no elements in it";
+    fix = "remove it: " + tag(node_.name) + " has no child elements";
   } else {
-    fix = "here may stand ";
+    fix = "it can contain ";
     for (std::size_t i = 0; i < allowed.size(); ++i) {
       if (i > 0) fix += i + 1 == allowed.size() ? " and " : ", ";
       fix += tag(allowed[i]);
@@ -65,7 +65,7 @@ void Element::check_children() {
   for (const Node& child : node_.children) {
     if (contains(shape_.many, child.name)) continue;
     if (!contains(shape_.once, child.name)) {
-      refuse_child(child);
+      reject_child(child);
       continue;
     }
     const auto first =
@@ -81,7 +81,7 @@ void Element::check_children() {
     const std::string stray = trimmed(text.text);
     if (shape_.text || stray.empty() || report_.full()) continue;
     report_.add(text.line, "text " + in_quotes(stray) + " in " + tag(node_.name),
-                "remove it: " + tag(node_.name) + " holds no text of its own");
+                "remove it: " + tag(node_.name) + " has no text");
   }
 }
 
@@ -124,7 +124,7 @@ std::optional<std::int64_t> read_number(const Given& given, Range range, const c
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const bool whole = error != std::errc::invalid_argument && end == text.data() + text.size();
-  // -0 is in a range that begins with 0, and still has a sign.
+  // -0 is within a range that begins with 0, but still has a sign.
   const bool sign_allowed = range.from < 0 || !text.starts_with('-');
   if (whole && sign_allowed && error == std::errc{} && number >= range.from && number <= range.to)
     return number;
@@ -163,7 +163,7 @@ model::OverrunContract read_contract(const Given& word, const std::optional<Give
   const auto number = read_number(*limit, {1, model::kMaxCatchUp}, "", report);
   if (choice && contract.what != Overrun::catch_up) {
     report.add(limit->line, "an overrun of " + in_quotes(to_text(contract.what)) + " has a limit",
-               "remove the limit, or say catch-up");
+               "remove the limit, or write catch-up");
   } else if (number) {
     contract.limit = static_cast<int>(*number);
   }

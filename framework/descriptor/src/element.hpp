@@ -1,8 +1,8 @@
-// Reads one element so that nothing of it goes unread.
+// Reads one element and reports everything in it that is not allowed.
 //
-// Asking an XML tree for what one knows leaves what one does not know unseen: <perod> is then a module
-// without a period, or worse, one with a default. So an element is first held against its shape, which
-// accounts for each attribute, child and text; only then it is asked for values.
+// A reader that only looks up the names it knows never sees the others: with <perod>, a module would have no
+// period, or worse, a default one. So an Element first compares each attribute, child and text with the shape
+// of the element. Only then are values read from it.
 #pragma once
 
 #include <cstdint>
@@ -18,27 +18,26 @@
 
 namespace takt::descriptor {
 
-/// What an element may hold.
+/// The attributes, children and text that an element may have.
 struct Shape {
   std::vector<std::string_view> attributes{};
-  std::vector<std::string_view> once{};  ///< children that stand at most once
-  std::vector<std::string_view> many{};  ///< children that stand any number of times
-  bool text = false;
+  std::vector<std::string_view> once{};  ///< children that may appear at most once
+  std::vector<std::string_view> many{};  ///< children that may appear any number of times
+  bool text = false;                     ///< whether the element may have text
 };
 
-/// The text of an attribute or of an element, with what to call it in a message.
+/// The text of an attribute or of an element, and its name for messages.
 struct Given {
   std::string what;  ///< "<period>", "attribute cpu"
   std::string text;  ///< as written, entities resolved
   model::Line line{};
-  bool unread = false;  ///< there is more in it than text, which was reported: no value is taken from it
+  bool unread = false;  ///< it contains elements, which were reported: no value is read from it
 
-  [[nodiscard]] std::string trimmed() const {
-    return descriptor::trimmed(text);
-  }  ///< without white space around it
+  /// The text without surrounding white space.
+  [[nodiscard]] std::string trimmed() const { return descriptor::trimmed(text); }
 };
 
-/// An element of the tree, which must outlive it.
+/// An element of the tree; the tree must outlive it.
 class Element {
  public:
   /// Reports everything that the shape does not allow.
@@ -46,29 +45,29 @@ class Element {
 
   [[nodiscard]] model::Line line() const { return node_.line; }
   [[nodiscard]] std::string text() const { return node_.text(); }
-  /// The same, to be read as a value.
+  /// The text with its name and line, to be read as a value.
   [[nodiscard]] Given given_text() const;
 
   [[nodiscard]] std::optional<Given> attribute(const char* name) const;
-  /// As attribute(), and reports one that is not there.
+  /// As attribute(), but reports a missing attribute.
   [[nodiscard]] std::optional<Given> required_attribute(const char* name) const;
 
   [[nodiscard]] std::vector<const Node*> children(std::string_view name) const;
-  /// The first of this name, or null.
+  /// The first child of this name, or null.
   [[nodiscard]] const Node* child(const char* name) const { return node_.child(name); }
-  /// The text of a child that holds text only.
+  /// The text of a child that may contain only text.
   [[nodiscard]] std::optional<Given> child_text(const char* name) const;
 
-  /// Something unknown stands here that was most likely meant to be `name`; that `name` is missing is then no
-  /// news.
+  /// Whether an unknown attribute or child is most likely a misspelled `name`. Then a missing `name` is not
+  /// reported again.
   [[nodiscard]] bool was_meant(std::string_view name) const;
-  /// There are children that were not understood, or could not be made.
+  /// Whether the element has children that are unknown or could not be created.
   [[nodiscard]] bool has_unknown_children() const { return unknown_children_ || node_.incomplete; }
 
  private:
   void check_attributes();
   void check_children();
-  void refuse_child(const Node& child);
+  void reject_child(const Node& child);
 
   const Node& node_;
   Shape shape_;
@@ -82,15 +81,15 @@ struct Range {
   std::int64_t to = std::numeric_limits<std::int64_t>::max();
 };
 
-/// A decimal number without fraction, exponent or sign (a '-' where the range has negative numbers). Reports
-/// what is none.
+/// Reads a decimal number without fraction, exponent or sign ('-' is allowed if the range has negative
+/// numbers). Reports anything else. `unit` is for the message: " of nanoseconds".
 std::optional<std::int64_t> read_number(const Given& given, Range range, const char* unit, Report& report);
 
-/// The index of the word among the choices. Reports a word that is none of them.
+/// The index of the word among the choices. Reports a word that is not among them.
 std::optional<std::size_t> read_choice(const Given& given, const std::vector<std::string_view>& choices,
                                        Report& report);
 
-/// An overrun contract: its word, and the limit that only catch-up has.
+/// Reads an overrun contract from its word and its limit; only catch-up has a limit.
 model::OverrunContract read_contract(const Given& word, const std::optional<Given>& limit, Report& report);
 
 }  // namespace takt::descriptor

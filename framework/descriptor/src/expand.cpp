@@ -18,7 +18,8 @@ const Shape kUse{.attributes = {"template", "name"}, .many = {"set"}};
 const Shape kSet{.attributes = {"name"}, .text = true};
 const Shape kExport{.attributes = {"port", "of"}};
 
-/// Between the name of a use and that of a module in it. Not -, which topics of some DDS may not have.
+/// Joins the name of a use and the name of a module in it. Not '-', which some DDS implementations do not
+/// allow in topics.
 constexpr char kJoint = '_';
 
 std::string joined(const std::string& prefix, const std::string& name) {
@@ -81,15 +82,15 @@ void Expansion::expand(Node& root) {
   }
 }
 
-/// Outside of templates there is nothing that a reference could stand for.
+/// Rejects references to parameters outside of templates.
 void Expansion::check_references(Node& root) {
   substitute(
       root, [](std::string_view) -> const std::string* { return nullptr; },
       [this](model::Line line, std::optional<std::string_view> name) {
         report_.add(line,
-                    name ? "unknown parameter " + in_quotes(*name) + ": this is in no template"
-                         : "a ${ that is not closed",
-                    "write $${ for a ${ as such");
+                    name ? "unknown parameter " + in_quotes(*name) + ": only templates have parameters"
+                         : "a ${ is not closed",
+                    "write $${ for a literal ${");
       });
 }
 
@@ -110,7 +111,7 @@ void Expansion::expand_device(Node& device, const std::string& name, Node& root)
   check_names(device, name);
   if (device.name != "root" || connections_.size() == connections) return;
   report_.add(connections_[connections].line, "a template with connections is used in a <root>",
-              "make it a <cell> with one <device>: only that has connections");
+              "use a <cell> with one <device> instead: a <root> has no connections");
   connections_.resize(connections);
   root.incomplete = true;
 }
@@ -126,7 +127,7 @@ void Expansion::expand_use(const Node& use, Place place) {
   const std::string name = joined(place.prefix, own);
   if (!model::is_valid_name(own) || !model::is_valid_name(name)) {
     report_.add(given_name->line,
-                in_quotes(model::is_valid_name(own) ? name : own) + " is not a valid name of a use",
+                in_quotes(model::is_valid_name(own) ? name : own) + " is not a valid name for a use",
                 model::kNameRule);
     return give_up();
   }
@@ -148,7 +149,7 @@ void Expansion::expand_use(const Node& use, Place place) {
     const auto names = templates_.names();
     if (!templates_missing_) {
       report_.add(template_name->line, "unknown template " + in_quotes(template_name->trimmed()),
-                  names.empty() ? "there is no template: add a <template>, or <include> a file with some"
+                  names.empty() ? "add a <template>, or <include> a file that has one"
                                 : suggestion(template_name->trimmed(), names));
     }
     return give_up();
@@ -166,7 +167,7 @@ void Expansion::expand_use(const Node& use, Place place) {
        record);
 }
 
-/// What each parameter stands for in this use.
+/// Reads the values of all parameters for this use. Returns false after a mistake.
 bool Expansion::read_values(const Node& use, const Template& used, const std::string& name, Values& values) {
   std::map<std::string, model::Line, std::less<>> set;
   std::vector<std::string_view> names;
@@ -176,7 +177,7 @@ bool Expansion::read_values(const Node& use, const Template& used, const std::st
     if (child.name != "set") continue;
     const Element element{child, kSet, report_};
     const auto given = element.required_attribute("name");
-    const auto refuse = [&](std::string what, std::string fix) {
+    const auto reject = [&](std::string what, std::string fix) {
       report_.add(given->line, std::move(what), std::move(fix));
       right = false;
     };
@@ -187,11 +188,11 @@ bool Expansion::read_values(const Node& use, const Template& used, const std::st
     const std::string parameter = given->trimmed();
     const auto [first, is_new] = set.emplace(parameter, element.line());
     if (std::find(names.begin(), names.end(), parameter) == names.end()) {
-      if (used.broken) continue;  // it may be one that could not be read
-      refuse("template " + in_quotes(used.name) + " has no parameter " + in_quotes(parameter),
+      if (used.broken) continue;  // the template may have it, but could not be read
+      reject("template " + in_quotes(used.name) + " has no parameter " + in_quotes(parameter),
              names.empty() ? "it has none" : suggestion(parameter, names));
     } else if (!is_new) {
-      refuse("parameter " + in_quotes(parameter) + " is set twice",
+      reject("parameter " + in_quotes(parameter) + " is set twice",
              "the first is " + report_.whereabouts(first->second));
     } else {
       values[parameter] = element.text();
@@ -213,22 +214,22 @@ bool Expansion::read_values(const Node& use, const Template& used, const std::st
   return right;
 }
 
-/// Before anything is made: a few templates that use each other twice are many.
+/// Checks the size before anything is created: a few templates that use each other twice can become huge.
 bool Expansion::fits(const Node& use, const Template& used) {
   if (use.line.insertion != 0 && insertions_[use.line.insertion - 1].used)
-    return true;  // counted with the outer one
+    return true;  // counted with the outer use
   parts_ += used.size;
   if (parts_ <= kMaxParts) return true;
   full_ = true;
   const std::string number = used.size == kUncountable ? "more than 10^18" : std::to_string(used.size);
   report_.add(use.line,
-              "the uses of templates make too much: this one of template " + in_quotes(used.name) +
+              "the templates expand to too many parts: this use of template " + in_quotes(used.name) +
                   " alone makes " + number + " elements, attributes and texts",
               "a descriptor has at most " + std::to_string(kMaxParts));
   return false;
 }
 
-/// With the values put in, each line in the insertion.
+/// A copy of the node with the values inserted and all lines in the insertion.
 Node Expansion::copy_of(const Node& node, std::uint32_t insertion, const Values& values) {
   const Meaning meaning = [&values](std::string_view name) -> const std::string* {
     const auto found = values.find(name);
@@ -240,10 +241,9 @@ Node Expansion::copy_of(const Node& node, std::uint32_t insertion, const Values&
     bytes_ += value.size();
     if (bytes_ > kMaxBytes) {
       full_ = true;
-      report_.add(
-          {node.line.number, insertion},
-          "the uses of templates make more than " + std::to_string(kMaxBytes >> 20U) + " MiB of values",
-          "shorter values, or fewer");
+      report_.add({node.line.number, insertion},
+                  "the templates expand to more than " + std::to_string(kMaxBytes >> 20U) + " MiB of values",
+                  "use shorter or fewer values");
     }
     return value;
   };
@@ -303,7 +303,7 @@ bool Expansion::check_inner(const std::string& inner, const Given& given, const 
                             const Place& place) {
   const std::vector<std::string>& names = inner_[{place.device, place.prefix}];
   if (std::find(names.begin(), names.end(), inner) != names.end()) return true;
-  // What has no name that can be read may be the one.
+  // A module whose name could not be read may be the right one.
   if (used.node.incomplete || !std::all_of(names.begin(), names.end(), model::is_valid_name)) return false;
   const std::vector<std::string_view> choices{names.begin(), names.end()};
   report_.add(
@@ -320,17 +320,17 @@ void Expansion::read_export(const Node& node, const Template& used, const Place&
   const auto of = element.required_attribute("of");
   record.incomplete = record.incomplete || !port || !of;
   if (!port || !of) return;
-  const auto refuse = [&](const Given& given, std::string what, std::string fix) {
+  const auto reject = [&](const Given& given, std::string what, std::string fix) {
     report_.add(given.line, std::move(what), std::move(fix));
     record.incomplete = true;
   };
   const std::string name = port->trimmed();
   if (!model::is_valid_name(name))
-    return refuse(*port, in_quotes(port->text) + " is not a valid port name", model::kNameRule);
+    return reject(*port, in_quotes(port->text) + " is not a valid port name", model::kNameRule);
   const std::vector<std::string> parts = split(of->trimmed());
   if (parts.size() != 2 || !model::is_valid_name(parts[0]) || !model::is_valid_name(parts[1]))
-    return refuse(*of, "attribute of is " + in_quotes(of->trimmed()),
-                  "it is module.port, of a module of this template");
+    return reject(*of, "attribute of is not valid: " + in_quotes(of->trimmed()),
+                  "write module.port, with a module of this template");
   if (!check_inner(parts[0], *of, used, place)) {
     record.incomplete = true;
     return;
@@ -342,7 +342,7 @@ void Expansion::read_export(const Node& node, const Template& used, const Place&
     if (found == inner->second.exports.end()) {
       record.incomplete = true;
       if (inner->second.incomplete) return;
-      return refuse(
+      return reject(
           *of,
           "template " + in_quotes(inner->second.template_name) + " exports no port " + in_quotes(parts[1]),
           inner->second.exports.empty() ? "add an <export> to it"
@@ -351,11 +351,12 @@ void Expansion::read_export(const Node& node, const Template& used, const Place&
     exported = found->second;
   }
   if (!record.exports.emplace(name, std::move(exported)).second)
-    refuse(*port, "duplicate export " + in_quotes(name) + " of template " + in_quotes(used.name),
+    reject(*port, "duplicate export " + in_quotes(name) + " of template " + in_quotes(used.name),
            "export it once");
 }
 
-/// In a template "servo.out" is the port of its module servo; with three parts an end is one of the cell.
+/// Replaces "servo.out" in a template by the full name of that port. An end with three parts is a port of the
+/// cell and stays as it is.
 void Expansion::make_absolute(Node& connection, const Template& used, const Place& place) {
   for (const char* side : {"from", "to"}) {
     Attribute* end = connection.attribute(side);
@@ -364,18 +365,18 @@ void Expansion::make_absolute(Node& connection, const Template& used, const Plac
     if (parts.size() == 3) continue;
     const Given given{std::string{"attribute "} + side, end->value, end->line, false};
     if (parts.size() != 2 || !model::is_valid_name(parts[0]) || !model::is_valid_name(parts[1])) {
-      report_.add(end->line, given.what + " is " + in_quotes(trimmed(end->value)),
-                  "in a template it is module.port, or device.module.port for one outside of it");
+      report_.add(end->line, given.what + " is not valid: " + in_quotes(trimmed(end->value)),
+                  "in a template, write module.port, or device.module.port for a port outside the template");
       connection.incomplete = true;
       continue;
     }
     if (!check_inner(parts[0], given, used, place)) connection.incomplete = true;
     end->value = place.device + "." + joined(place.prefix, parts[0]) + "." + parts[1];
   }
-  if (!model::is_valid_name(place.device)) connection.incomplete = true;  // said of the device
+  if (!model::is_valid_name(place.device)) connection.incomplete = true;  // reported for the device
 }
 
-/// What a use exports is a port of one of its modules.
+/// Replaces an end that names a port exported by a use by the port of the module.
 void Expansion::resolve(Node& connection) {
   for (const char* side : {"from", "to"}) {
     Attribute* end = connection.attribute(side);
@@ -401,13 +402,14 @@ void Expansion::resolve(Node& connection) {
   }
 }
 
-/// A connection that names a use and a module of the same name would have two meanings.
+/// Rejects a module with the name of a use: connections to that name would be ambiguous.
 void Expansion::check_names(const Node& device, const std::string& name) {
   for (const Node& child : device.children) {
     if (child.name != "module") continue;
     const auto used = uses_.find({name, name_of(child)});
     if (used == uses_.end() || used->second.is_module) continue;
-    report_.add(child.line, "module " + in_quotes(used->first.second) + " is called as a use of a template",
+    report_.add(child.line,
+                "module " + in_quotes(used->first.second) + " has the same name as a use of a template",
                 "the use is " + report_.whereabouts(used->second.line) + "; give one of them another name");
   }
 }

@@ -1,8 +1,8 @@
-// Puts what templates hold where they are used.
+// Replaces the uses of templates by the content of the templates.
 //
-// A cell of six equal axes has one axis written down. Behind this room nobody knows: the tree that comes out
-// has modules and connections only, as if somebody had written each of them, and what does not fit is told
-// with the line of the template and that of the use.
+// In the descriptor of a cell with six equal axes, the axis is written once. The expanded tree has only
+// modules and connections, as if each had been written by hand, so no other room knows about templates.
+// Problems name both the line in the template and the line of the use.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@ namespace takt::descriptor {
 
 class Expansion {
  public:
-  /// `file` is the descriptor's. `templates_missing`: some could not be read, so that one which is not there
-  /// is no mistake.
+  /// `file` is the path of the descriptor. `templates_missing` means that an include could not be read; then
+  /// an unknown template is not reported.
   Expansion(std::string file, std::vector<model::Insertion>& insertions, bool templates_missing,
             Report& report)
       : file_(std::move(file)),
@@ -30,30 +30,30 @@ class Expansion {
         report_(report),
         templates_(report) {}
 
-  /// Replaces each <use> by the modules and connections that it makes, and each end of a connection that
-  /// names what a use exports by the port that it is. What cannot be made is reported, and its parent is
-  /// incomplete.
+  /// Replaces each <use> by its modules and connections. Replaces each end of a connection that names a port
+  /// exported by a use by the port itself. If that fails, reports it and marks the parent as incomplete.
   void expand(Node& root);
 
  private:
   using Values = std::map<std::string, std::string, std::less<>>;
-  /// "servo.setpoint" in a template, "axis1_servo" and "setpoint" on the device.
+  /// A port on the device: "servo.setpoint" in a template becomes "axis1_servo" and "setpoint".
   struct Port {
     std::string module;
     std::string port;
   };
-  /// A use, as connections see it.
+  /// A use of a template, for the connections to it.
   struct Used {
     std::string template_name;
     model::Line line;
     std::map<std::string, Port, std::less<>> exports{};
-    bool is_module = false;   ///< its one module is called as it is
-    bool incomplete = false;  ///< it may export more
+    bool is_module = false;   ///< its only module has the name of the use
+    bool incomplete = false;  ///< it may have more exports, which could not be read
   };
+  /// Where the modules of a use are inserted.
   struct Place {
-    Node& parent;        ///< that gets the modules
-    std::string device;  ///< its name
-    std::string prefix;  ///< what names begin with; empty on the device itself
+    Node& parent;        ///< the element that gets the modules
+    std::string device;  ///< the name of the device
+    std::string prefix;  ///< of all names; empty on the device itself
   };
 
   void check_references(Node& root);
@@ -75,7 +75,7 @@ class Expansion {
   Report& report_;
   Templates templates_;
   std::map<std::pair<std::string, std::string>, Used> uses_;                       // by device and name
-  std::map<std::pair<std::string, std::string>, std::vector<std::string>> inner_;  // names in a use
+  std::map<std::pair<std::string, std::string>, std::vector<std::string>> inner_;  // the names in a use
   std::vector<Node> connections_;
   std::size_t parts_ = 0;
   std::size_t bytes_ = 0;

@@ -13,7 +13,7 @@ namespace takt::descriptor {
 
 namespace {
 
-/// Where an <include> may stand. In other places it is an unknown element.
+/// Whether an element may contain an <include>. Elsewhere it is an unknown element.
 bool may_include(const Node& parent) {
   return parent.name == "cell" || parent.name == "root" || parent.name == "device" ||
          parent.name == "fragment";
@@ -76,35 +76,35 @@ const std::string* Includes::text_of(const Node& include, const std::string& pat
   return nullptr;
 }
 
-/// False when it is not in the parent; that is reported.
+/// Inserts the file into the parent. If that fails, reports it and returns false.
 bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string>& chain) {
   const Element element{include, {.attributes = {"file"}}, report_};
   const auto file = element.required_attribute("file");
   if (!file) return false;
-  const auto refuse = [&](std::string what, std::string fix) {
+  const auto reject = [&](std::string what, std::string fix) {
     report_.add(file->line, std::move(what), std::move(fix));
     return false;
   };
   const std::string name = file->trimmed();
-  if (name.empty()) return refuse(file->what + " is empty", "name a file, relative to this one");
+  if (name.empty()) return reject(file->what + " is empty", "name a file, relative to this one");
   if (name.size() > model::kMaxFilename)
-    return refuse("the path " + in_quotes(name) + " is too long", "it may have 4096 bytes");
+    return reject("the path " + in_quotes(name) + " is too long", "at most 4096 bytes are allowed");
   const std::string path = path_beside(chain.back(), name);
   const auto circle = std::find(chain.begin(), chain.end(), path);
   if (circle != chain.end()) {
     std::string files;
     for (auto each = circle; each != chain.end(); ++each) files += brief(*each) + ", which includes ";
-    return refuse(in_quotes(path) + " includes itself: " + files + "it again",
-                  "put what both files need into a third one");
+    return reject(in_quotes(path) + " includes itself: " + files + "it again",
+                  "move what both files need into a third file");
   }
   if (chain.size() > kMaxIncludeDepth) {
-    return refuse("files are included more than " + std::to_string(kMaxIncludeDepth) + " deep",
-                  "let the descriptor include " + in_quotes(path) + " itself");
+    return reject("includes are nested more than " + std::to_string(kMaxIncludeDepth) + " deep",
+                  "include " + in_quotes(path) + " directly in the descriptor");
   }
   if (++includes_ > kMaxIncludes) {
-    if (includes_ > kMaxIncludes + 1) return false;  // was said
-    return refuse("more than " + std::to_string(kMaxIncludes) + " files are included",
-                  "put several of them into one");
+    if (includes_ > kMaxIncludes + 1) return false;  // already reported
+    return reject("more than " + std::to_string(kMaxIncludes) + " files are included",
+                  "merge several of them into one");
   }
   const std::string* text = text_of(include, path);
   if (text == nullptr) return false;
@@ -118,10 +118,10 @@ bool Includes::put_in(const Node& include, Node& parent, std::vector<std::string
   }
   if (fragment.name != "fragment") {
     report_.add(fragment.line, "an included file has the root element <" + brief(fragment.name) + ">",
-                "put what is to be included into a <fragment>");
+                "use <fragment> as its root element");
     return false;
   }
-  // Only its attributes: what stands in it is held against the shape of what it is put into.
+  // Checks only the attributes. The content is checked against the shape of the element that includes it.
   Node without_children = fragment;
   without_children.children.clear();
   const Element held{without_children, {.text = true}, report_};

@@ -1,4 +1,4 @@
-// Puts the files that a descriptor includes into its tree.
+// Inserts the files that a descriptor includes into its tree.
 #pragma once
 
 #include <functional>
@@ -12,27 +12,26 @@
 
 namespace takt::descriptor {
 
-inline constexpr std::size_t kMaxIncludeDepth = 8;  ///< files in files
-inline constexpr std::size_t kMaxIncludes = 1000;   ///< of one descriptor, all together
+inline constexpr std::size_t kMaxIncludeDepth = 8;  ///< levels of includes within included files
+inline constexpr std::size_t kMaxIncludes = 1000;   ///< the number of includes in one descriptor
 
-/// A file's content, at most a given number of bytes more than a descriptor may have. Of the command line the
-/// file system; of a node, which must open nothing that a text from the network names, what came along with
-/// that text.
+/// Returns the content of an included file. On the command line it reads the file system. A node must not
+/// open a file that a text from the network names, so there it looks in the bundle only.
 using ReadFile = std::function<Result<std::string>(const std::string& path)>;
 
-/// Every <include> of the tree is replaced by what stands in the <fragment> that it names. What cannot be put
-/// in is reported, and its parent is incomplete.
+/// Replaces every <include> of a tree by the content of the <fragment> that it names. If that fails, reports
+/// it and marks the parent as incomplete.
 class Includes {
  public:
   Includes(std::vector<model::Insertion>& insertions, ReadFile read, Report& report)
       : insertions_(insertions), read_(std::move(read)), report_(report) {}
 
-  /// `file` is the path of the descriptor, which has `bytes`.
+  /// `file` is the path of the descriptor, `bytes` its size.
   void put_into(Node& root, const std::string& file, std::size_t bytes);
 
-  /// What was read, by path.
+  /// The texts of all included files, by path.
   [[nodiscard]] const std::map<std::string, std::string>& texts() const { return texts_; }
-  /// Something is not there.
+  /// Whether an include could not be inserted.
   [[nodiscard]] bool incomplete() const { return incomplete_; }
 
  private:
@@ -49,7 +48,7 @@ class Includes {
   bool incomplete_ = false;
 };
 
-/// The path of a file that `from` names, without . and .. where they say nothing.
+/// The path of a `file` that is relative to the file `from`, without redundant . and ..
 std::string path_beside(const std::string& from, const std::string& file);
 
 }  // namespace takt::descriptor

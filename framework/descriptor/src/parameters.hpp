@@ -1,4 +1,5 @@
-// ${NAME} in a value stands for a parameter of a template, $${ for ${ itself.
+// Replaces references to the parameters of a template: ${NAME} in a value becomes the value of the parameter
+// NAME, and $${ becomes a literal ${.
 #pragma once
 
 #include <functional>
@@ -10,16 +11,16 @@
 
 namespace takt::descriptor {
 
-/// What a name stands for; null where nobody knows it.
+/// Returns the value of a parameter; null if the name is unknown.
 using Meaning = std::function<const std::string*(std::string_view name)>;
-/// Is told of a reference that stands for nothing: its name, or none where it has no }.
+/// Called for a reference that cannot be replaced: with its name, or without one if the } is missing.
 using Unknown = std::function<void(std::optional<std::string_view> name)>;
 
-/// The text with what its references stand for. What stands for nothing is left out. What is put in is not
-/// looked at again.
+/// The text with its references replaced. Unknown references are removed. Inserted values are not searched
+/// for further references.
 std::string substituted(std::string_view text, const Meaning& meaning, const Unknown& unknown);
 
-/// The same for every attribute and text of a node and of what is in it. `unknown` gets the line too.
+/// The same for every attribute and text of a node and of its descendants. `unknown` also gets the line.
 void substitute(Node& node, const Meaning& meaning,
                 const std::function<void(model::Line line, std::optional<std::string_view> name)>& unknown);
 

@@ -11,7 +11,7 @@ namespace takt::descriptor {
 
 namespace {
 
-// Of <use>, <template> and <include>, which may stand there, nothing is left when a cell is read.
+// <use>, <template> and <include> are allowed, but have already been expanded when a cell is read.
 const Shape kRoot{.many = {"executor", "module", "use", "template", "include"}};
 const Shape kCell{
     .attributes = {"name", "domain", "discovery", "peers", "server", "server-device", "security"},
@@ -37,8 +37,9 @@ class CellReader {
       read_cell_form(root);
     } else {
       report_.add(root.line, "unknown root element <" + brief(name) + ">",
-                  root.name == "fragment" ? "this is a file for others to include: check one of those"
-                                          : "a descriptor has one element <root> or <cell>");
+                  root.name == "fragment"
+                      ? "this file is made to be included: check a descriptor that includes it"
+                      : "a descriptor has one element <root> or <cell>");
       reading_.gaps.devices = true;
       reading_.cell.name = "unread";
     }
@@ -46,7 +47,7 @@ class CellReader {
   }
 
  private:
-  /// The paper's form: the modules of one device that is the whole cell.
+  /// Reads the paper's form: the modules of a single device, which is the whole cell.
   void read_root(const Node& xml) {
     const Element root{xml, kRoot, report_};
     reading_.cell.name = name_after(reading_.cell.file);
@@ -76,7 +77,7 @@ class CellReader {
       read_device(device, device_name ? device_name->trimmed() : stand_in());
     }
     for (const Node* child : cell.children("connection")) {
-      // One too many is enough to be refused.
+      // One connection too many is enough for validate() to reject the cell.
       if (report_.full() || reading_.cell.connections.size() > model::kMaxConnections) break;
       read_connection(*child);
     }
@@ -135,7 +136,7 @@ class CellReader {
       discovery.server = given->trimmed();
       if (discovery.server.empty()) {
         report_.add(given->line, given->what + " is empty",
-                    "say where it is, as in server=\"10.0.0.1:11811\"");
+                    "give its address, as in server=\"10.0.0.1:11811\"");
         gap = true;
       }
     }
@@ -203,9 +204,9 @@ class CellReader {
       if (percent) executor.spin_share = static_cast<double>(*percent) / 100;
       if (executor.wakeup != model::Wakeup::hybrid) {
         report_.add(given->line,
-                    "executor " + in_quotes(executor.name) + " has wakeup=\"" + to_text(executor.wakeup) +
-                        "\" and a share that it may spin",
-                    "remove spin, or say wakeup=\"hybrid\"");
+                    "executor " + in_quotes(executor.name) + " has spin, but wakeup=\"" +
+                        to_text(executor.wakeup) + "\"",
+                    "remove spin, or set wakeup=\"hybrid\"");
       }
     }
     read_contracts(element, executor);
@@ -217,8 +218,8 @@ class CellReader {
     if (const auto given = element.attribute("overrun")) {
       executor.overrun = read_contract(*given, limit, report_);
     } else if (limit && !element.was_meant("overrun")) {
-      report_.add(limit->line, "executor " + in_quotes(executor.name) + " has a limit and no overrun",
-                  "say overrun=\"catch-up\", or remove the limit");
+      report_.add(limit->line, "executor " + in_quotes(executor.name) + " has a limit but no overrun",
+                  "set overrun=\"catch-up\", or remove the limit");
     }
     if (const auto given = element.attribute("offsets")) {
       if (read_choice(*given, {"given", "auto"}, report_) == 1U) executor.offsets = model::Offsets::automatic;
@@ -248,16 +249,16 @@ class CellReader {
     reading_.gaps.without_ends.push_back(!from_known || !to_known || element.has_unknown_children());
   }
 
-  /// False when something was given and cannot be read. An end may be left out.
+  /// Returns false if an end was given but cannot be read. An end may be left out.
   bool read_end(const Element& element, const char* side, model::Endpoint& end) {
     const auto given = element.attribute(side);
     if (!given) return !element.was_meant(side);
     const std::string text = given->trimmed();
     end = endpoint(text);
-    // ".." has three parts and nothing in them: not to be taken for an end that was left out.
+    // ".." has three empty parts; it must not count as an end that was left out.
     if (text.find_first_not_of('.') != std::string::npos) return true;
-    report_.add(given->line, given->what + (text.empty() ? " is empty" : " is " + in_quotes(text)),
-                "it is device.module.port");
+    report_.add(given->line, given->what + (text.empty() ? " is empty" : " is not valid: " + in_quotes(text)),
+                "write device.module.port");
     return false;
   }
 
@@ -268,7 +269,7 @@ class CellReader {
       known = choice.has_value();
       if (choice == 1U) connection.kind = model::ConnectionKind::queue;
     }
-    // A queue may have everything that a connection can have.
+    // If the kind could not be read, use a queue: it may have all attributes.
     if (!known) connection.kind = model::ConnectionKind::queue;
     const bool queue = connection.kind == model::ConnectionKind::queue;
 
@@ -276,12 +277,12 @@ class CellReader {
       const auto number = read_number(*given, {1, model::kMaxDepth}, "", report_);
       if (!queue) {
         report_.add(given->line, "a connection of kind latest has a depth",
-                    "remove depth, or say kind=\"queue\"");
+                    "remove depth, or set kind=\"queue\"");
       } else if (number) {
         connection.depth = static_cast<int>(*number);
       }
     }
-    // Of a latest value the next is as good as one that was lost; of a queue each is wanted.
+    // The next latest value replaces a lost one, but each sample of a queue matters.
     connection.reliability = queue ? model::Reliability::reliable : model::Reliability::best_effort;
     if (const auto given = element.attribute("reliability")) {
       constexpr model::Reliability kReliabilities[] = {model::Reliability::best_effort,
@@ -308,7 +309,7 @@ class CellReader {
       connection.topic = given->trimmed();
       if (connection.topic.empty()) {
         report_.add(given->line, given->what + " is empty",
-                    "name a topic, or remove it: the connection then has one by itself");
+                    "name a topic, or remove it: the connection then gets a topic of its own");
         connection.topic = stand_in();
       }
     } else if (element.was_meant("topic")) {
@@ -323,8 +324,8 @@ class CellReader {
     }
   }
 
-  /// The topic as ROS 2 calls it, "/arm/joint_states", becomes what it is called on DDS. Who reads ROS 2's
-  /// topics by default wants them reliable.
+  /// Converts the ROS 2 name of the topic, such as "/arm/joint_states", to its name on DDS. A writer is
+  /// reliable by default, because ROS 2 readers require that by default.
   void read_ros2(const Element& element, model::Connection& connection) {
     connection.ros2 = true;
     if (!element.attribute("reliability") && !element.was_meant("reliability") && connection.from.given())
@@ -335,7 +336,7 @@ class CellReader {
     }
   }
 
-  /// device.module.port; what has other parts is refused by validate, which shows it as it was.
+  /// Splits device.module.port. A text with other parts is kept so that validate() can reject and quote it.
   static model::Endpoint endpoint(const std::string& text) {
     const std::size_t first = text.find('.');
     if (first == std::string::npos) return {text, {}, {}};
@@ -344,7 +345,7 @@ class CellReader {
     return {text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1)};
   }
 
-  /// A name for what could not be read: valid, and nobody else's.
+  /// A valid, unique name for something whose name could not be read.
   std::string stand_in() { return "_unread-" + std::to_string(++stand_ins_); }
 
   Report& report_;
@@ -357,7 +358,7 @@ class CellReader {
 std::string name_after(const std::string& file) {
   std::string name = model::file_stem(file).substr(0, model::kMaxNameLength);
   for (std::size_t i = 0; i < name.size(); ++i) {
-    // "a" before a character shows whether it may stand inside a name.
+    // A character is allowed inside a name if "a" followed by it is a valid name.
     const std::string probe = i == 0 ? name.substr(0, 1) : "a" + name.substr(i, 1);
     if (!model::is_valid_name(probe)) name[i] = '_';
   }

@@ -1,4 +1,4 @@
-// What a cell looks like in XML: each element, its attributes and its children, in the order of the document.
+// Reads a cell from its XML tree: each element with its attributes and its children.
 #pragma once
 
 #include <takt/model/cell.hpp>
@@ -8,18 +8,18 @@
 
 namespace takt::descriptor {
 
-/// A cell that is as complete as could be read; where something could not, a value stands in that nobody
-/// complains about, or a gap.
+/// The parts of a cell that could be read. A part that could not be read is replaced by a harmless value or
+/// marked as a gap, so that no later check complains about it.
 struct Reading {
   model::Cell cell;
   model::Gaps gaps;
 };
 
-/// Reports what cannot be read; what is read and makes no sense is left to model::validate.
+/// Reports the parts that cannot be read. model::validate() checks the values.
 Reading read_cell(const Node& root, const std::string& file, Report& report);
 
-/// The name of the cell and the device of a module.xml: the file's stem, with '_' for what a name may not
-/// have.
+/// The name of the cell and the device of a module.xml: the stem of the file, with '_' for characters that a
+/// name may not have.
 std::string name_after(const std::string& file);
 
 }  // namespace takt::descriptor

@@ -15,7 +15,7 @@ using model::Operation;
 using std::chrono::milliseconds;
 
 constexpr const char* kNs = " of nanoseconds";
-constexpr Nanoseconds kStandIn = milliseconds{1};  // for a time that could not be read
+constexpr Nanoseconds kStandIn = milliseconds{1};  // replaces a time that could not be read
 
 const Shape kModule{.once = {"name", "filename", "moduletype", "operationtype", "period", "offset",
                              "deadline", "dispatch", "interarrival", "priority", "executor", "budget",
@@ -49,7 +49,7 @@ class ModuleReader {
   }
 
  private:
-  /// Reports a child that every module has.
+  /// The text of a child that every module must have; reports a missing one.
   std::optional<Given> required(const char* name, const std::string& fix) {
     std::optional<Given> given = element_.child_text(name);
     if (!given && !element_.was_meant(name)) {
@@ -59,13 +59,13 @@ class ModuleReader {
   }
 
   void read_kind() {
-    if (const auto given =
-            required("moduletype", "say <moduletype>thread</moduletype> for a .so, process for a program")) {
+    if (const auto given = required(
+            "moduletype", "write <moduletype>thread</moduletype> for a .so, or process for a program")) {
       const auto choice = read_choice(*given, {"thread", "process"}, report_);
       if (choice) module_.type = *choice == 0 ? model::ModuleType::thread : model::ModuleType::process;
     }
-    if (const auto given =
-            required("operationtype", "say <operationtype>periodic</operationtype>, sporadic or non-real")) {
+    if (const auto given = required(
+            "operationtype", "write <operationtype>periodic</operationtype>, or sporadic or non-real")) {
       const auto choice = read_choice(*given, {"periodic", "sporadic", "non-real"}, report_);
       if (choice) {
         constexpr Operation kOperations[] = {Operation::periodic, Operation::sporadic, Operation::non_real};
@@ -77,7 +77,7 @@ class ModuleReader {
 
   void read_name() {
     const auto filename =
-        required("filename", "say which .so or program it is, as in <filename>servo.so</filename>");
+        required("filename", "name its .so or program, as in <filename>servo.so</filename>");
     const bool filename_known = filename && !filename->unread;
     module_.filename = filename_known ? filename->trimmed() : "unread";
     if (filename) module_.lines.filename = filename->line;
@@ -165,7 +165,7 @@ class ModuleReader {
     read_budget();
     read_overrun();
     if (!operation_known_) {
-      // Nobody can tell which of the times are right: stand in for a module that may have none.
+      // The allowed times are not known, so continue as for an operation type that needs none.
       module_.operation = Operation::non_real;
       module_.period.reset();
       module_.deadline.reset();
@@ -194,7 +194,7 @@ class ModuleReader {
       report_.add(module_.line,
                   std::string{to_text(module_.operation)} + " module " + in_quotes(module_.name) +
                       " has no <priority>",
-                  "give it one: a whole number, the lowest is the highest priority");
+                  "add one: a whole number; the lowest number is the highest priority");
     }
   }
 

@@ -1,4 +1,4 @@
-// What a module looks like in XML.
+// Reads a <module> element.
 #pragma once
 
 #include <string_view>
@@ -15,10 +15,10 @@ struct ModuleReading {
   bool name_known = true;  ///< false: its name could not be read
 };
 
-/// `executors` are those of its device, never empty: a module that names none belongs to the only one.
+/// `executors` are those of the device, never empty. A module without <executor> gets the only executor.
 ModuleReading read_module(const Node& xml, const std::vector<model::Executor>& executors, Report& report);
 
-/// Whether an element of this name may stand in a module.
+/// Whether a <module> may contain an element of this name.
 bool is_of_module(std::string_view name);
 
 }  // namespace takt::descriptor

@@ -27,11 +27,11 @@ Problems Report::take() {
   const bool was_full = full();
   std::stable_sort(problems_.begin(), problems_.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  struct Told {
-    std::size_t index;
-    std::size_t again;
+  struct Shared {
+    std::size_t index;    // in `sorted`
+    std::size_t repeats;  // in further uses of the template
   };
-  std::map<std::tuple<std::string, std::string, std::string>, Told> told;
+  std::map<std::tuple<std::string, std::string, std::string>, Shared> shared;
   Problems sorted;
   for (auto& [line, problem] : problems_) {
     const std::string history = line.insertion == 0 ? "" : " (" + model::history(texts_, line) + ")";
@@ -39,23 +39,23 @@ Problems Report::take() {
       sorted.push_back(std::move(problem));
       continue;
     }
-    const bool ends_so = problem.what.ends_with(history);
-    std::string own = problem.what.substr(0, problem.what.size() - (ends_so ? history.size() : 0));
+    const bool has_history = problem.what.ends_with(history);
+    std::string own = problem.what.substr(0, problem.what.size() - (has_history ? history.size() : 0));
     const auto [known, is_new] =
-        told.try_emplace({problem.where, std::move(own), problem.fix}, Told{sorted.size(), 0});
+        shared.try_emplace({problem.where, std::move(own), problem.fix}, Shared{sorted.size(), 0});
     if (is_new)
       sorted.push_back(std::move(problem));
     else
-      ++known->second.again;
+      ++known->second.repeats;
   }
-  for (const auto& [key, each] : told) {
+  for (const auto& [key, each] : shared) {
     std::string& what = sorted[each.index].what;
-    if (each.again > 0 && what.ends_with(')'))
-      what.insert(what.size() - 1, ", and " + std::to_string(each.again) + " more");
+    if (each.repeats > 0 && what.ends_with(')'))
+      what.insert(what.size() - 1, ", and " + std::to_string(each.repeats) + " more");
   }
   problems_.clear();
   if (was_full)
-    sorted.back() = {sorted.back().where, "too many problems to name them all", "mend those above first"};
+    sorted.back() = {sorted.back().where, "too many problems to list", "fix the problems above first"};
   return sorted;
 }
 

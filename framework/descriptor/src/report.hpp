@@ -1,4 +1,4 @@
-// Gathers the problems of one descriptor and of what was put into it.
+// Collects the problems of one descriptor, its included files and its templates.
 #pragma once
 
 #include <string>
@@ -13,26 +13,27 @@ namespace takt::descriptor {
 
 class Report {
  public:
-  /// What the texts refer to must outlive it; insertions may be added.
+  /// The file and the insertions in `texts` must outlive this object; insertions may be added later.
   explicit Report(model::Texts texts) : texts_(texts) {}
 
-  /// Both texts in the words of core/words.hpp, so that nothing of the file breaks the line. Ignored when
-  /// full.
+  /// Both texts must quote input with the functions of core/words.hpp, so that a message stays on one line.
+  /// Does nothing when full.
   void add(model::Line line, std::string what, std::string fix);
-  /// What model::validate found.
+  /// Adds the problems that model::validate() found.
   void add(model::Findings& findings);
 
-  /// No more problems are told; a reader need not look for them.
+  /// True when no more problems are accepted; readers then stop looking for them.
   [[nodiscard]] bool full() const;
   [[nodiscard]] bool empty() const { return problems_.empty(); }
-  /// "on line 12": where something else stands, for the fix of a problem.
+  /// "on line 12": the place of another element, for the fix of a problem.
   [[nodiscard]] std::string whereabouts(model::Line line) const { return model::whereabouts(texts_, line); }
 
   /// "axes.xml:12"
   [[nodiscard]] std::string place(model::Line line) const { return model::place(texts_, line); }
 
-  /// By line, first of the descriptor, then of what was put into it; problems of one line as they were added.
-  /// One that several uses of a template have in common is told once. Leaves the report empty.
+  /// The problems sorted by line: first those of the descriptor, then those of its insertions. Problems of
+  /// one line keep their order. A problem that several uses of a template share is reported once. Leaves the
+  /// report empty.
   Problems take();
 
  private:

@@ -16,7 +16,7 @@ namespace {
 const Shape kTemplate{.attributes = {"name"}, .many = {"parameter", "module", "use", "connection", "export"}};
 const Shape kParameter{.attributes = {"name", "default"}};
 
-constexpr std::size_t kMostNamed = 5;  // of a circle
+constexpr std::size_t kMostNamed = 5;  // templates of a circle in a message
 
 std::size_t parts_of(const Node& node) {
   std::size_t parts = 1 + node.attributes.size() + node.texts.size();
@@ -54,7 +54,7 @@ void Templates::take_out(Node& parent) {
     const auto line = child.line;
     const auto [known, is_new] =
         all_.try_emplace(name->trimmed(), Template{name->trimmed(), std::move(child)});
-    // A file that two others include is there twice, and means the same.
+    // If two files include the same file, its templates appear twice, but are the same.
     const auto first = known->second.node.line;
     const bool again = first.insertion != line.insertion && report_.place(first) == report_.place(line);
     if (is_new || again) continue;
@@ -74,16 +74,16 @@ void Templates::read(Template& one) {
     if (child.name == "module" || child.name == "use") ++members;
     if (child.name != "use") continue;
     const Attribute* used = child.attribute("template");
-    if (used == nullptr) continue;  // said when it is made
+    if (used == nullptr) continue;  // reported when the use is expanded
     if (used->value.find("${") != std::string::npos) {
-      report_.add(used->line, "which template is used depends on a parameter", "write its name out");
+      report_.add(used->line, "the template of a <use> is a parameter", "write the name of the template");
       one.broken = true;
     } else {
       one.uses.push_back(trimmed(used->value));
     }
   }
   if (members == 0 && !node.incomplete) {
-    report_.add(node.line, "template " + in_quotes(one.name) + " holds nothing",
+    report_.add(node.line, "template " + in_quotes(one.name) + " is empty",
                 "give it at least one <module> or <use>");
     one.broken = true;
   }
@@ -91,15 +91,15 @@ void Templates::read(Template& one) {
     if (child.name != "module" || child.child("name") != nullptr) continue;
     one.alone = members == 1;
     if (one.alone) continue;
-    // Something that is told of when it is made may have been meant to be the name.
+    // An unknown element, which is reported when the use is expanded, may be a misspelled <name>.
     if (std::any_of(child.children.begin(), child.children.end(),
                     [](const Node& c) { return !is_of_module(c.name); })) {
       one.node.incomplete = true;
       continue;
     }
     report_.add(child.line,
-                "a module without a <name> in template " + in_quotes(one.name) + ", which holds several",
-                "give it a <name>: only a module that is alone is called as the use");
+                "a module without a <name> in template " + in_quotes(one.name) + ", which has several",
+                "give it a <name>: only the single module of a template gets the name of the use");
     one.broken = true;
   }
   read_parameters(one, parameters);
@@ -120,16 +120,17 @@ void Templates::read_parameters(Template& one, const std::vector<const Node*>& n
     if (const auto given = element.attribute("default")) parameter.value = given->text;
     const auto first = std::find_if(one.parameters.begin(), one.parameters.end(),
                                     [&](const Parameter& other) { return other.name == parameter.name; });
-    const auto refuse = [&](std::string what, std::string fix) {
+    const auto reject = [&](std::string what, std::string fix) {
       report_.add(name->line, std::move(what), std::move(fix));
       one.broken = true;
     };
     if (!model::is_valid_name(parameter.name)) {
-      refuse(in_quotes(name->text) + " is not a valid parameter name", model::kNameRule);
+      reject(in_quotes(name->text) + " is not a valid parameter name", model::kNameRule);
     } else if (parameter.name == kOwnName) {
-      refuse("a parameter is called name", "call it otherwise: ${name} is the name of each use");
+      reject("a parameter has the reserved name 'name'",
+             "choose another name: ${name} is the name of the use");
     } else if (first != one.parameters.end()) {
-      refuse("duplicate parameter " + in_quotes(parameter.name),
+      reject("duplicate parameter " + in_quotes(parameter.name),
              "the first is " + report_.whereabouts(first->line) + "; give one of them another name");
     } else {
       one.parameters.push_back(std::move(parameter));
@@ -137,7 +138,7 @@ void Templates::read_parameters(Template& one, const std::vector<const Node*>& n
   }
 }
 
-/// Each reference has its parameter, and each parameter a reference.
+/// Checks that each reference names a parameter, and that each parameter is referenced.
 void Templates::check_references(Template& one) {
   std::set<std::string_view> used;
   std::vector<std::string_view> names{kOwnName};
@@ -154,7 +155,8 @@ void Templates::check_references(Template& one) {
     if (child.name == "parameter") {
       const Attribute* value = child.attribute("default");
       if (value == nullptr || value->value.find("${") == std::string::npos) continue;
-      report_.add(value->line, "the default of a parameter refers to another one", "write its value out");
+      report_.add(value->line, "the default of a parameter refers to another parameter",
+                  "write the value itself");
       one.broken = true;
       continue;
     }
@@ -162,10 +164,10 @@ void Templates::check_references(Template& one) {
     substitute(copy, meaning, [&](model::Line line, std::optional<std::string_view> name) {
       one.broken = true;
       if (!name) {
-        report_.add(line, "a ${ that is not closed", "write ${NAME} for a parameter, $${ for a ${ as such");
+        report_.add(line, "a ${ is not closed", "write ${NAME} for a parameter, or $${ for a literal ${");
       } else if (all_known) {
         report_.add(line, "unknown parameter " + in_quotes(*name) + " of template " + in_quotes(one.name),
-                    suggestion(*name, names) + "; a <parameter name=\"...\"> makes one known");
+                    suggestion(*name, names) + "; or add a <parameter name=\"...\">");
       }
     });
   }
@@ -174,12 +176,13 @@ void Templates::check_references(Template& one) {
     if (used.count(parameter.name) > 0) continue;
     report_.add(
         parameter.line,
-        "parameter " + in_quotes(parameter.name) + " of template " + in_quotes(one.name) + " is used nowhere",
+        "parameter " + in_quotes(parameter.name) + " of template " + in_quotes(one.name) + " is not used",
         "remove it, or write ${" + parameter.name + "} where its value belongs");
   }
 }
 
-/// From the templates that use none to those that use them. What is left over uses itself.
+/// Computes the size and depth of each template, starting from those that use no others. Templates that are
+/// left over use themselves.
 void Templates::count() {
   std::map<std::string_view, std::vector<Template*>> users;
   std::map<std::string_view, std::size_t> open;
@@ -207,18 +210,19 @@ void Templates::count() {
   }
   for (auto& [name, one] : all_) {
     if (left.count(name) > 0) one.broken = true;
-    if (one.depth != kMaxUseDepth + 1 || one.broken) continue;  // those that use it are deeper and no news
-    report_.add(
-        one.node.line,
-        "template " + in_quotes(name) + " uses templates more than " + std::to_string(kMaxUseDepth) + " deep",
-        "make them flatter");
+    if (one.depth != kMaxUseDepth + 1 || one.broken)
+      continue;  // templates that use this one are deeper, but are not reported again
+    report_.add(one.node.line,
+                "template " + in_quotes(name) + " nests templates more than " + std::to_string(kMaxUseDepth) +
+                    " deep",
+                "reduce the nesting");
   }
   for (auto& [name, one] : all_) one.broken = one.broken || one.depth > kMaxUseDepth;
   report_circles(left);
 }
 
 void Templates::report_circles(const std::set<std::string_view>& in_circles) {
-  std::map<std::string_view, std::size_t> walked;  // and on which walk
+  std::map<std::string_view, std::size_t> walked;  // the walk that visited each template
   std::size_t walk = 0;
   for (const std::string_view start : in_circles) {
     ++walk;
@@ -237,9 +241,9 @@ void Templates::report_circles(const std::set<std::string_view>& in_circles) {
     for (auto each = std::find(path.begin(), path.end(), at); each != path.end() && named < kMostNamed;
          ++each, ++named)
       circle += brief((*each)->name) + " (" + brief(report_.place((*each)->node.line)) + ") uses ";
-    if (named == kMostNamed) circle += "others, and they ";
+    if (named == kMostNamed) circle += "other templates, which use ";
     report_.add(at->node.line, "template " + in_quotes(at->name) + " uses itself: " + circle + "it again",
-                "let one of them do without the other");
+                "remove one of these uses");
   }
 }
 

@@ -1,4 +1,4 @@
-// The templates of a descriptor, as they are before anybody uses them.
+// The templates of a descriptor, before their uses are expanded.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,11 @@
 
 namespace takt::descriptor {
 
-inline constexpr std::size_t kMaxUseDepth = 8;  ///< templates in templates
+inline constexpr std::size_t kMaxUseDepth = 8;  ///< levels of templates that use templates
 
 struct Parameter {
   std::string name;
-  std::optional<std::string> value;  ///< unless a use sets it; none: it must
+  std::optional<std::string> value;  ///< the default; none: each use must set the parameter
   model::Line line{};
 };
 
@@ -27,26 +27,26 @@ struct Template {
   Node node;
   std::vector<Parameter> parameters{};
   std::vector<std::string> uses{};  ///< the templates that it uses
-  std::size_t size = 0;             ///< elements and attributes that one use makes, at most kUncountable
-  std::size_t depth = 0;            ///< 1: it uses none
-  bool broken = false;              ///< was reported: no use of it makes anything
-  bool alone = false;               ///< it holds one module, which is called as the use
+  std::size_t size = 0;   ///< elements, attributes and texts that one use creates, at most kUncountable
+  std::size_t depth = 0;  ///< levels of templates; 1: it uses none
+  bool broken = false;    ///< it has a mistake, which was reported: its uses are not expanded
+  bool alone = false;     ///< it has a single module, which gets the name of the use
 };
 
 inline constexpr std::size_t kUncountable = 1'000'000'000'000'000'000;
 
-/// Takes the templates out of a tree and looks at each: its parameters, what refers to them, which templates
-/// it uses, and how much one use would make, before anything is made.
+/// Takes the templates out of a tree and checks each: its parameters, the references to them, the templates
+/// that it uses, and the size of one use before it is expanded.
 class Templates {
  public:
   explicit Templates(Report& report) : report_(report) {}
 
   void take_from(Node& root);
 
-  /// Null where there is none of that name.
+  /// Null if there is no template of that name.
   [[nodiscard]] const Template* find(std::string_view name) const;
   [[nodiscard]] std::vector<std::string_view> names() const;
-  /// One could not be read: it may be the one that is not found.
+  /// Whether a template could not be read; it may be the one that is not found.
   [[nodiscard]] bool incomplete() const { return incomplete_; }
 
  private:
@@ -62,7 +62,7 @@ class Templates {
   bool incomplete_ = false;
 };
 
-/// The name of the use itself is known in each template.
+/// The predefined parameter of each template: the name of the use.
 inline constexpr std::string_view kOwnName = "name";
 
 }  // namespace takt::descriptor

@@ -8,12 +8,12 @@ namespace takt::descriptor {
 
 namespace {
 
-/// Not deeper than kMaxDepth.
+/// Recursive; the scanner has limited the depth to kMaxDepth.
 Node node_of(const tinyxml2::XMLElement& xml, std::uint32_t insertion) {
   Node node{.name = xml.Name(), .line = {xml.GetLineNum(), insertion}};
   for (const auto* one = xml.FirstAttribute(); one != nullptr; one = one->Next())
     node.attributes.push_back({one->Name(), one->Value(), {one->GetLineNum(), insertion}});
-  bool continued = false;  // a comment or CDATA divides a text, and it is one all the same
+  bool continued = false;  // a text that a comment or CDATA splits is still one text
   for (const auto* one = xml.FirstChild(); one != nullptr; one = one->NextSibling()) {
     if (const auto* element = one->ToElement()) {
       node.children.push_back(node_of(*element, insertion));

@@ -1,7 +1,7 @@
-// An XML document as values: elements, their attributes and texts, each with its line.
+// An XML document as plain values: elements with their attributes and texts, each with its line.
 //
-// tinyxml2's own tree belongs to one document and knows one file. Ours can be copied, changed and put
-// together of several files: that is how includes and templates become a cell.
+// A tree of tinyxml2 belongs to one document and one file. This tree can be copied, changed and assembled
+// from several files, as includes and templates require.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ struct Attribute {
 };
 
 struct Text {
-  std::string text;  ///< as written, entities resolved; not of white space alone
+  std::string text;  ///< as written, entities resolved; never only white space
   model::Line line{};
 };
 
@@ -32,20 +32,21 @@ struct Node {
   std::vector<Attribute> attributes{};
   std::vector<Node> children{};
   std::vector<Text> texts{};
-  bool incomplete = false;  ///< more was to stand in it, and could not be made; that was reported
+  bool incomplete = false;  ///< some of its content could not be created, which was reported
 
   [[nodiscard]] const Attribute* attribute(std::string_view wanted) const;
   [[nodiscard]] Attribute* attribute(std::string_view wanted);
   [[nodiscard]] const Node* child(std::string_view wanted) const;
   [[nodiscard]] Node* child(std::string_view wanted);
-  /// All of its texts, one after the other.
+  /// All its texts, concatenated.
   [[nodiscard]] std::string text() const;
 };
 
-/// The root of the document, its lines in the insertion. A fault, and no root, where it cannot be read.
+/// Sets `root` to the root of the document, with all lines in the insertion. If the document cannot be read,
+/// returns the fault and leaves `root` unchanged.
 std::optional<Fault> read_tree(std::string_view xml, std::uint32_t insertion, Node& root);
 
-/// The text without white space around it.
+/// The text without surrounding white space.
 std::string trimmed(std::string_view text);
 
 }  // namespace takt::descriptor

@@ -16,7 +16,7 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
 
-// Every character past ASCII counts as a letter: whatever the name is, it is none of ours.
+// All characters beyond ASCII count as letters. No known name has them, so the name is rejected later anyway.
 bool starts_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':' ||
          (static_cast<unsigned char>(c) & 0x80U) != 0;
@@ -44,17 +44,17 @@ std::optional<Fault> find_bad_byte(std::string_view xml) {
     const std::string_view rest = xml.substr(at);
     const std::size_t length = utf8_length(rest);
     if (length == 0) {
-      return fault(at, "the file is not UTF-8: there is a byte " + in_quotes(rest.substr(0, 1)),
+      return fault(at, "the file is not UTF-8: it has the byte " + in_quotes(rest.substr(0, 1)),
                    "save it as UTF-8");
     }
     const std::string_view character = rest.substr(0, length);
     const auto byte = static_cast<unsigned char>(character[0]);
     if (length == 1 && byte == 0)
-      return fault(at, "there is a zero byte", "a descriptor is text, saved as UTF-8");
+      return fault(at, "the file has a zero byte", "a descriptor is text, saved as UTF-8");
     const bool allowed =
         (length > 1 || is_xml_character(byte)) && character != "\xef\xbf\xbe" && character != "\xef\xbf\xbf";
     if (!allowed) {
-      return fault(at, "there is a control character " + in_quotes(character),
+      return fault(at, "the file has a control character " + in_quotes(character),
                    "XML has no such character: remove it");
     }
     at += length;
@@ -91,7 +91,7 @@ class Scanner {
   }
   bool fail(std::string what, std::string fix) { return fail(line_, std::move(what), std::move(fix)); }
 
-  /// One more of what tinyxml2 keeps.
+  /// Counts one more part that tinyxml2 will store.
   bool count_part() {
     if (++parts_ <= kMaxParts) return true;
     return fail("more than " + std::to_string(kMaxParts) + " elements, attributes, texts and comments",
@@ -120,7 +120,7 @@ class Scanner {
     advance(length);
     return text.substr(0, length);
   }
-  /// What stands here, for a message.
+  /// The next character, for a message.
   [[nodiscard]] std::string found() const {
     return done() ? "the end of the file"
                   : in_quotes(rest().substr(0, std::max<std::size_t>(1, utf8_length(rest()))));
@@ -161,7 +161,7 @@ bool Scanner::scan_declared(std::string_view name, std::string_view value) {
     std::string upper{value};
     for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
     if (upper != "UTF-8")
-      return fail("encoding " + in_quotes(value), "save the file as UTF-8 and say encoding=\"UTF-8\"");
+      return fail("encoding " + in_quotes(value), "save the file as UTF-8 and write encoding=\"UTF-8\"");
   }
   if (name == "standalone" && value != "yes" && value != "no") {
     return fail("standalone is " + in_quotes(value), "it can be yes or no");
@@ -169,7 +169,8 @@ bool Scanner::scan_declared(std::string_view name, std::string_view value) {
   return true;
 }
 
-/// <?xml version="1.0" encoding="UTF-8" standalone="yes"?>, the last two optional, in this order.
+/// Scans <?xml version="1.0" encoding="UTF-8" standalone="yes"?>; the last two are optional, but in this
+/// order.
 bool Scanner::scan_declaration() {
   constexpr const char* kRight = "write <?xml version=\"1.0\" encoding=\"UTF-8\"?>";
   advance(5);
@@ -194,8 +195,7 @@ bool Scanner::scan_declaration() {
     advance(end + 1);
   }
   skip_blanks();
-  if (!next_is("?>"))
-    return fail("the XML declaration does not end as it should, but with " + found(), kRight);
+  if (!next_is("?>")) return fail("the XML declaration does not end with ?> but with " + found(), kRight);
   advance(2);
   return true;
 }
@@ -209,7 +209,7 @@ bool Scanner::scan_markup() {
   }
   if (next_is("<?")) {
     return fail("a processing instruction (<?...)",
-                "remove it: only the XML declaration may stand in a descriptor, as its first characters");
+                "remove it: only the XML declaration is allowed, at the start of the file");
   }
   return next_is("</") ? scan_end_tag() : scan_start_tag() && count_part();
 }
@@ -253,10 +253,10 @@ bool Scanner::scan_text() {
     }
   }
   advance(text.size());
-  return start == std::string_view::npos || count_part();  // tinyxml2 keeps no blanks
+  return start == std::string_view::npos || count_part();  // tinyxml2 does not store blanks
 }
 
-/// `at` stands on & and is moved past the reference.
+/// `at` is the index of the &; it is moved past the reference.
 bool Scanner::scan_reference(std::string_view text, std::size_t& at, int line) {
   const std::size_t end = text.find(';', at);
   const std::string_view name = end == std::string_view::npos ? "" : text.substr(at + 1, end - at - 1);
@@ -266,17 +266,17 @@ bool Scanner::scan_reference(std::string_view text, std::size_t& at, int line) {
     std::uint32_t code = 0;
     const auto [last, error] =
         std::from_chars(digits.data(), digits.data() + digits.size(), code, hex ? 16 : 10);
-    // tinyxml2 reads no more than ten characters of a reference.
+    // tinyxml2 reads at most ten characters of a reference.
     const bool number = error == std::errc{} && last == digits.data() + digits.size() && digits.size() <= 8;
     if (!number || !is_xml_character(code)) {
-      return fail(line, in_quotes("&" + std::string{name} + ";") + " is no character",
+      return fail(line, in_quotes("&" + std::string{name} + ";") + " is not a character",
                   "give its code, as in &#65; or &#x41;");
     }
   } else if (name != "amp" && name != "lt" && name != "gt" && name != "quot" && name != "apos") {
     const bool is_word = !name.empty() && std::all_of(name.begin(), name.end(), continues_name);
     if (!is_word) return fail(line, "& on its own", "write &amp;");
     return fail(line, "unknown entity " + in_quotes("&" + std::string{name} + ";"),
-                "there are &amp; &lt; &gt; &quot; and &apos;");
+                "XML has only &amp; &lt; &gt; &quot; and &apos;");
   }
   at = end + 1;
   return true;
@@ -301,7 +301,7 @@ bool Scanner::scan_attribute(std::vector<std::string_view>& seen) {
   }
   const std::size_t end = rest().find(quote, 1);
   const std::string_view value = rest().substr(1, end == std::string_view::npos ? end : end - 1);
-  // A quote that is missing swallows what follows, up to some other quote: the < in between gives it away.
+  // If a quote is missing, the value extends to some later quote and contains a <.
   if (end == std::string_view::npos || value.find('<') != std::string_view::npos) {
     return fail("the value of attribute " + brief(name) + " does not end, or has a <",
                 "close it with " + std::string(1, quote) + "; a < in a value is written &lt;");
@@ -327,11 +327,11 @@ bool Scanner::scan_start_tag() {
     return fail("< is followed by " + found(), "a tag begins with a name; a < in a text is written &lt;");
   if (open_.empty() && root_seen_) {
     return fail("a second root element <" + brief(name) + ">",
-                "a descriptor has one: put everything into it");
+                "a descriptor has one root element: put everything into it");
   }
   if (open_.size() >= kMaxDepth) {
     return fail("elements are nested more than " + std::to_string(kMaxDepth) + " deep",
-                "a descriptor needs only five");
+                "a descriptor needs fewer than ten levels");
   }
   root_seen_ = true;
 
@@ -352,7 +352,8 @@ bool Scanner::scan_start_tag() {
       return fail("found " + found() + " in the tag <" + brief(name),
                   "put a space before each attribute, and close the tag with > or />");
     }
-    if (attributes.size() >= 100) return fail("more than 100 attributes", "no element has more than ten");
+    if (attributes.size() >= 100)
+      return fail("the element has more than 100 attributes", "no element of a descriptor has that many");
     if (!scan_attribute(attributes) || !count_part()) return false;
   }
 }

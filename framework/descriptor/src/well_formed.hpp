@@ -1,9 +1,8 @@
-// What XML says of a file before anybody asks what it means.
+// Checks that a text is well-formed XML before tinyxml2 parses it.
 //
-// tinyxml2 reads on over much that XML forbids: entities that do not exist, a second value of an attribute,
-// attributes of a closing tag, text after the root, encodings it does not know. It would guess, and a
-// descriptor is never guessed at. So the whole file is walked here first, and tinyxml2 gets only what can be
-// read in one way.
+// tinyxml2 accepts much that XML forbids: unknown entities, repeated attributes, attributes of a closing tag,
+// text after the root, foreign encodings. It would guess the meaning, but a descriptor must not be guessed.
+// So this scanner checks the whole text first, and tinyxml2 gets only text with one possible reading.
 #pragma once
 
 #include <optional>
@@ -18,15 +17,15 @@ struct Fault {
   std::string fix;
 };
 
-/// Elements in elements; tinyxml2 goes no deeper than 100.
+/// The maximum nesting of elements; that of tinyxml2 is 100.
 inline constexpr std::size_t kMaxDepth = 50;
-/// Tags, attributes, comments and texts together, so that a text that is all tags cannot take a hundred times
-/// its size in memory.
+/// The maximum number of tags, attributes, comments and texts. Without it, a text of many small tags could
+/// take a hundred times its size in memory.
 inline constexpr std::size_t kMaxParts = 1'000'000;
 
-/// The first fault; nothing after it has a sure meaning. None means: UTF-8 without control characters, one
-/// root element, not more than kMaxParts, no document type, no processing instruction but the XML
-/// declaration, no entity but the five of XML.
+/// The first fault; text after it has no certain meaning. No fault means: UTF-8 without control characters,
+/// one root element, at most kMaxParts parts, no document type, no processing instruction except the XML
+/// declaration, and no entities except the five of XML.
 std::optional<Fault> find_fault(std::string_view xml);
 
 }  // namespace takt::descriptor

@@ -1,4 +1,4 @@
-// A tree as XML.
+// Writes a tree as XML.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace takt::descriptor {
 
-/// Reads back as the same tree, without white space between elements. A comment before each element that an
-/// insertion begins with says where that comes from. ${ is written $${, as it was.
+/// The tree as XML that reads back as the same tree, apart from white space between elements. A comment
+/// before the first element of each insertion names its source. ${ is written as $${.
 std::string written(const Node& root, const model::Texts& texts);
 
-/// The text, with what means something in XML as references; read back it is the same.
+/// The text with XML's special characters as references, so that it reads back unchanged.
 std::string escaped(std::string_view text);
 
 }  // namespace takt::descriptor

@@ -12,7 +12,7 @@ namespace {
 
 constexpr auto relaxed = std::memory_order_relaxed;
 
-// Counters have one writer, so no read-modify-write is needed.
+// Each counter has one writer, so it needs no atomic read-modify-write.
 void add(std::atomic<std::uint64_t>& counter, std::uint64_t n = 1) noexcept {
   counter.store(counter.load(relaxed) + n, relaxed);
 }
@@ -34,7 +34,7 @@ bool fatal(const Unit& unit) noexcept {
   return false;
 }
 
-// While one module runs, what the next one needs comes.
+// Loads the next module's data into the cache while the current module runs.
 void prefetch(const Unit& unit) noexcept {
   unit.block->prefetch();
   if (unit.body != nullptr) __builtin_prefetch(unit.body);
@@ -44,7 +44,7 @@ void prefetch(const Unit& unit) noexcept {
   }
 }
 
-// Rows below `to` in which a module is due that has its first row and one in each `stride` after it.
+// The number of rows before `to` in which a module is due, if it runs in row `first` and every `stride` rows.
 std::uint64_t releases_before(std::uint64_t to, std::uint64_t first, std::uint64_t stride) noexcept {
   return to <= first ? 0 : (to - first + stride - 1) / stride;
 }
@@ -81,7 +81,7 @@ Executor::Executor(const schedule::ExecutorPlan& plan, std::vector<Unit> periodi
     TAKT_CHECK(sporadic[i].block != nullptr &&
                (sporadic[i].body == nullptr) != (sporadic[i].slot == nullptr));
     sporadic_[i].unit = sporadic[i];
-    sporadic_[i].unit.period = basic_;  // what run() is told: its conditions are checked each row
+    sporadic_[i].unit.period = basic_;  // the period that run() sees: conditions are checked in each row
     has_immediate_ |= sporadic[i].immediate;
   }
 }
@@ -142,7 +142,8 @@ std::uint32_t Executor::overrun(std::uint64_t rows) noexcept {
   return longest_catch_up_ == 0 ? 0 : catch_up(rows);
 }
 
-// What is made up is not missed any more; a host that dies in between has counted everything once.
+// A release that is made up for no longer counts as missed. If the host dies in between, everything has been
+// counted once.
 std::uint32_t Executor::catch_up(std::uint64_t rows) noexcept {
   std::uint32_t wake = 0;
   Instant time = clock_.now();
@@ -169,7 +170,7 @@ Instant Executor::serve(std::size_t i, std::uint64_t number, Instant release, In
   rows_.add(channel::FlightKind::released, to_ns(now), unit.index, static_cast<std::int64_t>(given));
   switch (given) {
     case channel::Release::wake:
-      *wake |= unit.slot->bell_bit;
+      *wake |= unit.slot->wake_bit;
       [[fallthrough]];
     case channel::Release::given:
       add(unit.block->cycles);
@@ -295,7 +296,7 @@ void Executor::record_body(const Unit& unit, std::uint32_t& seen) noexcept {
   if (done == seen) return;
   seen = done;
   const std::int64_t ended = slot.body_ended_ns.load(relaxed);
-  if (ended == 0) return;  // none of it has ended yet
+  if (ended == 0) return;  // no body has ended yet
   rows_.add(channel::FlightKind::body, ended, unit.index, ended - slot.body_began_ns.load(relaxed));
 }
 
@@ -306,7 +307,7 @@ Instant Executor::call(const Unit& unit, channel::Activity& activity, channel::F
   const Outcome outcome =
       unit.body->run({.number = number, .time = release, .period = unit.period, .start = start});
   const Instant end = clock_.now();
-  if (!outcome.ok() && unit.trial != nullptr) {  // the release is still there to be served
+  if (!outcome.ok() && unit.trial != nullptr) {  // the old body serves this release instead
     put_back(outcome.type, number, outcome.text);
     return call(unit, activity, flight, number, release, allowed, end);
   }
@@ -366,11 +367,10 @@ std::uint32_t Executor::check_conditions(Instant release, Instant now) noexcept 
 
     if (unit.slot != nullptr) {
       record_body(unit, bodies_seen_[periodic_.size() + i]);
-      if (unit.immediate) continue;  // it sees its events itself
-      // The program checks its own condition and its own deadline; a row that finds it in its body leaves it
-      // there.
+      if (unit.immediate) continue;  // the program waits for its events itself
+      // The program checks its own condition and deadline. A program that is still in its body is left alone.
       const channel::Release given = channel::release(*unit.slot, row_, to_ns(release));
-      if (given == channel::Release::wake) wake |= unit.slot->bell_bit;
+      if (given == channel::Release::wake) wake |= unit.slot->wake_bit;
       if (given == channel::Release::busy) continue;
       rows_.add(channel::FlightKind::released, to_ns(now), unit.index, static_cast<std::int64_t>(given));
       add(unit.block->cycles);
@@ -406,7 +406,7 @@ void Executor::make_ready(Sporadic& sporadic, Instant release, std::uint64_t cyc
   sporadic.ready.store(Ready::yes, std::memory_order_release);  // SYNC: ready
 }
 
-// On the sporadic thread, which alone asks and runs such a module: rows only look whether it has news.
+// Runs on the sporadic thread, which alone checks and runs such a module. Rows only check for unread events.
 void Executor::release_immediate() noexcept {
   for (std::size_t i = 0; i < sporadic_count_; ++i) {
     Sporadic& sporadic = sporadic_[i];
@@ -445,7 +445,7 @@ bool Executor::run_sporadic() noexcept {
   const Unit& unit = first->unit;
   const Instant start = clock_.now();
   block_.sporadic.announce(unit.index, channel::Doing::run,
-                           to_ns(start));  // before the tables are asked: SYNC: in tables
+                           to_ns(start));  // before in_tables is read: SYNC: in tables
   if (in_tables(unit)) {
     const Instant end =
         call(unit, block_.sporadic, runs_, first->cycle, from_ns(first->release_ns), unit.deadline, start);
@@ -477,7 +477,7 @@ void Executor::raise_late(const Unit& unit, std::uint64_t cycle, Nanoseconds by)
 void Executor::raise(const Unit& unit, ErrorType type, std::uint64_t cycle, const char* text) noexcept {
   if (unit.trial != nullptr) {
     put_back(type, cycle, text);
-    if (type != ErrorType::overrun) return;  // a release that was not served in time is what it is
+    if (type != ErrorType::overrun) return;  // putting the old body back does not undo an overrun
   }
   channel::ModuleBlock& block = *unit.block;
   block.in_tables.store(0, std::memory_order_seq_cst);  // SYNC: in tables

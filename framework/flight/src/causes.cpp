@@ -13,7 +13,7 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr Nanoseconds kLeastLate = microseconds{20};
-/// What a page costs that is given to a thread, and one that must be read from a disk: as a rule no less.
+/// The usual minimum costs of a minor page fault, and of a major one that reads from a disk.
 constexpr Nanoseconds kMinorFault = microseconds{2};
 constexpr Nanoseconds kMajorFault = microseconds{100};
 
@@ -24,7 +24,7 @@ Nanoseconds median(std::vector<Nanoseconds> values) {
   return *middle;
 }
 
-/// What of it is a cause, if it accounts for half of a delay: the greatest.
+/// The greatest of the counted causes, if it accounts for half of the delay.
 std::optional<Cause> accounts_for(const Evidence& e, Nanoseconds delay) {
   const std::array<std::pair<Cause, Nanoseconds>, 3> weighed{
       {{Cause::preemption, e.stopped ? delay : e.waited},
@@ -65,7 +65,7 @@ class Judge {
   }
 
  private:
-  /// The run that took most beyond what it usually takes.
+  /// The run that exceeded its usual time by most.
   std::optional<std::size_t> longest(std::size_t first, std::size_t end) const {
     std::optional<std::size_t> worst;
     Nanoseconds most{0};
@@ -93,7 +93,7 @@ class Judge {
   void judge_row(std::size_t r) {
     const Row& row = line_.rows[r];
     const Row& before = line_.rows[r - 1];
-    if (!before.ended) return;  // its host died: nobody was there
+    if (!before.ended) return;  // the host died in it, so no executor was running
     const Nanoseconds basic = recording_.executors[executor_].basic_period;
     LateStart late{.run = std::nullopt, .row = r};
     late.due_ns = row.release_ns;
@@ -110,7 +110,7 @@ class Judge {
       const bool longer = before.took() > usual_.row + usual_.threshold;
       const LateStart* const cause_before = row_found(r - 1);
       if (!longer && cause_before != nullptr) {
-        // It took no longer than ever, but began late itself.
+        // The previous row took no longer than usual, but began late itself.
         const LateStart first = *cause_before;
         late.cause = first.cause;
         late.culprit = first.culprit;
@@ -136,7 +136,8 @@ class Judge {
     return last_row_ && last_row_->first == r ? &found_[last_row_->second] : nullptr;
   }
 
-  // Later in its row than it usually is: the row's own lateness is said of the row.
+  // Judges whether a run is later in its row than usual. The lateness of the row itself is reported for the
+  // row.
   void judge_run(std::size_t r, std::size_t i) {
     const Row& row = line_.rows[r];
     const Run& run = line_.runs[i];
@@ -161,8 +162,7 @@ class Judge {
   std::map<std::uint32_t, Nanoseconds> took_;
   std::map<std::uint32_t, Nanoseconds> after_;
   std::vector<LateStart> found_;
-  std::optional<std::pair<std::size_t, std::size_t>>
-      last_row_;  // the last row that was late, and where it is said
+  std::optional<std::pair<std::size_t, std::size_t>> last_row_;  // the last late row, and its index in found_
 };
 
 }  // namespace
@@ -217,7 +217,7 @@ Evidence evidence_between(const std::vector<Sample>& samples, std::size_t execut
   const os::ThreadUse* const last = use(*after);
   if (first == nullptr || last == nullptr) return evidence;
 
-  // What waking up takes of it as a rule is no news.
+  // Subtracts the waiting time that wake-ups usually cause.
   std::vector<Nanoseconds> waits;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const os::ThreadUse* const a = use(samples[i - 1]);
@@ -259,26 +259,27 @@ std::string in_short(Nanoseconds duration) {
 
 std::string in_words(const LateStart& late, const std::vector<Module>& modules) {
   std::string text;
-  const auto say = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
   if (late.culprit && *late.culprit < modules.size()) {
     const Module& module = modules[*late.culprit];
-    say(module.name + " ran " + in_short(late.took) + (late.run ? " before it" : " in the row before") +
+    add(module.name + " ran " + in_short(late.took) + (late.run ? " before it" : " in the row before") +
         " (usually " + in_short(late.usual) +
         (module.budget > Nanoseconds{0} ? ", budget " + in_short(module.budget) : "") + ")");
   }
-  if (late.missed != 0) say(std::to_string(late.missed) + (late.missed == 1 ? " row" : " rows") + " missed");
+  if (late.missed != 0) add(std::to_string(late.missed) + (late.missed == 1 ? " row" : " rows") + " missed");
   const Evidence& e = late.evidence;
-  if (e.stopped) say("its process was stopped by a signal");
-  if (e.waited > microseconds{20}) say("waited " + in_short(e.waited) + " for a processor");
-  if (e.gave_way != 0) say("gave way " + std::to_string(e.gave_way) + (e.gave_way == 1 ? " time" : " times"));
+  if (e.stopped) add("its process was stopped by a signal");
+  if (e.waited > microseconds{20}) add("waited " + in_short(e.waited) + " for a CPU");
+  if (e.gave_way != 0)
+    add("was preempted " + std::to_string(e.gave_way) + (e.gave_way == 1 ? " time" : " times"));
   if (e.minor_faults + e.major_faults != 0) {
-    say(std::to_string(e.minor_faults + e.major_faults) +
+    add(std::to_string(e.minor_faults + e.major_faults) +
         (e.minor_faults + e.major_faults == 1 ? " page fault" : " page faults") +
         (e.major_faults == 0 ? "" : ", " + std::to_string(e.major_faults) + " from disk"));
   }
-  if (e.stolen > Nanoseconds{0}) say("the hypervisor took " + in_short(e.stolen));
+  if (e.stolen > Nanoseconds{0}) add("the hypervisor took " + in_short(e.stolen));
   if (text.empty())
-    text = e.looked ? "woken late; nothing else was seen" : "nobody looked at its thread then";
+    text = e.looked ? "woken late; nothing else was seen" : "there are no samples of its thread at that time";
   return text;
 }
 

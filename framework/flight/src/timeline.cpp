@@ -20,7 +20,7 @@ class Reader {
   Timeline read() {
     for (const FlightSample& entry : thread_.copy.entries) {
       if (entry.kind == FlightKind::row) close_row(entry.time_ns);
-      // A row that began before is not whole.
+      // A row that began before `from_ns_` is incomplete.
       if (entry.time_ns < from_ns_ || (has_rows_ && !in_row_ && entry.kind != FlightKind::row)) continue;
       take(entry);
     }
@@ -54,7 +54,7 @@ class Reader {
       case FlightKind::body: {
         const Run body{entry.module, entry.time_ns - static_cast<std::int64_t>(entry.value), entry.time_ns};
         std::int64_t& before_ns = bodies_end_[entry.module];
-        if (body.end_ns <= before_ns) break;  // the next host has looked at it again
+        if (body.end_ns <= before_ns) break;  // the next host has recorded it again
         before_ns = body.end_ns;
         line_.bodies.push_back(body);
         break;
@@ -86,7 +86,7 @@ class Reader {
     pending_.clear();
   }
 
-  // A row that never ended: its host died in it, or it goes on.
+  // Closes a row that never ended: its host died in it, or it is still running.
   void close_row(std::optional<std::int64_t> next_ns) {
     if (!in_row_) return;
     in_row_ = false;
@@ -97,7 +97,7 @@ class Reader {
     if (row.end_run > row.first_run) row.end_ns = std::max(row.end_ns, line_.runs.back().end_ns);
   }
 
-  // The run that was under way then, if it is known.
+  // Adds the run that was in progress, if it is known.
   void add_open(std::int64_t after_ns, std::optional<std::int64_t> next_ns) {
     if (!line_.runs.empty()) after_ns = std::max(after_ns, line_.runs.back().end_ns);
     for (const Open& open : thread_.open) {
@@ -116,7 +116,7 @@ class Reader {
   std::int64_t from_ns_;
   bool in_row_ = false;
   std::vector<Mark> pending_;
-  std::map<std::uint32_t, std::int64_t> bodies_end_;  // of each program, the last
+  std::map<std::uint32_t, std::int64_t> bodies_end_;  // end of the last body of each program
   Timeline line_;
 };
 

@@ -33,21 +33,21 @@ const char* outcome_of(std::uint64_t value) {
     case channel::Release::wake:
       return "woken";
     case channel::Release::pending:
-      return "pending: it is still in its body";
+      return "pending: the program is still in its body";
     case channel::Release::busy:
-      return "left out: it is still in its body";
+      return "dropped: the program is still in its body";
   }
   return "?";
 }
 
-// Events are written as they are found: most of a trace are runs, and a tree of them all would take ten times
-// the memory of their text.
+// Writes events directly as text, because most of a trace are runs, and a tree of them would take ten times
+// the memory.
 class Writer {
  public:
   Writer(const Recording& recording, Nanoseconds last, std::size_t most)
       : r_(recording), from_ns_(recording.taken_ns - last.count()), last_(last), most_(most) {}
 
-  /// None where it would be longer than that, unless it is of nothing.
+  /// None if the text would be longer than `most`, unless the trace covers no time at all.
   std::optional<std::string> write() {
     text_ = "{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n";
     name("process_name", 0, "takt " + r_.cell + " " + r_.device);
@@ -98,28 +98,28 @@ class Writer {
           t == 0 ? "executor " + executor.name : "executor " + executor.name + ", sporadic";
       const std::uint32_t id = thread_of_executor(e, t);
       if (t == 0 || !line.runs.empty()) name("thread_name", id, label);
-      json told{{"name", label},
-                {"thread", id},
-                {"executor", executor.name},
-                {"rows", line.rows.size()},
-                {"runs", line.runs.size()},
-                {"entries", thread.copy.entries.size()},
-                {"lost", thread.copy.lost},
-                {"older", thread.copy.written - thread.copy.entries.size() - thread.copy.lost}};
+      json facts{{"name", label},
+                 {"thread", id},
+                 {"executor", executor.name},
+                 {"rows", line.rows.size()},
+                 {"runs", line.runs.size()},
+                 {"entries", thread.copy.entries.size()},
+                 {"lost", thread.copy.lost},
+                 {"older", thread.copy.written - thread.copy.entries.size() - thread.copy.lost}};
       lost_ += thread.copy.lost;
       if (!thread.copy.entries.empty())
-        told["holds_us"] = in_us(r_.taken_ns - thread.copy.entries.front().time_ns);
+        facts["holds_us"] = in_us(r_.taken_ns - thread.copy.entries.front().time_ns);
       if (t == 0) {
         const Usual usual = usual_of(line, executor.basic_period);
-        told["basic_period_us"] = in_us(executor.basic_period);
-        told["late_beyond_us"] = in_us(usual.threshold);
+        facts["basic_period_us"] = in_us(executor.basic_period);
+        facts["late_beyond_us"] = in_us(usual.threshold);
         const std::vector<LateStart> late = late_starts(r_, e, line);
-        told["late"] = late.size();
+        facts["late"] = late.size();
         write_rows(line, id, late);
       } else {
         for (const Run& run : line.runs) write_run(run, id, nullptr);
       }
-      threads_.push_back(std::move(told));
+      threads_.push_back(std::move(facts));
       for (const Mark& mark : line.marks) write_mark(mark, id);
       for (const Run& body : line.bodies) {
         if (body.start_ns < from_ns_ || body.end_ns < body.start_ns) continue;
@@ -208,21 +208,21 @@ class Writer {
   }
 
   [[nodiscard]] json about() const {
-    json told{{"format", kTraceFormat},
-              {"cell", r_.cell},
-              {"device", r_.device},
-              {"machine", r_.machine},
-              {"kernel", r_.kernel},
-              {"why", r_.why},
-              {"taken_utc_ns", r_.wall_ns},
-              {"begins_utc_ns", r_.wall_ns - last_.count()},
-              {"lasts_us", in_us(last_)},
-              {"samples", r_.samples.size()},
-              {"lost", lost_}};
-    if (r_.t0_ns != 0) told["t0_us"] = at(r_.t0_ns);
-    if (last_ < r_.last) told["left_out_us"] = in_us(r_.last - last_);
-    told["threads"] = threads_;
-    return told;
+    json facts{{"format", kTraceFormat},
+               {"cell", r_.cell},
+               {"device", r_.device},
+               {"machine", r_.machine},
+               {"kernel", r_.kernel},
+               {"why", r_.why},
+               {"taken_utc_ns", r_.wall_ns},
+               {"begins_utc_ns", r_.wall_ns - last_.count()},
+               {"lasts_us", in_us(last_)},
+               {"samples", r_.samples.size()},
+               {"lost", lost_}};
+    if (r_.t0_ns != 0) facts["t0_us"] = at(r_.t0_ns);
+    if (last_ < r_.last) facts["left_out_us"] = in_us(r_.last - last_);
+    facts["threads"] = threads_;
+    return facts;
   }
 
   const Recording& r_;

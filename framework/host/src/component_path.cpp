@@ -19,7 +19,7 @@ std::function<Result<void>(const std::string&)>& requirement() {
   return check;
 }
 
-/// Components are code: whoever may write one, or put another in its place, does here what he likes.
+/// Components are code: anyone who may write or replace one can run anything here.
 Result<void> check_writers(const fs::path& path) {
   for (const fs::path& each : {path, path.parent_path()}) {
     const auto rights = os::rights_of(each.string());
@@ -43,7 +43,7 @@ std::vector<std::string> component_folders() {
     if (colon != 0) folders.push_back(path.substr(0, colon));
     path = colon == std::string::npos ? "" : path.substr(colon + 1);
   }
-  // As installed beside takt-host, as built beside the folder of the programs.
+  // Installed, the components are beside takt-host; built, they are beside the folder of the programs.
   const fs::path ours = os::private_directory();
   const bool built = ours == os::program_directory();
   folders.push_back(((built ? ours.parent_path() : ours) / "components").string());
@@ -72,7 +72,7 @@ Result<std::string> find_component(const std::string& filename, const std::strin
       if (requirement()) {
         if (auto checked = requirement()(found.string()); !checked) {
           Problems problems = checked.problems();
-          for (Problem& problem : problems) {  // who tells it says where the file is named
+          for (Problem& problem : problems) {  // the caller adds the line that names the file
             if (!problem.where.empty()) problem.what = problem.where + ": " + problem.what;
             problem.where.clear();
           }
@@ -86,7 +86,7 @@ Result<std::string> find_component(const std::string& filename, const std::strin
     if (("," + tried + ",").find(" " + folder + ",") == std::string::npos)
       tried += (tried.empty() ? " " : ", ") + folder;
   }
-  // What it may be a slip of: files of the same kind in these folders.
+  // Suggest a file of the same kind from these folders, in case the name is misspelled.
   std::vector<std::string> names;
   for (const fs::path& candidate : candidates) {
     for (const auto& entry : fs::directory_iterator{candidate.parent_path(), error}) {

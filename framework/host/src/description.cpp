@@ -9,7 +9,7 @@ namespace takt::host {
 using json = nlohmann::ordered_json;
 
 std::string to_json(const Description& description) {
-  // A bound as a number; null where there is none.
+  // A bound as a number; null if there is none.
   const auto bound = [](const std::string& text) { return text.empty() ? json{} : model::parse_json(text); };
   json properties = json::array();
   for (const PropertyDescription& p : description.properties) {
@@ -37,14 +37,14 @@ std::string to_json(const Description& description) {
 
 Result<std::vector<PropertyDescription>> parse_properties(const std::string& text) {
   const json list = model::parse_json(text);
-  if (!list.is_array()) return fail("a list of properties was expected and is none");
+  if (!list.is_array()) return fail("expected a list of properties");
   std::vector<PropertyDescription> properties;
   for (const json& each : list) {
     const auto member = [&each](const char* name) {
       return each.is_object() && each.contains(name) && each[name].is_string() ? each[name].get<std::string>()
                                                                                : "";
     };
-    if (member("name").empty()) return fail("a property without a name");
+    if (member("name").empty()) return fail("a property has no name");
     properties.push_back({member("name"), member("type"), member("default"), member("range"), member("min"),
                           member("max"), member("unit"), member("text")});
   }

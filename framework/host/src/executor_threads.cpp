@@ -14,10 +14,10 @@ namespace {
 
 channel::Crash* crash_place = nullptr;
 thread_local const channel::Activity* my_activity = nullptr;
-std::atomic_flag walks_stack;
+std::atomic_flag walking_stack;
 
-// Async-signal-safe: stores only.
-void say_who(int signal) noexcept {
+// Async-signal-safe: it only stores.
+void store_culprit(int signal) noexcept {
   if (my_activity != nullptr) {
     crash_place->module.store(my_activity->module.load(std::memory_order_relaxed), std::memory_order_relaxed);
     crash_place->doing.store(my_activity->doing.load(std::memory_order_relaxed), std::memory_order_relaxed);
@@ -33,19 +33,19 @@ void add_frame(const os::CodeAt& place) noexcept {
   crash_place->depth.store(depth + 1, std::memory_order_release);  // SYNC: crash frame
 }
 
-// Who it was comes first: to walk a broken stack may crash again, and then this is called again.
-void last_words(int signal, std::uintptr_t at) noexcept {
+// Stores the culprit first: walking a broken stack may crash again, and then this is called again.
+void report_crash(int signal, std::uintptr_t at) noexcept {
   if (crash_place == nullptr) return;
-  say_who(signal);
-  if (walks_stack.test_and_set(std::memory_order_relaxed)) return;
+  store_culprit(signal);
+  if (walking_stack.test_and_set(std::memory_order_relaxed)) return;
   os::walk_stack(at, channel::Crash::kFrames, add_frame);
 }
 
-// A module that calls exit() ends the host as surely as one that crashes.
-void last_words_at_exit() {
+// A module that calls exit() ends the host, as a crash does.
+void report_exit() {
   if (crash_place != nullptr && my_activity != nullptr &&
       my_activity->module.load(std::memory_order_relaxed) != 0)
-    say_who(channel::Crash::kExit);
+    store_culprit(channel::Crash::kExit);
 }
 
 void ring(channel::WakeWord& wake_word, std::uint32_t bits) noexcept {
@@ -61,8 +61,8 @@ void ring_pending(channel::WakeWord& wake_word) noexcept {
 
 void report_crashes_to(channel::Crash& crash) {
   crash_place = &crash;
-  os::on_crash(last_words);
-  static_cast<void>(std::atexit(last_words_at_exit));
+  os::on_crash(report_crash);
+  static_cast<void>(std::atexit(report_exit));
 }
 
 void report_crashes_as(const channel::Activity* activity) {
@@ -87,18 +87,18 @@ ExecutorThreads::~ExecutorThreads() {
   join();
 }
 
-Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Problems* refused) {
+Result<void> ExecutorThreads::begin(Instant t0, const std::vector<int>& cpus, Problems* denied) {
   if (!has_rows_) return {};
   if (has_sporadic_) {
     auto thread = os::Thread::start(
         {.name = settings_.name + "/s", .priority = schedule::sporadic_priority(priority_), .cpus = cpus},
-        [this] { serve_sporadic(); }, refused);
+        [this] { serve_sporadic(); }, denied);
     if (!thread) return thread.problems();
     sporadic_ = std::move(*thread);
   }
   auto thread = os::Thread::start(
       {.name = settings_.name, .priority = priority_, .cpus = cpus}, [this, t0] { walk_rows(t0); },
-      has_sporadic_ ? nullptr : refused);
+      has_sporadic_ ? nullptr : denied);
   if (!thread) return thread.problems();
   rows_ = std::move(*thread);
   return {};
@@ -113,7 +113,7 @@ void ExecutorThreads::walk_rows(Instant t0) {
   while (true) {
     const Instant now = waker.wait_until(executor_.next_release());
     if (halt_.load(std::memory_order_relaxed) != 0) return;
-    // What modules wrote for somebody who waits is rung for together with what the row released.
+    // One ring wakes both the programs that the row released and those that wait for what modules wrote.
     const std::uint32_t released = watch_ ? watched_cycle(now) : executor_.run_cycle(now);
     if (const std::uint32_t bits = released | wake_word_.take_pending(); bits != 0) ring(wake_word_, bits);
     block_.margin_ns.store(waker.margin().count(), std::memory_order_relaxed);
@@ -131,7 +131,7 @@ void ExecutorThreads::serve_sporadic() {
   report_crashes_as(&block_.sporadic);
   block_.sporadic.thread.store(os::thread_id(), std::memory_order_relaxed);
   while (halt_.load(std::memory_order_seq_cst) == 0) {
-    // A ring after this load ends the wait below at once, so none is lost.
+    // A ring after this load ends the wait below at once, so no ring is lost.
     const std::uint32_t rings = wake_word_.rings.load(std::memory_order_seq_cst);
     while (halt_.load(std::memory_order_relaxed) == 0 && executor_.run_sporadic()) {
       ring_pending(wake_word_);

@@ -1,5 +1,5 @@
-// The threads that an executor runs on: one that walks its rows on absolute time, and one for its sporadic
-// modules, one priority lower on the same processor, so that the next row preempts them.
+// The threads of an executor: one walks its rows on absolute time, one runs its sporadic modules. The second
+// has one priority less on the same CPU, so that the next row preempts it.
 #pragma once
 
 #include <atomic>
@@ -22,29 +22,28 @@ namespace takt::host {
 
 class ExecutorThreads {
  public:
-  /// Allocates everything that the threads will use.
+  /// Allocates everything that the threads use.
   ExecutorThreads(const model::Executor& executor, const schedule::ExecutorPlan& plan,
                   std::vector<executor::Unit> periodic, std::vector<executor::Unit> sporadic,
                   channel::ExecutorBlock& block, channel::WakeWord& wake_word, executor::Flight flight = {});
-  /// Halts.
+  /// Halts the threads.
   ~ExecutorThreads();
 
-  /// What the threads do between modules is watched too, as that of the executor with this index. Before
-  /// begin().
+  /// Also watches what the threads do between modules, under this executor index. Call it before begin().
   void watch(channel::ModuleWatch watch, std::uint32_t index) noexcept {
     watch_ = watch;
     watched_as_ = channel::kOfExecutor | index;
   }
 
-  /// Starts on the grid of T0. What the system refuses (priority, processor) is added to `refused`; the
-  /// threads run all the same. Fails when a thread cannot be created.
-  Result<void> begin(Instant t0, const std::vector<int>& cpus, Problems* refused);
-  /// Tells the threads to end, after the row or the module that they are in.
+  /// Starts on the grid of T0. If the system denies a priority or a CPU, this is added to `denied` and the
+  /// threads run without it. Fails if a thread cannot be created.
+  Result<void> begin(Instant t0, const std::vector<int>& cpus, Problems* denied);
+  /// Asks the threads to end after the current row or module.
   void ask_to_halt() noexcept;
-  /// For modules of this executor; as executor::Executor has them.
+  /// For modules of this executor; see executor::Executor.
   void exchange(executor::Exchange& exchange) noexcept { executor_.exchange(exchange); }
   bool withdraw() noexcept { return executor_.withdraw(); }
-  /// Waits for them; a module that never returns keeps them for ever.
+  /// Waits for the threads to end. Never returns if a module never returns.
   void join();
 
  private:
@@ -67,13 +66,13 @@ class ExecutorThreads {
   os::Thread sporadic_;
 };
 
-/// Rings for whoever waits for what was written since it was done last. Real-time: one system call at most,
-/// and none where nobody waits.
+/// Wakes those that wait for what was written since the last call. Real-time safe: at most one system call,
+/// and none if nobody waits.
 void ring_pending(channel::WakeWord& wake_word) noexcept;
 
-/// Names the activity of the calling thread for the report of a crash.
+/// Names the activity of the calling thread for crash reports.
 void report_crashes_as(const channel::Activity* activity);
-/// Makes a crash of any thread leave its last words there.
+/// From now on, a crash of any thread is reported there.
 void report_crashes_to(channel::Crash& crash);
 
 }  // namespace takt::host

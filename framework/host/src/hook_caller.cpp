@@ -16,9 +16,9 @@ struct HookCaller::Shared {
   std::mutex mutex;
   std::condition_variable wanted;
   std::deque<Request> queue;
-  std::uint64_t generation = 0;  // of the thread that may serve
+  std::uint64_t generation = 0;  // only the thread of this generation may serve
   bool busy = false;
-  std::uint32_t module = 0;  // whose hook it is in
+  std::uint32_t module = 0;  // whose hook the thread is in
   bool end = false;
 
   void serve(std::uint64_t mine) {
@@ -38,7 +38,7 @@ struct HookCaller::Shared {
       if (generation != mine) return;
       activity.end();
       busy = false;
-      lock.unlock();  // whoever is told may wait for somebody who enqueues
+      lock.unlock();  // done() may wait for a thread that calls enqueue()
       done(request, result);
       lock.lock();
     }

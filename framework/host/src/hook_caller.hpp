@@ -1,7 +1,6 @@
-// The thread that calls hooks, and gets and sets properties, which is for the same thread. A hook is foreign
-// code and may never return; then its module is lost, but the hooks of all others must go on being called. So
-// the thread can be given up, with the module that it is stuck in, and a new one goes on with what was
-// waiting.
+// The thread that calls hooks, and that gets and sets properties. A hook is foreign code and may never
+// return. Its module is then lost, but the hooks of all other modules must still be called. So the thread can
+// be given up together with the module that it is stuck in; a new thread serves the requests that wait.
 #pragma once
 
 #include <condition_variable>
@@ -21,7 +20,7 @@ namespace takt::host {
 
 class HookCaller {
  public:
-  /// `call` does what a request wants and returns what is to be said of it; `done` is told, on the same
+  /// `call` carries out a request and returns the text of its answer. `done` then receives it on the same
   /// thread.
   using Call = std::function<Result<std::string>(const Request&)>;
   using Done = std::function<void(const Request&, const Result<std::string>&)>;
@@ -31,8 +30,8 @@ class HookCaller {
   ~HookCaller();
 
   void enqueue(const Request& request);
-  /// Leaves the thread in a hook of this module; if it ever returns, nobody is told. The next request is
-  /// served by a new thread. False when it came back after all.
+  /// Leaves the thread in a hook of this module; a late return is ignored. A new thread serves the next
+  /// request. Returns false if the hook has returned after all.
   bool give_up(std::uint32_t module);
 
  private:
@@ -40,7 +39,7 @@ class HookCaller {
   void start_thread();
 
   std::vector<int> cpus_;
-  std::shared_ptr<Shared> shared_;  // outlives us in a thread that was given up
+  std::shared_ptr<Shared> shared_;  // a thread that was given up keeps it alive
   os::Thread thread_;
 };
 

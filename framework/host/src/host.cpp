@@ -40,9 +40,9 @@ class Host {
  public:
   Host(os::MessageSocket node, channel::Channel channel, channel::FlightRecord record, Setup setup);
 
-  /// Everything but modules: slots, executors, plans.
+  /// Prepares everything except modules: slots, executors, plans.
   Result<void> prepare();
-  /// Serves requests until told to end, or until the node is gone.
+  /// Serves requests until the node asks it to end or is gone.
   void serve();
 
  private:
@@ -60,10 +60,10 @@ class Host {
   void run_background(std::uint32_t index);
   void halt();
   void give_up(std::uint32_t index);
-  void farewell();
+  void end_without_node();
   void answer(const Answer& answer);
   const model::Module& module(std::uint32_t index) const { return setup_.device.modules[index]; }
-  /// Of a module of this host: the one that is in the tables, or would be.
+  /// The instance of a module of this host that is in the tables, or will be when it is started.
   ThreadModule& instance(std::uint32_t index) const {
     return *serving_[index].load(std::memory_order_acquire);  // SYNC: serves
   }
@@ -76,33 +76,33 @@ class Host {
   std::mutex sending_;
   channel::Channel channel_;
   channel::FlightRecord record_;
-  std::vector<channel::FlightWriter> flight_;  // of each ring of the record
+  std::vector<channel::FlightWriter> flight_;  // one for each ring of the record
   Setup setup_;
   os::SharedMemory wake_word_memory_;
   channel::WakeWord* wake_word_ = nullptr;
   os::SharedMemory saved_memory_;
-  std::vector<os::SharedMemory> seat_memories_;
+  std::vector<os::SharedMemory> slot_memories_;
   HostLinks links_;
   model::HostShare share_;
-  std::vector<std::unique_ptr<ThreadModule>> modules_;  // of thread modules of this host
-  std::vector<std::atomic<ThreadModule*>> serving_;     // these, or, on trial, the one that is to follow
-  std::vector<std::unique_ptr<WatchedBody>> watched_;   // of those that are in tables, where somebody watches
-  std::vector<channel::FlightWriter*> records_;         // of each module that is in tables: its executor's
+  std::vector<std::unique_ptr<ThreadModule>> modules_;  // this host's thread modules; null for others
+  std::vector<std::atomic<ThreadModule*>> serving_;     // these, or the new instance during a trial
+  std::vector<std::unique_ptr<WatchedBody>> watched_;   // one for each of them, while modules are watched
+  std::vector<channel::FlightWriter*> records_;         // of the executor of each module in the tables
   channel::ModuleWatch watch_;
-  std::set<std::string> c_form_;  // files of modules in C form that were loaded
+  std::set<std::string> c_form_;  // the loaded files of modules in C form
   std::mutex loading_;
   os::NoDeepIdle no_deep_idle_;
   Result<void> memory_locked_;
   struct Table {
-    std::size_t index;  // of the device's executors
+    std::size_t index;  // among the device's executors
     std::unique_ptr<ExecutorThreads> threads;
   };
   std::vector<Table> executors_;
   std::atomic<bool> halted_{false};  // the executors
   std::atomic<std::uint32_t> halt_background_{0};
   std::vector<os::Thread> background_;
-  std::vector<std::unique_ptr<ServiceThread>> services_;  // of modules that have handlers
-  std::vector<ThreadModule*> handling_;  // whose handlers these call; changed while they are excluded
+  std::vector<std::unique_ptr<ServiceThread>> services_;  // for modules that have handlers
+  std::vector<ThreadModule*> handling_;  // whose handlers these threads call; changed under exclude()
   std::unique_ptr<HookCaller> hooks_;
   std::unique_ptr<HookCaller> swaps_;  // one at a time
   std::atomic<std::uint64_t> swaps_given_up_{0};
@@ -118,11 +118,11 @@ Host::Host(os::MessageSocket node, channel::Channel channel, channel::FlightReco
 }
 
 Result<void> Host::prepare() {
-  memory_locked_ = os::lock_memory();  // what is loaded later is locked as it comes
+  memory_locked_ = os::lock_memory();  // also locks what is loaded later
   const auto watch = channel::ModuleWatch::find();
   if (!watch) return watch.problems();
   watch_ = *watch;
-  auto wake_word = os::SharedMemory::attach(os::Fd{setup_.bell_fd});
+  auto wake_word = os::SharedMemory::attach(os::Fd{setup_.wake_word_fd});
   if (!wake_word) return wake_word.problems();
   wake_word_memory_ = std::move(*wake_word);
   wake_word_ = reinterpret_cast<channel::WakeWord*>(wake_word_memory_.data());
@@ -131,7 +131,7 @@ Result<void> Host::prepare() {
   if (!saved) return saved.problems();
   saved_memory_ = std::move(*saved);
   if (saved_memory_.size() < setup_.device.modules.size() * sizeof(channel::SavedState))
-    return fail("there is no room for what modules save", "install takt-node and takt-host of one version");
+    return fail("the memory for saved state is too small", "install takt-node and takt-host of one version");
 
   if (auto attached = links_.attach(setup_.links); !attached) return attached;
   std::vector<executor::Unit> units;
@@ -159,11 +159,11 @@ Result<void> Host::prepare() {
       watched_[i] = std::make_unique<WatchedBody>(*unit.body, i, watch_);
       unit.body = watched_[i].get();
     }
-    if (setup_.seat_fds[i] >= 0) {
-      auto memory = os::SharedMemory::attach(os::Fd{setup_.seat_fds[i]});
+    if (setup_.slot_fds[i] >= 0) {
+      auto memory = os::SharedMemory::attach(os::Fd{setup_.slot_fds[i]});
       if (!memory) return memory.problems();
       unit.slot = reinterpret_cast<channel::ReleaseSlot*>(memory->data());
-      seat_memories_.push_back(std::move(*memory));
+      slot_memories_.push_back(std::move(*memory));
     }
     units.push_back(unit);
   }
@@ -181,7 +181,7 @@ Result<void> Host::prepare() {
   for (const std::size_t e : share_.executors) {
     const schedule::ExecutorPlan& mine = plan->executors[e];
     model::Executor executor = setup_.device.executors[e];
-    // Those that spin on one processor share what one may take of it.
+    // Executors that spin on the same CPU share the spin time that one of them may take.
     executor.spin_share /= static_cast<double>(
         std::count(setup_.executor_cpus.begin(), setup_.executor_cpus.end(), setup_.executor_cpus[e]));
     executor::Flight flight{&flight_.at(channel::FlightRecord::of_rows(e)),
@@ -199,7 +199,7 @@ Result<void> Host::prepare() {
   report_crashes_to(block().crash);
   static_cast<void>(os::pin(0, setup_.background_cpus));
   const auto done = [this](const Request& request, const Result<std::string>& result) {
-    ring_pending(*wake_word_);  // for what the hook wrote
+    ring_pending(*wake_word_);  // wake the readers of what the hook wrote
     answer({.request = request,
             .ok = result.ok(),
             .text = result ? *result : in_words(result.problems()),
@@ -234,7 +234,7 @@ void Host::answer(const Answer& answer) {
   node_.send_wait(encode(answer));
 }
 
-// On the hook thread, as what it calls.
+// Runs on the hook thread, as do the functions that it calls.
 Result<std::string> Host::serve_request(const Request& request) {
   if (request.what == Request::Do::get) return get(request);
   const Result<void> done = request.what == Request::Do::set ? set(request) : call(request);
@@ -245,7 +245,7 @@ Result<std::string> Host::serve_request(const Request& request) {
 Result<std::string> Host::get(const Request& request) const {
   const ThreadModule& asked = instance(request.module);
   if (asked.declares_properties()) return asked.get(request.property);
-  // It was shown those of the descriptor.
+  // Such a module saw the properties of the descriptor.
   return model::given_property(module(request.module), request.property);
 }
 
@@ -256,13 +256,13 @@ Result<void> Host::set(const Request& request) {
                     " is written in C and declares no properties: it reads them in initialize()",
                 "undeploy the cell, change the descriptor and deploy it again");
   }
-  // Also for the next time that it is loaded.
+  // The value also holds for the next time the module is loaded.
   auto done = asked.set({{request.property, request.value}});
   if (done) model::give_property(setup_.device.modules[request.module], request.property, request.value);
   return done;
 }
 
-// A handler is never at once with a hook: whoever comes second waits.
+// A handler never runs at the same time as a hook of its module: the later one waits.
 Result<void> Host::call(const Request& request) {
   const auto& service = services_[request.module];
   if (!service) {
@@ -297,8 +297,8 @@ Result<void> Host::call_hook(const Request& request) {
     case Doing::load: {
       const std::string& path = setup_.paths[request.module];
       const bool sporadic = m.operation == model::Operation::sporadic;
-      // Objects of a C++ component share nothing but what its author made static; a C module's variables are
-      // its state, so each further one gets a copy of the file.
+      // Objects of a C++ component share only what its author made static. A C module's variables are its
+      // state, so each further C module of the same file gets its own copy of the globals.
       os::Library::Globals globals = os::Library::Globals::shared;
       {
         const std::lock_guard lock{loading_};
@@ -331,11 +331,11 @@ Result<void> Host::call_hook(const Request& request) {
     case Doing::serve:
       break;
   }
-  return fail("a host does not call that on request");
+  return fail("the host does not call this hook on request");
 }
 
-// On a thread of its own, beside the hooks of the instance that runs. What succeeds is answered here: the
-// hooks of the one that has left are nobody's business any more.
+// Runs on its own thread, beside the hooks of the running instance. Success is answered here, before the old
+// instance's destruct(), because the node need not wait for that.
 Result<std::string> Host::swap(const Request& request) {
   const std::uint32_t index = request.module;
   const model::Module& m = module(index);
@@ -343,8 +343,8 @@ Result<std::string> Host::swap(const Request& request) {
   auto next = make_instance(index);
   next->stand_by();
   next->record_to(records_[index], index);
-  next->say_who_serves(serving_[index]);
-  before.say_who_serves(serving_[index]);
+  next->track_active_in(serving_[index]);
+  before.track_active_in(serving_[index]);
   auto watched = watch_ ? std::make_unique<WatchedBody>(*next, index, watch_) : nullptr;
   irp::Property::Values values;
   if (before.declares_properties()) {
@@ -379,10 +379,10 @@ Result<std::string> Host::swap(const Request& request) {
                      },
                  .handle_by = [this, index](ThreadModule& by) { handling_[index] = &by; },
                  .ends = [this, is_given_up] { return halted_ || is_given_up(); }});
-  if (is_given_up()) {  // it came out of its hook after all, and nobody knows in which state
+  if (is_given_up()) {  // the hook returned after all; the new instance's state is unknown
     next->abandon();
     static_cast<void>(next.release());
-    return fail("it was given up");
+    return fail("the swap was abandoned");
   }
   if (!swapped.kept) return fail(swapped.text);
   modules_[index].swap(next);
@@ -400,9 +400,9 @@ Answer Host::begin() {
   if (!memory_locked_) answer.warnings.push_back(in_words(memory_locked_.problems()));
   const Instant t0 = from_ns(block().t0_ns.load(std::memory_order_acquire));
   for (const Table& table : executors_) {
-    Problems refused;
-    const auto begun = table.threads->begin(t0, setup_.executor_cpus[table.index], &refused);
-    if (!refused.empty()) answer.warnings.push_back(in_words(refused));
+    Problems denied;
+    const auto begun = table.threads->begin(t0, setup_.executor_cpus[table.index], &denied);
+    if (!denied.empty()) answer.warnings.push_back(in_words(denied));
     if (begun) continue;
     answer.ok = false;
     answer.text = in_words(begun.problems());
@@ -420,7 +420,7 @@ void Host::start_background() {
   }
 }
 
-// A non-real-time module: run() again and again, at its period if it has one.
+// Calls run() of a non-real-time module repeatedly, at its period if it has one.
 void Host::run_background(std::uint32_t index) {
   static_cast<void>(os::make_background());
   channel::ModuleBlock& block = channel_.module(index);
@@ -431,7 +431,7 @@ void Host::run_background(std::uint32_t index) {
   while (halt_background_.load(relaxed) == 0) {
     const Instant start = os::now();
     block.background.announce(index, Doing::run,
-                              to_ns(start));  // before the tables are asked: SYNC: in tables
+                              to_ns(start));  // before in_tables is read: SYNC: in tables
     if (block.in_tables.load(std::memory_order_seq_cst) != 0) {
       if (period == Nanoseconds{0}) cycle.time = start;
       cycle.start = start;
@@ -478,9 +478,8 @@ void Host::give_up(std::uint32_t index) {
   services_[index].reset();
 }
 
-// The node is gone and nobody is there to be asked: what has been started is ended in order, but not for
-// long.
-void Host::farewell() {
+// The node is gone: destructs the modules and ends, within a second.
+void Host::end_without_node() {
   std::atomic<bool> done{false};
   auto watch = os::Thread::start(
       {.name = "takt-farewell"},
@@ -529,7 +528,7 @@ void Host::serve() {
         answer({.request = *request, .ok = true, .text = {}, .warnings = {}});
         break;
       case Request::Do::give_up:
-        // Whatever it holds stays where it is; loaded again, it gets an instance of its own.
+        // The module's memory stays allocated; a reload makes a separate instance.
         give_up(request->module);
         break;
       case Request::Do::give_up_swap:
@@ -537,25 +536,25 @@ void Host::serve() {
         static_cast<void>(swaps_->give_up(request->module));
         break;
       case Request::Do::end:
-        // Not by way of destructors: a hook that was given up may still be inside any of them.
+        // Runs no destructors: a hook that was given up may still use what they would destroy.
         std::fflush(nullptr);
         std::_Exit(0);
     }
   }
-  farewell();
+  end_without_node();
   std::_Exit(1);
 }
 
 }  // namespace
 
 int run_host() {
-  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // what a module prints is seen when it is printed
-  os::survive_broken_pipes();                // when our node dies, hooks that print are still to be called
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // output of modules appears line by line
+  os::survive_broken_pipes();                // hooks that print are still called after the node has died
   os::MessageSocket node{os::take_fd_from_environment("TAKT_NODE_FD")};
   os::Fd memory = os::take_fd_from_environment("TAKT_CHANNEL_FD");
   os::Fd record_memory = os::take_fd_from_environment("TAKT_FLIGHT_FD");
   if (!node.fd() || !memory || !record_memory) {
-    std::fprintf(stderr, "takt-host: error: this program is started by takt-node; run takt run FILE\n");
+    std::fprintf(stderr, "takt-host: error: only takt-node starts this program; use takt run FILE\n");
     return 2;
   }
   auto channel = channel::Channel::attach(std::move(memory));
@@ -568,7 +567,7 @@ int run_host() {
     return 1;
   }
   if (record->rings() != 2 * channel->executors()) {
-    std::fprintf(stderr, "takt-host: error: the flight record is of another device\n");
+    std::fprintf(stderr, "takt-host: error: the flight record belongs to another device\n");
     return 1;
   }
   Host host{std::move(node), std::move(*channel), std::move(*record), std::move(*setup)};

@@ -11,13 +11,13 @@ Result<void> HostLinks::attach(const std::vector<PortLink>& links) {
     auto memory = os::SharedMemory::attach(os::Fd{end.fd});
     if (!memory) return memory.problems();
     if (!channel::Link::is_link(memory->data(), memory->size())) {
-      return fail("the link of port " + end.port + " was laid out by another version",
+      return fail("the memory of port '" + end.port + "' was laid out by another version",
                   "install takt-node and takt-host of one version");
     }
     Memory& mine = memories_[end.fd];
     mine.memory = std::move(*memory);
     mine.link = channel::Link{mine.memory.data()};
-    // The values of a former host are gone with it.
+    // Values were in the memory of the former host, so they ended with it.
     if (end.typed) channel::drop_samples(mine.link);
   }
   return {};
@@ -28,17 +28,16 @@ Result<void> HostLinks::connect(std::uint32_t index, ThreadModule& module) {
     if (end.module != index) continue;
     PortBase* port = module.port(end.port);
     if (port == nullptr)
-      return fail("it has no port '" + end.port + "', and had one when it was described",
-                  "deploy the cell again");
+      return fail("its port '" + end.port + "' is gone since it was described", "deploy the cell again");
     Memory& memory = memories_.at(end.fd);
     if (end.typed && memory.values == nullptr) {
       memory.values = port->make_values(memory.link.buffers());
       memory.value_size = port->value_size();
     }
     if (end.typed && memory.value_size != port->value_size()) {
-      return fail(
-          "the port '" + end.port + "' has values of another size than the port that it is connected to",
-          "compile both components with one compiler, from one IDL file");
+      return fail("the values of port '" + end.port +
+                      "' differ in size from those of the port that it is connected to",
+                  "compile both components with the same compiler, from the same IDL file");
     }
     if (!end.typed && memory.link.stride() < port->type().max_size) {
       return fail("the type of port '" + end.port + "' has changed since it was described",

@@ -1,4 +1,4 @@
-// The links of a host's modules: their memory, and the values of those that carry values.
+// The links of a host's modules: their memory, and the values of typed links.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@ namespace takt::host {
 
 class HostLinks {
  public:
-  /// Maps the memory that the node made. Once, before any module is loaded.
+  /// Maps the memory that the node made. Call it once, before any module is loaded.
   Result<void> attach(const std::vector<PortLink>& links);
-  /// Ties the ports of a module that was just loaded to its links. Again when it was loaded again: it goes on
-  /// where its former instance was. Fails when it has not the ports that it is to have.
+  /// Ties the ports of a newly loaded module to its links. A reloaded module continues where its former
+  /// instance was. Fails if a port is missing or has changed since it was described.
   Result<void> connect(std::uint32_t index, ThreadModule& module);
 
  private:
   struct Memory {
     os::SharedMemory memory;
     channel::Link link;
-    void* values = nullptr;      // for ever: whoever reads one may be anywhere
-    std::size_t value_size = 0;  // as the end that made them has it
+    void* values = nullptr;      // never freed: a reader may be using one at any time
+    std::size_t value_size = 0;  // at the end that made the values
   };
   std::map<int, Memory> memories_;  // by descriptor
   std::vector<PortLink> links_;

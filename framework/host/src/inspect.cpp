@@ -39,7 +39,7 @@ Problems problems_from(const json& list) {
   return problems;
 }
 
-/// As model::parse_ports() reads it.
+/// In the form that model::parse_ports() reads.
 std::string ports_of(const ThreadModule& module) {
   json list = json::array();
   for (const PortBase* port : module.ports()) {
@@ -54,8 +54,8 @@ std::string ports_of(const ThreadModule& module) {
   return model::json_text({{"ports", list}});
 }
 
-/// What a program that ended with a mistake said of it on standard error: a problem a line, "what; fix".
-Problems said_by(const std::string& text) {
+/// The problems that a program printed on standard error before it ended: one per line, "what; fix".
+Problems printed_problems(const std::string& text) {
   Problems problems;
   std::istringstream lines{text};
   for (std::string line; std::getline(lines, line);) {
@@ -66,12 +66,12 @@ Problems said_by(const std::string& text) {
   return problems;
 }
 
-/// What a program says of itself.
+/// A program's report about itself.
 struct ProgramAnswer {
   std::string operation;
   std::vector<model::Port> ports;
   std::vector<PropertyDescription> properties;
-  Problems problems;  ///< of its properties, and of the values that they were given
+  Problems problems;  ///< of its properties and of the values given to them
   std::optional<SavedDescription> saved{};
 };
 
@@ -84,7 +84,7 @@ std::optional<SavedDescription> saved_of(const json& answer) {
 Result<ProgramAnswer> parse_answer(const std::string& text) {
   auto ports = model::parse_ports(text);
   if (!ports) return ports.problems();
-  const json answer = model::parse_json(text);  // it is an object, or it had no ports
+  const json answer = model::parse_json(text);  // an object, since parse_ports() succeeded
   auto properties = parse_properties(model::json_text(answer.value("properties", json::array())));
   if (!properties) return properties.problems();
   return ProgramAnswer{answer.value("operation", ""), std::move(*ports), std::move(*properties),
@@ -93,19 +93,20 @@ Result<ProgramAnswer> parse_answer(const std::string& text) {
 
 constexpr const char* kProcessLibrary = "libtakt_process.so";
 
-/// The strings of a file's dynamic symbols and libraries; empty where it is no ELF file.
+/// The names of a file's dynamic symbols and libraries; empty if it is not an ELF file.
 std::string dynamic_names(const std::string& path) { return os::read_section(path, ".dynstr").value_or(""); }
 
-/// A script may start anything. To start another program that cannot answer would be in vain, and rude.
+/// Whether to start a program to ask for its description. A script may start any program, so it is asked. A
+/// program without libtakt_process cannot answer, so it is not started.
 bool may_answer(const std::string& path) {
   const std::string names = dynamic_names(path);
   return names.empty() || names.find(kProcessLibrary) != std::string::npos;
 }
 
-/// What a program with these arguments says when it is told to say what it is and end. `refused`: it ended
-/// with words of its own about what it was given, which are the problems.
+/// Starts a program with these arguments and asks it to describe itself and end. `rejected`: the program
+/// ended with its own message about the arguments, which becomes the problems.
 Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& arguments,
-                                  bool* refused = nullptr) {
+                                  bool* rejected = nullptr) {
   auto sockets = os::MessageSocket::pair();
   if (!sockets) return sockets.problems();
   os::MessageSocket& ours = sockets->first;
@@ -117,28 +118,28 @@ Result<ProgramAnswer> ask_program(const std::string& path, const Arguments& argu
                         .capture_output = true});
   if (!child) return child.problems();
   sockets->second.close();
-  std::string words;
-  const auto listen = [&] {
+  std::string printed;
+  const auto read_output = [&] {
     bool end = false;
-    words += os::read_available(child->error, &end);
-    os::read_available(child->output, &end);  // so that a program that prints is not held up
+    printed += os::read_available(child->error, &end);
+    os::read_available(child->output, &end);  // so that a program that prints does not block
   };
   std::optional<os::ProcessEnd> ended;
   for (const Instant limit = os::now() + kLimit; !ended && os::now() < limit;) {
     if (const auto text = ours.receive()) return parse_answer(*text);
     ended = child->poll();
-    listen();
+    read_output();
     if (!ended) os::wait_readable({&ours.fd()}, ours.closed() ? 1 : 20);
   }
   if (const auto text = ours.receive()) return parse_answer(*text);
   if (ended && !ended->signalled && ended->code != 0) {
-    Problems said = said_by(words);
-    if (refused != nullptr) *refused = !said.empty();
-    if (!said.empty()) return said;
+    Problems problems = printed_problems(printed);
+    if (rejected != nullptr) *rejected = !problems.empty();
+    if (!problems.empty()) return problems;
   }
-  return fail(path + " did not say which ports it has" + (ended ? ": it " + ended->text() : ""),
+  return fail(path + " did not report its ports" + (ended ? ": it " + ended->text() : ""),
               "call initPeriodExe() or initSporadicExe() within " + std::to_string(kLimit.count()) +
-                  " s of the beginning of main(), and link with libtakt_process");
+                  " s of the start of main(), and link with libtakt_process");
 }
 
 json describe_loaded(const ThreadModule& module, const std::string& path) {
@@ -165,7 +166,7 @@ json describe_loaded(const ThreadModule& module, const std::string& path) {
   return answer;
 }
 
-// One load of a file serves all modules that are made of it.
+// A module that uses a component file. The file is loaded once for all its uses.
 struct Use {
   std::size_t device;
   std::size_t module;
@@ -173,14 +174,14 @@ struct Use {
 
 json check_uses(const std::string& path, const model::Cell& cell, const std::vector<Use>& uses) {
   json answer = json::array();
-  std::set<std::size_t> loaded;  // devices whose host has loaded the file in C form already
+  std::set<std::size_t> loaded;  // devices whose host has already loaded the file in C form
   for (const Use& use : uses) {
     const model::Module& wanted = cell.devices[use.device].modules[use.module];
     ThreadModule module;
-    const bool again = loaded.count(use.device) != 0;  // as the host will
+    const bool again = loaded.count(use.device) != 0;  // the host will do the same
     Result<void> result = module.load(path, again ? os::Library::Globals::own : os::Library::Globals::shared,
                                       wanted.operation == model::Operation::sporadic);
-    const bool is_loaded = result.ok();  // nobody knows the ports of one that is not
+    const bool is_loaded = result.ok();  // without loading, the ports are unknown
     if (result && module.component() == nullptr) loaded.insert(use.device);
     if (result && module.declares_properties()) {
       irp::Property::Values values;
@@ -194,7 +195,7 @@ json check_uses(const std::string& path, const model::Cell& cell, const std::vec
   return answer;
 }
 
-// Each problem at the line of the property that it names, else at the module's.
+// Adds each problem at the line of the property that it names, else at the module's line.
 void add_at(const model::Cell& cell, const model::Module& module, const Problems& found, Problems& problems) {
   for (const Problem& problem : found) {
     model::Line line = module.line;
@@ -206,7 +207,7 @@ void add_at(const model::Cell& cell, const model::Module& module, const Problems
   }
 }
 
-/// What a program calls says how it is released.
+/// Whether the function that a program calls matches the module's operation type.
 Problems check_operation(const model::Module& module, const std::string& operation) {
   const bool periodic = module.operation == model::Operation::periodic;
   if (module.operation == model::Operation::non_real || operation.empty() ||
@@ -214,7 +215,7 @@ Problems check_operation(const model::Module& module, const std::string& operati
     return {};
   return {fail(std::string{"the program calls "} + (periodic ? "initSporadicExe()" : "initPeriodExe()") +
                    ", so it is " + operation,
-               "say <operationtype>" + operation + "</operationtype> and <" +
+               "use <operationtype>" + operation + "</operationtype> and <" +
                    (periodic ? "deadline" : "period") + ">")};
 }
 
@@ -250,9 +251,9 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
       program.operation = to_text(model::Operation::non_real);
       return program;
     }
-    bool refused = false;
-    auto answer = ask_program(path, arguments, &refused);
-    if (!answer && !refused && arguments.empty()) return program;
+    bool rejected = false;
+    auto answer = ask_program(path, arguments, &rejected);
+    if (!answer && !rejected && arguments.empty()) return program;
     if (!answer) return answer.problems();
     if (!answer->problems.empty()) return answer->problems;
     program.operation = std::move(answer->operation);
@@ -273,7 +274,7 @@ Result<Description> describe(const std::string& path, const Arguments& arguments
   auto text = os::in_child("loading " + path, work, kLimit);
   if (!text) return text.problems();
   const json answer = model::parse_json(*text);
-  if (answer.is_discarded()) return fail("loading " + path + " gave no answer");
+  if (answer.is_discarded()) return fail("loading " + path + " returned no valid description");
   if (answer.contains("problems")) return problems_from(answer["problems"]);
   auto ports = model::parse_ports(answer["ports"]);
   if (!ports) return ports.problems();
@@ -328,7 +329,7 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
   Components found;
   std::vector<ComponentPaths>& paths = found.paths;
   std::map<std::string, std::vector<Use>> thread_modules;
-  // That connections name, or that are given properties, which may say which ports a program has.
+  // Programs that connections name or that have properties: a program's ports may depend on its properties.
   std::map<std::pair<std::string, Arguments>, std::vector<Use>> programs;
   for (std::size_t d = 0; d < cell.devices.size(); ++d) {
     const model::Device& device = cell.devices[d];
@@ -348,7 +349,7 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
         } else if (os::is_shared_object(*path)) {
           add_at(
               cell, module,
-              {fail(*path + " is a shared object", "say <moduletype>thread</moduletype>, or name a program")},
+              {fail(*path + " is a shared object", "use <moduletype>thread</moduletype>, or name a program")},
               problems);
         } else if (is_connected(cell, device.name, module.name) || !module.safe.empty() ||
                    (!module.properties.empty() && module.operation != model::Operation::non_real &&
@@ -358,8 +359,8 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
       } else if (!os::is_shared_object(*path)) {
         add_at(
             cell, module,
-            {fail(*path + " is no shared object (.so) of this machine",
-                  "name one that takt_add_component made; a program is of <moduletype>process</moduletype>")},
+            {fail(*path + " is not a shared object (.so) for this machine",
+                  "name one built by takt_add_component; a program needs <moduletype>process</moduletype>")},
             problems);
       } else {
         thread_modules[*path].push_back({d, m});
@@ -383,8 +384,9 @@ Result<Components> check_components(const model::Cell& cell, Problems* missing) 
         else
           add_at(cell, module, ports.problems(), problems);
       } else {
-        Problem problem = text ? fail("loading " + path + " gave no answer") : text.problems()[0];
-        problem.fix = "mend its constructors, which run when it is loaded";
+        Problem problem =
+            text ? fail("loading " + path + " returned no valid description") : text.problems()[0];
+        problem.fix = "fix its constructors, which run when it is loaded";
         add_at(cell, module, {problem}, problems);
       }
     }

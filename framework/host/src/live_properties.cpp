@@ -33,16 +33,16 @@ Result<std::string> LiveProperties::get(const std::string& name) const {
 
 Result<void> LiveProperties::set(const Values& values) {
   Problems problems;
-  const auto note = [&problems](const Problems& more) {
+  const auto add = [&problems](const Problems& more) {
     problems.insert(problems.end(), more.begin(), more.end());
   };
   std::vector<PropertyBase*> properties;
   for (const auto& [name, text] : values) {
     const auto property = find(name);
     if (!property) {
-      note(property.problems());
+      add(property.problems());
     } else if (const auto checked = (*property)->check(text); !checked) {
-      note(checked.problems());
+      add(checked.problems());
     } else {
       properties.push_back(*property);
     }
@@ -51,7 +51,7 @@ Result<void> LiveProperties::set(const Values& values) {
 
   withdraw();
   for (std::size_t i = 0; i < values.size(); ++i) {
-    static_cast<void>(properties[i]->propose(values[i].second));  // it was checked
+    static_cast<void>(properties[i]->propose(values[i].second));  // checked above
     if (std::find(waiting_.begin(), waiting_.end(), properties[i]) == waiting_.end())
       waiting_.push_back(properties[i]);
   }
@@ -59,11 +59,11 @@ Result<void> LiveProperties::set(const Values& values) {
   return {};
 }
 
-// Afterwards the values are ours. Those that still wait stay among waiting_.
+// Afterwards the setting thread owns the values. Values that still wait stay in waiting_.
 void LiveProperties::withdraw() {
   State state = State::waiting;
   if (state_.compare_exchange_strong(state, State::none, std::memory_order_acquire)) return;
-  // A few swaps at most, by a thread that may however be interrupted in the middle.
+  // The other thread makes a few swaps at most, but may be interrupted in the middle.
   while (state_.load(std::memory_order_acquire) != State::none)
     std::this_thread::sleep_for(std::chrono::microseconds{50});
   waiting_.clear();

@@ -139,8 +139,8 @@ std::string encode(const Setup& setup) {
                            {"paths", setup.paths},
                            {"executor_cpus", setup.executor_cpus},
                            {"background_cpus", setup.background_cpus},
-                           {"seat_fds", setup.seat_fds},
-                           {"bell_fd", setup.bell_fd},
+                           {"slot_fds", setup.slot_fds},
+                           {"wake_word_fd", setup.wake_word_fd},
                            {"saved_fd", setup.saved_fd},
                            {"links", links}});
 }
@@ -163,12 +163,12 @@ Result<Setup> decode_setup(const std::string& text) {
       setup.device.executors.push_back(executor_from(executor));
     setup.share = value.at("share");
     if (setup.share >= model::hosts_of(setup.device).size())
-      throw json::other_error::create(501, "there is no such host", nullptr);
+      throw json::other_error::create(501, "there is no host of this index", nullptr);
     setup.paths = value.at("paths").get<std::vector<std::string>>();
     setup.executor_cpus = value.at("executor_cpus").get<std::vector<std::vector<int>>>();
     setup.background_cpus = value.at("background_cpus").get<std::vector<int>>();
-    setup.seat_fds = value.at("seat_fds").get<std::vector<int>>();
-    setup.bell_fd = value.at("bell_fd");
+    setup.slot_fds = value.at("slot_fds").get<std::vector<int>>();
+    setup.wake_word_fd = value.at("wake_word_fd");
     setup.saved_fd = value.at("saved_fd");
     for (const json& link : value.at("links"))
       setup.links.push_back({link[0], link[1], link[2], link[3], link[4]});

@@ -12,16 +12,16 @@
 namespace takt::host {
 
 namespace {
-// A host that died before it rang must not hold up what its modules asked.
+// Bounds the delay of a request whose host died before it rang.
 constexpr Nanoseconds kLongestSleep = std::chrono::milliseconds{100};
 }  // namespace
 
 struct ServiceThread::Shared {
-  Shared(const Options& options, std::function<bool()> asked, std::function<bool()> serves)
+  Shared(const Options& options, std::function<bool()> has_one, std::function<bool()> serves)
       : index(options.index),
         activity(options.activity),
         wake_word(options.wake_word),
-        has_request(std::move(asked)),
+        has_request(std::move(has_one)),
         serve_one(std::move(serves)) {}
 
   std::uint32_t index;
@@ -36,7 +36,7 @@ struct ServiceThread::Shared {
   void serve() {
     report_crashes_as(&activity);
     while (!end.load()) {
-      // A ring after this load ends the wait below at once, so none is lost.
+      // A ring after this load ends the wait below at once, so no ring is lost.
       const std::uint32_t rings = wake_word.rings.load(std::memory_order_seq_cst);
       if (serve_next()) {
         ring_pending(wake_word);
@@ -52,7 +52,7 @@ struct ServiceThread::Shared {
     activity.begin(index, channel::Doing::serve, to_ns(os::now()));
     serving.store(true);
     const bool served = serve_one();
-    // Given up in the meantime: what it says belongs to somebody else by now.
+    // This thread was given up in the meantime: the activity no longer belongs to it.
     if (end.load()) return false;
     serving.store(false);
     activity.end();
@@ -74,7 +74,7 @@ ServiceThread::~ServiceThread() {
   shared_->end.store(true);
   shared_->wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
   os::futex_wake(shared_->wake_word.rings, channel::kServiceBit);
-  // Whoever holds this never returns: a handler, or a hook that the thread waits for.
+  // If the mutex is held, its holder never returns: a handler, or a hook that the thread waits for.
   if (const std::unique_lock in_none{shared_->in_module, std::try_to_lock}; !in_none) thread_.detach();
 }
 

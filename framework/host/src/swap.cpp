@@ -13,7 +13,7 @@ using channel::Doing;
 using State = executor::Exchange::State;
 using std::chrono::microseconds;
 
-/// Of what is to be translated and has changed meanwhile.
+/// How often to translate a state that changes during the translation.
 constexpr int kMostAttempts = 1000;
 
 class Work {
@@ -26,21 +26,22 @@ class Work {
     for (int attempt = 1;; ++attempt) {
       switch (carry_out(exchange)) {
         case State::kept:
-        case State::on_trial:  // and the device ends
+        case State::on_trial:  // the device is ending
           begin_to_save();
           return {true, "from row " + std::to_string(exchange.row) + " of its executor on"};
         case State::put_back:
-          return undone(std::string{"the one before it was put back in cycle "} +
+          return undone(std::string{"the old instance was put back in cycle "} +
                         std::to_string(exchange.cycle) + ": " + takt::to_text(exchange.error) + ": " +
                         exchange.text.c_str());
         case State::waiting:
-          return undone(swap_.ends() ? "the device ends" : "the module was taken out of its table meanwhile");
+          return undone(swap_.ends() ? "the device is ending"
+                                     : "the module was taken out of its table during the swap");
         case State::not_now:
           break;
       }
       if (attempt == kMostAttempts)
-        return undone("restore() was never done before the module's next run(), " + std::to_string(attempt) +
-                      " times; make it shorter");
+        return undone("restore() did not finish before the module's next run() in any of " +
+                      std::to_string(attempt) + " attempts; make it shorter");
       wait_for_run();
       if (auto followed = follow(); !followed) return undone(in_words(followed.problems()));
     }
@@ -52,16 +53,16 @@ class Work {
     swap_.activity.begin(swap_.index, doing, to_ns(os::now()));
     Result<void> result = std::forward<Call>(call)();
     swap_.activity.end();
-    if (result && swap_.ends()) return fail("the device ends");
+    if (result && swap_.ends()) return fail("the device is ending");
     return result;
   }
-  static Result<void> said_by(const char* hook, Result<void> result) {
+  static Result<void> naming(const char* hook, Result<void> result) {
     if (result) return result;
     return fail(std::string{hook} + " failed: " + in_words(result.problems()));
   }
 
   Result<void> prepare() {
-    // An object that is loaded already would be the same again, whatever is in its file by now.
+    // Loading a loaded object again would give the old code, even if its file has changed since.
     const auto globals =
         os::Library::is_loaded(swap_.path) ? os::Library::Globals::own : os::Library::Globals::shared;
     auto done = in(Doing::load, [&] {
@@ -70,13 +71,12 @@ class Work {
       return loaded ? swap_.connect() : loaded;
     });
     if (!done) return done;
-    done = in(Doing::initialize, [&] {
-      return said_by("initialize()", swap_.next.initialize(irp::Property{swap_.properties}));
-    });
+    done = in(Doing::initialize,
+              [&] { return naming("initialize()", swap_.next.initialize(irp::Property{swap_.properties})); });
     if (!done) return done;
     initialized_ = true;
     if (done = follow(); !done) return done;
-    return in(Doing::start, [&] { return said_by("start()", swap_.next.start()); });
+    return in(Doing::start, [&] { return naming("start()", swap_.next.start()); });
   }
   Result<void> follow() {
     return in(Doing::initialize, [&] { return swap_.next.follow(swap_.before); });
@@ -85,8 +85,8 @@ class Work {
   [[nodiscard]] bool out() const {
     return swap_.block.in_tables.load(std::memory_order_relaxed) == 0 || swap_.ends();
   }
-  // Handlers are called on another thread than rows: none is while the instances change places, so that none
-  // works for one that has left.
+  // Handlers run on a different thread from rows. None is called during the exchange, so no handler works for
+  // an instance that has been replaced.
   State carry_out(executor::Exchange& exchange) {
     State state = State::waiting;
     {
@@ -107,7 +107,8 @@ class Work {
     to.take_over_handlers(from);
     swap_.handle_by(to);
   }
-  // With `waiting`, it was withdrawn; with `on_trial`, the device ends.
+  // Returns the new state. If it returns `state` itself: with `waiting`, the exchange was withdrawn; with
+  // `on_trial`, the device is ending.
   State wait_while(State state, const executor::Exchange& exchange) {
     while (exchange.state.load(std::memory_order_acquire) == state) {  // SYNC: exchange
       if (state == State::waiting ? out() && swap_.threads.withdraw() : swap_.ends()) return state;
@@ -115,8 +116,8 @@ class Work {
     }
     return exchange.state.load(std::memory_order_acquire);
   }
-  // On trial it saved nowhere, so that what the one before it saved is there until it is not needed any more.
-  // Nobody else may be given that from now on.
+  // During the trial the new instance saved nothing, so the old instance's state was still there if needed.
+  // From now on the new instance saves. This waits until its first state has replaced the old one.
   void begin_to_save() {
     const std::uint64_t number = swap_.place.whole.load(std::memory_order_relaxed);
     swap_.next.save_in(swap_.place);
@@ -124,7 +125,7 @@ class Work {
            !out())
       os::sleep_until(os::now() + microseconds{500});
   }
-  // The time until the next is the longest that there is.
+  // Waits for the end of a run: then the time until the next one is longest.
   void wait_for_run() const {
     const std::uint64_t cycles = swap_.block.cycles.load(std::memory_order_relaxed);
     while (swap_.block.cycles.load(std::memory_order_relaxed) == cycles && !out())

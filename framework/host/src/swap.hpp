@@ -1,10 +1,13 @@
-// Another instance of a module takes the place of the one that runs, without a missed release: `takt swap`.
+// Replaces a running module by a new instance without a missed release: `takt swap`.
 //
-// Whatever takes long or may fail is done before, beside the rows: loading, comparing, initialize(),
-// restore(), start(). What is left is one exchange between two rows (executor/exchange.hpp), in which the
-// executor's thread hands over what was saved last, so nothing that the old instance counted meanwhile is
-// lost. Only what is of another version must be translated by the component, which no real-time thread can
-// wait for: it is translated right after a run() and taken if nothing was saved since, else once more.
+// Everything slow or fallible happens first, beside the rows: loading, comparing, initialize(), restore() and
+// start(). Then one exchange happens between two rows (executor/exchange.hpp). During the exchange,
+// the executor's thread hands over the state that was saved last. So the new instance misses no update of the
+// old one.
+//
+// The component itself must translate the state of another version, and a real-time thread cannot wait for
+// that. So the state is translated right after a run(). The result is used if nothing was saved since;
+// otherwise it is translated again.
 #pragma once
 
 #include <cstdint>
@@ -20,32 +23,33 @@
 
 namespace takt::host {
 
-/// Runs of a new instance in which an error puts the old one back.
+/// The number of runs of a new instance during which an error puts the old one back.
 inline constexpr std::uint64_t kTrialRuns = 10;
 
 struct Swap {
-  std::uint32_t index;  ///< of the module on its device
+  std::uint32_t index;  ///< the module's index on its device
   const channel::ModuleBlock& block;
-  ThreadModule& before;                                   ///< that runs
-  ThreadModule& next;                                     ///< attached, not loaded
-  executor::Body& body;                                   ///< as which the executor calls `next`
-  ExecutorThreads& threads;                               ///< of its executor
-  channel::SavedState& place;                             ///< where the module saves
-  channel::Activity& activity;                            ///< of the calling thread, which is not real-time
-  std::string path;                                       ///< of `next`
-  irp::Property::Values properties;                       ///< that are in force
-  std::function<Result<void>()> connect;                  ///< ties the ports of `next` to its links
-  std::function<std::unique_lock<std::mutex>()> exclude;  ///< no handler is called while this is held
-  std::function<void(ThreadModule&)> handle_by;           ///< whose handlers are called from now on
-  std::function<bool()> ends;  ///< the executors have halted, or nobody waits for us any more
+  ThreadModule& before;                   ///< the running instance
+  ThreadModule& next;                     ///< the new instance: attached, not loaded
+  executor::Body& body;                   ///< the body through which the executor calls `next`
+  ExecutorThreads& threads;               ///< of the module's executor
+  channel::SavedState& place;             ///< where the module saves
+  channel::Activity& activity;            ///< of the calling thread, which is not real-time
+  std::string path;                       ///< the file of `next`
+  irp::Property::Values properties;       ///< the current values
+  std::function<Result<void>()> connect;  ///< ties the ports of `next` to its links
+  std::function<std::unique_lock<std::mutex>()> exclude;  ///< no handler is called while the lock is held
+  std::function<void(ThreadModule&)> handle_by;           ///< sets the instance whose handlers are called
+  std::function<bool()> ends;  ///< true once the executors have halted or the node has abandoned the swap
 };
 
 struct Swapped {
   bool kept = false;
-  std::string text;  ///< since when; or why not
+  std::string text;  ///< since when the new instance runs, or why it was not kept
 };
 
-/// Waits for the exchange and the trial. Where it is not kept, `before` runs on with what it saved itself.
+/// Waits for the exchange and the trial. If `next` is not kept, `before` continues with the state that it
+/// saved itself.
 Swapped carry_out(const Swap& swap);
 
 }  // namespace takt::host

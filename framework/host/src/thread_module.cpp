@@ -15,7 +15,7 @@ namespace takt::host {
 
 namespace {
 
-/// A hook is served no release, but what it writes to a port is stamped with the time of its call.
+/// A hook has no release, but samples that it writes to a port carry the time of its call.
 class InHook {
  public:
   InHook(Instant now, Nanoseconds period) noexcept
@@ -34,7 +34,7 @@ class InHook {
 
 Instant ThreadModule::now() const noexcept { return clock_ == nullptr ? os::now() : clock_->now(); }
 
-// Calls a hook of foreign code: whatever it throws or says becomes its Result.
+// Calls a hook of foreign code: an exception or a takt_fail() becomes its Result.
 template <class Call>
 Result<void> ThreadModule::guarded(Call&& call) {
   static_cast<void>(take_failure());
@@ -44,7 +44,7 @@ Result<void> ThreadModule::guarded(Call&& call) {
   } catch (const std::exception& exception) {
     return fail(std::string{"threw: "} + exception.what());
   } catch (...) {
-    return fail("threw something that is no std::exception");
+    return fail("threw something that is not a std::exception");
   }
   if (const char* text = take_failure(); text != nullptr) return fail(text);
   return {};
@@ -68,7 +68,7 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   auto library = os::Library::open(path, globals);
   if (!library) return library.problems();
   library_ = std::move(*library);
-  ports_ = take_loose_ports();  // their constructors ran just now
+  ports_ = take_loose_ports();  // open() has just run their constructors
   properties_ = take_loose_properties();
 
   if (void* get_factory = library_.own_symbol("takt_component_factory"); get_factory != nullptr) {
@@ -97,8 +97,8 @@ Result<void> ThreadModule::load(const std::string& path, os::Library::Globals gl
   const auto find = [this](auto& hook, const char* name) {
     hook = reinterpret_cast<std::remove_reference_t<decltype(hook)>>(library_.own_symbol(name));
   };
-  // A module may define `void initialize(void)` (Figure 10): the argument it does not take does it no harm by
-  // the C calling conventions of Linux.
+  // A module may define `void initialize(void)` (Figure 10): under the C calling conventions of Linux the
+  // extra argument does no harm.
   find(initialize_, "initialize");
   find(start_, "start");
   find(run_, "run");
@@ -144,7 +144,8 @@ Result<void> ThreadModule::take_saved(const std::string& path) {
   if (component_ != nullptr) {
     const auto& saved = component_->saved();
     if (saved.size() > 1)
-      return fail(path + " has " + std::to_string(saved.size()) + " Saved", "put them into one struct");
+      return fail(path + " has " + std::to_string(saved.size()) + " Saved members",
+                  "put them into one struct");
     if (!saved.empty()) saved_ = {saved[0]->version(), saved[0]->size(), saved[0]->data()};
   } else if (const void* own = library_.own_symbol("takt_saved"); own != nullptr) {
     saved_ = *static_cast<const takt_saved_state*>(own);
@@ -157,7 +158,7 @@ Result<void> ThreadModule::take_saved(const std::string& path) {
   return {};
 }
 
-// What another version saved is for the component to understand.
+// Only the component understands the state that another version saved.
 void ThreadModule::restore() {
   restored_.clear();
   channel::SavedState* const place = place_.load(std::memory_order_relaxed);
@@ -167,17 +168,17 @@ void ThreadModule::restore() {
   Result<void> restored;
   if (before->version == saved_.version && before->size == saved_.size) {
     std::memcpy(saved_.data, before->bytes.data(), saved_.size);
-    restored_ = "what it saved is restored";
+    restored_ = "its saved state is restored";
   } else if (component_ != nullptr) {
     restored = guarded([&] {
       return component_->restore({before->version, before->bytes.data(), before->size});
     });
-    restored_ = "what version " + std::to_string(before->version) + " of it saved is taken over";
+    restored_ = "the state that version " + std::to_string(before->version) + " saved is taken over";
   } else {
     restored = fail("it was saved by version " + std::to_string(before->version) + ", " +
                     std::to_string(before->size) + " bytes");
   }
-  if (!restored) restored_ = "what was saved is not restored: " + in_words(restored.problems());
+  if (!restored) restored_ = "its saved state is not restored: " + in_words(restored.problems());
   if (component_ != nullptr) component_->saved()[0]->set_restored(restored.ok());
 }
 
@@ -212,7 +213,7 @@ Result<void> ThreadModule::match(const ThreadModule& before) {
     if (std::string_view{mine->type().name} != old->type().name)
       differs(name + " is of type " + mine->type().name + ", not " + old->type().name);
     else if (std::string_view{mine->type().description} != old->type().description)
-      differs(name + " is of another " + mine->type().name);
+      differs(name + " has another definition of type " + mine->type().name);
   }
   for (const PortBase* mine : ports_)
     if (before.port(mine->name()) == nullptr) differs("port " + in_quotes(mine->name()) + " is new");
@@ -232,7 +233,7 @@ Result<void> ThreadModule::match(const ThreadModule& before) {
   for (const PropertyBase* mine : properties_)
     if (property(before, mine->name()) == nullptr) differs("property " + in_quotes(mine->name()) + " is new");
   if (!differences.empty()) {
-    return fail("it has not the ports and properties of the module that runs: " + differences,
+    return fail("its ports and properties differ from those of the running module: " + differences,
                 "undeploy the cell and deploy it with this file");
   }
   ports_ = std::move(ports);
@@ -250,14 +251,14 @@ Result<void> ThreadModule::follow(const ThreadModule& before) {
   if (same) {
     std::memcpy(saved_.data, state->bytes.data(), saved_.size);
   } else {
-    const std::string theirs = "what version " + std::to_string(state->version) + " of it saved";
+    const std::string theirs = "the state that version " + std::to_string(state->version) + " saved";
     if (component_ == nullptr)
-      return fail("what it saves is of another size or version than " + theirs,
-                  "save the same variable, or write it as a takt::Component with restore()");
+      return fail("its saved variable differs in size or version from " + theirs,
+                  "save the same variable, or write the module as a takt::Component with restore()");
     const auto restored = guarded([&] {
       return component_->restore({state->version, state->bytes.data(), state->size});
     });
-    if (!restored) return fail("it does not take over " + theirs + ": " + in_words(restored.problems()));
+    if (!restored) return fail("it cannot take over " + theirs + ": " + in_words(restored.problems()));
   }
   if (component_ != nullptr) component_->saved()[0]->set_restored(true);
   return {};
@@ -265,7 +266,7 @@ Result<void> ThreadModule::follow(const ThreadModule& before) {
 
 bool ThreadModule::take_over(executor::Body& body) noexcept {
   auto& before = static_cast<ThreadModule&>(body);
-  if (stands_by_) {  // else it is put back, and goes on with its own
+  if (stands_by_) {  // else it is being put back, and continues with its own state
     if (translated_) {
       const auto& place = *before.place_.load(std::memory_order_relaxed);
       if (place.whole.load(std::memory_order_relaxed) != *translated_) return false;
@@ -280,7 +281,7 @@ bool ThreadModule::take_over(executor::Body& body) noexcept {
   for (std::size_t i = 0; i < watched_.size(); ++i) watched_[i].late = before.watched_[i].late;
   entered_ = before.entered_;
   watched_since_ns_ = before.watched_since_ns_;
-  if (serves_ != nullptr) serves_->store(this, std::memory_order_release);  // SYNC: serves
+  if (active_ != nullptr) active_->store(this, std::memory_order_release);  // SYNC: serves
   return true;
 }
 
@@ -300,26 +301,26 @@ Result<void> ThreadModule::take_ports(const std::string& path) {
   }
   for (auto port = ports_.begin(); port != ports_.end(); ++port) {
     const bool plain = (*port)->role() == PortRole::plain;
-    // Of NAME/request and NAME/reply.
+    // NAME, for the ports NAME/request and NAME/reply.
     const auto name_of = [](const PortBase& one) {
       return one.role() == PortRole::plain ? one.name() : one.name().substr(0, one.name().rfind('/'));
     };
     const std::string name = name_of(**port);
     if (!model::is_valid_name(name)) {
-      return fail(path + " has a " + to_text((*port)->role()) + " " + in_quotes(name),
+      return fail(path + " has a " + to_text((*port)->role()) + " with the invalid name " + in_quotes(name),
                   "a name is a letter or '_', then letters, digits, '_' and '-'");
     }
     if (!plain && name.size() > model::kMaxServiceName) {
-      return fail(path + " has a service or client " + in_quotes(name),
-                  "its name has at most " + std::to_string(model::kMaxServiceName) + " characters");
+      return fail(path + " has a service or client whose name is too long: " + in_quotes(name),
+                  "use at most " + std::to_string(model::kMaxServiceName) + " characters");
     }
     const auto clash = std::find_if(ports_.begin(), port, [&](const PortBase* other) {
       return name_of(*other) == name &&
              (plain || other->role() == PortRole::plain || other->name() == (*port)->name());
     });
     if (clash != port) {
-      return fail(path + " has two ports '" + name + "'" + (plain ? "" : ", a service or client among them"),
-                  "give each a name of its own");
+      return fail(path + " has two ports '" + name + "'" + (plain ? "" : ", one of a service or client"),
+                  "give each a different name");
     }
   }
   serve_ports();
@@ -354,7 +355,7 @@ void ThreadModule::watch(channel::Link link, const PortBase& input, bool stale_i
                       false});
 }
 
-const char* ThreadModule::look_at_inputs(Instant start) noexcept {
+const char* ThreadModule::check_inputs(Instant start) noexcept {
   constexpr auto relaxed = std::memory_order_relaxed;
   const std::int64_t now = to_ns(start);
   const std::uint64_t entered = block_ == nullptr ? 1 : block_->entered.load(relaxed);
@@ -449,7 +450,7 @@ executor::Outcome ThreadModule::run(const Cycle& real) noexcept {
   Cycle cycle = real;
   if (logical_) cycle.start = cycle.time;
   if (!watched_.empty()) {
-    if (const char* stale = look_at_inputs(cycle.start); stale != nullptr) return {ErrorType::stale, stale};
+    if (const char* stale = check_inputs(cycle.start); stale != nullptr) return {ErrorType::stale, stale};
   }
   serve_cycle(&cycle);
   context_.start_ns = to_ns(cycle.start);
@@ -463,9 +464,9 @@ executor::Outcome ThreadModule::run(const Cycle& real) noexcept {
       run_();
     }
   } catch (const std::exception& exception) {
-    say_failure(exception.what());
+    report_failure(exception.what());
   } catch (...) {
-    say_failure("threw something that is no std::exception");
+    report_failure("threw something that is not a std::exception");
   }
   context_.flight = nullptr;
   serve_cycle(nullptr);
@@ -486,9 +487,9 @@ executor::Outcome ThreadModule::condition(const Cycle& cycle, bool* ready) noexc
     else
       *ready = has_news(cycle.start);
   } catch (const std::exception& exception) {
-    say_failure(exception.what());
+    report_failure(exception.what());
   } catch (...) {
-    say_failure("threw something that is no std::exception");
+    report_failure("threw something that is not a std::exception");
   }
   serve_cycle(nullptr);
   return take_failure();
@@ -510,13 +511,13 @@ bool ThreadModule::has_request() noexcept {
 
 bool ThreadModule::serve(bool executing) {
   if (!has_handlers()) return false;
-  const char* refusal = executing ? nullptr : "its module is not in EXECUTING";
+  const char* rejection = executing ? nullptr : "its module is not in EXECUTING";
   handler_context_.start_ns = to_ns(now());
   const InHook in_hook{now(), period_};
   const auto& services = component_->services();
   for (std::size_t n = services.size(); n > 0; --n) {
     if (++served_last_ >= services.size()) served_last_ = 0;
-    if (services[served_last_]->handle(refusal)) return true;
+    if (services[served_last_]->handle(rejection)) return true;
   }
   return false;
 }

@@ -1,4 +1,4 @@
-// A thread module that is watched while it runs.
+// A thread module that a tool watches while it runs.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace takt::host {
 
-/// Stands between an executor and a module, only where somebody watches: else executors call the module
-/// itself.
+/// Stands between an executor and a module only while modules are watched; otherwise the executor calls the
+/// module itself.
 class WatchedBody final : public executor::Body {
  public:
   WatchedBody(executor::Body& body, std::uint32_t module, channel::ModuleWatch watch)

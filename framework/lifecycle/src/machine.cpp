@@ -11,7 +11,7 @@ Result<Transition> Machine::apply(Event event) {
       if (!allowed.empty()) allowed += " or ";
       allowed += to_text(state);
     }
-    return fail(std::string{to_text(event)} + " is refused in state " + to_text(state_),
+    return fail(std::string{to_text(event)} + " is not allowed in state " + to_text(state_),
                 "it is allowed in " + allowed);
   }
   if (event == Event::error) before_error_ = state_;

@@ -107,8 +107,8 @@ std::string topic_of(const Cell& cell, const Connection& connection) {
 }
 
 namespace {
-/// Null of one that is not periodic.
-const Executor* periodic_on(const Device& device, const Module& module) {
+/// The executor of a periodic module; null for other modules.
+const Executor* executor_of_periodic(const Device& device, const Module& module) {
   if (module.operation != Operation::periodic) return nullptr;
   const auto executor =
       std::find_if(device.executors.begin(), device.executors.end(),
@@ -144,7 +144,7 @@ void connect_services(Cell& cell) {
 
 OverrunContract contract_of(const Device& device, const Module& module) {
   if (module.overrun) return *module.overrun;
-  const Executor* executor = periodic_on(device, module);
+  const Executor* executor = executor_of_periodic(device, module);
   return executor == nullptr ? OverrunContract{} : executor->overrun;
 }
 
@@ -156,7 +156,7 @@ bool stops_cell(const Device& device) {
 }
 
 Timing timing_of(const Device& device, const Module& module) {
-  const Executor* executor = periodic_on(device, module);
+  const Executor* executor = executor_of_periodic(device, module);
   return executor == nullptr ? Timing::direct : executor->timing;
 }
 
@@ -166,8 +166,8 @@ Result<std::string> given_property(const Module& module, const std::string& name
     if (property.name == name) return property.value;
     given += (given.empty() ? "" : ", ") + property.name;
   }
-  return fail("the descriptor gives " + module.name + " no property " + in_quotes(name),
-              given.empty() ? "it gives none" : "it gives " + given);
+  return fail("the descriptor sets no property " + in_quotes(name) + " of " + module.name,
+              given.empty() ? "it sets none" : "it sets " + given);
 }
 
 void give_property(Module& module, const std::string& name, const std::string& value) {

@@ -67,13 +67,13 @@ std::string from_to(const std::string& what, const std::string& before, const st
   return what + ": " + before + " -> " + after;
 }
 
-/// Something of a device: what it is called, and all that may differ, in words that differ when that does.
+/// A part of a device, with its name and all its values as text. Equal values have equal texts.
 struct Part {
   std::string name;
   std::vector<std::pair<const char*, std::string>> facets;
 };
 
-// Each names all members of its struct, so that one that is added there is not forgotten here.
+// Each part_of() names all members of its struct, so that a new member cannot be forgotten here.
 Part part_of(const Executor& executor) {
   const auto& [name, cpu, priority, rate_monotonic, wakeup, spin_share, overrun, offsets, timing, own_host,
                line] = executor;
@@ -86,10 +86,10 @@ Part part_of(const Executor& executor) {
            {"overrun", words(overrun)},
            {"offsets", to_text(offsets)},
            {"timing", to_text(timing)},
-           {"host of its own", words(own_host)}}};
+           {"own host", words(own_host)}}};
 }
 
-// Without its file and its properties.
+// Without the file and the properties of the module; compare_contents() compares these.
 Part part_of(const Module& module) {
   const auto& [name, filename, type, operation, period, offset, deadline, miss, dispatch, interarrival,
                priority, executor, budget, tolerance, overrun, recovery, retain, properties, safe, line,
@@ -106,7 +106,7 @@ Part part_of(const Module& module) {
            {"priority", words(priority)},
            {"executor", words(executor)},
            {"budget", words(budget)},
-           {"budget's tolerance", words(tolerance)},
+           {"budget tolerance", words(tolerance)},
            {"overrun", words(overrun)},
            {"recovery", words(recovery)},
            {"retain", words(retain)},
@@ -117,7 +117,8 @@ std::string words_of(const Endpoint& end, const Connection& connection) {
   return end.given() ? to_text(end) : "topic " + connection.topic;
 }
 
-/// The safe value that the descriptor gives what a connection carries: its reader has it, too.
+/// The descriptor's safe value for the writer of a connection. It counts as part of the connection, because
+/// the reader's device needs it too.
 std::string safe_of(const Cell& cell, const Endpoint& from) {
   for (const Device& device : cell.devices) {
     for (const Module& module : device.modules) {
@@ -180,20 +181,21 @@ void compare(const std::vector<Part>& before, const std::vector<Part>& after,
     }
   }
   for (const Part& part : before) {
-    if (find_part(after, part.name) == nullptr) reasons.push_back(part.name + " is gone");
+    if (find_part(after, part.name) == nullptr) reasons.push_back(part.name + " is removed");
   }
 }
 
-// The order of a file decides between modules of one priority, and which processor an executor gets.
+// The order in the descriptor decides between modules of equal priority, and which CPU an executor gets.
 void compare_order(const std::vector<Part>& before, const std::vector<Part>& after, const char* what,
                    std::vector<std::string>& reasons) {
   const auto same = [](const Part& one, const Part& other) { return one.name == other.name; };
   if (std::is_permutation(before.begin(), before.end(), after.begin(), after.end(), same) &&
       !std::equal(before.begin(), before.end(), after.begin(), after.end(), same))
-    reasons.push_back(std::string{"the "} + what + " are in another order");
+    reasons.push_back(std::string{"the order of the "} + what + " has changed");
 }
 
-// What a module can be told, else what cannot be done while it runs.
+// Sorts the changes of files and properties into those that a running module can take and those that it
+// cannot.
 void compare_contents(const Module& before, const Module& after, DeviceDifference& difference) {
   const bool thread = after.type == ModuleType::thread;
   const auto reason = [&](const std::string& words) {
@@ -202,14 +204,14 @@ void compare_contents(const Module& before, const Module& after, DeviceDifferenc
   for (const PropertyValue& given : after.properties) {
     const auto was = given_property(before, given.name);
     if (was && *was == given.value) continue;
-    const std::string words = from_to(given.name, was ? brief(*was) : "not given", brief(given.value));
+    const std::string words = from_to(given.name, was ? brief(*was) : "not set", brief(given.value));
     if (thread)
       difference.in_place.push_back({after.name, given.name, given.value, words});
     else
       reason(words);
   }
   for (const PropertyValue& given : before.properties) {
-    if (!given_property(after, given.name)) reason(given.name + " is not given any more");
+    if (!given_property(after, given.name)) reason(given.name + " is no longer set");
   }
   if (before.filename == after.filename) return;
   const std::string words = from_to("file", before.filename, after.filename);
@@ -256,7 +258,7 @@ std::string words(const Discovery& discovery) {
   return discovery.server.empty() ? text : text + " " + discovery.server;
 }
 
-Problems check_whole(const Cell& before, const Cell& after) {
+Problems check_cell_values(const Cell& before, const Cell& after) {
   const auto domain = [](const Cell& cell) {
     return cell.domain_given ? std::to_string(cell.domain) : std::string{"none"};
   };
@@ -264,14 +266,14 @@ Problems check_whole(const Cell& before, const Cell& after) {
       {"name", before.name, after.name},
       {"domain", domain(before), domain(after)},
       {"discovery", words(before.discovery), words(after.discovery)},
-      {"discovery server's device", words(before.server_device), words(after.server_device)},
+      {"discovery server device", words(before.server_device), words(after.server_device)},
       {"required security", words(before.security_required), words(after.security_required)},
   }};
   Problems problems;
   for (const auto& [what, was, is] : all) {
     if (was == is) continue;
     problems.push_back(problem_at(after.texts(), after.line,
-                                  "a cell that runs cannot be given another " + from_to(what, was, is),
+                                  "a running cell cannot change its " + from_to(what, was, is),
                                   "undeploy the cell and deploy it again"));
   }
   return problems;
@@ -301,7 +303,7 @@ std::vector<std::string> in_words(const DeviceDifference& difference) {
       }
       break;
     case Change::anew: {
-      std::string line = difference.device + " is brought up anew: ";
+      std::string line = difference.device + " is restarted: ";
       for (const std::string& reason : difference.reasons)
         line += (&reason == difference.reasons.data() ? "" : "; ") + reason;
       lines.push_back(line);
@@ -311,14 +313,14 @@ std::vector<std::string> in_words(const DeviceDifference& difference) {
       lines.push_back(difference.device + " is new");
       break;
     case Change::removed:
-      lines.push_back(difference.device + " is taken down: the cell does not have it any more");
+      lines.push_back(difference.device + " is stopped: it is no longer in the cell");
       break;
   }
   return lines;
 }
 
 Result<std::vector<DeviceDifference>> differences(const Cell& before, const Cell& after) {
-  if (Problems problems = check_whole(before, after); !problems.empty()) return problems;
+  if (Problems problems = check_cell_values(before, after); !problems.empty()) return problems;
   std::vector<DeviceDifference> all;
   for (const Device& device : after.devices) {
     const Device* const was = find_device(before, device.name);

@@ -18,7 +18,7 @@ struct KindWord {
   const char* word;
   Severity severity;
 };
-// By FaultKind.
+// Indexed by FaultKind.
 constexpr std::array<KindWord, kFaultKinds> kKinds{{
     {"error", Severity::error},
     {"recovered", Severity::note},
@@ -67,7 +67,7 @@ std::vector<std::string_view> fault_words() {
 }
 
 namespace {
-/// Not cut short, as a suggestion is.
+/// All words; a suggestion() would name only the first 20.
 std::string all_words() {
   std::string list;
   for (const std::string_view word : fault_words()) list += (list.empty() ? "" : ", ") + std::string{word};
@@ -171,7 +171,7 @@ Result<FaultFilter> filter_from(std::string_view text) {
   FaultFilter filter;
   if (text.empty()) return filter;
   const Json value = parse_json(text);
-  if (!value.is_object()) return fail("the filter is no JSON object");
+  if (!value.is_object()) return fail("the filter is not a JSON object");
   try {
     for (const auto& [name, member] : value.items()) {
       if (name == "module") {
@@ -180,24 +180,24 @@ Result<FaultFilter> filter_from(std::string_view text) {
         for (const auto& word : member) {
           const auto kind = fault_kind(word.get<std::string>());
           if (!kind) {
-            return fail("there are no events of kind " + in_quotes(word.get<std::string>()),
+            return fail("unknown event kind " + in_quotes(word.get<std::string>()),
                         suggestion(word.get<std::string>(), fault_words()));
           }
-          // Each once: the list may come from anybody, and every event is held against it.
+          // Each kind once: the list may come from any participant, and every event is compared with it.
           if (std::find(filter.kinds.begin(), filter.kinds.end(), *kind) == filter.kinds.end())
             filter.kinds.push_back(*kind);
         }
       } else if (name == "since_ns" && member.is_number_integer() && !member.is_number_unsigned()) {
-        filter.since_ns = member.get<std::int64_t>();  // before 1970, by a clock that was never set
+        filter.since_ns = member.get<std::int64_t>();  // before 1970: a clock that was never set
       } else if (name == "after" || name == "since_ns" || name == "last") {
         const auto number = whole_number(member);
         if (!number || *number > std::numeric_limits<std::int64_t>::max())
-          return fail("the filter cannot be read: " + name + " is no whole number from 0 on");
+          return fail("the filter cannot be read: " + name + " is not a whole number of at least 0");
         if (name == "after") filter.after = *number;
         if (name == "since_ns") filter.since_ns = static_cast<std::int64_t>(*number);
         if (name == "last") filter.last = *number;
       } else {
-        return fail("a filter has no " + in_quotes(name),
+        return fail("unknown member " + in_quotes(name) + " of the filter",
                     suggestion(name, {"module", "kinds", "after", "since_ns", "last"}));
       }
     }
@@ -213,9 +213,9 @@ Result<std::vector<FaultKind>> kinds_from(std::string_view list) {
     const std::string_view word = list.substr(0, list.find(','));
     const auto kind = fault_kind(word);
     if (!kind) {
-      return fail("there are no events of kind " + in_quotes(word), nearest(word, fault_words()).empty()
-                                                                        ? "it can be " + all_words()
-                                                                        : suggestion(word, fault_words()));
+      return fail("unknown event kind " + in_quotes(word), nearest(word, fault_words()).empty()
+                                                               ? "it can be " + all_words()
+                                                               : suggestion(word, fault_words()));
     }
     kinds.push_back(*kind);
     if (word.size() == list.size()) return kinds;

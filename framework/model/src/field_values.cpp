@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// In JSON, or for what is written in quotes there, also without them.
+/// The text as JSON. Strings, characters and enumerators may also be written without quotes.
 Json value_of(const Field& field, const std::string& text) {
   const bool quoted = field.scalar == Scalar::text || field.scalar == Scalar::enumeration ||
                       field.scalar == Scalar::character;
@@ -32,7 +32,7 @@ Result<std::string> json_of_words(const Type& type, const std::vector<std::strin
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos || equals == 0) {
-      problems.push_back({type.name, in_quotes(word) + " is no field with a value",
+      problems.push_back({type.name, in_quotes(word) + " is not a field with a value",
                           R"(write field=value, or one object {"field": value})"});
       continue;
     }
@@ -63,8 +63,8 @@ Result<std::string> json_of_words(const Type& type, const std::vector<std::strin
           field->scalar == Scalar::structure && field->sequence == 0 && field->dimensions.empty();
       Json& inner = (*at)[name];
       if (!structure || (!inner.is_null() && !inner.is_object())) {
-        problems.push_back({where, structure ? "is given twice" : "has no fields that could be named",
-                            "give it one value, in JSON"});
+        problems.push_back(
+            {where, structure ? "is given twice" : "has no named fields", "give it one value, in JSON"});
         break;
       }
       if (inner.is_null()) inner = Json::object();

@@ -8,7 +8,7 @@ namespace takt::model {
 
 namespace {
 
-/// Of a longer history the beginning is told, which is what the author of the outermost use wrote last.
+/// The maximum number of uses and includes in a message; it names the innermost ones.
 constexpr int kMostSteps = 8;
 
 const Insertion* insertion_of(const Texts& texts, Line line) {
@@ -27,7 +27,7 @@ std::string history(const Texts& texts, Line line) {
   std::string text;
   int steps = 0;
   for (const Insertion* step = insertion_of(texts, line); step != nullptr && steps < kMostSteps; ++steps) {
-    // What is put in was there before, so that this ends.
+    // An insertion refers only to an earlier one, so that the loop ends.
     const Insertion* before = step->at.insertion < line.insertion ? insertion_of(texts, step->at) : nullptr;
     text += (text.empty() ? "" : ", ") + std::string{step->used ? "used at " : "included at "} +
             place(texts, step->at);

@@ -55,7 +55,7 @@ const std::vector<Port>* known(const CellPorts& ports, const Place& place) {
   return of ? &*of : nullptr;
 }
 
-/// PACKAGE::msg::dds_::NAME_
+/// Whether the name has the form PACKAGE::msg::dds_::NAME_.
 bool is_ros2_message(std::string_view name) {
   constexpr std::string_view kMiddle = "::msg::dds_::";
   const std::size_t middle = name.find(kMiddle);
@@ -103,9 +103,9 @@ class Check {
     });
     if (service != ports->end()) {
       add(line,
-          "module " + module + " has the " + (service->role == Role::client ? "client " : "service ") +
-              in_quotes(name_of_service(*service)) + " and no port " + in_quotes(end.port),
-          R"(say <service client="..." server="..."/>)");
+          in_quotes(name_of_service(*service)) + " of module " + module + " is a " +
+              (service->role == Role::client ? "client" : "service") + ", not a port",
+          R"(connect it with <service client="..." server="..."/>)");
       return nullptr;
     }
     const auto found =
@@ -136,18 +136,19 @@ class Check {
     if (from == nullptr || to == nullptr || from->type == to->type) return;
     if (from->type.name != to->type.name) {
       add(connection.line,
-          "port " + written(connection.from) + " is of type " + from->type.name + " and port " +
-              written(connection.to) + " of type " + to->type.name,
-          "connect ports of one type");
+          "port " + written(connection.from) + " has type " + from->type.name + ", but port " +
+              written(connection.to) + " has type " + to->type.name,
+          "connect ports of the same type");
     } else {
       add(connection.line,
-          "ports " + written(connection.from) + " and " + written(connection.to) + " know different types " +
-              from->type.name + ": " + difference(from->type, to->type),
+          "ports " + written(connection.from) + " and " + written(connection.to) +
+              " have different versions of type " + from->type.name + ": " + difference(from->type, to->type),
           "build both components from the same IDL");
     }
   }
 
-  /// The request and the reply of an end; none where it has none of that name, or nothing is known of it.
+  /// The request port and the reply port of an end; null if it has no such service or client, or if its ports
+  /// are not known.
   struct Halves {
     const Port* request = nullptr;
     const Port* reply = nullptr;
@@ -176,10 +177,10 @@ class Check {
     if (is_other) {
       add(line,
           in_quotes(end.port) + " of module " + module + " is a " + (client ? "service" : "client") +
-              " and stands for the " + kind,
-          R"(client="..." asks and server="..." answers)");
+              ", not a " + kind,
+          R"(client="..." names the client and server="..." names the service)");
     } else if (is_port) {
-      add(line, in_quotes(end.port) + " of module " + module + " is a port and no " + kind,
+      add(line, in_quotes(end.port) + " of module " + module + " is a port, not a " + kind,
           "connect it with <connection from=\"...\" to=\"...\"/>");
     } else {
       add(line, "module " + module + " has no " + kind + " " + in_quotes(end.port),
@@ -189,39 +190,39 @@ class Check {
   }
 
   void check(const Service& service) {
-    const Halves asks = check_service_end(service.client, true, service.line);
-    const Halves answers = check_service_end(service.server, false, service.line);
-    if (asks.request == nullptr || answers.request == nullptr) return;
-    const auto compare = [&](const char* what, const Type& asked, const Type& answered) {
-      // Without what Takt adds.
+    const Halves client = check_service_end(service.client, true, service.line);
+    const Halves server = check_service_end(service.server, false, service.line);
+    if (client.request == nullptr || server.request == nullptr) return;
+    const auto compare = [&](const char* what, const Type& of_client, const Type& of_server) {
+      // The type in the IDL, without the fields that Takt adds.
       const auto inner = [](const Type& type) {
         const auto found = std::find_if(type.fields.begin(), type.fields.end(),
                                         [](const Field& field) { return field.scalar == Scalar::structure; });
         return Type{found->type_name, found->fields};
       };
-      if (asked == answered) return;
-      const Type first = inner(asked);
-      const Type second = inner(answered);
+      if (of_client == of_server) return;
+      const Type first = inner(of_client);
+      const Type second = inner(of_server);
       if (first.name != second.name) {
         add(service.line,
             "client " + written(service.client) + " has " + what + " of type " + first.name +
-                " and service " + written(service.server) + " of type " + second.name,
-            "connect a client and a service of the same types");
+                ", but service " + written(service.server) + " of type " + second.name,
+            "connect a client and a service with the same types");
       } else {
         add(service.line,
             "client " + written(service.client) + " and service " + written(service.server) +
-                " know different types " + first.name + ": " + difference(first, second),
+                " have different versions of type " + first.name + ": " + difference(first, second),
             "build both components from the same IDL");
       }
     };
-    compare("requests", asks.request->type, answers.request->type);
-    compare("replies", asks.reply->type, answers.reply->type);
+    compare("requests", client.request->type, server.request->type);
+    compare("replies", client.reply->type, server.reply->type);
   }
 
   void check_message(const Endpoint& end, const Port& port, const Line& line) {
     if (is_ros2_message(port.type.name)) return;
-    add(line, "port " + written(end) + " is of type " + port.type.name + ", which no program of ROS 2 knows",
-        "give the port a message of ROS 2, as those of idl/ros2: in IDL it is called "
+    add(line, "port " + written(end) + " has type " + port.type.name + ", which is not a ROS 2 message",
+        "give the port a ROS 2 message type, as those in idl/ros2: its IDL name is "
         "PACKAGE::msg::dds_::NAME_");
   }
 
@@ -237,8 +238,9 @@ class Check {
                                            [](const Port& p) { return p.direction == Direction::event; });
         if (!has_event) {
           add(line,
-              "module " + module.name + " is dispatched at once, but has no event port that could say when",
-              "say <dispatch>row</dispatch>, or give the component an EventPort");
+              "module " + module.name +
+                  " has <dispatch>immediate</dispatch> but no event port that releases it",
+              "write <dispatch>row</dispatch>, or give the component an EventPort");
           continue;
         }
         const bool fed =
@@ -250,7 +252,8 @@ class Check {
             });
         if (!fed) {
           add(line,
-              "module " + module.name + " is dispatched at once, but none of its event ports is connected",
+              "module " + module.name +
+                  " has <dispatch>immediate</dispatch>, but none of its event ports is connected",
               "add a <connection> to one of them");
         }
       }
@@ -272,7 +275,7 @@ class Check {
     const std::string fix = names.empty() ? "it has no output" : suggestion(safe.name, names);
     add(safe.line,
         is_input ? "port " + written({device.name, module.name, safe.name}) +
-                       " is an input; a safe value is an output's"
+                       " is an input and cannot have a safe value"
                  : "module " + device.name + "." + module.name + " has no output " + in_quotes(safe.name),
         fix);
     return nullptr;
@@ -303,7 +306,7 @@ std::optional<Direction> direction_of(std::string_view text) {
   return std::nullopt;
 }
 
-/// One that was not said is plain.
+/// An empty text means Role::plain.
 std::optional<Role> role_of(std::string_view text) {
   if (text.empty()) return Role::plain;
   for (const Role role : {Role::plain, Role::service, Role::handler, Role::client}) {
@@ -362,7 +365,7 @@ std::string ports_json(const std::vector<Port>& ports) {
 Result<std::vector<Port>> parse_ports(const std::string& text) {
   const Json value = parse_json(text);
   if (!value.is_object() || !value.contains("ports") || !value["ports"].is_array())
-    return fail("a list of ports was expected and is none");
+    return fail("the text is not a list of ports");
   std::vector<Port> ports;
   Problems problems;
   for (const Json& each : value["ports"]) {
@@ -376,7 +379,7 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
     const auto role = role_of(string_of("role"));
     auto type = parse_type(string_of("description"));
     if (port.name.empty() || !direction || !role) {
-      problems.push_back(fail("a port without a name, a direction or a role"));
+      problems.push_back(fail("a port has no name, direction or role"));
     } else if (!type) {
       for (const Problem& problem : type.problems())
         problems.push_back(fail("port " + port.name + ": " + problem.what, problem.fix));
@@ -384,7 +387,7 @@ Result<std::vector<Port>> parse_ports(const std::string& text) {
       port.direction = *direction;
       port.role = *role;
       port.type = std::move(*type);
-      // In hex from a component itself, else as ports_json() writes it.
+      // A component writes it in hex, ports_json() as an object.
       if (const auto safe = each.find("safe"); safe != each.end() && safe->is_object())
         port.safe = json_text(*safe);
       else

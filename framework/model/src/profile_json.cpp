@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// In the order in which they may not fall.
+/// The times of a module in ascending order.
 struct Time {
   const char* key;
   Nanoseconds RunTimes::*of;
@@ -24,7 +24,7 @@ struct Time {
 constexpr std::array kTimes{Time{"min_ns", &RunTimes::min}, Time{"p50_ns", &RunTimes::p50},
                             Time{"p99_ns", &RunTimes::p99}, Time{"p999_ns", &RunTimes::p999},
                             Time{"max_ns", &RunTimes::max}};
-constexpr const char* kRewrite = "let takt run --profile write the file again";
+constexpr const char* kRewrite = "write the file again with takt run --profile";
 
 class ProfileReader {
  public:
@@ -40,16 +40,16 @@ class ProfileReader {
     const auto before = text_.substr(0, offset);
     return 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
   }
-  /// Of a key's first place in the text; 1 where it is written in a way of its own, with escapes.
+  /// The line of a key's first occurrence in the text; 1 if the key is written with escapes.
   [[nodiscard]] int line_of(const std::string& key) const {
     const std::size_t found = text_.find('"' + key + '"');
     return found == std::string_view::npos ? 1 : line_at(found);
   }
   void read_module(const std::string& name, const Json& value);
-  /// A whole number from 0 on that fits 63 bits; else a problem and 0.
+  /// A whole number of at least 0 that fits in 63 bits. Otherwise reports a problem and returns 0.
   std::int64_t number(const std::string& module, const Json& value, const char* key);
-  void refuse_others(const Json& object, const std::vector<std::string_view>& known, const std::string& whose,
-                     int line);
+  void reject_unknown(const Json& object, const std::vector<std::string_view>& known,
+                      const std::string& whose, int line);
 
   std::string_view text_;
   std::string_view file_;
@@ -57,11 +57,11 @@ class ProfileReader {
   Problems problems_;
 };
 
-void ProfileReader::refuse_others(const Json& object, const std::vector<std::string_view>& known,
-                                  const std::string& whose, int line) {
+void ProfileReader::reject_unknown(const Json& object, const std::vector<std::string_view>& known,
+                                   const std::string& whose, int line) {
   for (const auto& [key, value] : object.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end())
-      add(line, whose + " has no " + in_quotes(key), suggestion(key, known));
+      add(line, "unknown member " + in_quotes(key) + " of " + whose, suggestion(key, known));
   }
 }
 
@@ -73,7 +73,7 @@ std::int64_t ProfileReader::number(const std::string& module, const Json& value,
   } else if (!found->is_number_unsigned() ||
              found->get<std::uint64_t>() > std::uint64_t{std::numeric_limits<std::int64_t>::max()}) {
     add(line, "\"" + std::string{key} + "\" of " + in_quotes(module) + " is " + brief(found->dump()),
-        "a whole number from 0 to 2^63 - 1");
+        "write a whole number from 0 to 2^63 - 1");
   } else {
     return found->get<std::int64_t>();
   }
@@ -85,10 +85,10 @@ void ProfileReader::read_module(const std::string& name, const Json& value) {
   const std::size_t dot = name.find('.');
   if (dot == 0 || dot == std::string::npos || dot + 1 == name.size() ||
       name.find('.', dot + 1) != std::string::npos) {
-    add(line, in_quotes(name) + " names no module", "write it as \"device.module\"");
+    add(line, in_quotes(name) + " is not the name of a module", "write it as \"device.module\"");
   }
   if (!value.is_object()) {
-    add(line, in_quotes(name) + " has no run times", R"(an object with "runs", "min_ns" and so on)");
+    add(line, in_quotes(name) + " has no run times", R"(write an object with "runs", "min_ns" and so on)");
     return;
   }
   const std::size_t before = problems_.size();
@@ -99,14 +99,14 @@ void ProfileReader::read_module(const std::string& name, const Json& value) {
     times.*time.of = Nanoseconds{number(name, value, time.key)};
     known.emplace_back(time.key);
   }
-  refuse_others(value, known, in_quotes(name), line);
+  reject_unknown(value, known, in_quotes(name), line);
   if (problems_.size() != before) return;
   for (std::size_t i = 1; i < kTimes.size(); ++i) {
     if (times.*kTimes[i - 1].of <= times.*kTimes[i].of) continue;
     add(line,
         "\"" + std::string{kTimes[i - 1].key} + "\" of " + in_quotes(name) + " is larger than \"" +
             kTimes[i].key + "\"",
-        "times that do not fall from min_ns to max_ns");
+        "write times that do not decrease from min_ns to max_ns");
   }
   profile_.modules[name] = times;
 }
@@ -116,21 +116,21 @@ Result<Profile> ProfileReader::read() {
   try {
     root = Json::parse(text_);
   } catch (const Json::parse_error& error) {
-    add(line_at(error.byte == 0 ? 0 : error.byte - 1), "this is no JSON", kRewrite);
+    add(line_at(error.byte == 0 ? 0 : error.byte - 1), "the file is not JSON", kRewrite);
     return problems_;
   }
   if (!root.is_object()) {
-    add(1, "this is no profile", kRewrite);
+    add(1, "the file is not a profile", kRewrite);
     return problems_;
   }
-  refuse_others(root, {"cell", "machine", "modules"}, "a profile", 1);
+  reject_unknown(root, {"cell", "machine", "modules"}, "a profile", 1);
   if (const auto cell = root.find("cell"); cell == root.end() || !cell->is_string()) {
-    add(line_of("cell"), "the profile does not say of which cell it is", R"("cell": "NAME")");
+    add(line_of("cell"), "the profile does not name its cell", R"(add "cell": "NAME")");
   } else {
     profile_.cell = cell->get<std::string>();
   }
   if (const auto machine = root.find("machine"); machine != root.end() && !machine->is_object())
-    add(line_of("machine"), "\"machine\" is no object", kRewrite);
+    add(line_of("machine"), "\"machine\" is not an object", kRewrite);
   const auto modules = root.find("modules");
   if (modules == root.end() || !modules->is_object()) {
     add(line_of("modules"), "the profile has no modules", kRewrite);

@@ -34,7 +34,7 @@ SafeReading read_safe(const Module& module, const Port& port) {
   Json value = reading.json.empty() ? Json::object() : parse_json(reading.json);
   std::vector<std::string> seen;
   for (const PropertyValue& field : given->fields) {
-    const auto refuse = [&](const Problems& problems) {
+    const auto reject = [&](const Problems& problems) {
       for (const Problem& problem : problems) {
         reading.problems.emplace_back(field.line, fail("the safe value of port " + in_quotes(port.name) +
                                                            ": " + problem.where + " " + problem.what,
@@ -42,15 +42,15 @@ SafeReading read_safe(const Module& module, const Port& port) {
       }
     };
     if (std::find(seen.begin(), seen.end(), field.name) != seen.end()) {
-      refuse({{port.type.name + "." + field.name, "is given twice", "give it one value"}});
+      reject({{port.type.name + "." + field.name, "is given twice", "give it one value"}});
       continue;
     }
     seen.push_back(field.name);
     const auto json = json_of_words(port.type, {field.name + "=" + field.value});
     if (!json) {
-      refuse(json.problems());
+      reject(json.problems());
     } else if (const auto fits = sample_bytes(port.type, *json); !fits) {
-      refuse(fits.problems());
+      reject(fits.problems());
     } else {
       value.merge_patch(parse_json(*json));
     }

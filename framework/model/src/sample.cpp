@@ -1,4 +1,4 @@
-// Samples of a type that is known as data only.
+// Checks, prints and builds samples of a type that is known only as data.
 #include <takt/model/type.hpp>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::size_t product(const std::vector<std::size_t>& dimensions) noexcept {
   return result;
 }
 
-/// Calls f with a zero of the C++ type of a number; false for what is none.
+/// Calls f with a zero of the C++ type of a number; returns false if the scalar is not a number.
 template <class F>
 bool with_number(Scalar scalar, F f) {
   switch (scalar) {
@@ -69,7 +69,7 @@ bool with_number(Scalar scalar, F f) {
 
 void check(const std::vector<Field>& fields, CdrReader& from) noexcept;
 
-/// n values that follow one another.
+/// Checks n consecutive values.
 void check(const Field& field, std::size_t n, CdrReader& from) noexcept {
   if (with_number(field.scalar, [&](auto zero) { static_cast<void>(from.take_array(sizeof zero, n)); }))
     return;
@@ -154,7 +154,7 @@ class Printer {
         text += from_.get_boolean() ? "true" : "false";
         break;
       case Scalar::character: {
-        // As Latin-1, in which every byte is a character.
+        // The byte as Latin-1, in which every byte is a character.
         const auto byte = from_.get<unsigned char>();
         quoted(byte < 0x80 ? std::string(1, static_cast<char>(byte))
                            : std::string{static_cast<char>(0xC0 | byte >> 6),
@@ -185,7 +185,7 @@ class Filler {
  public:
   explicit Filler(CdrWriter& to) : to_(to) {}
 
-  /// A null stands for what is missing.
+  /// Null stands for a missing value.
   void structure(const std::vector<Field>& fields, const Json& json, const std::string& where) {
     if (!json.is_null() && !json.is_object()) problem(where, json, R"(write an object, {"field": value})");
     if (json.is_object()) unknown(fields, json, where);
@@ -260,7 +260,7 @@ class Filler {
         if (!json.is_null() &&
             (!json.is_string() || text.size() > field.bound || text.find('\0') != std::string::npos)) {
           problem(where, json,
-                  "write a string of at most " + std::to_string(field.bound) + " bytes, none of them zero");
+                  "write a string of at most " + std::to_string(field.bound) + " bytes without a zero byte");
           text.clear();
         }
         to_.put_text(text.c_str(), text.size(), field.bound);
@@ -342,7 +342,7 @@ std::string sample_json(const Type& type, const std::byte* bytes, std::size_t si
 Result<std::vector<std::byte>> sample_bytes(const Type& type, const std::string& text) {
   const Json json = parse_json(text);
   if (json.is_discarded())
-    return Problem{type.name, "this is no JSON: " + in_quotes(text), R"(write {"field": value})"};
+    return Problem{type.name, "the sample is not JSON: " + in_quotes(text), R"(write {"field": value})"};
   std::vector<std::byte> bytes(max_size(type));
   CdrWriter to{bytes.data(), bytes.size()};
   Filler filler{to};

@@ -25,10 +25,11 @@ constexpr std::array<const char*, 15> kWords{
 
 // ---- Sizes
 
-/// Bytes that something appends, by the place in 8 bytes where it begins: padding depends on nothing else.
+/// The number of bytes that a value adds, indexed by its start offset modulo 8. Padding depends on nothing
+/// else.
 using Span = std::array<std::size_t, 8>;
 
-/// Far beyond every bound, and far from what a size can hold.
+/// Saturated sizes: larger than every limit, and small enough that sums do not overflow.
 constexpr std::size_t kTooMany = 4 * kMaxSampleSize;
 
 Span both(const Span& first, const Span& second) {
@@ -106,7 +107,7 @@ bool is_name(std::string_view text) {
                      [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
 }
 
-/// "motion::JointState".
+/// Whether the text is a type name, such as "motion::JointState".
 bool is_type_name(std::string_view text) {
   if (text.size() > kMaxTypeName) return false;
   for (std::size_t at = text.find("::"); at != std::string_view::npos; at = text.find("::")) {
@@ -121,7 +122,7 @@ class TypeReader {
   std::optional<Type> type(const Json& json) {
     Type type;
     if (!json.is_object()) {
-      problem("", "the description is no object", R"(it is {"name": ..., "fields": [...]})");
+      problem("", "the description is not an object", R"(it is {"name": ..., "fields": [...]})");
       return std::nullopt;
     }
     type.name = name_of(json, "", "name", is_type_name);
@@ -133,7 +134,7 @@ class TypeReader {
 
  private:
   void problem(const std::string& where, std::string what, std::string fix) {
-    // One problem too many is as bad as a thousand.
+    // A hundred problems are enough to read.
     if (problems.size() < 100)
       problems.push_back({where.empty() ? "the type" : where, std::move(what), std::move(fix)});
   }
@@ -141,10 +142,9 @@ class TypeReader {
   void only(const Json& json, const std::string& where, const std::set<std::string_view>& members) {
     for (const auto& [name, value] : json.items()) {
       if (name == "key") {
-        problem(where, "is a key", "the types of ports have none");
+        problem(where, "is a key", "remove the key: port types have none");
       } else if (!members.contains(name)) {
-        problem(where, "has the member " + in_quotes(name),
-                "it is not known here, and may change the meaning");
+        problem(where, "has the unknown member " + in_quotes(name), "remove it: it might change the meaning");
       }
     }
   }
@@ -154,7 +154,7 @@ class TypeReader {
     const auto found = json.find(member);
     if (found != json.end() && found->is_string() && is_right(found->template get_ref<const std::string&>()))
       return found->template get<std::string>();
-    problem(where, std::string{"has no "} + member, "it is a name of IDL");
+    problem(where, std::string{"has no "} + member, "it is an IDL name");
     return "?";
   }
 
@@ -165,8 +165,8 @@ class TypeReader {
       return {};
     }
     if (nesting > kMaxNesting) {
-      problem(where, "is a struct too deep within others",
-              "at most " + std::to_string(kMaxNesting) + " are within one another");
+      problem(where, "is a struct that is nested too deep",
+              "nest at most " + std::to_string(kMaxNesting) + " structs");
       return {};
     }
     std::vector<Field> fields;
@@ -174,13 +174,13 @@ class TypeReader {
     for (const Json& each : *found) {
       if (++fields_ > kMaxFields) {
         if (fields_ == kMaxFields + 1)
-          problem(where, "is beyond the most fields of a type",
-                  "there are at most " + std::to_string(kMaxFields));
+          problem(where, "has too many fields for one type",
+                  "a type has at most " + std::to_string(kMaxFields));
         return fields;
       }
       fields.push_back(field_of(each, where, nesting));
       if (!names.insert(fields.back().name).second && fields.back().name != "?")
-        problem(where + '.' + fields.back().name, "is there twice", "take another name");
+        problem(where + '.' + fields.back().name, "appears twice", "choose another name");
     }
     return fields;
   }
@@ -188,7 +188,7 @@ class TypeReader {
   Field field_of(const Json& json, const std::string& holder, std::size_t nesting) {
     Field field;
     if (!json.is_object()) {
-      problem(holder, "has a field that is no object", R"(it is {"name": ..., "type": ...})");
+      problem(holder, "has a field that is not an object", R"(it is {"name": ..., "type": ...})");
       return field;
     }
     field.name = name_of(json, holder, "name", is_name);
@@ -200,7 +200,7 @@ class TypeReader {
                              ? std::find(kWords.begin(), kWords.end(), word->get_ref<const std::string&>())
                              : kWords.end();
     if (scalar == kWords.end()) {
-      problem(where, "has no type that is known here", "it is one of IDL's, as double");
+      problem(where, "has no known type", "use an IDL type, such as double");
       return field;
     }
     field.scalar = static_cast<Scalar>(scalar - kWords.begin());
@@ -209,14 +209,14 @@ class TypeReader {
     if (json.contains("sequence"))
       field.sequence = size_of_member(json["sequence"], where, "a sequence without a bound");
     if (!field.elements.empty() && field.sequence == 0)
-      problem(where, "has elements and is no sequence", "an array has \"array\"");
+      problem(where, "has \"elements\" but is not a sequence", "an array uses \"array\"");
 
     if (field.scalar == Scalar::text) {
       members.insert("bound");
       if (json.contains("bound")) {
         field.bound = size_of_member(json["bound"], where, "a string without a bound");
       } else {
-        problem(where, "is a string without a bound", "string<64> has one");
+        problem(where, "is a string without a bound", "add one, as in string<64>");
       }
     }
     if (field.scalar == Scalar::enumeration || field.scalar == Scalar::structure) {
@@ -234,7 +234,7 @@ class TypeReader {
       if (field.sequence > 0) --sequences_;
     }
     if (field.sequence > 0 && sequences_ > 0)
-      problem(where, "is a sequence within a sequence", "an array of sequences can be");
+      problem(where, "is a sequence within a sequence", "use an array of sequences");
     only(json, where, members);
     return field;
   }
@@ -243,7 +243,7 @@ class TypeReader {
     if (json.is_number_unsigned() && json.get<std::uint64_t>() >= 1 &&
         json.get<std::uint64_t>() <= kMaxSampleSize)
       return json.get<std::size_t>();
-    problem(where, std::string{"is "} + what, "it is from 1 to " + std::to_string(kMaxSampleSize));
+    problem(where, std::string{"is "} + what, "give one from 1 to " + std::to_string(kMaxSampleSize));
     return 1;
   }
 
@@ -252,7 +252,7 @@ class TypeReader {
     if (found == json.end()) return {};
     std::vector<std::size_t> sizes;
     if (!found->is_array() || found->empty()) {
-      problem(where, std::string{"has no size in \""} + member + '"', "it is a list of sizes");
+      problem(where, std::string{"has no size in \""} + member + '"', "write a list of sizes");
       return {};
     }
     for (const Json& each : *found) sizes.push_back(size_of_member(each, where, "an array without a size"));
@@ -267,7 +267,7 @@ class TypeReader {
       for (const Json& each : *found) {
         if (!each.is_string() || !is_name(each.get_ref<const std::string&>()) ||
             !names.insert(each.get<std::string>()).second) {
-          problem(where, "has an enumerator without a name of its own", "it is a name of IDL");
+          problem(where, "has an enumerator without a unique name", "it is an IDL name");
           return {"?"};
         }
         enumerators.push_back(each.get<std::string>());
@@ -278,7 +278,7 @@ class TypeReader {
   }
 
   std::size_t fields_ = 0;
-  int sequences_ = 0;  // that what is read now is an element of
+  int sequences_ = 0;  // the number of sequences around the current field
 };
 
 Json fields_json(const std::vector<Field>& fields) {
@@ -306,7 +306,7 @@ Result<Type> parse_type(const std::string& text) {
     return Problem{"the type", "its description has " + std::to_string(text.size()) + " bytes",
                    "it has at most " + std::to_string(kMaxDescription)};
   const Json json = parse_json(text);
-  if (json.is_discarded()) return Problem{"the type", "its description is no JSON", {}};
+  if (json.is_discarded()) return Problem{"the type", "its description is not JSON", {}};
   TypeReader reader;
   auto type = reader.type(json);
   if (!reader.problems.empty()) return std::move(reader.problems);

@@ -42,7 +42,7 @@ class Validation {
   Findings& findings_;
 };
 
-/// False when a name is not valid, so that nobody can refer to its owner.
+/// Returns false if a name is not valid; then no reference to that name can be checked.
 template <class Named>
 bool Validation::check_names(const char* kind, const std::vector<Named>& all, const std::string& owner) {
   bool all_valid = true;
@@ -69,7 +69,7 @@ void Validation::check_module_names(const Device& device, OfDevice& gaps) {
     if (!is_valid_name(module.name)) {
       gaps.modules = true;
       if (from_file && module.filename.empty()) {
-        continue;  // said of the filename
+        continue;  // reported for the filename
       } else if (from_file) {
         add(line, in_quotes(module.name) + ", taken from the filename, is not a valid module name",
             std::string{"give the module a <name>; "} + kNameRule);
@@ -82,7 +82,7 @@ void Validation::check_module_names(const Device& device, OfDevice& gaps) {
     if (is_new) continue;
     add(line, "duplicate module " + in_quotes(module.name) + " on device " + in_quotes(device.name),
         "the first is " + findings_.whereabouts(seen->second->line) +
-            (from_file ? "; give one of them a <name>, for this one is taken from the filename"
+            (from_file ? "; give one of them a <name>: this name is taken from the filename"
                        : "; give one of them another <name>"));
   }
 }
@@ -116,20 +116,21 @@ void Validation::check_times(const Module& module) {
   if (module.offset && module.operation != Operation::periodic) {
     add(or_module(module.lines.offset),
         to_text(module.operation) + std::string{" module "} + name + " has an <offset>",
-        "remove the <offset>, or make the module periodic: only the table has rows to shift it to");
+        "remove the <offset>, or make the module periodic: only periodic modules have an offset");
   } else if (module.offset && module.period &&
              (module.offset->count() < 0 || *module.offset >= *module.period)) {
     add(or_module(module.lines.offset),
-        "the offset of " + name + ", " + takt::to_text(*module.offset) + ", is not below its period, " +
+        "the offset of " + name + ", " + takt::to_text(*module.offset) + ", is outside its period, " +
             takt::to_text(*module.period),
-        "an offset is 0 to below the period");
+        "an offset is at least 0 and less than the period");
   }
   if (module.overrun && module.operation != Operation::periodic) {
     add(or_module(module.lines.overrun),
         to_text(module.operation) + std::string{" module "} + name + " has an <overrun>",
         module.operation == Operation::sporadic
-            ? "remove the <overrun>; what a missed deadline is says <deadline miss=\"count\"> or \"error\""
-            : "remove the <overrun>: nobody waits for a module that is non-real");
+            ? "remove the <overrun>; miss=\"count\" or \"error\" of <deadline> sets the reaction to a missed "
+              "deadline"
+            : "remove the <overrun>: only periodic modules have an overrun contract");
   }
   const auto tolerated = [&](const char* what, const std::optional<int>& number) {
     if (!number || (*number >= 1 && *number <= kMaxTolerance)) return;
@@ -144,17 +145,17 @@ void Validation::check_times(const Module& module) {
     case Operation::periodic:
       if (!module.period) {
         add(module.line, "periodic module " + name + " has no <period>",
-            "give it one in nanoseconds, as in <period>1000000</period>");
+            "add one in nanoseconds, as in <period>1000000</period>");
       }
       if (module.deadline) {
         add(deadline_line, "periodic module " + name + " has a <deadline>",
-            "its period is its deadline: remove the <deadline>, or make it sporadic");
+            "its period is its deadline: remove the <deadline>, or make the module sporadic");
       }
       break;
     case Operation::sporadic:
       if (!module.deadline) {
         add(module.line, "sporadic module " + name + " has no <deadline>",
-            "give it one in nanoseconds, as in <deadline>1000000</deadline>");
+            "add one in nanoseconds, as in <deadline>1000000</deadline>");
       }
       if (module.period) {
         add(period_line, "sporadic module " + name + " has a <period>",
@@ -164,7 +165,7 @@ void Validation::check_times(const Module& module) {
     case Operation::non_real:
       if (module.period && module.type != ModuleType::thread) {
         add(period_line, "non-real module " + name + " is a process and has a <period>",
-            "remove the <period>: a process that is non-real runs on its own");
+            "remove the <period>: Takt does not release a non-real process");
       }
       if (module.deadline) {
         add(deadline_line, "non-real module " + name + " has a <deadline>",
@@ -172,13 +173,13 @@ void Validation::check_times(const Module& module) {
       }
       if (module.budget) {
         add(or_module(module.lines.budget), "non-real module " + name + " has a <budget>",
-            "remove the <budget>: nobody waits for a module that is non-real");
+            "remove the <budget>: only periodic and sporadic modules have a budget");
       }
       break;
   }
 }
 
-/// What only a sporadic module may say of its releases.
+/// Rejects elements that only a sporadic module may have.
 void Validation::check_release(const Module& module) {
   const std::string name = in_quotes(module.name);
   const auto or_module = [&](Line line) { return line.given() ? line : module.line; };
@@ -188,14 +189,14 @@ void Validation::check_release(const Module& module) {
         "an interarrival is a whole number of nanoseconds, at least 1");
   }
   if (module.retain && module.type == ModuleType::process && module.operation == Operation::non_real) {
-    add(or_module(module.lines.retain), "non-real program " + name + " has a <retain>",
-        "remove it: a program that is not released keeps what it needs in files of its own");
+    add(or_module(module.lines.retain), "non-real process " + name + " has a <retain>",
+        "remove the <retain>: a non-real process keeps its state in its own files");
   }
   if (module.operation == Operation::sporadic) return;
   const std::string kind = std::string{to_text(module.operation)} + " module " + name;
   const std::string reason = module.operation == Operation::periodic
-                                 ? ": its period says when it runs"
-                                 : ": what is non-real runs outside the scheduler";
+                                 ? ": a periodic module is released by its period"
+                                 : ": a non-real module runs outside the scheduler";
   if (module.lines.dispatch.given() || module.dispatch != Dispatch::row) {
     add(or_module(module.lines.dispatch), kind + " has a <dispatch>",
         "remove the <dispatch>, or make the module sporadic" + reason);
@@ -204,10 +205,10 @@ void Validation::check_release(const Module& module) {
     add(or_module(module.lines.interarrival), kind + " has an <interarrival>",
         "remove the <interarrival>, or make the module sporadic" + reason);
   }
-  // With a deadline, that is what is wrong.
+  // If there is a deadline, check_times() has already rejected that.
   if (module.miss != Miss::count && !module.deadline) {
-    add(module.line, kind + " says what a missed deadline is and has none",
-        "leave that at count, or make the module sporadic");
+    add(module.line, kind + " has a reaction to a missed deadline, but no deadline",
+        "leave miss at count, or make the module sporadic");
   }
 }
 
@@ -216,16 +217,16 @@ void Validation::check_executor_of(const Module& module, const Device& device, c
   if (module.operation == Operation::non_real) {
     if (module.executor.empty()) return;
     add(line, "non-real module " + in_quotes(module.name) + " has an <executor>",
-        "remove the <executor>: a module that is non-real runs outside the scheduler");
+        "remove the <executor>: a non-real module runs outside the scheduler");
     return;
   }
   if (gaps.executors || device.executors.empty()) return;
   const std::vector<std::string_view> names = names_of(device.executors);
   if (module.executor.empty()) {
     add(line,
-        "module " + in_quotes(module.name) + " has no <executor> and its device has " +
-            std::to_string(names.size()),
-        "say which: " + one_of(names));
+        "module " + in_quotes(module.name) + " has no <executor>, and its device has " +
+            std::to_string(names.size()) + " executors",
+        "name one: " + one_of(names));
     return;
   }
   if (std::find(names.begin(), names.end(), module.executor) != names.end()) return;
@@ -239,10 +240,10 @@ void Validation::check_module(const Module& module, const Device& device, const 
   const Line filename_line = module.lines.filename.given() ? module.lines.filename : module.line;
   if (module.filename.empty()) {
     add(filename_line, "module " + in_quotes(module.name) + " has an empty filename",
-        "give the .so or the program that the module is");
+        "give the path of the module's .so or program");
   } else if (module.filename.size() > kMaxFilename) {
     add(filename_line, "the filename " + in_quotes(module.filename) + " is too long",
-        "it may have 4096 bytes");
+        "at most 4096 bytes are allowed");
   } else if (module.filename.find('\0') != std::string::npos) {
     add(filename_line, "the filename " + in_quotes(module.filename) + " has a zero byte", "remove it");
   }
@@ -253,13 +254,13 @@ void Validation::check_module(const Module& module, const Device& device, const 
   const Recovery& recovery = module.recovery;
   if (recovery.attempts < 0 || recovery.attempts > kMaxAttempts) {
     add(module.line,
-        "module " + in_quotes(module.name) + " tries recovery " + std::to_string(recovery.attempts) +
-            " times",
+        "module " + in_quotes(module.name) + " has " + std::to_string(recovery.attempts) +
+            " recovery attempts",
         "attempts is 0 to 1000");
   }
   if (recovery.backoff.count() < 0 || recovery.backoff > kMaxBackoff) {
     add(module.line,
-        "module " + in_quotes(module.name) + " waits " + takt::to_text(recovery.backoff) + " before recovery",
+        "module " + in_quotes(module.name) + " has a backoff of " + takt::to_text(recovery.backoff),
         "backoff is 0 to 3600000000000 ns (1 h)");
   }
   check_names("property", module.properties, " of module " + in_quotes(module.name));
@@ -275,7 +276,7 @@ void Validation::check_device(const Device& device, OfDevice& gaps) {
   too_many(device.executors.size(), kMaxExecutors, "executors");
   too_many(device.modules.size(), kMaxModules, "modules");
   if (device.executors.empty() && !gaps.executors) {
-    add(device.line, "device " + in_quotes(device.name) + " has no executor", "give it one, as main");
+    add(device.line, "device " + in_quotes(device.name) + " has no executor", "add one, as in main");
   }
   if (device.modules.empty() && !gaps.modules) {
     add(device.line, "device " + in_quotes(device.name) + " has no module", "give it at least one <module>");
@@ -284,7 +285,7 @@ void Validation::check_device(const Device& device, OfDevice& gaps) {
     gaps.executors = true;
   check_module_names(device, gaps);
   if (device.executors.size() > kMaxExecutors)
-    gaps.executors = true;  // comparing with them all would take hours
+    gaps.executors = true;  // comparing every module with all of them would take hours
   for (const Executor& executor : device.executors) check_executor(executor);
   for (const Module& module : device.modules) {
     if (findings_.full()) return;

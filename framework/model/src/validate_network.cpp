@@ -12,7 +12,7 @@ namespace takt::model {
 
 namespace {
 
-/// Words with one slash between two of them.
+/// Whether the name is words separated by single slashes.
 bool is_ros2_name(std::string_view name) {
   bool begins = true;
   for (const char c : name) {
@@ -24,15 +24,15 @@ bool is_ros2_name(std::string_view name) {
   return !begins;
 }
 
-constexpr const char* kTopicRule = "a topic is 1 to 255 printable ASCII characters, none of them a space";
+constexpr const char* kTopicRule = "a topic has 1 to 255 printable ASCII characters and no space";
 
-/// The fix for a name that nobody has.
+/// The fix for an unknown name.
 std::string choose(const char* kind, std::string_view wrong, const std::vector<std::string_view>& names) {
-  if (names.empty()) return std::string{"add a <"} + kind + "> of this name";
+  if (names.empty()) return std::string{"add a <"} + kind + "> with this name";
   return suggestion(wrong, names);
 }
 
-/// Nothing was given, not even something that is no endpoint.
+/// Whether the end was left out; false for an end that is only partly given.
 bool is_missing(const Endpoint& end) { return end.device.empty() && end.module.empty() && end.port.empty(); }
 
 using Key = std::tuple<const std::string&, const std::string&, const std::string&>;
@@ -47,14 +47,15 @@ class Network {
 
   void check_discovery();
   void check_connections();
-  /// After check_connections().
+  /// Call it after check_connections().
   void check_services();
 
  private:
-  /// Of every device of one name: a duplicate is told as such, and what stands in it is known all the same.
+  /// The modules of all devices with the same name. Duplicate devices are reported elsewhere; their modules
+  /// still count as known.
   struct Known {
     bool gaps = false;
-    std::vector<std::string_view> modules{};  // in the order of the file
+    std::vector<std::string_view> modules{};  // in the order of the descriptor
     std::set<std::string_view> sorted{};
   };
 
@@ -62,7 +63,7 @@ class Network {
     findings_.add(line, std::move(what), std::move(fix));
   }
   [[nodiscard]] bool full() const { return findings_.full(); }
-  /// Of a topic of the connection's own.
+  /// The domain of a connection's topic.
   [[nodiscard]] int domain_of(const Connection& connection) const {
     return connection.domain.value_or(cell_.domain);
   }
@@ -90,8 +91,8 @@ void Network::check_discovery() {
   check_server();
   if (cell_.security_required && cell_.discovery.kind == Discovery::Kind::server) {
     add(cell_.line,
-        "security=\"required\" and a discovery server exclude each other in this version of Fast DDS",
-        "say discovery=\"multicast\" or \"peers\", or security=\"optional\"");
+        "security=\"required\" cannot be used with a discovery server in this version of Fast DDS",
+        "set discovery=\"multicast\" or \"peers\", or security=\"optional\"");
   }
 }
 
@@ -99,15 +100,15 @@ void Network::check_peers() {
   using Kind = Discovery::Kind;
   const Discovery& discovery = cell_.discovery;
   if (discovery.kind != Kind::peers && !discovery.peers.empty()) {
-    add(cell_.line, "the cell has peers and no discovery=\"peers\"",
-        "say discovery=\"peers\", or remove them");
+    add(cell_.line, "the cell has peers but not discovery=\"peers\"",
+        "set discovery=\"peers\", or remove peers");
   }
   if (discovery.kind == Kind::peers && discovery.peers.empty()) {
-    add(cell_.line, "discovery=\"peers\" without peers",
+    add(cell_.line, "discovery=\"peers\" requires peers",
         "name at least one, as in peers=\"10.0.0.1 line.local\"");
   }
   if (discovery.peers.size() > kMaxPeers) {
-    add(cell_.line, "the cell has more than 256 peers", "use a discovery server for so many");
+    add(cell_.line, "the cell has more than 256 peers", "use a discovery server instead");
     return;
   }
   std::set<std::string_view> seen;
@@ -125,8 +126,8 @@ void Network::check_server() {
   using Kind = Discovery::Kind;
   const Discovery& discovery = cell_.discovery;
   if (discovery.kind == Kind::server && discovery.server.empty()) {
-    add(cell_.line, "discovery=\"server\" without a server",
-        "say where it is, as in server=\"10.0.0.1:11811\"");
+    add(cell_.line, "discovery=\"server\" requires a server",
+        "give its address, as in server=\"10.0.0.1:11811\"");
   }
   if (!discovery.server.empty()) {
     if (!is_valid_server(discovery.server)) {
@@ -134,14 +135,14 @@ void Network::check_server() {
           "write host:port, as in 10.0.0.1:11811");
     }
     if (discovery.kind != Kind::server) {
-      add(cell_.line, "the cell has a server and no discovery=\"server\"",
-          "say discovery=\"server\", or remove the server");
+      add(cell_.line, "the cell has a server but not discovery=\"server\"",
+          "set discovery=\"server\", or remove the server");
     }
   }
   if (cell_.server_device.empty()) return;
   if (discovery.kind != Kind::server) {
-    add(cell_.line, "the cell has a server-device and no discovery=\"server\"",
-        "say discovery=\"server\", or remove the server-device");
+    add(cell_.line, "the cell has a server-device but not discovery=\"server\"",
+        "set discovery=\"server\", or remove the server-device");
   }
   const std::vector<std::string_view> names = names_of(cell_.devices);
   if (gaps_.devices || std::find(names.begin(), names.end(), cell_.server_device) != names.end()) return;
@@ -149,13 +150,13 @@ void Network::check_server() {
       choose("device", cell_.server_device, names));
 }
 
-/// False when the endpoint cannot be compared with others.
+/// Returns false if the endpoint cannot be compared with others.
 bool Network::check_endpoint(const Endpoint& endpoint, const char* side, Line line) {
   if (!is_valid_name(endpoint.device) || !is_valid_name(endpoint.module) || !is_valid_name(endpoint.port)) {
-    add(line, std::string{side} + " is " + in_quotes(to_text(endpoint)),
+    add(line, std::string{side} + " is not valid: " + in_quotes(to_text(endpoint)),
         std::string{side == std::string_view{"client"} || side == std::string_view{"server"}
-                        ? "it is device.module.service; "
-                        : "it is device.module.port; "} +
+                        ? "write device.module.service; "
+                        : "write device.module.port; "} +
             kNameRule);
     return false;
   }
@@ -177,7 +178,7 @@ bool Network::check_endpoint(const Endpoint& endpoint, const char* side, Line li
 
 void Network::check_connection(const Connection& connection) {
   if (connection.kind == ConnectionKind::latest && connection.depth != 1) {
-    add(connection.line, "a connection of kind latest has a depth", "remove depth, or say kind=\"queue\"");
+    add(connection.line, "a connection of kind latest has a depth", "remove depth, or set kind=\"queue\"");
   } else if (connection.depth < 1 || connection.depth > kMaxDepth) {
     add(connection.line, "a connection has depth " + std::to_string(connection.depth), "depth is 1 to 65536");
   }
@@ -190,8 +191,8 @@ void Network::check_connection(const Connection& connection) {
   positive("deadline", connection.deadline);
   positive("lifespan", connection.lifespan);
   if (connection.stale == Stale::error && !connection.deadline) {
-    add(connection.line, "a connection has stale=\"error\" and no deadline",
-        "say with deadline, in nanoseconds, when a value is stale");
+    add(connection.line, "a connection has stale=\"error\" but no deadline",
+        "add deadline, in nanoseconds: an older value is stale");
   }
   check_topic(connection);
 }
@@ -201,8 +202,8 @@ void Network::check_topic(const Connection& connection) {
   if (!topic.empty() && !is_valid_topic(topic)) {
     add(connection.line, in_quotes(topic) + " is not a valid topic", kTopicRule);
   } else if (topic.rfind(kOwnTopics, 0) == 0) {
-    add(connection.line, "the topic " + in_quotes(topic) + " begins with takt/, as only Takt's own do",
-        "name it otherwise, or leave topic out: the connection then has a topic by itself");
+    add(connection.line, "the topic " + in_quotes(topic) + " begins with takt/, which is reserved for Takt",
+        "choose another name, or remove topic: the connection then gets a topic of its own");
   }
   if (connection.ros2) check_ros2_topic(connection);
   if (!connection.domain) return;
@@ -211,47 +212,45 @@ void Network::check_topic(const Connection& connection) {
         "a domain is 0 to 232");
   }
   if (topic.empty()) {
-    add(connection.line, "a connection has a domain and no topic",
-        "the domain is that of a topic: name the topic, or remove the domain");
+    add(connection.line, "a connection has a domain but no topic",
+        "the domain is that of the topic: name the topic, or remove the domain");
   }
 }
 
 void Network::check_ros2_topic(const Connection& connection) {
   constexpr const char* kRule =
-      "a topic of ROS 2 is words with / between them, as in /arm/joint_states; a word has letters, digits "
-      "and _, "
-      "and begins with a letter or _";
+      "a ROS 2 topic is words separated by /, as in /arm/joint_states; a word has letters, digits and _, and "
+      "does not begin with a digit";
   const std::string_view prefix = kRos2Topics;
   const std::string& topic = connection.topic;
   if (topic.empty()) {
-    add(connection.line, "a connection has ros2=\"true\" and no topic", "say which topic of ROS 2 it is");
+    add(connection.line, "a connection has ros2=\"true\" but no topic", "name the ROS 2 topic");
   } else if (topic.rfind(prefix, 0) != 0) {
-    add(connection.line, in_quotes(topic) + " is no topic of ROS 2", kRule);
+    add(connection.line, in_quotes(topic) + " is not a valid ROS 2 topic", kRule);
   } else if (!is_ros2_name(std::string_view{topic}.substr(prefix.size()))) {
-    add(connection.line, in_quotes(topic.substr(prefix.size())) + " is no topic of ROS 2", kRule);
+    add(connection.line, in_quotes(topic.substr(prefix.size())) + " is not a valid ROS 2 topic", kRule);
   }
 }
 
-/// False when there is nothing to compare with other connections.
+/// Returns false if the connection cannot be compared with others.
 bool Network::check_ends(const Connection& connection) {
   const bool from_missing = is_missing(connection.from);
   const bool to_missing = is_missing(connection.to);
   if (from_missing && to_missing) {
-    add(connection.line, "a connection has neither from nor to",
-        "say from which port to which port; with a topic one of them is enough");
+    add(connection.line, "a connection has neither from nor to", "name both ports, or one port and a topic");
     return false;
   }
   const bool from_known = from_missing || check_endpoint(connection.from, "from", connection.line);
   const bool to_known = to_missing || check_endpoint(connection.to, "to", connection.line);
   if (connection.topic.empty() && (from_missing || to_missing)) {
     add(connection.line, std::string{"a connection has no "} + (from_missing ? "from" : "to"),
-        from_missing ? "say which port it comes from, or name the topic that another program writes"
-                     : "say which port it goes to, or name the topic that another program reads");
+        from_missing ? "name the port that it comes from, or name the topic that another program writes"
+                     : "name the port that it goes to, or name the topic that another program reads");
     return false;
   }
   if (to_missing && connection.stale == Stale::error) {
-    add(connection.line, "a connection without a to has stale=\"error\"",
-        "remove stale: no module of this cell would be in error");
+    add(connection.line, "a connection has stale=\"error\" but no to",
+        "remove stale: no module of this cell reads the value");
   }
   if (!from_known || !to_known) return false;
   if (from_missing || to_missing) return true;
@@ -266,14 +265,14 @@ bool Network::check_ends(const Connection& connection) {
     add(connection.line,
         "the topic from " + in_quotes(to_text(connection.from)) + " would have " + std::to_string(length) +
             " characters",
-        "a topic has at most 255: use shorter names, or give the connection a topic of its own");
+        "a topic has at most 255: use shorter names, or set topic on the connection");
   }
   return true;
 }
 
-/// An input that holds one latest value has one writer, from wherever.
+/// An input that holds one latest value has exactly one writer, inside or outside the cell.
 void Network::check_writers(const Connections& connections) {
-  // Of two connections with both ends the topic makes no difference: the same would be written twice.
+  // Two connections with the same two ends are duplicates even if their topics differ.
   using Same = std::tuple<Key, Key, std::string_view, int>;
   std::map<Same, const Connection*> same;
   std::map<Key, const Connection*> writer;
@@ -307,7 +306,8 @@ void Network::check_writers(const Connections& connections) {
   }
 }
 
-/// Who reads a topic reads everybody who writes it.
+/// A reader of a topic receives from all its writers, so a topic read as a latest value needs a single
+/// writer.
 void Network::check_shared_topics(const Connections& connections) {
   struct Writers {
     const Connection* first = nullptr;
@@ -341,13 +341,13 @@ void Network::check_shared_topics(const Connections& connections) {
   }
 }
 
-/// A module that is in error writes nothing. Where modules are in error without each other's values, none of
-/// them would ever come back.
+/// Finds circles of connections with stale="error". A module in error writes nothing, so modules that are in
+/// error without each other's values would never recover.
 void Network::check_waiting(const Connections& connections) {
   using Name = std::pair<std::string_view, std::string_view>;
   struct Reader {
     std::vector<const Connection*> waits_for;
-    std::size_t looked_at = 0;
+    std::size_t next = 0;  // in waits_for
     bool entered = false;
     bool left = false;
   };
@@ -364,12 +364,12 @@ void Network::check_waiting(const Connections& connections) {
     start.entered = true;
     while (!path.empty() && !full()) {
       Reader& reader = *path.back().second;
-      if (reader.looked_at == reader.waits_for.size()) {
+      if (reader.next == reader.waits_for.size()) {
         reader.left = true;
         path.pop_back();
         continue;
       }
-      const Connection& connection = *reader.waits_for[reader.looked_at++];
+      const Connection& connection = *reader.waits_for[reader.next++];
       const auto writer = readers.find(name_of(connection.from));
       if (writer == readers.end() || writer->second.left) continue;
       if (!writer->second.entered) {
@@ -386,17 +386,17 @@ void Network::check_waiting(const Connections& connections) {
       add(connection.line,
           path.end() - begin == 1
               ? "module " + circle +
-                    " would be in error without a value that it writes itself, and never come back"
+                    " waits for a value that it writes itself: once in error, it can never recover"
               : "modules " + circle +
-                    " would each be in error without a value of the next: once they are, none comes back",
-          "let one of these connections hold: remove its stale=\"error\"");
+                    " each wait for a value of the next: once in error, none of them can recover",
+          "remove stale=\"error\" from one of these connections");
     }
   }
 }
 
 void Network::check_connections() {
   if (cell_.connections.size() > kMaxConnections) {
-    add(cell_.line, "the cell has more than 100000 connections", "make several cells of it");
+    add(cell_.line, "the cell has more than 100000 connections", "split it into several cells");
     return;
   }
   for (std::size_t i = 0; i < cell_.devices.size(); ++i) {
@@ -409,7 +409,7 @@ void Network::check_connections() {
   Connections comparable;
   for (std::size_t index = 0; index < cell_.connections.size() && !full(); ++index) {
     const Connection& connection = cell_.connections[index];
-    if (connection.carries != Carries::samples) continue;  // made of a service, at which it is looked below
+    if (connection.carries != Carries::samples) continue;  // of a service; check_services() checks these
     check_connection(connection);
     if (index < gaps_.without_ends.size() && gaps_.without_ends[index]) continue;
     if (check_ends(connection)) comparable.push_back(&connection);
@@ -430,7 +430,7 @@ bool Network::check_service_end(const Endpoint& end, const char* side, Line line
 /// A client has one server; a service may have many clients.
 void Network::check_services() {
   if (cell_.services.size() > kMaxConnections) {
-    add(cell_.line, "the cell has more than 100000 services", "make several cells of it");
+    add(cell_.line, "the cell has more than 100000 services", "split it into several cells");
     return;
   }
   std::map<Key, const Service*> served;
@@ -442,8 +442,9 @@ void Network::check_services() {
     if (!client_known || !server_known) continue;
     if (service.client.device == service.server.device && service.client.module == service.server.module) {
       add(service.line,
-          "module " + in_quotes(service.client.device + "." + service.client.module) + " asks itself",
-          "a service is for another module; call a function");
+          "module " + in_quotes(service.client.device + "." + service.client.module) +
+              " is both client and server of a service",
+          "call a function instead: a service connects two modules");
       continue;
     }
     const auto [other, is_first] = served.emplace(key(service.client), &service);
@@ -455,7 +456,7 @@ void Network::check_services() {
           "remove one; the first is " + findings_.whereabouts(other->second->line));
       continue;
     }
-    // The longer of the two: the reply's is named after the client too.
+    // The longer of the two topics; the topic of the replies is named after the client, too.
     Endpoint request = service.client;
     request.port += kRequestPort;
     const Connection requests{

@@ -1,4 +1,4 @@
-// What a cell can be wrong about between its devices: its connections, and how its nodes find each other.
+// The rules of a cell that concern more than one device: its connections, its services and its discovery.
 #pragma once
 
 #include <takt/model/cell.hpp>
@@ -7,7 +7,7 @@
 
 namespace takt::model {
 
-/// The part of validate() that is about more than one device. `gaps` knows of every device.
+/// The part of validate() for these rules. `gaps.of_device` must have an entry for every device.
 void validate_network(const Cell& cell, const Gaps& gaps, Findings& findings);
 
 }  // namespace takt::model

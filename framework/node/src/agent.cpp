@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include <takt/dds/fault.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/fault.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/node/log.hpp>
 #include <takt/os/environment.hpp>
 #include "agent_update.hpp"
@@ -13,9 +13,9 @@ namespace takt::node {
 
 using Phase = Supervised::Phase;
 
-Agent::Agent(Options options, Workshop workshop, Publisher& publisher)
+Agent::Agent(Options options, Factories factories, Publisher& publisher)
     : options_(std::move(options)),
-      workshop_(std::move(workshop)),
+      factories_(std::move(factories)),
       publisher_(publisher),
       began_(options_.now()),
       filter_([this](model::Fault fault) {
@@ -23,8 +23,8 @@ Agent::Agent(Options options, Workshop workshop, Publisher& publisher)
         const bool kept = !record.file().empty();
         record.append(fault);
         if (kept && record.file().empty())
-          log("warning: the fault record goes on in memory alone: " + in_words(record.problems()));
-        publisher_.say(dds::to_wire(fault));
+          log("warning: the fault record is only in memory now: " + in_words(record.problems()));
+        publisher_.publish(wire::to_wire(fault));
       }) {
   if (!options_.record) options_.record = std::make_shared<FaultRecord>();
 }
@@ -37,19 +37,19 @@ void Agent::end(bool at_once) {
   at_once_ |= at_once;
   if (ending_) return;
   ending_ = true;
-  drop_update("its node was told to end");
+  drop_update("its node is shutting down");
   if (!deployment_) return;
   if (deployment_->supervised)
     deployment_->supervised->stop();
   else
-    refuse({fail("its node was told to end")});
+    abandon({fail("its node is shutting down")});
 }
 
 bool Agent::ended() const {
   if (!ending_) return false;
   if (deployment_ && !deployment_->over) return false;
-  // Who started it closes what it was lent by when the report is there; until then the answer is on its way.
-  return at_once_ || !options_.lent || !ended_at_ || options_.now() - *ended_at_ > kReportFetched;
+  // takt run closes the lifetime descriptor once it has the report; until then the answer may be on its way.
+  return at_once_ || !options_.temporary || !ended_at_ || options_.now() - *ended_at_ > kReportFetched;
 }
 
 std::vector<const os::Fd*> Agent::wait_on() {
@@ -63,35 +63,34 @@ void Agent::step() {
   watch_devices();
   watch_cell();
   watch_disk();
-  look_at_inspection();
-  look_at_supervised();
-  look_at_description();
-  look_at_swap();
-  look_at_update();
-  tell_status();
-  tell_measures();
+  check_inspection();
+  step_supervised();
+  check_description();
+  check_swap();
+  check_update();
+  publish_status();
+  publish_measures();
   filter_.step(options_.now());
 }
 
-// Two nodes of one name would both answer, and a cell would run on one of them or on both.
+// If two nodes had one name, both would answer, and a cell could run on either or both.
 void Agent::watch_names() {
   std::string clash;
-  for (const dds::ObservedDevice& other : others_.devices(options_.device)) {
+  for (const wire::ObservedDevice& other : others_.devices(options_.device)) {
     if (!other.alive || other.node() == options_.node) continue;
-    clash = "another node of the name " + options_.device + " is on domain " +
-            std::to_string(options_.domain) + ": process " + std::to_string(other.status.process_id()) +
-            " on " + other.status.host_name().to_string();
+    clash = "another node named " + options_.device + " is on domain " + std::to_string(options_.domain) +
+            ": process " + std::to_string(other.status.process_id()) + " on " +
+            other.status.host_name().to_string();
   }
-  if (clash == clash_) return;
-  log(clash.empty()
-          ? "the other node of this name is gone"
-          : clash +
-                "; end one of them, or give it another name: while there are two, neither is deployed to");
-  clash_ = clash;
+  if (clash == name_clash_) return;
+  log(clash.empty() ? "the other node of this name is gone"
+                    : clash + "; end or rename one of them: neither can be deployed to while both run");
+  name_clash_ = clash;
 }
 
-// A fault that is the whole cell's stops this device too. So does the loss of a device that would have to say
-// so; and who would have to say so himself and hears nobody any more is such a loss to the others.
+// Stops this device when a failure stops the whole cell. The loss of a device that has a stop-cell module
+// counts as such a failure, because the lost device could not report one. A device with such a module that
+// has lost all others stops as well, because the others see it as lost.
 void Agent::watch_cell() {
   if (!deployment_ || !deployment_->supervised) return;
   const Deployment& d = *deployment_;
@@ -100,10 +99,10 @@ void Agent::watch_cell() {
   const auto stop = [&d](const std::string& device, const std::string& what, const std::string& fix = {}) {
     d.supervised->stop_for({"device " + device, what, fix});
   };
-  constexpr const char* kCable = "see to its machine and network, then undeploy the cell and deploy it again";
+  constexpr const char* kCure = "check its machine and network, then undeploy the cell and deploy it again";
   std::string lost;
   bool alone = true;
-  for (const dds::CellState::Heard& other : others_.of_deployment(d.id, options_.device)) {
+  for (const wire::CellState::Heard& other : others_.of_deployment(d.id, options_.device)) {
     const std::string name = other.status.device().to_string();
     if (other.status.stops_cell())
       return stop(options_.device, "stops with its cell: " + other.status.text().to_string());
@@ -114,34 +113,35 @@ void Agent::watch_cell() {
     const auto device = std::find_if(d.cell.devices.begin(), d.cell.devices.end(),
                                      [&name](const model::Device& one) { return one.name == name; });
     if (device != d.cell.devices.end() && model::stops_cell(*device))
-      return stop(name, "is lost, and has a module whose fault stops the cell", kCable);
+      return stop(name, "is lost, and one of its modules stops the cell when it fails", kCure);
     lost += (lost.empty() ? "" : ", ") + name;
   }
   if (alone && !lost.empty() && model::stops_cell(d.of_device()))
-    stop(options_.device, "has lost " + lost + ", and has a module whose fault stops the cell", kCable);
+    stop(options_.device, "has lost " + lost + ", and one of its modules stops the cell when it fails",
+         kCure);
 }
 
 DeviceStatus Agent::status() const {
   DeviceStatus status;
   const Deployment* const d = deployment_.get();
-  const std::string cell = d == nullptr ? std::string{dds::kNoCell} : d->cell.name;
-  dds::set(status.path(), dds::path_of(cell, options_.device));
-  dds::set(status.cell(), cell);
-  dds::set(status.device(), options_.device);
-  dds::set(status.node(), options_.node);
-  dds::set(status.host_name(), os::host_name());
+  const std::string cell = d == nullptr ? std::string{wire::kNoCell} : d->cell.name;
+  wire::set(status.path(), wire::path_of(cell, options_.device));
+  wire::set(status.cell(), cell);
+  wire::set(status.device(), options_.device);
+  wire::set(status.node(), options_.node);
+  wire::set(status.host_name(), os::host_name());
   status.process_id(os::process_id());
   status.state(DEVICE_WAITING);
   status.health(HEALTH_OK);
   status.real_time(options_.real_time);
-  std::string text = clash_;
-  if (!clash_.empty()) status.health(HEALTH_DEGRADED);
+  std::string text = name_clash_;
+  if (!name_clash_.empty()) status.health(HEALTH_DEGRADED);
   if (d == nullptr && !last_refusal_.empty()) {
     status.health(HEALTH_FAILED);
     text = last_refusal_;
   }
   if (d != nullptr) {
-    dds::set(status.deployment(), d->id);
+    wire::set(status.deployment(), d->id);
     status.state(DEVICE_PREPARING);
     status.modules(static_cast<std::uint32_t>(d->of_device().modules.size()));
   }
@@ -173,19 +173,19 @@ DeviceStatus Agent::status() const {
       status.health(HEALTH_FAILED);
       status.stops_cell(supervised.stops_cell());
       text = to_text(supervised.failures()[0]);
-    } else if (!ends && !standing.astray.empty()) {
+    } else if (!ends && !standing.faulty.empty()) {
       status.health(HEALTH_DEGRADED);
-      if (text.empty()) text = standing.astray;
+      if (text.empty()) text = standing.faulty;
     }
   }
-  dds::set(status.text(), text);
+  wire::set(status.text(), text);
   return status;
 }
 
-void Agent::tell_status() {
+void Agent::publish_status() {
   const DeviceStatus now = status();
-  const auto same = [this, &now](auto&&... part) { return ((part(told_) == part(now)) && ...); };
-  if (told_once_ &&
+  const auto same = [this, &now](auto&&... part) { return ((part(published_) == part(now)) && ...); };
+  if (published_once_ &&
       same([](const auto& s) { return s.path(); }, [](const auto& s) { return s.state(); },
            [](const auto& s) { return s.health(); }, [](const auto& s) { return s.text(); },
            [](const auto& s) { return s.deployment(); }, [](const auto& s) { return s.real_time(); },
@@ -193,28 +193,28 @@ void Agent::tell_status() {
            [](const auto& s) { return s.modules(); }, [](const auto& s) { return s.executing(); })) {
     return;
   }
-  told_ = now;
-  told_once_ = true;
-  publisher_.say(now);
+  published_ = now;
+  published_once_ = true;
+  publisher_.publish(now);
 }
 
-void Agent::tell_measures() {
+void Agent::publish_measures() {
   if (!deployment_ || !deployment_->supervised || deployment_->over) return;
   const Instant now = options_.now();
   if (now - measured_at_ < kMeasuresEvery) return;
   measured_at_ = now;
-  ++measures_told_;
+  ++measures_published_;
   Measures measures = deployment_->supervised->measures();
   const auto stamp = [this](auto& list) {
     for (auto& entry : list) {
-      entry.sequence_number(measures_told_);
+      entry.sequence_number(measures_published_);
       entry.time_ns(options_.wall_ns());
     }
   };
   stamp(measures.modules);
   stamp(measures.executors);
   stamp(measures.ports);
-  publisher_.say(measures);
+  publisher_.publish(measures);
 }
 
 }  // namespace takt::node

@@ -1,8 +1,8 @@
-// The agent of one device: waits for deployments, brings one up at a time, and answers for it.
+// The agent of one device: carries out commands, one deployment at a time.
 //
-// Everything that it is told comes in by functions of one thread, and everything that it says goes out by its
-// Publisher, so it knows neither DDS nor a clock of its own, and a test drives it. Nothing in it waits: what
-// takes long is looked at in step().
+// All input arrives through its functions, called on one thread, and all output goes to its Publisher. It
+// uses neither DDS nor a clock of its own, so tests can drive it. It never waits: step() checks on everything
+// that takes long.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <takt/dds/cell_state.hpp>
+#include <takt/wire/cell_state.hpp>
 #include <takt/dds/commands.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/difference.hpp>
@@ -33,50 +33,48 @@ class Agent {
  public:
   struct Options {
     std::string device;
-    std::string node;  ///< this node and no other
+    std::string node;  ///< unique id of this node
     int domain = 0;
-    std::string cell{};  ///< the only one that its identity is for; empty: it has none, DDS Security is off
+    std::string cell{};  ///< the only cell that its identity is for; empty: DDS Security is off
     bool require_real_time = false;
-    bool real_time = true;  ///< what this machine allows, for who asks before there is a deployment
-    /// It was started for one cell by somebody on this machine (takt run): files are looked up as they are
-    /// written, nothing is kept on disk, and when it is to end it waits a little until its closing report was
-    /// fetched.
-    bool lent = false;
-    std::optional<DeploymentFile> file;     ///< where the deployment is kept; none: nowhere
+    bool real_time = true;  ///< whether the machine allows it; reported while there is no deployment
+    /// takt run started this node for one cell. It uses the paths of files as written and saves nothing on
+    /// disk. Before it ends, it waits briefly for its final report to be fetched.
+    bool temporary = false;
+    std::optional<DeploymentFile> file;     ///< where the deployment is saved; none: it is not saved
     std::string boot{};                     ///< os::boot_id()
-    std::shared_ptr<FaultRecord> record{};  ///< none: one in memory
+    std::shared_ptr<FaultRecord> record{};  ///< null: a record in memory
     std::function<Instant()> now;
     std::function<std::int64_t()> wall_ns;
     std::function<Instant(std::int64_t)> instant_of_wall;
   };
-  /// What it sets to work.
-  struct Workshop {
+  /// Creates what the agent works with; tests pass fakes.
+  struct Factories {
     std::function<Result<std::unique_ptr<Inspection>>(const InspectionRequest&)> inspect;
     std::function<std::unique_ptr<Supervised>(Supervisor::Options)> supervise;
   };
 
-  Agent(Options options, Workshop workshop, Publisher& publisher);
+  Agent(Options options, Factories factories, Publisher& publisher);
   ~Agent();
   Agent(const Agent&) = delete;
   Agent& operator=(const Agent&) = delete;
 
-  /// For the fault record: this node is here, and is going. Between the two it did not end in order.
-  void came_up();
-  void goes_down();
-  /// An event for the record and for observers. Time, cell and device are given here; `origin` as for the
-  /// filter.
+  /// Records the start and the end of this node. A start after a start means that the first node crashed.
+  void note_start();
+  void note_end();
+  /// Records and publishes an event. Adds its time, cell and device; `origin` as for FaultRateLimiter.
   void note(model::Fault fault, const std::string& origin = {});
 
-  /// A command has come.
-  void hear(const dds::WholeCommand& command);
-  /// What the other nodes say, for the name that is taken and the devices that are lost.
-  dds::CellState& others() noexcept { return others_; }
-  /// Takes up the deployment that is kept on disk.
+  /// Carries out a command that has arrived.
+  void receive(const wire::WholeCommand& command);
+  /// The state of the other nodes. It shows nodes with the same name and lost devices.
+  wire::CellState& others() noexcept { return others_; }
+  /// Restores the deployment that is saved on disk.
   void resume();
-  /// Says that there is one, where it is not to be taken up.
-  void leave_kept() const;
-  /// Ends the deployment in order, and then itself. With `at_once` nobody is waited for who might want its
-  /// report.
+  /// Logs that there is a saved deployment, for a node started without --resume.
+  void report_kept() const;
+  /// Shuts the deployment and then the agent down. With `at_once` it does not wait for its final report to be
+  /// fetched.
   void end(bool at_once);
 
   void step();
@@ -92,37 +90,37 @@ class Agent {
   void report(const Command& command);
   void descriptor(const Command& command);
   void describe(const Command& command);
-  void look_at_description();
+  void check_description();
   void described(const Result<Inspected>& result);
-  void order(const Command& command, Verb verb);
+  void command_module(const Command& command, Verb verb);
   void tap(const Command& command);
   void trace(const Command& command);
   void swap(const Command& command);
-  void look_at_swap();
+  void check_swap();
   void property(const Command& command);
-  /// False where there is nothing that could be told to do something; that is answered then.
+  /// False if no deployment runs; it has then rejected the command.
   bool runs(const Command& command);
-  /// None where there is no module of that name; that is answered then.
+  /// None if there is no module of that name; it has then rejected the command.
   std::optional<std::uint32_t> module_of(const Command& command);
   void answer(const Command& command, ReplyCode code, const std::string& text, std::string data = {},
               std::optional<lifecycle::State> state = {}, const std::string& value = {});
   [[nodiscard]] nlohmann::ordered_json lost_devices() const;
 
   // The fault record (agent_faults.cpp)
-  void log_asked(const dds::WholeCommand& command);
+  void send_log(const wire::WholeCommand& command);
   void note_answer(const Command& command, ReplyCode code, const std::string& text);
   void watch_devices();
 
   // Deployments (agent_deployment.cpp)
-  void prepare(const dds::WholeCommand& command);
-  void run(const dds::WholeCommand& command);
+  void prepare(const wire::WholeCommand& command);
+  void run(const wire::WholeCommand& command);
   void undeploy(const Command& command);
   void begin(std::unique_ptr<Deployment> deployment);
   void bring_up();
   [[nodiscard]] Result<void> check_security(const model::Cell& cell) const;
-  void look_at_inspection();
-  void look_at_supervised();
-  void refuse(const Problems& problems);
+  void check_inspection();
+  void step_supervised();
+  void abandon(const Problems& problems);
   void go(std::int64_t t0_wall_ns);
   void finish();
   void keep_for_restart();
@@ -132,31 +130,31 @@ class Agent {
   [[nodiscard]] std::string occupied() const;
 
   // Updates (agent_update.cpp)
-  void update(const dds::WholeCommand& command);
-  void change(const dds::WholeCommand& command);
+  void update(const wire::WholeCommand& command);
+  void change(const wire::WholeCommand& command);
   void keep(const Command& command);
   void put_back(const Command& command);
-  /// False where no such update is under way; that is answered then.
+  /// False if no such update is in progress; it has then rejected the command.
   bool updates(const Command& command);
-  void complain(const Command& command, ReplyCode code, const Problems& problems,
-                const std::string& value = {});
+  void reply_problems(const Command& command, ReplyCode code, const Problems& problems,
+                      const std::string& value = {});
   Result<void> compare(Update& update) const;
-  void look_at_update();
-  void looked_at(const Result<Inspected>& result);
+  void check_update();
+  void update_inspected(const Result<Inspected>& result);
   void judge_in_place(const Inspected& found);
   [[nodiscard]] Result<void> may_change_in_place() const;
   void changed();
   void undo(const Problems& problems);
   void undone();
-  /// Nothing of it is carried on: what it was about has ended.
+  /// Drops the update in progress, because the deployment that it changes has ended.
   void drop_update(const std::string& why);
-  // How they are carried out and put back (agent_change.cpp)
-  void tell(const model::ModuleChange& change, const std::string& value,
-            const std::function<void(const Outcome&)>& done);
+  // How updates are carried out and undone (agent_change.cpp)
+  void apply_change(const model::ModuleChange& change, const std::string& value,
+                    const std::function<void(const Outcome&)>& done);
   void change_next();
   void undo_last();
   void begin_again(const Deployment& description);
-  /// The deployment that an update had to end has ended, or could not be brought up.
+  /// The deployment that an update had to end has ended, or the new one could not be brought up.
   void taken_down(const Problems& problems);
   void bring_back();
   void brought_up();
@@ -165,31 +163,31 @@ class Agent {
   void watch_cell();
   void watch_disk();
   [[nodiscard]] DeviceStatus status() const;
-  void tell_status();
-  void tell_measures();
+  void publish_status();
+  void publish_measures();
   void log(const std::string& text) const;
 
   Options options_;
-  Workshop workshop_;
+  Factories factories_;
   Publisher& publisher_;
   const Instant began_;
-  dds::CellState others_;
+  wire::CellState others_;
   std::unique_ptr<Deployment> deployment_;
-  std::shared_ptr<Update> update_;  // callbacks of its supervised device know whether it is still there
-  std::string clash_;               // who else has this name; empty: nobody
-  std::string last_id_;             // of the deployment that ended last, and what was said of it
+  std::shared_ptr<Update> update_;  // shared, so that callbacks can check whether it still exists
+  std::string name_clash_;          // the other node with this name; empty: there is none
+  std::string last_id_;             // of the deployment that ended last, and its final report
   std::string last_data_;
-  std::string last_refusal_;  // why a deployment could not be taken up again
-  DeviceStatus told_;
-  bool told_once_ = false;
+  std::string last_refusal_;  // why a deployment could not be restored
+  DeviceStatus published_;
+  bool published_once_ = false;
   Instant measured_at_{};
   Instant disk_tried_at_{};
-  std::uint64_t measures_told_ = 0;
+  std::uint64_t measures_published_ = 0;
   bool ending_ = false;
   bool at_once_ = false;
   std::optional<Instant> ended_at_;
   FaultRateLimiter filter_;
-  std::map<std::string, bool> devices_seen_;  // of the cell, by name: alive when last looked at
+  std::map<std::string, bool> devices_seen_;  // the other devices of the cell: alive at the last check
 };
 
 }  // namespace takt::node

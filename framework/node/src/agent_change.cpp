@@ -1,5 +1,5 @@
-// How a device becomes what an update says, and what it was again: what its modules are told while they run,
-// one after the other, or a deployment that ends and another one that is brought up.
+// How a device carries out an update, and undoes it: either changes its running modules one after the other,
+// or ends its deployment and brings another one up.
 #include <utility>
 
 #include <takt/node/log.hpp>
@@ -9,48 +9,48 @@ namespace takt::node {
 
 using model::Change;
 
-// A module of it is given the value, or the file.
-void Agent::tell(const model::ModuleChange& change, const std::string& value,
-                 const std::function<void(const Outcome&)>& done) {
+// Gives a module the value of a property, or its new file.
+void Agent::apply_change(const model::ModuleChange& change, const std::string& value,
+                         const std::function<void(const Outcome&)>& done) {
   const std::size_t index = deployment_->index_of(change.module);
   const auto module = static_cast<std::uint32_t>(index);
-  const auto told = [alive = std::weak_ptr<Update>{update_}, done](const Outcome& outcome) {
+  const auto done_if_alive = [alive = std::weak_ptr<Update>{update_}, done](const Outcome& outcome) {
     if (!alive.expired()) done(outcome);
   };
   if (!change.property.empty()) {
-    deployment_->supervised->set(module, change.property, value, told);
+    deployment_->supervised->set(module, change.property, value, done_if_alive);
     return;
   }
-  deployment_->supervised->swap(module, value, [this, told, index, value](const Outcome& outcome) {
+  deployment_->supervised->swap(module, value, [this, done_if_alive, index, value](const Outcome& outcome) {
     if (outcome.code == REPLY_OK && deployment_) deployment_->found.paths.at(index) = value;
-    told(outcome);
+    done_if_alive(outcome);
   });
 }
 
 void Agent::change_next() {
   Update& u = *update_;
-  if (u.undoer) return undo({fail("it was given up")});
+  if (u.undoer) return undo({fail("the update was cancelled")});
   if (u.replaced.size() == u.difference.in_place.size()) return changed();
   const model::ModuleChange& next = u.difference.in_place[u.replaced.size()];
   const std::size_t index = deployment_->index_of(next.module);
   const auto failed = [this, &next](const Outcome& outcome) {
     undo({{"module " + options_.device + "." + next.module, next.words + ": " + outcome.text, ""}});
   };
-  const auto tell_next = [this, failed, &next](const std::string& value, const std::string& before) {
-    tell(next, value, [this, failed, before](const Outcome& outcome) {
+  const auto apply_next = [this, failed, &next](const std::string& value, const std::string& before) {
+    apply_change(next, value, [this, failed, before](const Outcome& outcome) {
       if (outcome.code != REPLY_OK) return failed(outcome);
       update_->replaced.push_back(before);
       change_next();
     });
   };
   if (next.property.empty())
-    return tell_next(u.after->found.paths.at(index), deployment_->found.paths.at(index));
+    return apply_next(u.after->found.paths.at(index), deployment_->found.paths.at(index));
   deployment_->supervised->get(
       static_cast<std::uint32_t>(index), next.property,
-      [alive = std::weak_ptr<Update>{update_}, failed, tell_next, &next](const Outcome& outcome) {
+      [alive = std::weak_ptr<Update>{update_}, failed, apply_next, &next](const Outcome& outcome) {
         if (alive.expired()) return;
         if (outcome.code != REPLY_OK) return failed(outcome);
-        tell_next(next.value, outcome.value);
+        apply_next(next.value, outcome.value);
       });
 }
 
@@ -60,10 +60,10 @@ void Agent::undo_last() {
   const model::ModuleChange& last = u.difference.in_place[u.replaced.size() - 1];
   const std::string value = u.replaced.back();
   u.replaced.pop_back();
-  tell(last, value, [this, &last](const Outcome& outcome) {
+  apply_change(last, value, [this, &last](const Outcome& outcome) {
     if (outcome.code != REPLY_OK)
       update_->left.push_back({"module " + options_.device + "." + last.module,
-                               last.words + " could not be put back: " + outcome.text,
+                               last.words + " could not be undone: " + outcome.text,
                                "undeploy the cell and deploy it again"});
     undo_last();
   });
@@ -72,7 +72,7 @@ void Agent::undo_last() {
 void Agent::begin_again(const Deployment& description) {
   last_refusal_.clear();
   deployment_ = description.afresh();
-  log("prepares cell " + deployment_->cell.name);
+  log("preparing cell " + deployment_->cell.name);
   bring_up();
 }
 
@@ -83,7 +83,7 @@ void Agent::taken_down(const Problems& problems) {
     clear();
     if (u.undoer) {
       u.stage = Update::Stage::undoing;
-      u.reasons = {fail("it was given up")};
+      u.reasons = {fail("the update was cancelled")};
       bring_back();
     } else if (u.difference.change == Change::removed) {
       changed();
@@ -102,8 +102,8 @@ void Agent::taken_down(const Problems& problems) {
     bring_back();
   } else {
     for (const Problem& problem : problems)
-      u.left.push_back({problem.where, "it does not run any more: " + problem.what, problem.fix});
-    if (u.left.empty()) u.left.push_back(fail("device " + options_.device + " does not run any more"));
+      u.left.push_back({problem.where, "it no longer runs: " + problem.what, problem.fix});
+    if (u.left.empty()) u.left.push_back(fail("device " + options_.device + " no longer runs"));
     undone();
   }
 }

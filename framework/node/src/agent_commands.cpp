@@ -1,4 +1,4 @@
-// What an agent is asked, and what it answers.
+// The commands to an agent, and its answers.
 #include <algorithm>
 #include <charconv>
 #include <memory>
@@ -8,8 +8,8 @@
 
 #include <takt/core/span.hpp>
 #include <takt/core/words.hpp>
-#include <takt/dds/question.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/question.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
 #include "agent_update.hpp"
 #include "limits.hpp"
@@ -22,28 +22,28 @@ using Phase = Supervised::Phase;
 
 void Agent::answer(const Command& command, ReplyCode code, const std::string& text, std::string data,
                    std::optional<lifecycle::State> state, const std::string& value) {
-  dds::WholeReply reply;
+  wire::WholeReply reply;
   reply.head.id(command.id());
-  dds::set(reply.head.device(), options_.device);
-  dds::set(reply.head.node(), options_.node);
+  wire::set(reply.head.device(), options_.device);
+  wire::set(reply.head.node(), options_.node);
   reply.head.module_name(command.module_name());
   reply.head.code(code);
   if (state) reply.head.state(static_cast<LifecycleState>(*state));
-  dds::set(reply.head.text(), text);
-  dds::set(reply.head.value(), value);
+  wire::set(reply.head.text(), text);
+  wire::set(reply.head.value(), value);
   reply.data = std::move(data);
   publisher_.reply(reply);
   note_answer(command, code, text);
 }
 
-void Agent::hear(const dds::WholeCommand& command) {
+void Agent::receive(const wire::WholeCommand& command) {
   const Command& head = command.head;
   const Nanoseconds late = span(head.deadline_ns(), options_.wall_ns());
-  // A device whose clock is another one can still be looked at.
-  if (head.deadline_ns() != 0 && late > Nanoseconds{0} && !dds::is_question(head.kind())) {
+  // A device whose clock differs can still be observed.
+  if (head.deadline_ns() != 0 && late > Nanoseconds{0} && !wire::is_question(head.kind())) {
     answer(head, REPLY_LATE,
            std::string{takt::to_text(head.kind())} + " came " + takt::to_text(late) +
-               " after its deadline; synchronise the clocks of the devices, or give it more time");
+               " after its deadline; synchronise the clocks of the devices, or allow it more time");
     return;
   }
   switch (head.kind()) {
@@ -60,24 +60,24 @@ void Agent::hear(const dds::WholeCommand& command) {
     case COMMAND_UNDEPLOY:
       return undeploy(head);
     case COMMAND_INITIALIZE:
-      return order(head, Verb::initialize);
+      return command_module(head, Verb::initialize);
     case COMMAND_START:
-      return order(head, Verb::start);
+      return command_module(head, Verb::start);
     case COMMAND_STOP:
-      return order(head, Verb::stop);
+      return command_module(head, Verb::stop);
     case COMMAND_RECOVER:
-      return order(head, Verb::recover);
+      return command_module(head, Verb::recover);
     case COMMAND_RESET:
-      return order(head, Verb::reset);
+      return command_module(head, Verb::reset);
     case COMMAND_DESTRUCT:
-      return order(head, Verb::destruct);
+      return command_module(head, Verb::destruct);
     case COMMAND_GET:
     case COMMAND_SET:
       return property(head);
     case COMMAND_TAP:
       return tap(head);
     case COMMAND_LOG:
-      return log_asked(command);
+      return send_log(command);
     case COMMAND_TRACE:
       return trace(head);
     case COMMAND_SWAP:
@@ -92,12 +92,11 @@ void Agent::hear(const dds::WholeCommand& command) {
       return put_back(head);
   }
   answer(head, REPLY_REFUSED,
-         "this node does not know the command '" + std::to_string(static_cast<std::uint32_t>(head.kind())) +
-             "'");
+         "this node has no command number " + std::to_string(static_cast<std::uint32_t>(head.kind())));
 }
 
 void Agent::report(const Command& command) {
-  // Who prepares a cell asks for as long as its other devices take.
+  // While other devices still prepare, these requests are the keep-alives of the deploying program.
   if (deployment_ && deployment_->ready_since && deployment_->id == command.deployment().to_string())
     deployment_->ready_since = options_.now();
   if (update_ && update_->after->id == command.deployment().to_string()) update_->heard = options_.now();
@@ -117,26 +116,26 @@ void Agent::report(const Command& command) {
     for (const model::Device& device : deployment_->cell.devices) report["devices"].push_back(device.name);
   }
   report["heard"] = json::array();
-  for (const dds::ObservedDevice& other : others_.devices()) {
+  for (const wire::ObservedDevice& other : others_.devices()) {
     if (other.alive) report["heard"].push_back(other.node());
   }
   report["searching"] = options_.now() - began_ < kFindsOthers;
   answer(command, REPLY_OK, "", model::json_text(report));
 }
 
-// The other devices of this cell that do not live, as they were last heard: who comes later is told nothing
-// by them.
+// The lost devices of this cell with the states received last. Programs that start later cannot get them from
+// the lost devices themselves.
 json Agent::lost_devices() const {
   json list = json::array();
   if (!deployment_) return list;
   for (const model::Device& device : deployment_->cell.devices) {
     if (device.name == options_.device) continue;
     const auto seen = others_.devices(device.name);
-    if (std::any_of(seen.begin(), seen.end(), [](const dds::ObservedDevice& s) { return s.alive; })) continue;
+    if (std::any_of(seen.begin(), seen.end(), [](const wire::ObservedDevice& s) { return s.alive; })) continue;
     json modules = json::array();
     for (const model::Module& module : device.modules) {
       std::string state = "UNKNOWN";
-      for (const dds::ObservedDevice& s : seen) {
+      for (const wire::ObservedDevice& s : seen) {
         const auto status = s.deployment.modules.find(module.name);
         if (status != s.deployment.modules.end()) state = takt::to_text(status->second.state());
       }
@@ -170,19 +169,19 @@ void Agent::describe(const Command& command) {
   }
   d.describers.push_back(command);
   if (d.describing) return;
-  auto inspection = workshop_.inspect({.text = d.text,
-                                       .file = d.file,
-                                       .device = options_.device,
-                                       .as_written = options_.lent,
-                                       .describe = true,
-                                       .swapped = d.swapped});
+  auto inspection = factories_.inspect({.text = d.text,
+                                        .file = d.file,
+                                        .device = options_.device,
+                                        .as_written = options_.temporary,
+                                        .describe = true,
+                                        .swapped = d.swapped});
   if (inspection)
     d.describing = std::move(*inspection);
   else
     described(inspection.problems());
 }
 
-void Agent::look_at_description() {
+void Agent::check_description() {
   if (!deployment_ || !deployment_->describing) return;
   if (const auto result = deployment_->describing->result(); result) {
     deployment_->describing.reset();
@@ -202,21 +201,22 @@ void Agent::described(const Result<Inspected>& result) {
   }
 }
 
-/// An order to every module, answered when each has answered.
+/// A command to every module of the device, answered when all modules have answered.
 struct Agent::WholeDevice {
   Command command;
   json outcomes = json::array();
   std::size_t open = 0;
   std::size_t done = 0;
   std::size_t refused = 0;
-  std::string why;  ///< the first that did not
+  std::string why;  ///< why the first module that failed did so
 };
 
 bool Agent::runs(const Command& command) {
   if (deployment_ && deployment_->supervised && deployment_->supervised->phase() == Phase::running)
     return true;
   answer(command, REPLY_REFUSED,
-         deployment_ ? "device " + options_.device + " does not run: it is " + takt::to_text(told_.state())
+         deployment_ ? "device " + options_.device + " is not running: its state is " +
+                           takt::to_text(published_.state())
                      : "device " + options_.device + " has no deployment");
   return false;
 }
@@ -259,7 +259,7 @@ void Agent::tap(const Command& command) {
   if (!runs(command)) return;
   const auto module = module_of(command);
   if (!module) return;
-  // Until when it is asked for says nothing where the asker's clock is another one.
+  // The requested end is of no use if the requester's clock differs.
   const Nanoseconds asked = span(options_.wall_ns(), command.time_ns());
   const Nanoseconds longer = asked > Nanoseconds{0} ? std::min(asked, kLongestTap) : kLongestTap;
   const auto tapped =
@@ -268,11 +268,11 @@ void Agent::tap(const Command& command) {
     answer(command, REPLY_REFUSED, in_words(tapped.problems()));
     return;
   }
-  nlohmann::ordered_json told{
+  nlohmann::ordered_json data{
       {"topic", tapped->topic}, {"type", tapped->type}, {"reliable", tapped->reliable}};
   if (!tapped->reply_topic.empty())
-    told["reply"] = {{"topic", tapped->reply_topic}, {"type", tapped->reply_type}};
-  answer(command, REPLY_OK, "", model::json_text(told));
+    data["reply"] = {{"topic", tapped->reply_topic}, {"type", tapped->reply_type}};
+  answer(command, REPLY_OK, "", model::json_text(data));
 }
 
 void Agent::trace(const Command& command) {
@@ -284,10 +284,10 @@ void Agent::trace(const Command& command) {
   std::int64_t ns = 0;
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), ns);
   if (error != std::errc{} || end != value.data() + value.size() || ns <= 0) {
-    answer(command, REPLY_REFUSED, in_quotes(value) + " is no number of nanoseconds");
+    answer(command, REPLY_REFUSED, in_quotes(value) + " is not a number of nanoseconds above 0");
     return;
   }
-  deployment_->supervised->trace(Nanoseconds{ns}, dds::kMaxData,
+  deployment_->supervised->trace(Nanoseconds{ns}, wire::kMaxData,
                                  [this, command](const Result<std::string>& trace) {
                                    if (trace)
                                      answer(command, REPLY_OK, "", *trace);
@@ -302,13 +302,13 @@ void Agent::swap(const Command& command) {
   if (!module) return;
   Deployment& d = *deployment_;
   if (update_) {
-    answer(command, REPLY_REFUSED, "device " + options_.device + " is just being updated; ask again");
+    answer(command, REPLY_REFUSED, "device " + options_.device + " is being updated; try again later");
     return;
   }
   if (d.swap) {
     answer(command, REPLY_REFUSED,
            "device " + options_.device + " is still swapping " + d.swap->module_name().to_string() +
-               "; ask again");
+               "; try again later");
     return;
   }
   if (const auto may = d.supervised->may_swap(*module); !may) {
@@ -317,42 +317,42 @@ void Agent::swap(const Command& command) {
   }
   const std::string name = command.module_name().to_string();
   const std::string file = command.value().to_string();
-  if (const std::size_t slash = file.rfind('/'); slash != std::string::npos && !options_.lent) {
+  if (const std::size_t slash = file.rfind('/'); slash != std::string::npos && !options_.temporary) {
     const std::string target = options_.device + "." + name;
-    complain(command, REPLY_REFUSED,
-             {{"file " + file,
-               "it has a path, and device " + options_.device +
-                   " looks for it by its name alone, on its component path",
-               "copy it there, and takt swap " + target + " " + file.substr(slash + 1)}});
+    reply_problems(command, REPLY_REFUSED,
+                   {{"file " + file,
+                     "it has a path, but device " + options_.device +
+                         " searches its component path for the file name only",
+                     "copy the file there, then: takt swap " + target + " " + file.substr(slash + 1)}});
     return;
   }
-  auto looking = workshop_.inspect({.text = d.text,
-                                    .file = d.file,
-                                    .device = options_.device,
-                                    .as_written = options_.lent,
-                                    .only = name,
-                                    .swapped = {{name, file}}});
-  if (!looking) {
-    answer(command, REPLY_FAILED, in_words(looking.problems()));
+  auto swap_inspection = factories_.inspect({.text = d.text,
+                                             .file = d.file,
+                                             .device = options_.device,
+                                             .as_written = options_.temporary,
+                                             .only = name,
+                                             .swapped = {{name, file}}});
+  if (!swap_inspection) {
+    answer(command, REPLY_FAILED, in_words(swap_inspection.problems()));
     return;
   }
   d.swap = command;
-  d.looking = std::move(*looking);
+  d.swap_inspection = std::move(*swap_inspection);
 }
 
-void Agent::look_at_swap() {
-  if (!deployment_ || !deployment_->looking) return;
+void Agent::check_swap() {
+  if (!deployment_ || !deployment_->swap_inspection) return;
   Deployment& d = *deployment_;
-  const auto result = d.looking->result();
+  const auto result = d.swap_inspection->result();
   if (!result) return;
-  d.looking.reset();
+  d.swap_inspection.reset();
   const auto module = module_of(*d.swap);
   if (!*result) {
     const Command command = *std::exchange(d.swap, std::nullopt);
     Problems problems = result->problems();
-    // Whoever ordered it named a file; the line of the descriptor where the module is says nothing of it.
+    // The operator named a file, so the module's line in the descriptor would not help.
     for (Problem& problem : problems) problem.where = "file " + command.value().to_string();
-    complain(command, REPLY_REFUSED, problems);
+    reply_problems(command, REPLY_REFUSED, problems);
     return;
   }
   const std::string path = (*result)->paths.at(0);
@@ -372,13 +372,13 @@ void Agent::look_at_swap() {
   });
 }
 
-void Agent::order(const Command& command, Verb verb) {
+void Agent::command_module(const Command& command, Verb verb) {
   if (!runs(command)) return;
   const std::vector<model::Module>& modules = deployment_->of_device().modules;
   if (command.module_name().size() != 0) {
     const auto module = module_of(command);
     if (!module) return;
-    deployment_->supervised->order(*module, verb, [this, command](const Outcome& outcome) {
+    deployment_->supervised->command(*module, verb, [this, command](const Outcome& outcome) {
       const Problem why{"module " + options_.device + "." + command.module_name().to_string(), outcome.text,
                         ""};
       const bool failed = outcome.code == REPLY_FAILED;
@@ -391,7 +391,7 @@ void Agent::order(const Command& command, Verb verb) {
   all->command = command;
   all->open = modules.size();
   for (std::uint32_t i = 0; i < modules.size(); ++i) {
-    deployment_->supervised->order(i, verb, [this, all, module = modules[i].name](const Outcome& outcome) {
+    deployment_->supervised->command(i, verb, [this, all, module = modules[i].name](const Outcome& outcome) {
       all->done += outcome.code == REPLY_OK ? 1 : 0;
       all->refused += outcome.code == REPLY_REFUSED ? 1 : 0;
       if (outcome.code != REPLY_OK && all->why.empty()) all->why = module + ": " + outcome.text;
@@ -407,7 +407,7 @@ void Agent::order(const Command& command, Verb verb) {
       answer(all->command, code,
              code == REPLY_OK ? ""
                               : std::to_string(count - all->done) + " of " + std::to_string(count) +
-                                    " modules did not do it: " + all->why,
+                                    " modules failed: " + all->why,
              model::json_text(all->outcomes));
     });
   }

@@ -1,4 +1,4 @@
-// From a descriptor that was sent to a device that runs, and back.
+// The agent's commands prepare, run and undeploy, and the deployment saved on disk.
 #include "agent_update.hpp"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/core/span.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
 #include <takt/node/log.hpp>
@@ -21,7 +21,8 @@ using Phase = Supervised::Phase;
 
 namespace {
 
-// The device of a descriptor's text, with its plan made once, so that no later step can refuse it.
+// Finds the device in a descriptor's text. Plans its schedule as a check, so that no later step can fail on
+// it.
 struct Found {
   model::Cell cell;
   std::size_t device;
@@ -72,30 +73,30 @@ std::unique_ptr<Agent::Deployment> Agent::Deployment::afresh() const {
 
 // Why there can be no other deployment now.
 std::string Agent::occupied() const {
-  const std::string cell = " cell " + deployment_->cell.name + ", ";
+  const std::string cell = " cell " + deployment_->cell.name;
   const std::string device = "device " + options_.device;
-  if (deployment_->over) return device + " still holds" + cell + "which has ended";
+  if (deployment_->over) return device + " still holds" + cell + ", which has ended";
   if (!deployment_->supervised || deployment_->supervised->phase() == Phase::preparing)
-    return device + " already prepares" + cell + "wait for that, or undeploy it";
+    return device + " is already preparing" + cell + "; wait for it, or undeploy it";
   if (deployment_->supervised->phase() == Phase::stopping)
-    return device + " is just ending" + cell + "ask again";
-  return device + " already runs" + cell + "undeploy it first";
+    return device + " is shutting down" + cell + "; try again later";
+  return device + " already runs" + cell + "; undeploy it first";
 }
 
-void Agent::prepare(const dds::WholeCommand& command) {
+void Agent::prepare(const wire::WholeCommand& command) {
   const Command& head = command.head;
   const std::string id = head.deployment().to_string();
-  if (!clash_.empty()) {
-    answer(head, REPLY_REFUSED, clash_,
-           model::json_text(problems_json({{"device " + options_.device, clash_, "end one of them"}})));
+  if (!name_clash_.empty()) {
+    answer(head, REPLY_REFUSED, name_clash_,
+           model::json_text(problems_json({{"device " + options_.device, name_clash_, "end one of them"}})));
     return;
   }
   if (ending_) {
-    answer(head, REPLY_REFUSED, "the node of device " + options_.device + " is ending");
+    answer(head, REPLY_REFUSED, "the node of device " + options_.device + " is shutting down");
     return;
   }
   if (update_) {
-    answer(head, REPLY_REFUSED, "device " + options_.device + " is just being updated; ask again");
+    answer(head, REPLY_REFUSED, "device " + options_.device + " is being updated; try again later");
     return;
   }
   if (deployment_ && deployment_->id == id && !deployment_->over && deployment_->undeployers.empty()) {
@@ -115,7 +116,7 @@ void Agent::prepare(const dds::WholeCommand& command) {
   deployment->id = id;
   deployment->file = head.value().to_string();
   deployment->text = command.data;
-  deployment->require_real_time = options_.require_real_time || head.property() == dds::kRequireRealTime;
+  deployment->require_real_time = options_.require_real_time || head.property() == wire::kRequireRealTime;
   deployment->preparers.push_back(head);
   begin(std::move(deployment));
 }
@@ -125,23 +126,23 @@ void Agent::begin(std::unique_ptr<Deployment> deployment) {
   deployment_ = std::move(deployment);
   auto found = find_device(deployment_->text, deployment_->file, options_.device);
   if (!found) {
-    refuse(found.problems());
+    abandon(found.problems());
     return;
   }
   if (auto secured = check_security(found->cell); !secured) {
     deployment_->cell = std::move(found->cell);
-    refuse(secured.problems());
+    abandon(secured.problems());
     return;
   }
   deployment_->cell = std::move(found->cell);
   deployment_->device = found->device;
-  log("prepares cell " + deployment_->cell.name);
-  auto inspection = workshop_.inspect({.text = deployment_->text,
-                                       .file = deployment_->file,
-                                       .device = options_.device,
-                                       .as_written = options_.lent});
+  log("preparing cell " + deployment_->cell.name);
+  auto inspection = factories_.inspect({.text = deployment_->text,
+                                        .file = deployment_->file,
+                                        .device = options_.device,
+                                        .as_written = options_.temporary});
   if (!inspection) {
-    refuse(inspection.problems());
+    abandon(inspection.problems());
     return;
   }
   deployment_->inspection = std::move(*inspection);
@@ -149,8 +150,8 @@ void Agent::begin(std::unique_ptr<Deployment> deployment) {
 
 Result<void> Agent::check_security(const model::Cell& cell) const {
   if (cell.security_required && options_.cell.empty()) {
-    return fail("cell " + cell.name + " requires security, and the node of device " + options_.device +
-                    " runs without",
+    return fail("cell " + cell.name + " requires security, but the node of device " + options_.device +
+                    " runs without it",
                 "start it with --security FOLDER; takt secure makes such folders");
   }
   if (!options_.cell.empty() && options_.cell != cell.name) {
@@ -161,13 +162,13 @@ Result<void> Agent::check_security(const model::Cell& cell) const {
   return {};
 }
 
-void Agent::look_at_inspection() {
+void Agent::check_inspection() {
   if (!deployment_ || !deployment_->inspection) return;
   const auto result = deployment_->inspection->result();
   if (!result) return;
   deployment_->inspection.reset();
   if (!*result) {
-    refuse(result->problems());
+    abandon(result->problems());
     return;
   }
   deployment_->found = **result;
@@ -178,22 +179,22 @@ void Agent::bring_up() {
   Deployment& d = *deployment_;
   for (const model::Module& module : d.of_device().modules) {
     LifecycleStatus status;
-    dds::set(status.path(), dds::path_of(d.cell.name, options_.device, module.name));
-    dds::set(status.cell(), d.cell.name);
-    dds::set(status.device(), options_.device);
-    dds::set(status.name(), module.name);
+    wire::set(status.path(), wire::path_of(d.cell.name, options_.device, module.name));
+    wire::set(status.cell(), d.cell.name);
+    wire::set(status.device(), options_.device);
+    wire::set(status.name(), module.name);
     status.state(STATE_IDLE);
     status.previous_state(STATE_IDLE);
     status.event(EVENT_NONE);
     status.time_ns(options_.wall_ns());
-    publisher_.say(status);
+    publisher_.publish(status);
     d.modules.push_back(status);
   }
   model::Cell cell = d.cell;
   for (model::Module& module : cell.devices[d.device].modules) {
     for (const auto& [name, value] : d.set[module.name]) model::give_property(module, name, value);
   }
-  d.supervised = workshop_.supervise(
+  d.supervised = factories_.supervise(
       {.cell = std::move(cell),
        .device = d.device,
        .paths = d.found.paths,
@@ -205,7 +206,7 @@ void Agent::bring_up() {
            [this](const std::string& device, const std::string& module) {
              return others_.executes(deployment_->cell.name, device, module);
            }});
-  if (const auto prepared = d.supervised->prepare(); !prepared) refuse(prepared.problems());
+  if (const auto prepared = d.supervised->prepare(); !prepared) abandon(prepared.problems());
 }
 
 void Agent::stepped(const Step& step) {
@@ -214,20 +215,20 @@ void Agent::stepped(const Step& step) {
   status.previous_state(static_cast<LifecycleState>(step.transition.from));
   status.event(static_cast<LifecycleEvent>(static_cast<std::uint32_t>(step.transition.event) + 1));
   status.error(static_cast<LifecycleError>(step.error));
-  dds::set(status.text(), step.text);
+  wire::set(status.text(), step.text);
   status.sequence_number(step.transition.sequence);
   status.time_ns(options_.wall_ns());
-  publisher_.say(status);
+  publisher_.publish(status);
 }
 
-// The deployment could not be brought up; nothing of it is left.
-void Agent::refuse(const Problems& problems) {
+// Ends a deployment that could not be brought up, and answers with the problems.
+void Agent::abandon(const Problems& problems) {
   if (update_ && update_->in_transit()) {
     taken_down(problems);
     return;
   }
   if (deployment_->preparers.empty()) {
-    log("cell " + deployment_->cell.name + " could not be taken up again: " + in_words(problems));
+    log("cell " + deployment_->cell.name + " could not be restored: " + in_words(problems));
     last_refusal_ = to_text(problems[0]);
   }
   for (const Command& preparer : deployment_->preparers)
@@ -236,7 +237,7 @@ void Agent::refuse(const Problems& problems) {
   clear();
 }
 
-void Agent::look_at_supervised() {
+void Agent::step_supervised() {
   if (!deployment_ || !deployment_->supervised || deployment_->over) return;
   Deployment& d = *deployment_;
   d.supervised->step();
@@ -257,8 +258,8 @@ void Agent::look_at_supervised() {
         }
         if (update_ && update_->in_transit()) brought_up();
       } else if (options_.now() - *d.ready_since > kRunAwaited) {
-        d.undone = "nobody said when it is to run, within " + takt::to_text(kRunAwaited);
-        log("cell " + d.cell.name + " is undone: " + d.undone);
+        d.undone = "no command to run it arrived within " + takt::to_text(kRunAwaited);
+        log("the deployment of cell " + d.cell.name + " is undone: " + d.undone);
         d.supervised->stop();
       }
       break;
@@ -268,16 +269,16 @@ void Agent::look_at_supervised() {
   }
 }
 
-void Agent::run(const dds::WholeCommand& whole) {
+void Agent::run(const wire::WholeCommand& whole) {
   const Command& command = whole.head;
   const std::string id = command.deployment().to_string();
   if (!deployment_ || (!id.empty() && deployment_->id != id)) {
-    answer(
-        command, REPLY_REFUSED,
-        "device " + options_.device + " has nothing prepared" + (deployment_ ? " of this deployment" : ""));
+    answer(command, REPLY_REFUSED,
+           "device " + options_.device + " has not prepared " +
+               (deployment_ ? "this deployment" : "a deployment"));
     return;
   }
-  if (deployment_->t0_wall_ns == command.time_ns()) {  // again
+  if (deployment_->t0_wall_ns == command.time_ns()) {  // a repeated command
     answer(command, REPLY_OK, "");
     return;
   }
@@ -288,17 +289,16 @@ void Agent::run(const dds::WholeCommand& whole) {
   const Nanoseconds ahead = span(options_.wall_ns(), command.time_ns());
   if (ahead <= Nanoseconds{0} || ahead > kFurthestStart) {
     answer(command, REPLY_REFUSED,
-           ahead <= Nanoseconds{0}
-               ? "the instant at which it was to run is " + takt::to_text(-ahead) + " past on device " +
-                     options_.device + "; synchronise the clocks of the devices"
-               : "the instant at which it was to run is " + takt::to_text(ahead) + " ahead on device " +
-                     options_.device + "; synchronise the clocks of the devices");
+           ahead <= Nanoseconds{0} ? "the start time passed " + takt::to_text(-ahead) + " ago on device " +
+                                         options_.device + "; synchronise the clocks of the devices"
+                                   : "the start time is " + takt::to_text(ahead) + " ahead on device " +
+                                         options_.device + "; synchronise the clocks of the devices");
     return;
   }
   deployment_->safe = whole.data;
   go(command.time_ns());
   answer(command, REPLY_OK, "");
-  keep_for_restart();  // a disk may take longer than the asker waits
+  keep_for_restart();  // after the answer, because the disk may take longer than the client waits
 }
 
 void Agent::go(std::int64_t t0_wall_ns) {
@@ -321,22 +321,23 @@ void Agent::keep_for_restart() {
                                          .boot = options_.boot,
                                          .t0_monotonic_ns = to_ns(*d.t0),
                                          .safe = d.safe});
-  const bool again = std::exchange(d.unkept, !kept);
-  if (kept && again) log("cell " + d.cell.name + " is kept for a restart now");
+  const bool again = std::exchange(d.unsaved, !kept);
+  if (kept && again) log("cell " + d.cell.name + " is saved for --resume again");
   if (kept || again) return;
-  const std::string what = "cell " + d.cell.name + " is not kept for a restart: " + in_words(kept.problems());
+  const std::string what =
+      "cell " + d.cell.name + " could not be saved for --resume: " + in_words(kept.problems());
   log("warning: " + what);
   note({.kind = model::FaultKind::error, .cause = what});
 }
 
-// What could not be written may find room again.
+// Tries again to write what could not be written: there may be space on the disk again.
 void Agent::watch_disk() {
   const Instant now = options_.now();
   if (now - disk_tried_at_ < kDiskTriedEvery) return;
   disk_tried_at_ = now;
-  if (options_.record->take_up_again())
-    log("the fault record is in its file again: " + options_.record->file());
-  if (deployment_ && deployment_->unkept && !update_) keep_for_restart();
+  if (options_.record->reopen())
+    log("the fault record is written to its file again: " + options_.record->file());
+  if (deployment_ && deployment_->unsaved && !update_) keep_for_restart();
 }
 
 void Agent::undeploy(const Command& command) {
@@ -356,7 +357,7 @@ void Agent::undeploy(const Command& command) {
   }
   deployment_->undeployers.push_back(command);
   if (!deployment_->supervised) {
-    refuse({fail("it was undeployed")});
+    abandon({fail("it was undeployed")});
   } else if (deployment_->over) {
     finish();
   } else {
@@ -364,7 +365,7 @@ void Agent::undeploy(const Command& command) {
   }
 }
 
-// It has ended: by a failure, or because it was told to.
+// The deployment has ended, by a failure or on command.
 void Agent::finish() {
   Deployment& d = *deployment_;
   const Problems failures = d.supervised->failures();
@@ -385,10 +386,10 @@ void Agent::finish() {
     note({.kind = model::FaultKind::undeployed,
           .cause = "cell " + d.cell.name + " has ended" +
                    (!failures.empty()      ? ": " + in_words({failures[0]})
-                    : !undeployers.empty() ? ", as it was told to"
+                    : !undeployers.empty() ? ": it was undeployed"
                     : !d.undone.empty()    ? ": " + d.undone
-                    : in_transit           ? ": it is being changed"
-                    : ending_              ? ": its node is ending"
+                    : in_transit           ? ": it is being updated"
+                    : ending_              ? ": its node is shutting down"
                                            : "")});
   }
   devices_seen_.clear();
@@ -397,7 +398,7 @@ void Agent::finish() {
     return;
   }
   if (undeployers.empty() && started && d.undone.empty()) {
-    // What was brought up anew can still be put back.
+    // An update that has replaced the deployment can still be undone.
     if (update_ && !update_->is_after)
       drop_update("the device has ended" + (failures.empty() ? "" : ": " + in_words({failures[0]})));
     d.over = true;
@@ -408,7 +409,7 @@ void Agent::finish() {
     log("cell " + d.cell.name + " is undeployed");
   }
   clear();
-  tell_status();  // who has the answer finds the device free
+  publish_status();  // before the answer, so that its receiver sees that the device is free
   const Problems reasons = failures.empty() ? Problems{fail("it was undeployed")} : failures;
   for (const Command& preparer : preparers)
     answer(preparer, REPLY_FAILED, in_words({reasons[0]}), model::json_text(problems_json(reasons)));
@@ -423,9 +424,9 @@ void Agent::forget_kept() {
 
 void Agent::clear() {
   if (!deployment_->describers.empty()) described(fail("the deployment ended before it was described"));
-  if (deployment_->swap) answer(*deployment_->swap, REPLY_FAILED, "the device ends");
+  if (deployment_->swap) answer(*deployment_->swap, REPLY_FAILED, "the device is shutting down");
   if (deployment_->supervised && !deployment_->modules.empty())
-    publisher_.take_back(deployment_->modules, deployment_->supervised->measures());
+    publisher_.withdraw(deployment_->modules, deployment_->supervised->measures());
   deployment_.reset();
 }
 
@@ -433,21 +434,21 @@ void Agent::resume() {
   if (!options_.file) return;
   const auto kept = options_.file->kept();
   if (!kept) {
-    log("nothing is taken up again: " + in_words(kept.problems()));
+    log("nothing is restored: " + in_words(kept.problems()));
     last_refusal_ = to_text(kept.problems()[0]);
     return;
   }
   if (!*kept) return;
-  // The wall clock may have been set; the other goes on as long as the machine does.
+  // The wall clock may have been set, but the monotonic clock is valid until the machine is booted again.
   std::optional<Instant> t0;
   if (!options_.boot.empty() && (*kept)->boot == options_.boot) t0 = from_ns((*kept)->t0_monotonic_ns);
-  // Else it would wait for that instant in silence, for years where a clock went wrong.
+  // Otherwise it would wait silently for that instant, perhaps for years if a clock is wrong.
   const Nanoseconds ahead =
       t0 ? span(to_ns(options_.now()), to_ns(*t0)) : span(options_.wall_ns(), (*kept)->t0_ns);
   if (ahead > kFurthestStart) {
-    last_refusal_ = "the kept deployment runs from an instant that is " + takt::to_text(ahead) +
+    last_refusal_ = "the start time of the saved deployment is " + takt::to_text(ahead) +
                     " ahead; set the clock of device " + options_.device + ", or deploy the cell again";
-    log("nothing is taken up again: " + last_refusal_);
+    log("nothing is restored: " + last_refusal_);
     return;
   }
   auto deployment = std::make_unique<Deployment>();
@@ -461,13 +462,13 @@ void Agent::resume() {
   begin(std::move(deployment));
 }
 
-void Agent::leave_kept() const {
+void Agent::report_kept() const {
   if (!options_.file) return;
   const auto kept = options_.file->kept();
   if (!kept || !*kept) return;
   const auto found = find_device((*kept)->text, (*kept)->file, options_.device);
   log((found ? "cell " + found->cell.name : "a cell") +
-      " was running when this node ended and is not taken up again; --resume would");
+      " was running when this node ended and is not restored; to restore it, start the node with --resume");
 }
 
 }  // namespace takt::node

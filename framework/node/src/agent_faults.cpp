@@ -1,11 +1,11 @@
-// The fault record of a device: what goes into it beside what its modules do, and who may read it.
+// Events that the agent adds to the fault record (start, end, commands, lost devices), and COMMAND_LOG.
 #include <algorithm>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include <takt/core/words.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/environment.hpp>
 #include "agent_deployment.hpp"
@@ -17,8 +17,8 @@ using model::FaultKind;
 
 namespace {
 
-/// "robot.servo: stop", "set gain = 2": what somebody asked for.
-std::string wish_of(const Command& command) {
+/// The text of a command in the fault record: "stop", "set gain = 2".
+std::string command_text(const Command& command) {
   std::string text = takt::to_text(command.kind());
   if (command.kind() == COMMAND_GET || command.kind() == COMMAND_SET || command.kind() == COMMAND_TAP)
     text += " " + command.property().to_string();
@@ -40,18 +40,18 @@ bool changes_something(CommandKind kind) {
     case COMMAND_SWAP:
       return true;
     default:
-      return false;  // deployments have events of their own; the others ask
+      return false;  // deployments have events of their own; all other commands are questions
   }
 }
 
 }  // namespace
 
-void Agent::came_up() {
+void Agent::note_start() {
   const FaultRecord& record = *options_.record;
   const auto& events = record.events();
   if (!events.empty() && events.back().kind != FaultKind::node_end) {
     note({.kind = FaultKind::node_restart,
-          .cause = "the node before this one was not ended in order; its last event is " +
+          .cause = "the previous node did not shut down cleanly; its last event is number " +
                    std::to_string(events.back().sequence)});
   } else {
     note({.kind = FaultKind::node_start, .cause = "process " + std::to_string(os::process_id())});
@@ -60,16 +60,16 @@ void Agent::came_up() {
     note({.kind = FaultKind::error, .cause = "the fault record: " + in_words({problem})});
 }
 
-void Agent::goes_down() {
+void Agent::note_end() {
   filter_.flush();
-  note({.kind = FaultKind::node_end, .cause = "in order"});
+  note({.kind = FaultKind::node_end, .cause = "clean shutdown"});
   if (const auto disk = options_.record->disk()) disk->sync();
 }
 
 void Agent::note(model::Fault fault, const std::string& origin) {
   fault.time_ns = options_.wall_ns();
   fault.cell = deployment_ ? deployment_->cell.name : std::string{};
-  if (fault.cell.empty()) fault.cell = dds::kNoCell;
+  if (fault.cell.empty()) fault.cell = wire::kNoCell;
   fault.device = options_.device;
   fault.cause = on_one_line(fault.cause);
   filter_.put(std::move(fault), options_.now(), origin);
@@ -79,18 +79,20 @@ void Agent::note_answer(const Command& command, ReplyCode code, const std::strin
   const std::string module = command.module_name().to_string();
   if (code == REPLY_OK) {
     if (changes_something(command.kind()))
-      note({.module = module, .kind = FaultKind::command, .cause = wish_of(command) + " was carried out"});
+      note({.module = module,
+            .kind = FaultKind::command,
+            .cause = command_text(command) + " was carried out"});
     return;
   }
-  // Ids of one asker differ in what follows the last '-'.
+  // Commands of one client have ids that differ only after the last '-'.
   const std::string id = command.id().to_string();
   note({.module = module,
         .kind = code == REPLY_FAILED ? FaultKind::failed_command : FaultKind::refused_command,
-        .cause = wish_of(command) + ": " + text},
+        .cause = command_text(command) + ": " + text},
        id.substr(0, id.rfind('-')));
 }
 
-// The other devices of the cell that runs here.
+// Records when other devices of the running cell are lost or come back.
 void Agent::watch_devices() {
   if (!deployment_ || !deployment_->t0_wall_ns || deployment_->over) return;
   for (const model::Device& device : deployment_->cell.devices) {
@@ -101,14 +103,14 @@ void Agent::watch_devices() {
     if (std::exchange(at->second, alive) == alive || added) continue;
     note({.kind = alive ? FaultKind::device_back : FaultKind::device_lost,
           .cause = "device " + device.name +
-                   (alive          ? " is there again"
+                   (alive          ? " is back"
                     : seen.empty() ? " has left"
-                                   : " is lost: its node is not heard any more")},
+                                   : " is lost: its node no longer sends")},
          device.name);
   }
 }
 
-void Agent::log_asked(const dds::WholeCommand& command) {
+void Agent::send_log(const wire::WholeCommand& command) {
   auto filter = model::filter_from(command.data);
   if (!filter) {
     answer(command.head, REPLY_REFUSED, in_words(filter.problems()));

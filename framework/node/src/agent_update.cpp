@@ -1,8 +1,8 @@
-// From a deployment that runs to another one, by changing what differs and no more (takt deploy --update).
+// Updates a running deployment to a new descriptor and changes only what differs (takt deploy --update).
 //
-// Each step is one for all devices of the cell, and whoever carries it out asks for the next when all have
-// done it; until the last, this device can go back to what it was, and does so by itself when it hears
-// nothing for a while.
+// All devices of the cell take the same steps. The client commands the next step when all devices have
+// completed the one before. Until the last step this device can undo its changes, and does so by itself if it
+// receives nothing from the client for a while.
 #include "agent_update.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <takt/core/span.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
 #include <takt/node/log.hpp>
@@ -39,7 +39,8 @@ bool same_property(const model::Module& one, const model::Module& other, const s
   return first.ok() == second.ok() && (!first || *first == *second);
 }
 
-/// A property that a component declares can be set; what reads others does so in initialize() alone.
+/// Whether the component declares the property. Only declared properties can be set while a module runs;
+/// others are read only in initialize().
 bool declares(const std::string& description, const model::ModuleChange& change) {
   const json all = model::parse_json(description);
   if (!all.is_object()) return false;
@@ -55,7 +56,7 @@ bool declares(const std::string& description, const model::ModuleChange& change)
 model::ModulePorts ports_at(const Inspected& found, std::size_t module) {
   return module < found.ports.size() ? found.ports[module] : std::nullopt;
 }
-/// All that links are made from.
+/// Compares everything that the links depend on.
 bool same_ports(const model::ModulePorts& before, const model::ModulePorts& after) {
   if (!before || !after) return !before && !after;
   return std::is_permutation(before->begin(), before->end(), after->begin(), after->end(),
@@ -69,8 +70,8 @@ bool same_ports(const model::ModulePorts& before, const model::ModulePorts& afte
 
 }  // namespace
 
-void Agent::complain(const Command& command, ReplyCode code, const Problems& problems,
-                     const std::string& value) {
+void Agent::reply_problems(const Command& command, ReplyCode code, const Problems& problems,
+                           const std::string& value) {
   answer(command, code, in_words({problems[0]}), model::json_text(problems_json(problems)), {}, value);
 }
 
@@ -95,21 +96,22 @@ void Agent::Deployment::inherit(const Deployment& other) {
   }
 }
 
-void Agent::update(const dds::WholeCommand& command) {
+void Agent::update(const wire::WholeCommand& command) {
   const Command& head = command.head;
   const std::string device = "device " + options_.device;
-  const auto refused = [&](Problem problem) { complain(head, REPLY_REFUSED, {std::move(problem)}); };
-  if (!clash_.empty()) return refused({device, clash_, "end one of them"});
-  if (ending_) return refused(fail("the node of " + device + " is ending"));
-  if (update_) return refused({device, "somebody else is just updating it", "ask again when that is over"});
+  const auto refused = [&](Problem problem) { reply_problems(head, REPLY_REFUSED, {std::move(problem)}); };
+  if (!name_clash_.empty()) return refused({device, name_clash_, "end one of them"});
+  if (ending_) return refused(fail("the node of " + device + " is shutting down"));
+  if (update_)
+    return refused({device, "another operator is updating it", "try again when that update is over"});
   if (deployment_ && deployment_->swap)
-    return refused({device, "a module of it is just being swapped", "ask again"});
+    return refused({device, "one of its modules is being swapped", "try again later"});
   if (deployment_ && deployment_->id != head.deployment().to_string())
     return refused({device, "it has another deployment, of cell " + deployment_->cell.name, ""});
   const bool runs = deployment_ && !deployment_->over && deployment_->supervised &&
                     deployment_->supervised->phase() == Phase::running;
   if (deployment_ && !runs)
-    return refused({device, std::string{"it does not run: it is "} + takt::to_text(status().state()),
+    return refused({device, std::string{"it is not running: its state is "} + takt::to_text(status().state()),
                     "undeploy the cell and deploy it again"});
 
   auto update = std::make_shared<Update>();
@@ -119,29 +121,30 @@ void Agent::update(const dds::WholeCommand& command) {
   update->after->file = head.value().to_string();
   update->after->text = command.data;
   update->heard = options_.now();
-  if (auto compared = compare(*update); !compared) return complain(head, REPLY_REFUSED, compared.problems());
+  if (auto compared = compare(*update); !compared)
+    return reply_problems(head, REPLY_REFUSED, compared.problems());
   update_ = std::move(update);
   update_->asker = head;
   Deployment& after = *update_->after;
   const Change change = update_->difference.change;
-  if (change == Change::none || change == Change::removed) return looked_at(Inspected{});
-  // Which properties can be set is known to components alone.
+  if (change == Change::none || change == Change::removed) return update_inspected(Inspected{});
+  // Only the components tell which properties can be set.
   const auto& in_place = update_->difference.in_place;
   const bool sets =
       std::any_of(in_place.begin(), in_place.end(), [](const auto& one) { return !one.property.empty(); });
-  auto inspection = workshop_.inspect({.text = after.text,
-                                       .file = after.file,
-                                       .device = options_.device,
-                                       .as_written = options_.lent,
-                                       .describe = sets,
-                                       .swapped = after.swapped});
+  auto inspection = factories_.inspect({.text = after.text,
+                                        .file = after.file,
+                                        .device = options_.device,
+                                        .as_written = options_.temporary,
+                                        .describe = sets,
+                                        .swapped = after.swapped});
   if (inspection)
     update_->inspection = std::move(*inspection);
   else
-    looked_at(inspection.problems());
+    update_inspected(inspection.problems());
 }
 
-// What the descriptor alone says.
+// Compares the descriptors, without the components.
 Result<void> Agent::compare(Update& update) const {
   Deployment& after = *update.after;
   auto cell = descriptor::parse(after.text, after.file);
@@ -169,25 +172,25 @@ Result<void> Agent::compare(Update& update) const {
   return {};
 }
 
-void Agent::look_at_update() {
+void Agent::check_update() {
   if (!update_) return;
   if (update_->inspection) {
     const auto result = update_->inspection->result();
     if (!result) return;
     update_->inspection.reset();
-    looked_at(*result);
+    update_inspected(*result);
     return;
   }
   const bool waits = update_->stage == Update::Stage::held || update_->stage == Update::Stage::changed;
   if (waits && options_.now() - update_->heard > kRunAwaited)
-    undo({fail("nobody said how the update goes on, within " + takt::to_text(kRunAwaited))});
+    undo({fail("no further command of the update arrived within " + takt::to_text(kRunAwaited))});
 }
 
-void Agent::looked_at(const Result<Inspected>& result) {
+void Agent::update_inspected(const Result<Inspected>& result) {
   Update& u = *update_;
   const auto refused = [this](const Problems& problems) {
     const auto dropped = std::exchange(update_, nullptr);
-    complain(*dropped->asker, REPLY_REFUSED, problems);
+    reply_problems(*dropped->asker, REPLY_REFUSED, problems);
   };
   if (!result) return refused(result.problems());
   Change& change = u.difference.change;
@@ -197,20 +200,21 @@ void Agent::looked_at(const Result<Inspected>& result) {
     if (const auto may = may_change_in_place(); !may) return refused(may.problems());
   }
   u.after->found = found;
-  json told = change == Change::removed ? json{{"modules", json::array()}}
+  json data = change == Change::removed ? json{{"modules", json::array()}}
                                         : Deployment::ports_of(u.after->of_device(), found);
-  told["change"] = model::to_text(change);
-  told["words"] = model::in_words(u.difference);
+  data["change"] = model::to_text(change);
+  data["words"] = model::in_words(u.difference);
   if (deployment_) {
-    told["t0_ns"] = *deployment_->t0_wall_ns;
-    told["require_real_time"] = deployment_->require_real_time;
+    data["t0_ns"] = *deployment_->t0_wall_ns;
+    data["require_real_time"] = deployment_->require_real_time;
   }
   u.stage = Update::Stage::held;
   u.heard = options_.now();
-  answer(*std::exchange(u.asker, std::nullopt), REPLY_OK, "", model::json_text(told));
+  answer(*std::exchange(u.asker, std::nullopt), REPLY_OK, "", model::json_text(data));
 }
 
-// What the components say to what the descriptor would have changed in place.
+// Checks with the components whether the changes are possible while the modules run. If not, the device must
+// be restarted.
 void Agent::judge_in_place(const Inspected& found) {
   model::DeviceDifference& difference = update_->difference;
   for (const model::ModuleChange& one : difference.in_place) {
@@ -219,7 +223,7 @@ void Agent::judge_in_place(const Inspected& found) {
     if (one.property.empty() && !same_ports(ports_at(deployment_->found, index), ports_at(found, index)))
       why += " has other ports in its new file";
     else if (!one.property.empty() && !declares(found.description, one))
-      why += " reads " + one.property + " in initialize() alone";
+      why += " reads property " + one.property + " only in initialize()";
     else
       continue;
     difference.make_anew(why);
@@ -249,23 +253,23 @@ Result<void> Agent::may_change_in_place() const {
 
 bool Agent::updates(const Command& command) {
   if (update_ && update_->id == command.property().to_string()) return true;
-  complain(command, REPLY_REFUSED,
-           {{"device " + options_.device, "no such update of it is under way; it may have been put back",
-             "ask for it again"}});
+  reply_problems(command, REPLY_REFUSED,
+                 {{"device " + options_.device, "no such update is in progress; it may have been undone",
+                   "start the update again"}});
   return false;
 }
 
-void Agent::change(const dds::WholeCommand& command) {
+void Agent::change(const wire::WholeCommand& command) {
   if (!updates(command.head)) return;
   Update& u = *update_;
   const Change change = u.difference.change;
   const bool far = span(options_.wall_ns(), command.head.time_ns()) > kFurthestStart;
   if (u.stage != Update::Stage::held || (change == Change::added && (far || command.head.time_ns() <= 0))) {
-    complain(command.head, REPLY_REFUSED,
-             {u.stage != Update::Stage::held
-                  ? fail("the update is carried out already, or is not looked at yet")
-                  : fail("the cell runs from an instant that is far ahead on device " + options_.device,
-                         "synchronise the clocks of the devices")});
+    reply_problems(command.head, REPLY_REFUSED,
+                   {u.stage != Update::Stage::held
+                        ? fail("the update is not yet checked, or is already carried out")
+                        : fail("the start time of the cell is not valid on device " + options_.device,
+                               "synchronise the clocks of the devices")});
     return;
   }
   u.after->safe = command.data;
@@ -283,7 +287,7 @@ void Agent::change(const dds::WholeCommand& command) {
     case Change::added:
       u.after->t0_wall_ns = command.head.time_ns();
       u.after->require_real_time =
-          options_.require_real_time || command.head.value() == dds::kRequireRealTime;
+          options_.require_real_time || command.head.value() == wire::kRequireRealTime;
       u.is_after = true;
       return begin_again(*u.after);
   }
@@ -293,17 +297,17 @@ void Agent::changed() {
   Update& u = *update_;
   u.stage = Update::Stage::changed;
   u.heard = options_.now();
-  if (u.undoer) return undo({fail("it was given up")});
+  if (u.undoer) return undo({fail("the update was cancelled")});
   answer(*std::exchange(u.asker, std::nullopt), REPLY_OK, "");
 }
 
 void Agent::undo(const Problems& problems) {
   Update& u = *update_;
-  const bool nothing = u.stage == Update::Stage::looking || u.stage == Update::Stage::held;
+  const bool nothing = u.stage == Update::Stage::checking || u.stage == Update::Stage::held;
   u.stage = Update::Stage::undoing;
   u.reasons = problems;
   if (nothing || u.difference.change == Change::none) return undone();
-  log("is put back to what it was: " + in_words(u.reasons));
+  log("undoing the update: " + in_words(u.reasons));
   if (u.difference.change == Change::in_place) return undo_last();
   if (!u.is_after) return bring_back();
   if (!deployment_->over) return deployment_->supervised->stop();
@@ -315,36 +319,36 @@ void Agent::undone() {
   const auto u = std::exchange(update_, nullptr);
   log("is not updated: " + in_words(u->reasons));
   if (!u->left.empty()) {
-    log("could not be put back: " + in_words(u->left));
+    log("could not undo the update: " + in_words(u->left));
     if (!deployment_) last_refusal_ = to_text(u->left[0]);
   }
-  tell_status();
-  const std::string value = u->left.empty() ? dds::kAsBefore : "";
+  publish_status();
+  const std::string value = u->left.empty() ? wire::kAsBefore : "";
   if (u->asker) {
     Problems all = u->reasons;
     all.insert(all.end(), u->left.begin(), u->left.end());
-    complain(*u->asker, REPLY_FAILED, all, value);
+    reply_problems(*u->asker, REPLY_FAILED, all, value);
   }
   if (u->undoer && u->left.empty())
     answer(*u->undoer, REPLY_OK, "", {}, {}, value);
   else if (u->undoer)
-    complain(*u->undoer, REPLY_FAILED, u->left, value);
+    reply_problems(*u->undoer, REPLY_FAILED, u->left, value);
 }
 
 void Agent::put_back(const Command& command) {
   if (!update_ || update_->id != command.property().to_string())
-    return answer(command, REPLY_OK, "", {}, {}, dds::kAsBefore);  // nothing of it is left
+    return answer(command, REPLY_OK, "", {}, {}, wire::kAsBefore);  // there is nothing to undo
   Update& u = *update_;
-  if (u.undoer) return complain(command, REPLY_REFUSED, {fail("it is just being put back")});
+  if (u.undoer) return reply_problems(command, REPLY_REFUSED, {fail("the update is already being undone")});
   u.undoer = command;
   switch (u.stage) {
-    case Update::Stage::looking:
+    case Update::Stage::checking:
     case Update::Stage::held:
     case Update::Stage::changed:
-      return undo({fail("it was given up")});
+      return undo({fail("the update was cancelled")});
     case Update::Stage::changing:
-      if (u.in_transit() && u.is_after) return undo({fail("it was given up")});
-      return;  // after the step that is under way
+      if (u.in_transit() && u.is_after) return undo({fail("the update was cancelled")});
+      return;  // undo after the step that is in progress
     case Update::Stage::undoing:
       return;
   }
@@ -353,11 +357,11 @@ void Agent::put_back(const Command& command) {
 void Agent::keep(const Command& command) {
   if (!updates(command)) return;
   if (update_->stage != Update::Stage::changed || (deployment_ && deployment_->over)) {
-    complain(
-        command, REPLY_REFUSED,
-        {{"device " + options_.device,
-          update_->stage != Update::Stage::changed ? "the update is not carried out" : "it has ended since",
-          ""}});
+    reply_problems(command, REPLY_REFUSED,
+                   {{"device " + options_.device,
+                     update_->stage != Update::Stage::changed ? "the update has not been carried out"
+                                                              : "it has ended in the meantime",
+                     ""}});
     return;
   }
   const auto u = std::exchange(update_, nullptr);
@@ -379,7 +383,7 @@ void Agent::keep(const Command& command) {
     d.description.clear();
     if (d.describing) {
       d.describing.reset();
-      described(fail("the device was updated meanwhile", "ask again"));
+      described(fail("the device was updated in the meantime", "try again"));
     }
     keep_for_restart();
   }
@@ -397,7 +401,7 @@ void Agent::drop_update(const std::string& why) {
   const auto dropped = std::exchange(update_, nullptr);
   const Problems problems{{"device " + options_.device, why, ""}};
   for (const auto& waits : {dropped->asker, dropped->undoer}) {
-    if (waits) complain(*waits, REPLY_FAILED, problems);
+    if (waits) reply_problems(*waits, REPLY_FAILED, problems);
   }
 }
 

@@ -1,4 +1,4 @@
-// What an agent knows of an update of its deployment that is under way.
+// The state of an update of the agent's deployment.
 #pragma once
 
 #include <memory>
@@ -11,33 +11,32 @@
 
 namespace takt::node {
 
-/// Looked at, held, carried out, held, and then kept or put back: so that either all devices of a cell do it
-/// or none.
+/// An update is checked, held, carried out, held, and then kept or undone. So either all devices of a cell
+/// carry it out or none.
 struct Agent::Update {
   enum class Stage {
-    looking,  ///< at the components
-    held,     ///< it is right, and nothing is changed yet
+    checking,  ///< the components are being inspected
+    held,      ///< checked and accepted; nothing is changed yet
     changing,
-    changed,  ///< carried out, and can still be put back
+    changed,  ///< carried out; it can still be undone
     undoing,
   };
-  Stage stage = Stage::looking;
+  Stage stage = Stage::checking;
   std::string id;
   model::DeviceDifference difference;
-  std::unique_ptr<Deployment>
-      after;  ///< what is to follow; of a removed device nothing is brought up from it
-  std::unique_ptr<Deployment> before;  ///< what was taken down
-  bool is_after = false;               ///< what the device has, or was to have, was brought up from `after`
-  std::vector<std::string> replaced;   ///< in place: the value or file before each change that was made
+  std::unique_ptr<Deployment> after;   ///< the new deployment; not brought up if the device is removed
+  std::unique_ptr<Deployment> before;  ///< the deployment that the update has ended
+  bool is_after = false;               ///< `after` was, or is being, brought up
+  std::vector<std::string> replaced;   ///< in place: the old value or file of each change made so far
   std::unique_ptr<Inspection> inspection;
 
   std::optional<Command> asker;   ///< to be answered when the present stage is over
-  std::optional<Command> undoer;  ///< to be answered when it is put back
-  Instant heard{};                ///< from who carries it out
-  Problems reasons;               ///< why it is put back
-  Problems left;                  ///< what could not be
+  std::optional<Command> undoer;  ///< to be answered when the update is undone
+  Instant heard{};                ///< when the updating client was last heard
+  Problems reasons;               ///< why it is undone
+  Problems left;                  ///< what could not be undone
 
-  /// It ends a deployment, or brings one up, at this moment.
+  /// It is ending a deployment or bringing one up at this moment.
   [[nodiscard]] bool in_transit() const {
     const bool moves = stage == Stage::changing || stage == Stage::undoing;
     return moves && difference.change != model::Change::none && difference.change != model::Change::in_place;

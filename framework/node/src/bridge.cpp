@@ -21,7 +21,7 @@ using json = nlohmann::ordered_json;
 
 constexpr Nanoseconds kOpenedWithin = std::chrono::seconds{10};
 constexpr Nanoseconds kBetweenStarts = std::chrono::seconds{1};
-constexpr int kTellEveryMs = 250;
+constexpr int kReportEveryMs = 250;
 
 std::optional<Nanoseconds> duration(const json& value) {
   return value.is_null() ? std::nullopt : std::optional{Nanoseconds{value.get<std::int64_t>()}};
@@ -31,7 +31,7 @@ json duration(const std::optional<Nanoseconds>& value) {
   return value ? json(value->count()) : json(nullptr);
 }
 
-// The type travels as the one port that has it.
+// A type is sent as a port of that type.
 json to_json(const dds::Flow& flow) {
   model::Port port;
   port.name = "port";
@@ -70,7 +70,7 @@ dds::FlowHealth health_from(const json& value) {
           .incompatible = value.at("incompatible")};
 }
 
-/// The program's side: the memory, and the gateway that uses it.
+/// The bridge process's side: the memory of the links, and the gateway that uses it.
 class BridgeProgram {
  public:
   Result<void> open(const json& request, const std::vector<std::string>& interfaces) {
@@ -129,7 +129,7 @@ class BridgeProgram {
 
   std::vector<os::SharedMemory> memories_;
   std::shared_ptr<dds::Participant> participant_;
-  std::unique_ptr<dds::Gateway> gateway_;  // after the memory that it uses
+  std::unique_ptr<dds::Gateway> gateway_;  // declared after the memory that it uses
   std::vector<dds::Gateway::FlowId> flows_;
 };
 
@@ -176,7 +176,7 @@ Result<void> Bridge::spawn() {
   return {};
 }
 
-void Bridge::hear(const std::string& text) {
+void Bridge::handle(const std::string& text) {
   const json news = model::parse_json(text);
   if (news.contains("problems")) {
     const Problems problems = problems_from(news["problems"]);
@@ -190,21 +190,21 @@ void Bridge::hear(const std::string& text) {
 
 void Bridge::step(Instant now) {
   socket_.flush();
-  while (const auto text = socket_.receive()) hear(*text);
-  const std::string who = "the gateway to domain " + std::to_string(options_.domain);
+  while (const auto text = socket_.receive()) handle(*text);
+  const std::string name = "the bridge to domain " + std::to_string(options_.domain);
   if (const auto end = child_.poll()) {
-    // It may have slept: nobody has to ring for it.
+    // The bridge may have been asleep: writers no longer need to wake it.
     auto& wake_word = *reinterpret_cast<channel::WakeWord*>(options_.wake_word->data());
     wake_word.gateway_sleeps.fetch_and(~(1U << options_.place), std::memory_order_seq_cst);
     for (dds::FlowHealth& health : health_) health.matched = 0;
-    if (!opened_) opened_ = fail(who + " " + end->text());
-    log(options_.device, "", who + " " + end->text());
+    if (!opened_) opened_ = fail(name + " " + end->text());
+    log(options_.device, "", name + " " + end->text());
   }
   if (!opened_ && now - started_ > kOpenedWithin)
-    opened_ = fail(who + " did not open within " + to_text(kOpenedWithin));
+    opened_ = fail(name + " did not open its topics within " + to_text(kOpenedWithin));
   if (child_.running() || now - started_ < kBetweenStarts) return;
   if (auto spawned = spawn(); !spawned) {
-    log(options_.device, "", who + ": " + in_words(spawned.problems()));
+    log(options_.device, "", name + ": " + in_words(spawned.problems()));
     started_ = now;
   }
 }
@@ -220,12 +220,12 @@ int run_bridge(const std::vector<std::string>& interfaces) {
     node.send_wait(model::json_text({{"problems", problems_json(opened.problems())}}));
     return 1;
   }
-  int told = 0;
+  int reports = 0;
   while (node.send_wait(model::json_text(program.health()))) {
-    os::wait_readable({&node.fd()}, kTellEveryMs);
+    os::wait_readable({&node.fd()}, kReportEveryMs);
     static_cast<void>(node.receive());
     if (node.closed()) break;
-    if (++told % 4 == 0) program.rescan_interfaces();
+    if (++reports % 4 == 0) program.rescan_interfaces();
   }
   return 0;
 }

@@ -8,7 +8,7 @@ namespace takt::node {
 
 namespace {
 
-// The longest that may pass between the instant and the row without a part of the period being lost.
+// The longest delay between a release and its row that costs no part of the period.
 Nanoseconds allowed_delay(const model::Executor& executor, Nanoseconds basic_period) {
   switch (executor.wakeup) {
     case model::Wakeup::hybrid:
@@ -21,7 +21,7 @@ Nanoseconds allowed_delay(const model::Executor& executor, Nanoseconds basic_per
   return Nanoseconds::max();
 }
 
-// Below this no row is over when the next is due.
+// With a shorter period, no row could end before the next is due.
 constexpr Nanoseconds kShortest = std::chrono::microseconds{1};
 
 std::string kept_of(const os::Throttling& throttling) {
@@ -30,7 +30,7 @@ std::string kept_of(const os::Throttling& throttling) {
   return to_text(throttling.kept) + " of " + of;
 }
 
-// Three digits are enough for a measured time.
+// A measured time with its first three digits.
 std::string about(Nanoseconds time) {
   Nanoseconds unit{1};
   while (time / unit >= 1000) unit *= 10;
@@ -58,7 +58,7 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
     if (executor.wakeup == model::Wakeup::spin && conditions.prioritised && throttling && throttling->on()) {
       warnings.push_back("executor " + executor.name + " never sleeps, so the kernel interrupts it for " +
                          kept_of(*throttling) +
-                         (throttling->fair_server ? " when an ordinary thread waits for its processor"
+                         (throttling->fair_server ? " when an ordinary thread waits for its CPU"
                                                   : " (real-time throttling)") +
                          "; use wakeup=\"hybrid\", or: " + throttling_cure(*throttling));
     }
@@ -66,39 +66,38 @@ std::vector<std::string> warnings_for(const model::Device& device, const schedul
     if (basic < kShortest) {
       warnings.push_back(
           "executor " + executor.name + " has a basic period of " + to_text(basic) +
-          ", the greatest common divisor of its periods and offsets: no machine walks rows that "
-          "often, and most will be missed; choose periods and offsets that have more in common");
+          ", the greatest common divisor of its periods and offsets: no machine is that fast, and most "
+          "rows will be missed; choose periods and offsets that have a larger divisor in common");
     } else if (conditions.timer_resolution >= basic) {
       warnings.push_back("the kernel's timers have no high resolution: executor " + executor.name +
-                         " has a period of " + to_text(basic) + " and is woken each " +
+                         " has a period of " + to_text(basic) + ", but is woken at most once each " +
                          to_text(conditions.timer_resolution) +
-                         " at best; boot a kernel with CONFIG_HIGH_RES_TIMERS and without highres=off");
+                         "; boot a kernel with CONFIG_HIGH_RES_TIMERS and without highres=off");
     } else if (conditions.wake_ups.p50 > allowed_delay(executor, basic)) {
-      warnings.push_back("this machine wakes a thread " + about(conditions.wake_ups.p50) +
-                         " late as a rule, too late for executor " + executor.name + " and its period of " +
-                         to_text(basic) +
-                         "; use wakeup=\"spin\" or a longer period, and see what takt doctor says");
+      warnings.push_back("this machine usually wakes a thread " + about(conditions.wake_ups.p50) +
+                         " late, too late for executor " + executor.name + " with its period of " +
+                         to_text(basic) + "; use wakeup=\"spin\" or a longer period, and run takt doctor");
     }
   }
   if (!conditions.memory_locked && conditions.swap_bytes > 0)
     warnings.emplace_back(
-        "memory is not locked and this machine swaps: a module may wait for the disk; let it lock memory, or "
-        "run swapoff -a");
+        "memory is not locked and this machine swaps: a module may wait for the disk; allow Takt to lock "
+        "memory, or run swapoff -a");
   return warnings;
 }
 
 std::optional<std::string> throttled(const model::Executor& executor, Nanoseconds gap,
                                      const os::Throttling& throttling) {
-  // It may be found out a little before, and others may go first after it.
+  // The gap may be measured a little shorter, and other threads may run first after it.
   const bool about_as_long = gap >= throttling.kept * 9 / 10 && gap <= throttling.kept * 3 / 2;
   if (!throttling.on() || !about_as_long) return std::nullopt;
   const bool spins = executor.wakeup == model::Wakeup::spin;
-  // One that sleeps may have lost it to something else: to the host of a virtual machine, to firmware.
-  return "executor " + executor.name + " lost its processor for " + about(gap) + ": " +
+  // An executor that sleeps may have lost the CPU to something else: the host of a virtual machine, firmware.
+  return "executor " + executor.name + " lost its CPU for " + about(gap) + ": " +
          (spins ? "the kernel keeps " : "about as long as the kernel keeps it (") + kept_of(throttling) +
          (spins ? " from" : ") from") + " real-time threads that leave others no time" +
          (throttling.fair_server ? ", by its fair server" : ", by real-time throttling") + "; " +
-         (spins ? "use wakeup=\"hybrid\", or: " : "give its modules less to do, or see takt doctor; or: ") +
+         (spins ? "use wakeup=\"hybrid\", or: " : "give its modules less work, run takt doctor, or: ") +
          throttling_cure(throttling);
 }
 

@@ -1,4 +1,5 @@
-// What of a machine would spoil one run: the part of the diagnosis that depends on what the run wants. Pure.
+// Finds what on a machine would spoil one particular run: the part of the diagnosis that depends on the cell.
+// It reads nothing itself.
 #pragma once
 
 #include <optional>
@@ -12,27 +13,26 @@
 
 namespace takt::node {
 
-/// What is known when a device is brought up.
+/// The machine's conditions when a device is brought up.
 struct Conditions {
   std::optional<os::Throttling> throttling{};
-  bool prioritised = true;  ///< SCHED_FIFO is granted
+  bool prioritised = true;  ///< the system grants SCHED_FIFO
   bool memory_locked = true;
   std::uint64_t swap_bytes = 0;
   Nanoseconds timer_resolution{1};
-  os::WakeUps wake_ups{};  ///< none: they were not tried
+  os::WakeUps wake_ups{};  ///< a count of 0: not measured
 };
 
-/// A sentence with the cure for each thing that spoils this run. Empty when nothing does. That the system
-/// refuses priority or memory is said by who is refused.
+/// A sentence with the cure for each condition that spoils this run; empty if none does. Denied priority and
+/// denied memory locking are reported elsewhere, by the threads that need them.
 std::vector<std::string> warnings_for(const model::Device& device, const schedule::DevicePlan& plan,
                                       const Conditions& conditions);
 
-/// What to do so that the kernel does not interrupt threads that never sleep: a command.
+/// The command after which the kernel no longer interrupts threads that never sleep.
 std::string throttling_cure(const os::Throttling& throttling);
 
-/// What it means that the processor came back to an executor only after `gap`, when that is about as long as
-/// the kernel keeps a processor from real-time threads: a sentence with the cure. None for any other length,
-/// and where the kernel keeps nothing.
+/// Explains why an executor got its CPU back only after `gap`: a sentence with the cure, if `gap` is about as
+/// long as the kernel's throttling lasts. None for any other length, or if the kernel does not throttle.
 std::optional<std::string> throttled(const model::Executor& executor, Nanoseconds gap,
                                      const os::Throttling& throttling);
 

@@ -19,18 +19,18 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Often enough for the lease of takt/lifecycle.
+/// The interval of liveliness assertions; short enough for the lease of takt/lifecycle.
 constexpr milliseconds kAssertEvery{100};
-/// Between two looks for interfaces that have come up.
+/// The interval of searches for new network interfaces.
 constexpr Nanoseconds kRescanEvery = std::chrono::seconds{2};
-/// Events that wait to be said; of more the oldest are left to the record.
+/// The most events that wait to be published; beyond that the oldest stay only in the fault record.
 constexpr std::size_t kMostFaults = 1024;
-/// At the end, for observers to hear that this node leaves.
+/// The time at the end for observers to learn that this node leaves.
 constexpr milliseconds kFarewell{200};
 
-class ToDevice final : public DeviceLine {
+class DeviceWriter final : public DeviceSink {
  public:
-  explicit ToDevice(dds::Writer<DeviceStatus> writer) : writer_(std::move(writer)) {}
+  explicit DeviceWriter(dds::Writer<DeviceStatus> writer) : writer_(std::move(writer)) {}
   void write(const DeviceStatus& status) override { writer_.write(status); }
   void dispose(const DeviceStatus& key) override { writer_.dispose(key); }
   void farewell() { writer_.wait_acknowledged(kFarewell); }
@@ -39,9 +39,9 @@ class ToDevice final : public DeviceLine {
   dds::Writer<DeviceStatus> writer_;
 };
 
-class ToLifecycle final : public LifecycleLine {
+class LifecycleWriter final : public LifecycleSink {
  public:
-  explicit ToLifecycle(dds::Writer<LifecycleStatus> writer) : writer_(std::move(writer)) {}
+  explicit LifecycleWriter(dds::Writer<LifecycleStatus> writer) : writer_(std::move(writer)) {}
   bool write(const LifecycleStatus& status) override { return writer_.write(status); }
   void dispose(const LifecycleStatus& key) override { writer_.dispose(key); }
   bool wait_acknowledged(milliseconds limit) override { return writer_.wait_acknowledged(limit); }
@@ -65,27 +65,27 @@ struct DdsPublisher::Inside {
         ports(std::move(s)),
         faults(std::move(f)) {}
 
-  // On the heartbeat's thread.
-  void beat() {
+  // Runs on the heartbeat thread.
+  void run_heartbeat() {
     while (!end) heartbeat.serve(device);
     heartbeat.leave(device);
     device.farewell();
   }
 
-  // On the other: transitions first, then what is left.
-  void tell() {
+  // Runs on the publisher thread: transitions first, then everything else.
+  void run_publisher() {
     Instant asserted{};
     Instant scanned = os::now();
     while (!end) {
-      const bool said = outbox.serve(lifecycle, kAssertEvery / 2);
+      const bool sent = outbox.serve(lifecycle, kAssertEvery / 2);
       const Instant now = os::now();
       if (now - asserted >= kAssertEvery) {
         asserted = now;
         lifecycle.assert_liveliness();
       }
-      if (said) continue;
-      tell_faults();
-      tell_measures();
+      if (sent) continue;
+      write_faults();
+      write_measures();
       if (now - scanned >= kRescanEvery) {
         scanned = now;
         participant->rescan_interfaces();
@@ -94,28 +94,28 @@ struct DdsPublisher::Inside {
     const Instant limit = os::now() + kFarewell;
     while (os::now() < limit && outbox.serve(lifecycle, milliseconds{0})) {
     }
-    tell_faults();
-    tell_measures();
+    write_faults();
+    write_measures();
     lifecycle.wait_acknowledged(kFarewell);
     faults.wait_acknowledged(kFarewell);
   }
 
-  void tell_faults() {
+  void write_faults() {
     std::deque<FaultEvent> news;
     {
       const std::lock_guard lock{mutex};
-      news.swap(unsaid);
+      news.swap(pending_faults);
     }
     for (const FaultEvent& event : news) faults.write(event);
   }
 
-  void tell_measures() {
+  void write_measures() {
     std::optional<Measures> news;
     Measures over;
     {
       const std::lock_guard lock{mutex};
       news = std::exchange(measures, std::nullopt);
-      over = std::exchange(taken_back, {});
+      over = std::exchange(withdrawn, {});
     }
     const auto dispose = [](auto& writer, const auto& list) {
       for (const auto& entry : list) writer.dispose(entry);
@@ -130,22 +130,22 @@ struct DdsPublisher::Inside {
   }
 
   std::shared_ptr<dds::Participant> participant;
-  ToDevice device;
-  ToLifecycle lifecycle;
+  DeviceWriter device;
+  LifecycleWriter lifecycle;
   dds::Writer<ModuleStatistics> modules;
   dds::Writer<ExecutorStatistics> executors;
   dds::Writer<PortStatus> ports;
   dds::Writer<FaultEvent> faults;
-  std::function<void(const dds::WholeReply&)> replies;
+  std::function<void(const wire::WholeReply&)> replies;
   Heartbeat heartbeat;
   Outbox outbox;
   std::mutex mutex;
   std::optional<Measures> measures;
-  Measures taken_back;
-  std::deque<FaultEvent> unsaid;
+  Measures withdrawn;
+  std::deque<FaultEvent> pending_faults;
   std::atomic<bool> end{false};
-  os::Thread beats;  // last: joined before anything that they use is gone
-  os::Thread tells;
+  os::Thread heartbeat_thread;  // last members: joined before what they use is destroyed
+  os::Thread publisher_thread;
 };
 
 DdsPublisher::DdsPublisher(std::unique_ptr<Inside> inside) noexcept : inside_(std::move(inside)) {}
@@ -172,17 +172,17 @@ Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(std::shared_ptr<dds::
                                          std::move(*modules), std::move(*executors), std::move(*ports),
                                          std::move(*faults));
   Inside* const place = inside.get();
-  auto beats = os::Thread::start(
-      {.name = "takt-heartbeat"}, [place] { place->beat(); }, nullptr);
-  if (!beats) return beats.problems();
-  inside->beats = std::move(*beats);
-  auto tells = os::Thread::start(
-      {.name = "takt-dds_publisher"}, [place] { place->tell(); }, nullptr);
-  if (!tells) {
+  auto heartbeat_thread = os::Thread::start(
+      {.name = "takt-heartbeat"}, [place] { place->run_heartbeat(); }, nullptr);
+  if (!heartbeat_thread) return heartbeat_thread.problems();
+  inside->heartbeat_thread = std::move(*heartbeat_thread);
+  auto publisher_thread = os::Thread::start(
+      {.name = "takt-publisher"}, [place] { place->run_publisher(); }, nullptr);
+  if (!publisher_thread) {
     inside->end = true;
-    return tells.problems();
+    return publisher_thread.problems();
   }
-  inside->tells = std::move(*tells);
+  inside->publisher_thread = std::move(*publisher_thread);
   return std::unique_ptr<DdsPublisher>{new DdsPublisher{std::move(inside)}};
 }
 
@@ -190,23 +190,23 @@ DdsPublisher::~DdsPublisher() {
   inside_->end = true;
   inside_->outbox.wake();
   inside_->heartbeat.wake();
-  inside_->beats.join();
-  inside_->tells.join();
+  inside_->heartbeat_thread.join();
+  inside_->publisher_thread.join();
 }
 
-void DdsPublisher::answer_by(std::function<void(const dds::WholeReply&)> replies) {
+void DdsPublisher::set_reply_sender(std::function<void(const wire::WholeReply&)> replies) {
   inside_->replies = std::move(replies);
 }
 
-void DdsPublisher::sign() { inside_->heartbeat.sign(os::now()); }
+void DdsPublisher::kick() { inside_->heartbeat.kick(os::now()); }
 
-void DdsPublisher::reply(const dds::WholeReply& reply) { inside_->replies(reply); }
+void DdsPublisher::reply(const wire::WholeReply& reply) { inside_->replies(reply); }
 
-void DdsPublisher::say(const LifecycleStatus& status) { inside_->outbox.put(status); }
+void DdsPublisher::publish(const LifecycleStatus& status) { inside_->outbox.put(status); }
 
-void DdsPublisher::say(const DeviceStatus& status) { inside_->heartbeat.set(status); }
+void DdsPublisher::publish(const DeviceStatus& status) { inside_->heartbeat.set(status); }
 
-void DdsPublisher::say(const Measures& measures) {
+void DdsPublisher::publish(const Measures& measures) {
   {
     const std::lock_guard lock{inside_->mutex};
     inside_->measures = measures;
@@ -214,21 +214,21 @@ void DdsPublisher::say(const Measures& measures) {
   inside_->outbox.wake();
 }
 
-void DdsPublisher::say(const FaultEvent& event) {
+void DdsPublisher::publish(const FaultEvent& event) {
   {
     const std::lock_guard lock{inside_->mutex};
-    inside_->unsaid.push_back(event);
-    if (inside_->unsaid.size() > kMostFaults) inside_->unsaid.pop_front();
+    inside_->pending_faults.push_back(event);
+    if (inside_->pending_faults.size() > kMostFaults) inside_->pending_faults.pop_front();
   }
   inside_->outbox.wake();
 }
 
-void DdsPublisher::take_back(const std::vector<LifecycleStatus>& modules, const Measures& measures) {
+void DdsPublisher::withdraw(const std::vector<LifecycleStatus>& modules, const Measures& measures) {
   for (const LifecycleStatus& module : modules) inside_->outbox.put_disposal(module);
   {
     const std::lock_guard lock{inside_->mutex};
     inside_->measures.reset();
-    inside_->taken_back = measures;
+    inside_->withdrawn = measures;
   }
   inside_->outbox.wake();
 }

@@ -1,4 +1,4 @@
-// A node's publisher to DDS: what an agent says goes to the topics, by threads of its own.
+// Publishes an agent's output on DDS, on threads of its own.
 #pragma once
 
 #include <functional>
@@ -13,20 +13,20 @@ namespace takt::node {
 class DdsPublisher final : public Publisher {
  public:
   static Result<std::unique_ptr<DdsPublisher>> create(std::shared_ptr<dds::Participant> participant);
-  /// Takes back what was said and waits a little until everybody has it.
+  /// Withdraws the device's status and waits briefly until observers have received that.
   ~DdsPublisher() override;
 
-  /// Who sends replies. To be told before the first command can come.
-  void answer_by(std::function<void(const dds::WholeReply&)> replies);
-  /// By the main loop, each time around.
-  void sign();
+  /// Sets the function that sends replies. Call it before the first command can arrive.
+  void set_reply_sender(std::function<void(const wire::WholeReply&)> replies);
+  /// The main loop calls this in each turn: see Heartbeat::kick().
+  void kick();
 
-  void reply(const dds::WholeReply& reply) override;
-  void say(const LifecycleStatus& status) override;
-  void say(const DeviceStatus& status) override;
-  void say(const Measures& measures) override;
-  void say(const FaultEvent& event) override;
-  void take_back(const std::vector<LifecycleStatus>& modules, const Measures& measures) override;
+  void reply(const wire::WholeReply& reply) override;
+  void publish(const LifecycleStatus& status) override;
+  void publish(const DeviceStatus& status) override;
+  void publish(const Measures& measures) override;
+  void publish(const FaultEvent& event) override;
+  void withdraw(const std::vector<LifecycleStatus>& modules, const Measures& measures) override;
 
  private:
   struct Inside;

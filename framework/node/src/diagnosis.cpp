@@ -13,7 +13,7 @@ namespace {
 
 using os::Machine;
 using os::Trial;
-using takt::to_text;  // beside that of a Severity
+using takt::to_text;  // in addition to the overload for Severity
 
 constexpr Nanoseconds kDeepIdle = std::chrono::microseconds{10};
 constexpr double kStolenSpoils = 0.005;
@@ -21,7 +21,7 @@ constexpr double kStolenNote = 0.001;
 constexpr Nanoseconds kLateNote = std::chrono::microseconds{100};
 constexpr Nanoseconds kLateSpoils = std::chrono::milliseconds{1};
 constexpr std::uint64_t kMiB = 1024 * 1024;
-// What a reader of DDS asks for a burst of large samples.
+// The buffer that a DDS reader needs for a burst of large samples.
 constexpr std::uint64_t kSocketBuffer = kMiB;
 constexpr std::uint64_t kFiles = 1024;
 constexpr const char* kHost = "the host of this virtual machine";
@@ -50,7 +50,7 @@ bool has(const std::vector<int>& cpus, int cpu) {
   return std::find(cpus.begin(), cpus.end(), cpu) != cpus.end();
 }
 
-// Where executors run: what is isolated, else the highest, which an executor without `cpu` gets first.
+// The CPUs of executors: the isolated ones, else the highest, which an executor without `cpu` gets first.
 std::vector<int> executor_cpus(const Machine& machine) {
   if (!machine.isolated.empty()) return machine.isolated;
   return machine.online.size() < 2 ? std::vector<int>{} : std::vector<int>{machine.online.back()};
@@ -61,32 +61,32 @@ Finding preemption(const Machine& machine, const Trial&) {
   Finding finding{.name = "preemption",
                   .found = "the kernel " + machine.kernel,
                   .why =
-                      "while the kernel works for somebody else it keeps a real-time thread waiting, for "
-                      "milliseconds where it cannot be interrupted"};
+                      "a kernel that works for another thread delays a real-time thread until it can be "
+                      "preempted, which may take milliseconds"};
   const char* const install = "apt-get install linux-image-rt-amd64, and reboot";
   const char* const boot = "boot with preempt=full, or better: apt-get install linux-image-rt-amd64";
   if (!machine.preemption) {
     finding.severity = Severity::note;
-    finding.found += " chooses its preemption at boot, and which it is cannot be read here";
-    finding.cure = "mount -t debugfs none /sys/kernel/debug, and ask again as root";
+    finding.found += " selects its preemption mode at boot, and the mode cannot be read here";
+    finding.cure = "mount -t debugfs none /sys/kernel/debug, and run takt doctor again as root";
     return finding;
   }
   switch (*machine.preemption) {
     case Preemption::none:
       finding.severity = Severity::spoils;
-      finding.found += " is preempted nowhere";
+      finding.found += " is not preemptible";
       finding.cure = boot;
       break;
     case Preemption::voluntary:
       finding.severity = Severity::spoils;
-      finding.found += " is preempted at few places at most (voluntary, or none)";
+      finding.found += " is preemptible in few places, if at all (voluntary, or none)";
       finding.cure = boot;
       break;
     case Preemption::lazy:
     case Preemption::full:
       finding.severity = Severity::note;
-      finding.found += " is preempted (" + std::string{to_text(*machine.preemption)} +
-                       "), but neither in interrupts nor under its spin locks";
+      finding.found += " is preemptible (" + std::string{to_text(*machine.preemption)} +
+                       "), but not in interrupts or while it holds a spin lock";
       finding.cure = install;
       break;
     case Preemption::real_time:
@@ -99,7 +99,7 @@ Finding preemption(const Machine& machine, const Trial&) {
 Finding priority(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "priority",
                   .found = "SCHED_FIFO is granted",
-                  .why = "without it any busy program delays control loops, for milliseconds and more"};
+                  .why = "without it any busy program delays control loops by milliseconds and more"};
   if (trial.priority) return finding;
   finding.severity = Severity::spoils;
   finding.found = in_words(trial.priority.problems());
@@ -114,8 +114,8 @@ Finding memory(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "memory",
                   .found = "mlockall is granted",
                   .why =
-                      "a page that is not in memory when it is touched costs microseconds, and milliseconds "
-                      "when it comes from a disk"};
+                      "an access to a page that is not in memory costs microseconds, or milliseconds if the "
+                      "page comes from a disk"};
   if (trial.locking) return finding;
   finding.severity = Severity::spoils;
   finding.found = in_words(trial.locking.problems());
@@ -129,11 +129,11 @@ Finding swap(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "swap",
                   .found = "none",
                   .why =
-                      "what was swapped out waits for the disk; locked memory is not swapped out, but the "
-                      "programs that a cell talks to are"};
+                      "a program that was swapped out waits for the disk; locked memory is never swapped "
+                      "out, but the programs that a cell communicates with may be"};
   if (!machine.swap_bytes || *machine.swap_bytes == 0) return finding;
   finding.severity = trial.locking ? Severity::note : Severity::spoils;
-  finding.found = amount(*machine.swap_bytes) + " of swap are in use or may be";
+  finding.found = amount(*machine.swap_bytes) + " of swap space is enabled";
   finding.cure = "swapoff -a, and remove it from /etc/fstab";
   return finding;
 }
@@ -143,18 +143,19 @@ Finding throttling(const Machine& machine, const Trial&) {
       .name = "throttling",
       .found = "off",
       .why =
-          "an executor that never sleeps (wakeup=\"spin\") is interrupted for that long; one that "
+          "an executor that never sleeps (wakeup=\"spin\") is interrupted for that long; an executor that "
           "sleeps is not"};
   if (!machine.throttling) {
-    finding.found = "this kernel has none that can be read";
+    finding.found = "the setting of this kernel cannot be read";
     return finding;
   }
   const os::Throttling& t = *machine.throttling;
   if (!t.on()) return finding;
   finding.severity = Severity::note;
-  finding.found = to_text(t.kept) + " of each " + to_text(t.period) + " are kept from real-time threads" +
-                  (t.fair_server ? " while ordinary ones wait for their processor (the fair server)" : "") +
-                  (t.seen ? "" : "; these are the kernel's own values, the present ones cannot be read here");
+  finding.found = "the kernel keeps " + to_text(t.kept) + " of each " + to_text(t.period) +
+                  " from real-time threads" +
+                  (t.fair_server ? " while ordinary threads wait for their CPU (the fair server)" : "") +
+                  (t.seen ? "" : "; these are the kernel's defaults, the present values cannot be read here");
   finding.cure = throttling_cure(t);
   return finding;
 }
@@ -163,24 +164,24 @@ Finding isolation(const Machine& machine, const Trial&) {
   Finding finding{.name = "isolation",
                   .found = "",
                   .why =
-                      "on a processor that others use too a control loop finds its caches cold, and the "
-                      "kernel's own work in front of it"};
+                      "on a shared CPU, a control loop finds its caches cold and waits for the kernel's own "
+                      "work"};
   if (!machine.isolated.empty()) {
-    finding.found = "processors " + os::cpus_text(machine.isolated) + " are isolated";
+    finding.found = "CPUs " + os::cpus_text(machine.isolated) + " are isolated";
     const bool tickless = std::all_of(machine.isolated.begin(), machine.isolated.end(),
                                       [&](int cpu) { return has(machine.tickless, cpu); });
     if (tickless) return finding;
     const std::string cpus = os::cpus_text(machine.isolated);
     finding.severity = Severity::note;
-    finding.found += ", but have the kernel's tick";
+    finding.found += ", but receive the kernel's timer tick";
     finding.cure = "boot with isolcpus=" + cpus + " nohz_full=" + cpus + " rcu_nocbs=" + cpus;
     return finding;
   }
   finding.severity = Severity::note;
-  finding.found = "no processor is isolated";
+  finding.found = "no CPU is isolated";
   if (machine.online.size() < 2) {
     finding.found += ", and there is only one";
-    finding.cure = "use a machine with two processors or more";
+    finding.cure = "use a machine with two or more CPUs";
     return finding;
   }
   const std::string last = std::to_string(machine.online.back());
@@ -191,7 +192,7 @@ Finding isolation(const Machine& machine, const Trial&) {
 
 Finding interrupts(const Machine& machine, const Trial&) {
   Finding finding{.name = "interrupts",
-                  .found = "none comes to the processors of executors",
+                  .found = "none arrives on the CPUs of executors",
                   .why = "an interrupt is served before any thread, whatever its priority"};
   const std::vector<int> mine = executor_cpus(machine);
   std::vector<std::string> there;
@@ -200,7 +201,7 @@ Finding interrupts(const Machine& machine, const Trial&) {
         std::any_of(mine.begin(), mine.end(), [&](int cpu) { return has(interrupt.cpus, cpu); });
     if (comes) there.push_back(std::to_string(interrupt.number) + " (" + interrupt.name + ")");
   }
-  if (machine.online.size() < 2) finding.found = "all come to the only processor";
+  if (machine.online.size() < 2) finding.found = "all arrive on the only CPU";
   if (there.empty() && !machine.irqbalance) return finding;
   finding.severity = Severity::note;
   if (!there.empty()) {
@@ -208,7 +209,7 @@ Finding interrupts(const Machine& machine, const Trial&) {
     finding.found.clear();
     for (std::size_t i = 0; i < shown; ++i) finding.found += (i == 0 ? "" : ", ") + there[i];
     if (shown < there.size()) finding.found += " and " + std::to_string(there.size() - shown) + " more";
-    finding.found += " may come to processor " + os::cpus_text(mine);
+    finding.found += " may arrive on CPU " + os::cpus_text(mine);
     std::vector<int> others;
     for (const int cpu : machine.online) {
       if (!has(mine, cpu)) others.push_back(cpu);
@@ -217,7 +218,7 @@ Finding interrupts(const Machine& machine, const Trial&) {
         "for irq in /proc/irq/[0-9]*; do echo " + os::cpus_text(others) + " > $irq/smp_affinity_list; done";
   }
   if (machine.irqbalance) {
-    finding.found += there.empty() ? ", but irqbalance moves them about" : "; irqbalance moves them about";
+    finding.found += there.empty() ? ", but irqbalance may move them" : "; irqbalance may move them";
     finding.cure =
         "systemctl disable --now irqbalance" + std::string{there.empty() ? "" : "; "} + finding.cure;
   }
@@ -225,17 +226,16 @@ Finding interrupts(const Machine& machine, const Trial&) {
 }
 
 Finding frequency(const Machine& machine, const Trial&) {
-  Finding finding{
-      .name = "frequency",
-      .found = "",
-      .why = "a processor that was slowed down while nothing was to do takes its time to get faster"};
+  Finding finding{.name = "frequency",
+                  .found = "",
+                  .why = "a CPU that was slowed down while it was idle takes time to speed up again"};
   std::string slow;
   bool any = false;
   for (const os::Processor& processor : machine.processors) {
     any |= !processor.governor.empty();
     if (!processor.governor.empty() && processor.governor != "performance") slow = processor.governor;
   }
-  finding.found = any ? "the governor is performance" : "the kernel does not change it";
+  finding.found = any ? "the governor is performance" : "the kernel does not change the frequency";
   if (slow.empty()) return finding;
   finding.severity = Severity::note;
   finding.found = "the governor is " + slow;
@@ -248,7 +248,7 @@ Finding frequency(const Machine& machine, const Trial&) {
 Finding idle(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "idle states",
                   .found = "none is deep",
-                  .why = "the deeper a processor sleeps, the later it wakes up"};
+                  .why = "the deeper a CPU sleeps, the later it wakes up"};
   const os::IdleState* deepest = nullptr;
   for (const os::Processor& processor : machine.processors) {
     for (const os::IdleState& state : processor.idle_states) {
@@ -259,7 +259,7 @@ Finding idle(const Machine& machine, const Trial& trial) {
   if (deepest == nullptr) return finding;
   finding.found = deepest->name + " takes " + to_text(deepest->exit_latency) + " to wake up from";
   if (trial.idle_held) {
-    finding.found += "; Takt holds it off while a cell runs";
+    finding.found += "; Takt prevents it while a cell runs";
     return finding;
   }
   finding.severity = Severity::note;
@@ -271,10 +271,11 @@ Finding idle(const Machine& machine, const Trial& trial) {
 Finding clock(const Machine& machine, const Trial&) {
   Finding finding{
       .name = "clock",
-      .found = "the clock source is " + (machine.clock.empty() ? "not to be read" : machine.clock),
+      .found =
+          machine.clock.empty() ? "the clock source cannot be read" : "the clock source is " + machine.clock,
       .why =
-          "the time is read several times in each row; from a fast source that costs 20 ns, from "
-          "a slow one a microsecond and a system call"};
+          "the time is read several times in each row; that takes 20 ns with a fast source, and a "
+          "microsecond and a system call with a slow one"};
   constexpr const char* kSlow[] = {"hpet", "acpi_pm", "jiffies", "refined-jiffies", "pit", "xen"};
   if (std::none_of(std::begin(kSlow), std::end(kSlow),
                    [&](const char* slow) { return machine.clock == slow; }))
@@ -282,30 +283,30 @@ Finding clock(const Machine& machine, const Trial&) {
   finding.severity = Severity::spoils;
   const bool tsc = std::find(machine.clocks.begin(), machine.clocks.end(), "tsc") != machine.clocks.end();
   finding.cure = tsc ? "echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource"
-                     : "boot with tsc=reliable where the processor has a steady TSC";
+                     : "boot with tsc=reliable if the CPU has a constant TSC";
   return finding;
 }
 
 Finding timers(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "timers",
                   .found = "high resolution",
-                  .why = "a thread is woken when a timer says so, and no sooner than the next tick"};
+                  .why = "timers wake sleeping threads; without high resolution, only at the next tick"};
   if (trial.timer_resolution >= std::chrono::microseconds{100}) {
     finding.severity = Severity::spoils;
-    finding.found = "a tick of " + to_text(trial.timer_resolution);
+    finding.found = "only a tick of " + to_text(trial.timer_resolution);
     finding.cure = "boot a kernel with CONFIG_HIGH_RES_TIMERS and without highres=off";
     return finding;
   }
   if (machine.timer_slack) {
-    finding.found += ", a slack of " + to_text(*machine.timer_slack) + " that real-time threads do not have";
+    finding.found += "; a slack of " + to_text(*machine.timer_slack) + ", but not for real-time threads";
   }
   return finding;
 }
 
 Finding hyper_threads(const Machine& machine, const Trial&) {
   Finding finding{.name = "hyper-threads",
-                  .found = "each processor has its core for itself",
-                  .why = "two processors of one core take its units and caches from each other"};
+                  .found = "each CPU has a core of its own",
+                  .why = "two CPUs of one core compete for its units and caches"};
   const bool shared =
       std::any_of(machine.processors.begin(), machine.processors.end(),
                   [](const os::Processor& processor) { return processor.siblings.size() > 1; });
@@ -313,7 +314,7 @@ Finding hyper_threads(const Machine& machine, const Trial&) {
   finding.severity = Severity::note;
   for (const os::Processor& processor : machine.processors) {
     if (processor.siblings.size() < 2 || processor.siblings.back() != processor.number) continue;
-    finding.found = "processors " + os::cpus_text(processor.siblings) + " are one core, and so on";
+    finding.found = "CPUs share cores, such as CPUs " + os::cpus_text(processor.siblings);
   }
   finding.cure = "echo off > /sys/devices/system/cpu/smt/control";
   return finding;
@@ -322,11 +323,11 @@ Finding hyper_threads(const Machine& machine, const Trial&) {
 Finding virtual_machine(const Machine& machine, const Trial&) {
   Finding finding{.name = "virtual machine",
                   .found = "none",
-                  .why = "its host may take a processor away at any instant, for as long as it likes"};
+                  .why = "the host may take a CPU away at any instant, for any length of time"};
   if (machine.hypervisor.empty()) return finding;
   finding.severity = Severity::note;
   finding.found = "this machine runs on " + machine.hypervisor;
-  finding.cure = "pin its virtual processors to processors of their own, with real-time priority";
+  finding.cure = "pin each of its virtual CPUs to a dedicated CPU, with real-time priority";
   finding.mend_on = kHost;
   return finding;
 }
@@ -334,21 +335,21 @@ Finding virtual_machine(const Machine& machine, const Trial&) {
 Finding stolen(const Machine& machine, const Trial& trial) {
   Finding finding{.name = "stolen time",
                   .found = "",
-                  .why = "in that time the host ran somebody else, and nothing of this machine moved"};
+                  .why = "during stolen time the host runs other machines, and this one stands still"};
   if (!machine.time) {
     finding.found = "not counted by this kernel";
     return finding;
   }
   const double ever = machine.time->stolen_share();
   const double now = trial.stolen_share.value_or(0);
-  finding.found = percent(ever) + " since the machine was started, " + percent(now) + " just now";
-  // What it is just now changes from one second to the next, and so would the verdict.
+  finding.found = percent(ever) + " since the machine was booted, " + percent(now) + " now";
+  // The present share changes every second, so it alone gives no more than a note.
   if (ever >= kStolenSpoils)
     finding.severity = Severity::spoils;
   else if (now >= kStolenNote || ever >= kStolenNote)
     finding.severity = Severity::note;
   if (finding.severity == Severity::good) return finding;
-  finding.cure = "give this machine processors of its own: pin them, and put nobody else there";
+  finding.cure = "give this machine dedicated CPUs: pin its virtual CPUs, and keep other work off these CPUs";
   finding.mend_on = kHost;
   return finding;
 }
@@ -356,14 +357,14 @@ Finding stolen(const Machine& machine, const Trial& trial) {
 Finding huge_pages(const Machine& machine, const Trial&) {
   Finding finding{.name = "huge pages",
                   .found = machine.huge_pages.empty() ? "none" : machine.huge_pages,
-                  .why = "with \"always\" the kernel moves a program's pages together while it runs"};
+                  .why = "with \"always\" the kernel rearranges a program's pages while it runs"};
   if (machine.huge_pages == "always") {
     finding.severity = Severity::note;
     finding.cure = "echo madvise > /sys/kernel/mm/transparent_hugepage/enabled";
   }
   if (machine.numa_balancing.value_or(false)) {
     finding.severity = Severity::note;
-    finding.found += "; and pages are moved between memory nodes (numa_balancing)";
+    finding.found += "; the kernel moves pages between memory nodes (numa_balancing)";
     finding.cure += (finding.cure.empty() ? "" : "; ") + std::string{"sysctl -w kernel.numa_balancing=0"};
   }
   return finding;
@@ -372,7 +373,7 @@ Finding huge_pages(const Machine& machine, const Trial&) {
 Finding sockets(const Machine& machine, const Trial&) {
   Finding finding{.name = "sockets",
                   .found = "",
-                  .why = "a burst of samples that does not fit the buffer is lost, or sent again later"};
+                  .why = "samples of a burst that do not fit in the buffer are lost, or sent again later"};
   const std::uint64_t receive = machine.receive_buffer_bytes.value_or(0);
   const std::uint64_t send = machine.send_buffer_bytes.value_or(0);
   finding.found = "buffers of up to " + amount(receive) + " to receive and " + amount(send) + " to send";
@@ -387,9 +388,9 @@ Finding sockets(const Machine& machine, const Trial&) {
 Finding files(const Machine& machine, const Trial&) {
   Finding finding{.name = "files",
                   .found = "no limit on open files is known",
-                  .why = "each program of a cell and each of its connections takes some"};
+                  .why = "each program of a cell and each of its connections needs some"};
   if (!machine.files) return finding;
-  finding.found = "up to " + limit_text(machine.files->hard) + " may be open";
+  finding.found = "up to " + limit_text(machine.files->hard) + " may be open in a process";
   if (!machine.files->hard || *machine.files->hard >= kFiles) return finding;
   finding.severity = Severity::note;
   finding.cure = "echo '* - nofile 65536' >> /etc/security/limits.conf";
@@ -401,8 +402,8 @@ Finding shared_memory(const Machine& machine, const Trial&) {
       .name = "shared memory",
       .found = "",
       .why =
-          "Takt's own has no name there and needs no room in /dev/shm; other DDS programs on this "
-          "machine may"};
+          "Takt's own shared memory does not use /dev/shm, but other DDS programs on this machine may "
+          "need it"};
   finding.found = machine.shared_memory_bytes ? "/dev/shm has " + amount(*machine.shared_memory_bytes)
                                               : "there is no /dev/shm";
   if (machine.shared_memory_bytes.value_or(0) >= 64 * kMiB) return finding;
@@ -417,22 +418,22 @@ Finding wake_up(const Machine&, const Trial& trial) {
                   .found = "p50 " + microseconds(w.p50) + ", p99 " + microseconds(w.p99) + ", max " +
                            microseconds(w.max) + " late, of " + std::to_string(w.count) +
                            (trial.priority ? " under SCHED_FIFO" : " without SCHED_FIFO"),
-                  .why = "this is what all of the above comes to: how late a thread that slept is woken"};
+                  .why = "the sum of everything above: how late a sleeping thread is woken"};
   if (w.count == 0) {
     finding.severity = Severity::spoils;
-    finding.found = "could not be measured: no thread could be made";
+    finding.found = "could not be measured: no thread could be started";
     finding.cure = "free memory, or raise the limit on threads";
   } else if (w.p99 > kLateSpoils) {
     finding.severity = Severity::spoils;
-    finding.cure = "mend what is listed above, and measure again";
+    finding.cure = "correct what is listed above, and measure again";
   } else if (w.p99 > kLateNote || w.max > kLateSpoils) {
     finding.severity = Severity::note;
-    finding.cure = "mend what is listed above, and measure again";
+    finding.cure = "correct what is listed above, and measure again";
   }
   return finding;
 }
 
-// What is the kernel's, and so not a container's to change.
+// Whether the finding is about the kernel, which a container cannot change.
 bool is_of_the_kernel(const Finding& finding) {
   return finding.name != "priority" && finding.name != "memory" && finding.name != "files" &&
          finding.name != "shared memory" && finding.name != "wake-up";
@@ -458,7 +459,7 @@ std::vector<Finding> diagnose(const Machine& machine, const Trial& trial) {
        {preemption, priority, memory, swap, throttling, isolation, interrupts, frequency, idle, clock, timers,
         hyper_threads, virtual_machine, stolen, huge_pages, sockets, files, shared_memory, wake_up}) {
     Finding finding = check(machine, trial);
-    // In a container that may not tell the kernel anything.
+    // A sealed container cannot change the kernel's settings.
     if (!machine.container.empty() && machine.sealed && !finding.cure.empty() && finding.mend_on.empty() &&
         is_of_the_kernel(finding)) {
       finding.mend_on = "the machine that this container runs on";

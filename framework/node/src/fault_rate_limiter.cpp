@@ -44,42 +44,42 @@ bool may_flood(FaultKind kind) {
 
 void FaultRateLimiter::put(model::Fault fault, Instant now, const std::string& origin) {
   if (!may_flood(fault.kind)) {
-    through_(std::move(fault));
+    emit_(std::move(fault));
     return;
   }
   Key key{fault.kind, fault.module + "/" + fault.error + "/" + origin};
-  if (heaps_.size() >= kMost && !heaps_.contains(key)) key.second.clear();
-  const auto [at, added] = heaps_.try_emplace(key);
-  Heap& heap = at->second;
+  if (buckets_.size() >= kMost && !buckets_.contains(key)) key.second.clear();
+  const auto [at, added] = buckets_.try_emplace(key);
+  Bucket& bucket = at->second;
   if (added) {
-    heap.let_through = now;
-    through_(std::move(fault));
+    bucket.passed_at = now;
+    emit_(std::move(fault));
     return;
   }
-  if (heap.waiting) fault.count += heap.waiting->count;
-  heap.waiting = std::move(fault);
+  if (bucket.merged) fault.count += bucket.merged->count;
+  bucket.merged = std::move(fault);
 }
 
 void FaultRateLimiter::step(Instant now) {
-  for (auto at = heaps_.begin(); at != heaps_.end();) {
-    Heap& heap = at->second;
-    if (now - heap.let_through < kEvery) {
+  for (auto at = buckets_.begin(); at != buckets_.end();) {
+    Bucket& bucket = at->second;
+    if (now - bucket.passed_at < kEvery) {
       ++at;
-    } else if (heap.waiting) {
-      heap.let_through = now;
-      through_(std::move(*heap.waiting));
-      heap.waiting.reset();
+    } else if (bucket.merged) {
+      bucket.passed_at = now;
+      emit_(std::move(*bucket.merged));
+      bucket.merged.reset();
       ++at;
     } else {
-      at = heaps_.erase(at);
+      at = buckets_.erase(at);
     }
   }
 }
 
 void FaultRateLimiter::flush() {
-  for (auto& [key, heap] : heaps_) {
-    if (heap.waiting) through_(std::move(*heap.waiting));
-    heap.waiting.reset();
+  for (auto& [key, bucket] : buckets_) {
+    if (bucket.merged) emit_(std::move(*bucket.merged));
+    bucket.merged.reset();
   }
 }
 

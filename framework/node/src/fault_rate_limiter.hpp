@@ -1,4 +1,5 @@
-// What keeps a flood of faults from filling the record: a module may overrun ten thousand times a second.
+// Limits the rate of fault events: a module may overrun ten thousand times a second, which would fill the
+// record.
 #pragma once
 
 #include <cstddef>
@@ -13,33 +14,33 @@
 
 namespace takt::node {
 
-/// Lets the first event of a module and kind through at once, and after that one a second with how often it
-/// happened since: nothing is lost of the counts. What somebody does once (a deployment, a command, a
-/// restart) always goes through. Of those that were put together, cause, cycle and time are the newest's.
+/// Emits the first event of a module and kind at once, and then at most one a second. Its count includes all
+/// events since the last one, so no count is lost. Single actions (a deployment, a command, a restart) are
+/// always emitted at once. Merged events have the cause, cycle and time of the newest.
 class FaultRateLimiter {
  public:
   static constexpr Nanoseconds kEvery = std::chrono::seconds{1};
-  /// Different ones that are looked after at once; all further ones of a kind are put together.
+  /// The most different sources tracked at the same time; further ones of a kind share one entry.
   static constexpr std::size_t kMost = 256;
 
-  explicit FaultRateLimiter(std::function<void(model::Fault)> through) : through_(std::move(through)) {}
+  explicit FaultRateLimiter(std::function<void(model::Fault)> emit) : emit_(std::move(emit)) {}
 
-  /// `origin`: which port, which executor, whose command: each has events of its own.
+  /// Accepts an event. `origin` names its port, executor or client; each origin is limited separately.
   void put(model::Fault fault, Instant now, const std::string& origin = {});
-  /// Lets through what was put together and is due.
+  /// Emits merged events that are due.
   void step(Instant now);
-  /// All of it.
+  /// Emits all merged events.
   void flush();
 
  private:
-  struct Heap {
-    Instant let_through{};
-    std::optional<model::Fault> waiting{};
+  struct Bucket {
+    Instant passed_at{};
+    std::optional<model::Fault> merged{};
   };
   using Key = std::pair<model::FaultKind, std::string>;
 
-  std::function<void(model::Fault)> through_;
-  std::map<Key, Heap> heaps_;
+  std::function<void(model::Fault)> emit_;
+  std::map<Key, Bucket> buckets_;
 };
 
 }  // namespace takt::node

@@ -6,14 +6,14 @@
 
 #include <takt/core/fixed_text.hpp>
 #include <takt/core/words.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/os/files.hpp>
 
 namespace takt::node {
 
 namespace {
 
-/// Before the slots: so much, that no slot lies in two pages.
+/// The size of the header: a whole page, so that no slot crosses a page boundary.
 constexpr std::size_t kHeaderBytes = 4096;
 constexpr std::size_t kMostSlots = 65536;
 constexpr std::size_t kMostRecordBytes = kHeaderBytes + kMostSlots * kSlotBytes;
@@ -26,7 +26,7 @@ struct Header {
 constexpr std::uint64_t kMagic = 0x7461'6b74'666c'0001;  // "taktfl", layout 1
 
 struct Slot {
-  std::uint64_t checksum;  ///< of all that follows
+  std::uint64_t checksum;  ///< of everything that follows
   std::uint64_t sequence;
   std::int64_t time_ns;
   std::uint64_t cycle;
@@ -42,7 +42,7 @@ struct Slot {
 };
 static_assert(sizeof(Slot) == kSlotBytes && std::is_trivially_copyable_v<Slot>);
 
-// FNV-1a: a change of any one byte changes it.
+// FNV-1a: a change of any single byte changes the checksum.
 std::uint64_t record_checksum(std::string_view bytes) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
@@ -60,7 +60,8 @@ std::string encode_header(std::size_t slots) {
 }
 
 Result<std::size_t> decode_header(std::string_view content) {
-  const auto other = fail("is no fault record of this version", "read it with the Takt that wrote it");
+  const auto other =
+      fail("is not a fault record of this version", "read it with the version of Takt that wrote it");
   Header header{};
   if (content.size() < sizeof header) return other;
   std::memcpy(&header, content.data(), sizeof header);
@@ -71,7 +72,7 @@ Result<std::size_t> decode_header(std::string_view content) {
   return static_cast<std::size_t>(header.slots);
 }
 
-/// One may still be there, where what took its place was damaged.
+/// An overwritten event may still be there, if the event that replaced it is damaged.
 void forget_overwritten(Recorded& recorded) {
   const auto first =
       std::find_if(recorded.events.begin(), recorded.events.end(),
@@ -83,7 +84,7 @@ bool is_zero(std::string_view bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char c) { return c == 0; });
 }
 
-/// No device has so many; one that has is forged, and there would be none after it.
+/// No device has so many events. A higher number is forged, and would leave no number for the next event.
 constexpr std::uint64_t kMostEvents = std::uint64_t{1} << 62U;
 
 std::size_t at_of(std::uint64_t sequence, std::size_t slots) {
@@ -100,7 +101,7 @@ std::string encode_slot(const model::Fault& fault) {
   slot.count = fault.count;
   slot.kind = static_cast<std::uint32_t>(fault.kind);
   const auto put = [](auto& field, const std::string& text) {
-    field.assign(dds::cut(text, sizeof field - 1));
+    field.assign(wire::cut(text, sizeof field - 1));
   };
   put(slot.error, fault.error);
   put(slot.cell, fault.cell);
@@ -139,7 +140,7 @@ Result<Recorded> read_record(std::string_view content) {
   Recorded recorded;
   for (std::size_t i = 0; i < *slots; ++i) {
     const std::size_t at = kHeaderBytes + i * kSlotBytes;
-    if (at >= content.size()) break;  // cut short: nothing was there yet, or it is gone
+    if (at >= content.size()) break;  // the file is cut short
     const std::string_view slot = content.substr(at, kSlotBytes);
     if (is_zero(slot)) continue;
     auto fault = decode_slot(slot);
@@ -160,7 +161,8 @@ Result<Recorded> read_record_file(const std::string& path) {
   const auto content = os::read_file(path, kMostRecordBytes);
   if (!content) return content.problems();
   if (!*content)
-    return Problem{path, "there is no such file", "a node says where its record is when it starts"};
+    return Problem{path, "there is no such file",
+                   "a node's record is the file DEVICE.DOMAIN.faults in its --state-dir"};
   auto recorded = read_record(**content);
   if (recorded) return recorded;
   Problem problem = recorded.problems()[0];
@@ -177,7 +179,7 @@ FaultRecord::FaultRecord(std::size_t slots) : slots_(slots) {}
 FaultRecord FaultRecord::open(const std::string& path, std::size_t slots) {
   FaultRecord record{slots};
   record.wanted_ = path;
-  if (auto taken = record.take_up(path); !taken) {
+  if (auto taken = record.attach(path); !taken) {
     record.file_.reset();
     for (Problem problem : taken.problems()) record.problems_.push_back(std::move(problem));
     return record;
@@ -186,18 +188,18 @@ FaultRecord FaultRecord::open(const std::string& path, std::size_t slots) {
   return record;
 }
 
-Result<void> FaultRecord::take_up(const std::string& path) {
+Result<void> FaultRecord::attach(const std::string& path) {
   auto file = os::FixedFile::open(path);
   if (!file) return file.problems();
   auto content = file->read(kMostRecordBytes);
   if (!content) return content.problems();
-  // One that was being made when its node died has no header yet.
+  // If a node died while it created the file, the file has no header yet.
   const bool empty = is_zero(*content);
   auto recorded = empty ? Result<Recorded>{Recorded{}} : read_record(*content);
   if (!recorded) {
     const std::string aside = path + ".damaged";
     if (auto renamed = file->rename(aside); !renamed) return renamed;
-    problems_.push_back({path, recorded.problems()[0].what, "it is set aside as " + aside});
+    problems_.push_back({path, recorded.problems()[0].what, "it was renamed to " + aside});
     file = os::FixedFile::open(path);
     if (!file) return file.problems();
     recorded = Recorded{};
@@ -212,7 +214,7 @@ Result<void> FaultRecord::take_up(const std::string& path) {
   file->sync();
   recorded_ = std::move(*recorded);
   if (!recorded_.events.empty()) next_ = recorded_.events.back().sequence + 1;
-  // The number of an event that was torn is not given again, so that it shows as missing.
+  // Do not reuse the number of a torn event, so that it shows as missing.
   const std::size_t next_at = at_of(next_, slots_);
   if (next_at < content->size()) {
     const std::string_view slot = std::string_view{*content}.substr(next_at, kSlotBytes);
@@ -222,12 +224,12 @@ Result<void> FaultRecord::take_up(const std::string& path) {
   return {};
 }
 
-bool FaultRecord::take_up_again() {
+bool FaultRecord::reopen() {
   if (file_ || wanted_.empty()) return false;
   FaultRecord other = open(wanted_, slots_);
   if (!other.file_) return false;
   const auto& theirs = other.recorded_.events;
-  auto from = recorded_.events.begin();  // what the file does not have
+  auto from = recorded_.events.begin();  // the first event that the file does not have
   bool goes_on =
       theirs.empty() || (from != recorded_.events.end() && from->sequence > theirs.back().sequence);
   if (!goes_on) {
@@ -248,7 +250,7 @@ bool FaultRecord::take_up_again() {
 void FaultRecord::append(model::Fault& fault) {
   fault.sequence = next_++;
   const std::string slot = encode_slot(fault);
-  recorded_.events.push_back(*decode_slot(slot));  // as whoever reads the file sees it
+  recorded_.events.push_back(*decode_slot(slot));  // exactly as readers of the file get it
   if (fault.sequence > slots_) recorded_.overwritten = fault.sequence - slots_;
   forget_overwritten(recorded_);
   if (!file_) return;

@@ -23,13 +23,13 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr Nanoseconds kSampleEvery = milliseconds{50};
-/// What is kept of samples, and of what died.
+/// How long samples, and what was running when a host died, are kept.
 constexpr Nanoseconds kHistory = seconds{30};
 constexpr std::size_t kMostChanges = 4096;
-/// Between a fault and its trace: what follows from it is to be seen too.
+/// The delay between a fault and its trace, so that the trace shows the consequences too.
 constexpr Nanoseconds kAftermath = milliseconds{200};
 constexpr Nanoseconds kTraceEvery = seconds{5};
-/// Rows are missed again and again where a cell does not fit its machine.
+/// The shortest interval between traces of missed rows, which recur when a cell overloads its machine.
 constexpr Nanoseconds kMissedEvery = seconds{60};
 constexpr std::size_t kMostFileBytes = 32U << 20;
 constexpr std::size_t kMostFiles = 8;
@@ -113,7 +113,7 @@ void FlightRecorder::fault(const std::string& why) {
 void FlightRecorder::trace(Nanoseconds last, std::size_t most,
                            std::function<void(const Result<std::string>&)> done) {
   sample(os::now());
-  enqueue({.recording = gather("asked for", last), .most = most, .done = std::move(done)});
+  enqueue({.recording = gather("requested", last), .most = most, .done = std::move(done)});
 }
 
 void FlightRecorder::step(Instant now) {
@@ -132,9 +132,9 @@ void FlightRecorder::step(Instant now) {
   for (Done& each : done) each.done(std::move(each.text));
 }
 
-std::vector<std::string> FlightRecorder::news() {
+std::vector<std::string> FlightRecorder::messages() {
   const std::lock_guard lock{mutex_};
-  return std::exchange(said_, {});
+  return std::exchange(messages_, {});
 }
 
 void FlightRecorder::sample(Instant now) {
@@ -205,11 +205,12 @@ void FlightRecorder::write_fault() {
   enqueue({.recording = gather(why, flight::kKept), .most = kMostFileBytes});
 }
 
-// As urgent as the rest of the node, with which it shares locks and a heap: were it in the background, a busy
-// machine would leave it for seconds with a lock that the node's thread waits for.
-// What a thread is at is read before its ring: what ends in between is in both, and counts as ended. The
-// instant of the trace is before both: to copy seconds of entries takes a while on a busy machine, and what
-// was asked for is not to end where nothing was copied any more.
+// The worker has the same priority as the rest of the node, with which it shares locks and the heap. On a
+// busy machine, a background thread could hold a lock for seconds that the node's thread waits for.
+//
+// It reads what a thread is doing before the thread's ring: a run that ends in between is in both, and counts
+// as ended. The time of the trace is taken before both. Copying seconds of entries takes a while on a busy
+// machine, and the end of the trace must not lie after the copied entries.
 void FlightRecorder::work() {
   std::unique_lock lock{mutex_};
   while (true) {
@@ -248,7 +249,7 @@ void FlightRecorder::write_file(const std::string& text, std::int64_t wall_ns) {
   namespace fs = std::filesystem;
   const std::string path = options_.files + "." + utc(wall_ns) + kSuffix;
   const auto written = os::replace_file(path, text);
-  // Their names are in the order of their times.
+  // Sorted by name, the files are in the order of their times.
   std::vector<fs::path> all;
   std::error_code ignored;
   const std::string begin = fs::path{options_.files}.filename().string() + ".";
@@ -257,14 +258,14 @@ void FlightRecorder::write_file(const std::string& text, std::int64_t wall_ns) {
     if (name.starts_with(begin) && name.ends_with(kSuffix)) all.push_back(entry.path());
   }
   std::sort(all.begin(), all.end());
-  // Those of a later time than this one are older: the clock was set back since.
+  // Files with a later time than this one are older: the clock was set back.
   std::rotate(all.begin(), std::upper_bound(all.begin(), all.end(), fs::path{path}), all.end());
   for (std::size_t i = 0; i + kMostFiles < all.size(); ++i) fs::remove(all[i], ignored);
-  const bool said = std::exchange(refused_, !written) && !written;
-  if (said) return;
+  const bool reported = std::exchange(write_failed_, !written) && !written;
+  if (reported) return;
   const std::lock_guard lock{mutex_};
-  said_.push_back(written ? "what happened before it: takt trace " + path
-                          : "warning: no trace was written: " + in_words(written.problems()));
+  messages_.push_back(written ? "a trace of the last seconds was written: takt trace " + path
+                              : "warning: no trace was written: " + in_words(written.problems()));
 }
 
 }  // namespace takt::node

@@ -10,7 +10,7 @@ namespace takt::node {
 
 namespace {
 
-constexpr std::uint32_t kMostFar = 31;  // bits of WakeWord::gateway_sleeps, less our own
+constexpr std::uint32_t kMostBridges = 31;  // the bits of WakeWord::gateway_sleeps, less our own gateway's
 
 }  // namespace
 
@@ -34,7 +34,7 @@ Result<std::unique_ptr<FlowManager>> FlowManager::open(std::shared_ptr<dds::Part
     if (auto opened = flow_manager->open_flow(i, std::nullopt); !opened) return opened.problems();
   }
   for (const int domain : domains) {
-    if (auto opened = flow_manager->open_far(domain, wake_word, cell, device); !opened)
+    if (auto opened = flow_manager->open_bridge(domain, wake_word, cell, device); !opened)
       return opened.problems();
   }
   return flow_manager;
@@ -51,16 +51,16 @@ dds::Flow FlowManager::flow_at(std::size_t index) const {
                       .kept = plan.carries == model::Carries::replies}};
 }
 
-Result<void> FlowManager::open_far(int domain, const os::SharedMemory& wake_word, const model::Cell& cell,
-                                   const std::string& device) {
+Result<void> FlowManager::open_bridge(int domain, const os::SharedMemory& wake_word, const model::Cell& cell,
+                                      const std::string& device) {
   Bridge::Options options{.device = device,
                           .domain = domain,
                           .peers = cell.discovery.peers,
                           .wake_word = &wake_word,
-                          .place = static_cast<std::uint32_t>(far_.size() + 1),
+                          .place = static_cast<std::uint32_t>(bridges_.size() + 1),
                           .flows = {}};
-  if (options.place > kMostFar)
-    return fail("its connections name more than " + std::to_string(kMostFar) + " other domains");
+  if (options.place > kMostBridges)
+    return fail("its connections name more than " + std::to_string(kMostBridges) + " other domains");
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
     const PlannedFlow& plan = wiring_.flows()[i];
@@ -70,17 +70,17 @@ Result<void> FlowManager::open_far(int domain, const os::SharedMemory& wake_word
     options.flows.push_back(std::move(flow));
     indices.push_back(i);
   }
-  auto far = Bridge::start(std::move(options));
-  if (!far) return far.problems();
-  for (std::size_t i = 0; i < indices.size(); ++i) open_[indices[i]] = Open{.id = i, .far = far->get()};
-  far_.push_back(std::move(*far));
+  auto bridge = Bridge::start(std::move(options));
+  if (!bridge) return bridge.problems();
+  for (std::size_t i = 0; i < indices.size(); ++i) open_[indices[i]] = Open{.id = i, .bridge = bridge->get()};
+  bridges_.push_back(std::move(*bridge));
   return {};
 }
 
 std::optional<Result<void>> FlowManager::opened() const {
   bool all = true;
-  for (const auto& far : far_) {
-    const auto& opened = far->opened();
+  for (const auto& bridge : bridges_) {
+    const auto& opened = bridge->opened();
     if (opened && !opened->ok()) return opened;
     all &= opened.has_value();
   }
@@ -139,8 +139,9 @@ Result<void> FlowManager::open_service(std::uint32_t module, const std::string& 
   return {};
 }
 
-// A request that nobody would answer is not sent: its client is told at once.
-void FlowManager::let_requests_through() {
+// Enables the links of requests whose service is there. Requests on a disabled link are not sent, and their
+// client learns at once that no service is there.
+void FlowManager::enable_requests() {
   for (std::size_t i = 0; i < wiring_.flows().size(); ++i) {
     const PlannedFlow& flow = wiring_.flows()[i];
     if (!flow.outgoing || flow.carries != model::Carries::requests || !open_[i]) continue;
@@ -160,8 +161,8 @@ void FlowManager::let_requests_through() {
 }
 
 void FlowManager::step(Instant now) {
-  for (const auto& far : far_) far->step(now);
-  let_requests_through();
+  for (const auto& bridge : bridges_) bridge->step(now);
+  enable_requests();
   for (std::size_t i = 0; i < open_.size(); ++i) {
     if (!open_[i] || !open_[i]->until || now < *open_[i]->until) continue;
     const PlannedFlow& flow = wiring_.flows()[i];
@@ -176,7 +177,8 @@ std::optional<dds::FlowHealth> FlowManager::health(std::size_t wire) const {
   for (std::size_t i = 0; i < open_.size(); ++i) {
     const std::vector<std::size_t>& wires = wiring_.flows()[i].links;
     if (!open_[i] || std::find(wires.begin(), wires.end(), wire) == wires.end()) continue;
-    return open_[i]->far != nullptr ? open_[i]->far->health(open_[i]->id) : gateway_->health(open_[i]->id);
+    return open_[i]->bridge != nullptr ? open_[i]->bridge->health(open_[i]->id)
+                                       : gateway_->health(open_[i]->id);
   }
   return std::nullopt;
 }

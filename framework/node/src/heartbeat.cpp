@@ -1,6 +1,6 @@
 #include "heartbeat.hpp"
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/os/clock.hpp>
 
 namespace takt::node {
@@ -22,43 +22,43 @@ void Heartbeat::wake() {
   changed_.notify_one();
 }
 
-void Heartbeat::sign(Instant now) {
+void Heartbeat::kick(Instant now) {
   const std::lock_guard lock{mutex_};
-  signed_at_ = now;
+  kicked_at_ = now;
 }
 
-void Heartbeat::serve(DeviceLine& line) {
+void Heartbeat::serve(DeviceSink& sink) {
   {
     std::unique_lock lock{mutex_};
     changed_.wait_for(lock, kEvery, [this] { return news_; });
   }
-  beat(line, os::now(), os::wall_ns());
+  beat(sink, os::now(), os::wall_ns());
 }
 
-void Heartbeat::beat(DeviceLine& line, Instant now, std::int64_t wall_ns) {
+void Heartbeat::beat(DeviceSink& sink, Instant now, std::int64_t wall_ns) {
   DeviceStatus status;
   {
     const std::lock_guard lock{mutex_};
     news_ = false;
     if (!status_) return;
     status = *status_;
-    if (now - signed_at_ > kHangs && signed_at_ != Instant{}) {
+    if (now - kicked_at_ > kHangs && kicked_at_ != Instant{}) {
       if (status.health() == HEALTH_OK) status.health(HEALTH_DEGRADED);
-      const auto silent = std::chrono::duration_cast<std::chrono::seconds>(now - signed_at_);
-      dds::set(status.text(), "the node itself has been hanging for " + to_text(Nanoseconds{silent}));
+      const auto silent = std::chrono::duration_cast<std::chrono::seconds>(now - kicked_at_);
+      wire::set(status.text(), "the node's main loop has been hanging for " + to_text(Nanoseconds{silent}));
     }
   }
   status.sequence_number(++sequence_);
   status.time_ns(wall_ns);
-  line.write(status);
-  // The new key is said before the old one is taken back, so that nobody sees the device leave in between.
-  if (said_ && !(said_->path() == status.path())) line.dispose(*said_);
-  said_ = status;
+  sink.write(status);
+  // Publish the new key before withdrawing the old one, so that no observer sees the device leave in between.
+  if (published_ && !(published_->path() == status.path())) sink.dispose(*published_);
+  published_ = status;
 }
 
-void Heartbeat::leave(DeviceLine& line) {
-  if (said_) line.dispose(*said_);
-  said_.reset();
+void Heartbeat::leave(DeviceSink& sink) {
+  if (published_) sink.dispose(*published_);
+  published_.reset();
 }
 
 }  // namespace takt::node

@@ -1,8 +1,8 @@
-// What a node says of itself, ten times a second and at each change.
+// Publishes the device's status ten times a second and at each change.
 //
-// Observers take a device for lost when they have not heard of it for 300 ms, so nothing that the node does
-// may delay this: it has a thread of its own. But a node whose main loop hangs must not look well because of
-// that: the loop gives a sign each time around, and when none came for two seconds the heartbeat says so.
+// Observers regard a device as lost when they have received nothing from it for 300 ms. So the heartbeat has
+// a thread of its own, which nothing in the node may delay. But a node whose main loop hangs must not look
+// healthy: the loop calls kick() in each turn, and the heartbeat reports it if two seconds pass without one.
 #pragma once
 
 #include <chrono>
@@ -16,17 +16,17 @@
 
 namespace takt::node {
 
-/// Where it goes: a dds::Writer, and in a test what reads along. One thread.
-class DeviceLine {
+/// The destination of status samples: a dds::Writer, or a fake in tests. Used by one thread.
+class DeviceSink {
  public:
-  virtual ~DeviceLine() = default;
+  virtual ~DeviceSink() = default;
   virtual void write(const DeviceStatus& status) = 0;
   virtual void dispose(const DeviceStatus& key) = 0;
 
  protected:
-  DeviceLine() = default;
-  DeviceLine(const DeviceLine&) = default;
-  DeviceLine& operator=(const DeviceLine&) = default;
+  DeviceSink() = default;
+  DeviceSink(const DeviceSink&) = default;
+  DeviceSink& operator=(const DeviceSink&) = default;
 };
 
 class Heartbeat {
@@ -34,29 +34,29 @@ class Heartbeat {
   static constexpr std::chrono::milliseconds kEvery{100};
   static constexpr Nanoseconds kHangs = std::chrono::seconds{2};
 
-  /// Any thread: said at once, and from now on.
+  /// Sets the status, which is published at once and with each beat. Any thread.
   void set(const DeviceStatus& status);
-  /// By the main loop, each time around.
-  void sign(Instant now);
+  /// The main loop calls this in each turn to show that it does not hang.
+  void kick(Instant now);
 
   /// Ends a wait of serve().
   void wake();
 
-  /// On its own thread: waits for a change or the next beat, then says what is so.
-  void serve(DeviceLine& line);
-  /// The same without waiting.
-  void beat(DeviceLine& line, Instant now, std::int64_t wall_ns);
-  /// Takes back the last key.
-  void leave(DeviceLine& line);
+  /// Runs on the heartbeat thread: waits for a change or the next beat, then publishes the status.
+  void serve(DeviceSink& sink);
+  /// Publishes the status without waiting.
+  void beat(DeviceSink& sink, Instant now, std::int64_t wall_ns);
+  /// Withdraws the last key.
+  void leave(DeviceSink& sink);
 
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<DeviceStatus> status_;
   bool news_ = false;
-  Instant signed_at_{};
+  Instant kicked_at_{};
   std::uint64_t sequence_ = 0;
-  std::optional<DeviceStatus> said_;  // last, of the serving thread
+  std::optional<DeviceStatus> published_;  // the last one; only the heartbeat thread uses it
 };
 
 }  // namespace takt::node

@@ -16,7 +16,7 @@ Result<void> HostLink::start(const channel::Channel& channel, const host::Setup&
                                            {"TAKT_CHANNEL_FD", std::to_string(channel.fd().get())}},
                            .inherit = inherit,
                            .capture_output = true,
-                           .dies_with_parent = false};  // it ends in order when the socket does
+                           .dies_with_parent = false};  // it shuts down when its socket closes
   options.environment.insert(options.environment.end(), environment.begin(), environment.end());
   options.inherit.push_back(&theirs.fd());
   options.inherit.push_back(&channel.fd());
@@ -25,7 +25,7 @@ Result<void> HostLink::start(const channel::Channel& channel, const host::Setup&
   child_ = std::move(*child);
   pid_ = child_.pid();
   output_ = Output{std::move(child_.output), std::move(child_.error)};
-  static_cast<void>(socket_.send(host::encode(setup)));  // when it has ended already, ended() says how
+  static_cast<void>(socket_.send(host::encode(setup)));  // if it has already ended, ended() tells how
   return {};
 }
 

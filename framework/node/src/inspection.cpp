@@ -22,7 +22,7 @@ namespace {
 using json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-/// A device's components are looked at one after the other, each within a limit of its own.
+/// The limit for all components of a device; each component also has a limit of its own.
 constexpr Nanoseconds kLimit = std::chrono::seconds{60};
 
 class InspectionProgram final : public Inspection {
@@ -61,7 +61,8 @@ class InspectionProgram final : public Inspection {
 
  private:
   static Result<Inspected> failed(const std::string& how) {
-    return fail("the program that looks at the components " + how, "mend the constructors of the components");
+    return fail("the process that inspects the components " + how,
+                "check the constructors of the components");
   }
 
   static Result<Inspected> read(const std::string& text) {
@@ -85,8 +86,8 @@ class InspectionProgram final : public Inspection {
   Instant begun_{};
 };
 
-// With the ports that the check found out: those of a program may depend on its properties. A program that
-// was not asked then may not know how to answer.
+// Describes a component with the ports that the check has found: those of a program may depend on its
+// properties. A program that the check did not query may not be able to answer, so it is not queried here.
 json describe(const model::Module& module, const std::string& path, const model::ModulePorts& ports) {
   json entry{{"name", module.name}, {"path", path}};
   entry["ports"] = ports ? model::parse_json(model::ports_json(*ports)) : json(nullptr);
@@ -103,8 +104,8 @@ json describe(const model::Module& module, const std::string& path, const model:
   return entry;
 }
 
-// The file of a component that a descriptor from elsewhere names: by its last part, on this device's
-// component path.
+// Finds the file of a component on this device's component path. Only the file name is used, because the
+// descriptor may come from another machine.
 Result<std::string> on_component_path(const std::string& filename) {
   const std::string name = fs::path{filename}.filename().string();
   std::string tried;
@@ -115,7 +116,7 @@ Result<std::string> on_component_path(const std::string& filename) {
     tried += (tried.empty() ? "" : ", ") + folder;
   }
   return fail("there is no file " + name + " on this device's component path (" + tried + ")",
-              "copy it there, or add its folder to the TAKT_COMPONENT_PATH of its takt-node");
+              "copy it there, or add its folder to TAKT_COMPONENT_PATH of takt-node");
 }
 
 json inspect_here(const InspectionRequest& request) {
@@ -126,7 +127,7 @@ json inspect_here(const InspectionRequest& request) {
                                    [&](const model::Device& d) { return d.name == request.device; });
   if (device == cell->devices.end()) return refuse({fail("there is no device " + request.device)});
 
-  // This device alone; what of it is not there is left out.
+  // Check only this device; modules whose file is missing are left out.
   model::Cell mine = *cell;
   mine.devices = {*device};
   if (!request.only.empty()) {

@@ -19,7 +19,7 @@ namespace {
 using json = nlohmann::ordered_json;
 
 constexpr const char* kDeploymentFormat = "takt deployment 2";
-/// A descriptor as JSON: at most six bytes for each of its own, and a little around it.
+/// A descriptor in JSON takes at most six bytes for each of its bytes; the rest is small.
 constexpr std::size_t kMostDeploymentBytes = 6 * descriptor::kMaxBytes + 65536;
 
 }  // namespace
@@ -47,12 +47,12 @@ Result<void> DeploymentFile::keep(const KeptDeployment& deployment) const {
 }
 
 Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
-  const Problem damage{path_, "the deployment that was kept there is damaged", "deploy the cell again"};
+  const Problem damage{path_, "the saved deployment is damaged", "deploy the cell again"};
   const auto body = read_whole(path_, kDeploymentFormat, kMostDeploymentBytes, damage);
   if (!body) return body.problems();
   if (!*body) return std::optional<KeptDeployment>{};
   const json value = model::parse_json(**body);
-  const Problem wrong{damage.where, damage.what + ": something is missing in it", damage.fix};
+  const Problem wrong{damage.where, damage.what + ": a value is missing or wrong", damage.fix};
   try {
     KeptDeployment kept{.id = value.at("id"),
                         .file = value.at("file"),
@@ -63,8 +63,8 @@ Result<std::optional<KeptDeployment>> DeploymentFile::kept() const {
     const auto t0_ns = model::whole_number(value.at("t0_ns"));
     if (!t0_ns || *t0_ns > std::numeric_limits<std::int64_t>::max()) return wrong;
     kept.t0_ns = static_cast<std::int64_t>(*t0_ns);
-    if (!kept.boot.empty()) {                               // a version before this one did not keep it
-      const json& monotonic = value.at("t0_monotonic_ns");  // negative: before the machine was switched on
+    if (!kept.boot.empty()) {                               // an earlier version did not save it
+      const json& monotonic = value.at("t0_monotonic_ns");  // negative: before the machine was booted
       const auto positive = model::whole_number(monotonic);
       if (!monotonic.is_number_integer() ||
           (positive && *positive > std::numeric_limits<std::int64_t>::max()))

@@ -14,7 +14,7 @@
 
 #include <takt/dds/commands.hpp>
 #include <takt/dds/topics.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/model/validate.hpp>
 #include <takt/node/log.hpp>
 #include <takt/os/clock.hpp>
@@ -34,17 +34,17 @@ namespace takt::node {
 
 namespace {
 
-/// How often a node looks at what its executors published.
-constexpr int kLookEveryMs = 5;
-/// A loss of power costs the fault record no more than this.
+/// The interval at which the node reads what its executors publish.
+constexpr int kPollEveryMs = 5;
+/// A power failure costs the fault record at most this much time.
 constexpr int kSyncEveryMs = 1000;
-/// Of an identity that expires soon.
+/// The interval of warnings about an identity that expires soon.
 constexpr Nanoseconds kWarnEvery = std::chrono::hours{24};
-/// Enough to see how late this machine wakes a thread as a rule.
+/// Enough to measure how late this machine usually wakes a thread.
 constexpr std::size_t kWakeUpsTried = 20;
 constexpr std::chrono::microseconds kWakeUpPause{500};
 
-/// What other threads have for the main loop.
+/// Hands calls from other threads to the main loop.
 class Inbox {
  public:
   explicit Inbox(os::Notice notice) : notice_(std::move(notice)) {}
@@ -73,7 +73,7 @@ class Inbox {
   std::deque<std::function<void(Agent&)>> news_;
 };
 
-/// Waits for the disk that the fault record is on, which the main loop must not.
+/// Writes the fault record to disk on a thread of its own, because the main loop must not wait for the disk.
 class RecordKeeper {
  public:
   explicit RecordKeeper(std::shared_ptr<const os::FixedFile> disk) : disk_(std::move(disk)) {
@@ -102,12 +102,12 @@ class RecordKeeper {
   os::Thread thread_;
 };
 
-// This node and no other: also not the one that had its process id before.
+// An id that is unique, also among earlier nodes with the same process id.
 std::string new_node_id() {
   std::random_device random;
   std::array<char, 9> digits{};
   std::snprintf(digits.data(), digits.size(), "%08x", random());
-  return dds::cut(os::host_name(), 40) + "-" + std::to_string(os::process_id()) + "-" + digits.data();
+  return wire::cut(os::host_name(), 40) + "-" + std::to_string(os::process_id()) + "-" + digits.data();
 }
 
 int refuse(const Problems& problems) {
@@ -118,16 +118,16 @@ int refuse(const Problems& problems) {
 void warn_of_expiry(const security::Identity& identity, const NodeOptions& options) {
   const std::string warning = security::expiry_warning(identity.until, os::wall_ns() / 1'000'000'000);
   if (!warning.empty())
-    log(options.device, "", "warning: its identity is to be renewed, " + warning + ": takt secure renew");
+    log(options.device, "", "warning: its identity must be renewed: " + warning + "; run takt secure renew");
 }
 
-/// Whoever has the identity of another is not this device to anybody.
+/// Fails if the identity is not that of this device, because no other participant would accept it.
 Result<void> check_identity(const dds::Participant& participant, const NodeOptions& options) {
   const auto& identity = participant.identity();
   if (!identity) {
     if (!options.quiet)
       log(options.device, "",
-          "security is off: whoever is on its network may command it and read what it says");
+          "security is off: anyone on its network can command this device and read its data");
     return {};
   }
   const security::Subject& subject = identity->subject;
@@ -135,7 +135,7 @@ Result<void> check_identity(const dds::Participant& participant, const NodeOptio
     return Problem{identity->folder,
                    "this is the identity of " + std::string{to_text(subject.role)} + " " + subject.name +
                        ", not of device " + options.device,
-                   "name the folder of this device"};
+                   "give the folder of this device's identity"};
   }
   log(options.device, "", "security is on: device " + subject.name + " of cell " + subject.cell);
   warn_of_expiry(*identity, options);
@@ -146,14 +146,14 @@ Result<void> check_identity(const dds::Participant& participant, const NodeOptio
 
 int run_node(const NodeOptions& options) {
   if (options.quiet) log_nothing();
-  os::survive_broken_pipes();  // whoever reads our log may go; the device stays
+  os::survive_broken_pipes();  // the reader of the node's output may end; the device goes on
   os::MessageSocket lifetime{os::take_fd_from_environment(kLifetimeFd)};
-  const bool lent = static_cast<bool>(lifetime.fd());
-  const auto signals = os::SignalQueue::of_requests_to_end();  // before there are threads, which inherit it
+  const bool temporary = static_cast<bool>(lifetime.fd());
+  const auto signals = os::SignalQueue::of_requests_to_end();  // before starting threads, which inherit it
   if (!signals) return refuse(signals.problems());
   if (!model::is_valid_name(options.device)) {
-    return refuse({{"takt-node", "'" + options.device + "' is no name of a device",
-                    "a letter or '_', then letters, digits, '_' and '-', at most 63"}});
+    return refuse({{"takt-node", "'" + options.device + "' is not a valid device name",
+                    "use a letter or '_', then letters, digits, '_' and '-', at most 63 in all"}});
   }
   const bool real_time = os::may_be_real_time().ok();
   const os::WakeUps wake_ups = os::try_wake_ups(kWakeUpsTried, kWakeUpPause);
@@ -168,10 +168,10 @@ int run_node(const NodeOptions& options) {
     identity = std::filesystem::absolute(
                    security::folder_of(options.security, security::Role::device, options.device), error)
                    .string();
-    // The gateways to other domains, and programs of the cell that speak DDS themselves, are this device too.
+    // Bridges to other domains and programs of the cell that use DDS themselves share this identity.
     os::set_environment("TAKT_SECURITY", identity);
   }
-  // For the processes that look at components before anything is started.
+  // For the processes that inspect components before anything is started.
   std::string signed_by = options.signed_by;
   const std::string granted = identity + "/" + security::kComponents;
   if (signed_by.empty() && !identity.empty() && os::rights_of(granted)) signed_by = granted;
@@ -180,7 +180,7 @@ int run_node(const NodeOptions& options) {
       return refuse(usable.problems());
     os::set_environment("TAKT_SIGNED_BY", signed_by);
     if (!options.quiet)
-      log(options.device, "", "components are used only if they are signed, as " + signed_by + " says");
+      log(options.device, "", "only components signed with the key of " + signed_by + " are used");
   }
   auto participant = dds::Participant::create({.name = "takt-node " + options.device,
                                                .domain = options.domain,
@@ -208,15 +208,15 @@ int run_node(const NodeOptions& options) {
                                .cell = secured ? (*participant)->identity()->subject.cell : "",
                                .require_real_time = options.require_real_time,
                                .real_time = real_time,
-                               .lent = lent,
+                               .temporary = temporary,
                                .file = std::nullopt,
                                .boot = os::boot_id(),
                                .now = os::now,
                                .wall_ns = os::wall_ns,
                                .instant_of_wall = os::instant_of_wall};
-  if (!options.state_folder.empty() && !lent)
+  if (!options.state_folder.empty() && !temporary)
     agent_options.file = DeploymentFile{options.state_folder, options.device, options.domain};
-  if (!options.state_folder.empty() && (!lent || options.state_folder_given)) {
+  if (!options.state_folder.empty() && (!temporary || options.state_folder_given)) {
     agent_options.record = std::make_shared<FaultRecord>(
         FaultRecord::open(FaultRecord::path(options.state_folder, options.device, options.domain)));
     for (const Problem& problem : agent_options.record->problems())
@@ -225,7 +225,7 @@ int run_node(const NodeOptions& options) {
   std::optional<RecordKeeper> keeper;
   if (agent_options.record) keeper.emplace(agent_options.record->disk());
   const std::string traces =
-      options.state_folder.empty() || lent
+      options.state_folder.empty() || temporary
           ? ""
           : options.state_folder + "/traces/" + options.device + "." + std::to_string(options.domain);
   Agent agent{agent_options,
@@ -241,59 +241,60 @@ int run_node(const NodeOptions& options) {
                    }},
               **dds_publisher};
 
-  // What the others say, and then what this node is asked.
+  // Read the state of other nodes before accepting commands.
   auto devices = dds::Reader<DeviceStatus>::create(
       *participant,
       {.sample =
-           [&inbox](const DeviceStatus& status, dds::WriterId writer) {
+           [&inbox](const DeviceStatus& status, wire::WriterId writer) {
              inbox.put([status, writer](Agent& a) { a.others().heard(status, writer); });
            },
        .disposed =
-           [&inbox](const DeviceStatus& key, dds::WriterId writer) {
+           [&inbox](const DeviceStatus& key, wire::WriterId writer) {
              inbox.put([key, writer](Agent& a) { a.others().gone(key, writer); });
            },
        .lost =
-           [&inbox](dds::WriterId writer) { inbox.put([writer](Agent& a) { a.others().lost(writer); }); }});
+           [&inbox](wire::WriterId writer) { inbox.put([writer](Agent& a) { a.others().lost(writer); }); }});
   if (!devices) return refuse(devices.problems());
   auto modules = dds::Reader<LifecycleStatus>::create(
       *participant,
       {.sample =
-           [&inbox, &options](const LifecycleStatus& status, dds::WriterId) {
+           [&inbox, &options](const LifecycleStatus& status, wire::WriterId) {
              if (status.device() == options.device) return;
              inbox.put([status](Agent& a) { a.others().heard(status); });
            },
        .disposed = [&inbox](const LifecycleStatus& key,
-                            dds::WriterId) { inbox.put([key](Agent& a) { a.others().gone(key); }); },
+                            wire::WriterId) { inbox.put([key](Agent& a) { a.others().gone(key); }); },
        .lost = {}});
   if (!modules) return refuse(modules.problems());
   auto server = dds::CommandServer::create(
       *participant, options.device, agent_options.node,
-      [&inbox](const dds::WholeCommand& command) { inbox.put([command](Agent& a) { a.hear(command); }); });
+      [&inbox](const wire::WholeCommand& command) { inbox.put([command](Agent& a) { a.receive(command); }); });
   if (!server) return refuse(server.problems());
-  (*dds_publisher)->answer_by([&server](const dds::WholeReply& reply) { server->reply(reply); });
+  (*dds_publisher)->set_reply_sender([&server](const wire::WholeReply& reply) { server->reply(reply); });
 
-  if (!lent) log(options.device, "", "waits for a deployment on domain " + std::to_string(options.domain));
+  if (!temporary)
+    log(options.device, "", "waits for a deployment on domain " + std::to_string(options.domain));
   std::uint64_t refused = 0;
-  agent.came_up();
+  agent.note_start();
   if (options.resume)
     agent.resume();
   else
-    agent.leave_kept();
+    agent.report_kept();
   Instant warn_again = os::now() + kWarnEvery;
   while (!agent.ended()) {
     if (secured && os::now() >= warn_again) {
       warn_again += kWarnEvery;
       warn_of_expiry(*(*participant)->identity(), options);
     }
-    (*dds_publisher)->sign();
+    (*dds_publisher)->kick();
     std::vector<const os::Fd*> fds = agent.wait_on();
     fds.push_back(&signals->fd());
     fds.push_back(&inbox.fd());
-    if (lent && !lifetime.closed()) fds.push_back(&lifetime.fd());
-    os::wait_readable(fds, kLookEveryMs);
+    if (temporary && !lifetime.closed()) fds.push_back(&lifetime.fd());
+    os::wait_readable(fds, kPollEveryMs);
 
     while (signals->next()) agent.end(false);
-    if (lent && !lifetime.closed()) {
+    if (temporary && !lifetime.closed()) {
       static_cast<void>(lifetime.receive());
       if (lifetime.closed()) agent.end(true);
     }
@@ -303,16 +304,16 @@ int run_node(const NodeOptions& options) {
     if (const std::uint64_t before = std::exchange(refused, now_refused); now_refused > before) {
       agent.note({.kind = model::FaultKind::refused_packet,
                   .cause =
-                      "what came was no RTPS message, or not encrypted in a cell with security, or none of "
-                      "takt/device, takt/lifecycle or takt/command",
+                      "dropped a packet that is not an RTPS message, is not encrypted in a secured cell, or "
+                      "is not a valid sample of takt/device, takt/lifecycle or takt/command",
                   .count = now_refused - before});
     }
     agent.step();
-    // It was lost, or taken up again.
+    // The record has lost its file, or has it again.
     if (keeper && keeper->disk() != agent_options.record->disk())
       keeper.emplace(agent_options.record->disk());
   }
-  agent.goes_down();
+  agent.note_end();
   return 0;
 }
 

@@ -26,7 +26,7 @@ void Outbox::wake() {
   wanted_.notify_one();
 }
 
-bool Outbox::serve(LifecycleLine& line, std::chrono::milliseconds limit) {
+bool Outbox::serve(LifecycleSink& sink, std::chrono::milliseconds limit) {
   std::unique_lock lock{mutex_};
   wanted_.wait_for(lock, limit, [this] { return woken_ || !entries_.empty(); });
   woken_ = false;
@@ -34,20 +34,20 @@ bool Outbox::serve(LifecycleLine& line, std::chrono::milliseconds limit) {
   const Entry entry = std::move(entries_.front());
   entries_.pop_front();
   lock.unlock();
-  send(line, entry);
+  send(sink, entry);
   return true;
 }
 
-void Outbox::send(LifecycleLine& line, const Entry& entry) {
+void Outbox::send(LifecycleSink& sink, const Entry& entry) {
   const std::string key = entry.status.path().to_string();
   if (unacknowledged_.contains(key)) {
-    in_vain_ = !line.wait_acknowledged(in_vain_ ? kImpatient : kPatient);
-    unacknowledged_.clear();  // all of them, or nobody is left to be waited for
+    last_wait_failed_ = !sink.wait_acknowledged(last_wait_failed_ ? kImpatient : kPatient);
+    unacknowledged_.clear();  // all are acknowledged, or the wait has failed
   }
   if (entry.disposal) {
-    line.dispose(entry.status);
+    sink.dispose(entry.status);
   } else {
-    line.write(entry.status);
+    sink.write(entry.status);
   }
   unacknowledged_.insert(key);
 }

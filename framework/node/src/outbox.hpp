@@ -1,10 +1,10 @@
-// The order in which lifecycle transitions go out.
+// Sends lifecycle transitions so that none overwrites the one before it.
 //
-// The topic keeps the last sample of each module, so that who joins late gets the present state and no more.
-// But then a module that goes through two states at once overwrites the first before a reader on a busy
-// machine has it. So a second sample of a module waits until the first was acknowledged; samples of other
-// modules do not. A reader that has died and whose lease still runs acknowledges nothing: the wait is
-// bounded, and short while it has lately been in vain.
+// The topic keeps only the last sample of each module, so that late joiners get just the present state. But
+// if a module takes two steps at once, the second sample could overwrite the first before a reader on a busy
+// machine has received it. So a second sample of a module waits until the first is acknowledged; samples of
+// other modules do not wait. A dead reader whose lease still runs acknowledges nothing. So the wait is
+// bounded, and short after a wait that has failed.
 #pragma once
 
 #include <chrono>
@@ -19,18 +19,18 @@
 
 namespace takt::node {
 
-/// Where transitions go: a dds::Writer, and in a test what reads along. One thread.
-class LifecycleLine {
+/// The destination of transitions: a dds::Writer, or a fake in tests. Used by one thread.
+class LifecycleSink {
  public:
-  virtual ~LifecycleLine() = default;
+  virtual ~LifecycleSink() = default;
   virtual bool write(const LifecycleStatus& status) = 0;
   virtual void dispose(const LifecycleStatus& key) = 0;
   virtual bool wait_acknowledged(std::chrono::milliseconds limit) = 0;
 
  protected:
-  LifecycleLine() = default;
-  LifecycleLine(const LifecycleLine&) = default;
-  LifecycleLine& operator=(const LifecycleLine&) = default;
+  LifecycleSink() = default;
+  LifecycleSink(const LifecycleSink&) = default;
+  LifecycleSink& operator=(const LifecycleSink&) = default;
 };
 
 class Outbox {
@@ -38,13 +38,13 @@ class Outbox {
   static constexpr std::chrono::milliseconds kPatient{250};
   static constexpr std::chrono::milliseconds kImpatient{10};
 
-  /// Any thread; never waits for the line.
+  /// Any thread; never waits for the sink.
   void put(const LifecycleStatus& status);
   void put_disposal(const LifecycleStatus& key);
 
-  /// On the thread that serves the line: sends what is there, in order, or waits at most `limit` for
-  /// something. False when nothing came.
-  bool serve(LifecycleLine& line, std::chrono::milliseconds limit);
+  /// Sends the next entry; waits at most `limit` for one. False if there was none. Only on the thread that
+  /// serves the sink.
+  bool serve(LifecycleSink& sink, std::chrono::milliseconds limit);
   /// Ends a wait of serve().
   void wake();
 
@@ -53,14 +53,14 @@ class Outbox {
     LifecycleStatus status;
     bool disposal = false;
   };
-  void send(LifecycleLine& line, const Entry& entry);
+  void send(LifecycleSink& sink, const Entry& entry);
 
   std::mutex mutex_;
   std::condition_variable wanted_;
   std::deque<Entry> entries_;
   bool woken_ = false;
-  std::set<std::string> unacknowledged_;  // keys; of the serving thread
-  bool in_vain_ = false;
+  std::set<std::string> unacknowledged_;  // keys; only the serving thread uses them
+  bool last_wait_failed_ = false;
 };
 
 }  // namespace takt::node

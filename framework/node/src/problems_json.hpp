@@ -1,4 +1,4 @@
-// Problems as JSON: in replies, and between a node and the program that looks at its components.
+// Problems as JSON: in replies, and between a node and the process that inspects its components.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Where an agent's words go.
+// The interface by which an agent publishes its status, events and replies.
 #pragma once
 
 #include <string>
@@ -9,21 +9,21 @@
 
 namespace takt::node {
 
-/// Implemented by DDS (dds_publisher.hpp), and by a test that reads along. Never waits.
+/// Implemented with DDS (dds_publisher.hpp), and by tests. Never waits.
 class Publisher {
  public:
   virtual ~Publisher() = default;
 
-  virtual void reply(const dds::WholeReply& reply) = 0;
-  /// Observers get each of these, in order.
-  virtual void say(const LifecycleStatus& status) = 0;
-  /// Is what is said of the device from now on, again and again, until the next one.
-  virtual void say(const DeviceStatus& status) = 0;
-  virtual void say(const Measures& measures) = 0;
-  /// Observers get each of these, in order, as far as they keep up; who missed one sees that by its number.
-  virtual void say(const FaultEvent& event) = 0;
-  /// The deployment is over: nobody is told of its modules, executors and ports any more.
-  virtual void take_back(const std::vector<LifecycleStatus>& modules, const Measures& measures) = 0;
+  virtual void reply(const wire::WholeReply& reply) = 0;
+  /// Observers receive every transition, in order.
+  virtual void publish(const LifecycleStatus& status) = 0;
+  /// The status is repeated regularly until the next one replaces it.
+  virtual void publish(const DeviceStatus& status) = 0;
+  virtual void publish(const Measures& measures) = 0;
+  /// Observers receive the events in order. A slow observer may miss some, and sees that by their numbers.
+  virtual void publish(const FaultEvent& event) = 0;
+  /// Withdraws the modules, executors and ports of a deployment that has ended.
+  virtual void withdraw(const std::vector<LifecycleStatus>& modules, const Measures& measures) = 0;
 
  protected:
   Publisher() = default;

@@ -1,9 +1,9 @@
-// What is known of the device: for the status JSON, for the topics, and in a few words.
+// The supervisor's reports on its device: the status JSON, the statistics for the topics, and a summary.
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/node/supervisor.hpp>
 #include <takt/os/clock.hpp>
 
@@ -43,7 +43,7 @@ const Statistics& jitter_of(const Member& member) {
 const Statistics& run_of(const Member& member) {
   return member.slot == nullptr ? member.block.run : member.slot->run;
 }
-bool is_astray(const Member& member) {
+bool is_faulty(const Member& member) {
   return member.state() == lifecycle::State::recover ||
          (member.state() == lifecycle::State::destruct && member.failed);
 }
@@ -82,11 +82,11 @@ Standing Supervisor::standing() const {
       .host_pid = hosts_.empty() || !hosts_.front()->link.running() ? 0 : hosts_.front()->link.pid(),
       .host_restarts = host_restarts_,
       .executing = 0,
-      .astray = {}};
+      .faulty = {}};
   for (const auto& member : members_) {
     standing.executing += member->state() == lifecycle::State::executing ? 1 : 0;
-    if (!is_astray(*member) || !standing.astray.empty()) continue;
-    standing.astray = "module " + member->model.name + " is in " + lifecycle::to_text(member->state()) +
+    if (!is_faulty(*member) || !standing.faulty.empty()) continue;
+    standing.faulty = "module " + member->model.name + " is in " + lifecycle::to_text(member->state()) +
                       (member->why.empty() ? "" : ": " + member->why);
   }
   return standing;
@@ -97,10 +97,10 @@ Measures Supervisor::measures() const {
   Measures measures;
   const Instant now = os::now();
   const auto name = [this](auto& entry, const std::string& part) {
-    dds::set(entry.path(), dds::path_of(options_.cell.name, device().name, part));
-    dds::set(entry.cell(), options_.cell.name);
-    dds::set(entry.device(), device().name);
-    dds::set(entry.name(), part);
+    wire::set(entry.path(), wire::path_of(options_.cell.name, device().name, part));
+    wire::set(entry.cell(), options_.cell.name);
+    wire::set(entry.device(), device().name);
+    wire::set(entry.name(), part);
   };
   for (std::size_t e = 0; e < channel_.executors(); ++e) {
     const channel::ExecutorBlock& block = channel_.executor(e);
@@ -132,14 +132,14 @@ Measures Supervisor::measures() const {
     for (const model::Port& port : *ports) {
       const PortHealth health = health_of(*member, port, now);
       PortStatus status;
-      dds::set(status.path(),
-               dds::path_of(options_.cell.name, device().name, member->model.name) + "/" + port.name);
-      dds::set(status.cell(), options_.cell.name);
-      dds::set(status.device(), device().name);
-      dds::set(status.name(), member->model.name);
-      dds::set(status.port(), port.name);
+      wire::set(status.path(),
+               wire::path_of(options_.cell.name, device().name, member->model.name) + "/" + port.name);
+      wire::set(status.cell(), options_.cell.name);
+      wire::set(status.device(), device().name);
+      wire::set(status.name(), member->model.name);
+      wire::set(status.port(), port.name);
       status.output(port.direction == model::Direction::out);
-      dds::set(status.type(), port.type.name);
+      wire::set(status.type(), port.type.name);
       status.matched(health.matched);
       status.connections(health.connections);
       status.samples(health.samples);
@@ -148,7 +148,7 @@ Measures Supervisor::measures() const {
       status.late(health.late);
       status.safe(health.safe);
       status.age_ns(health.age_ns);
-      dds::set(status.incompatible(), health.incompatible);
+      wire::set(status.incompatible(), health.incompatible);
       measures.ports.push_back(status);
     }
   }
@@ -183,9 +183,9 @@ json Supervisor::report() const {
                        {"jitter_us", in_microseconds(jitter_of(*member).read())},
                        {"run_us", in_microseconds(run_of(*member).read())},
                        {"pid", member->is_thread() ? host_of(*member).link.pid() : member->last_pid}});
-    // Beside what every report has: why it is in a state where it should not be, what its device's overrun
-    // contracts and its budget are about, and the health of its ports.
-    if (is_astray(*member) && !member->why.empty()) modules.back()["text"] = member->why;
+    // Added only where they apply: why the module is not in its proper state, the counts for overrun
+    // contracts and budgets, and the health of ports.
+    if (is_faulty(*member) && !member->why.empty()) modules.back()["text"] = member->why;
     if (contracts) modules.back()["missed"] = block.missed.load(relaxed);
     if (member->model.tolerance.times || member->model.tolerance.in_a_row)
       modules.back()["over_budget"] = block.over_budget.load(relaxed);

@@ -35,7 +35,7 @@ Result<void> SavedFile::write(const channel::SavedState::Place& saved) const {
 }
 
 Result<void> SavedFile::read_into(channel::SavedState& state) const {
-  const Problem damaged{path_, "what a module had saved there is damaged", "the module begins anew"};
+  const Problem damaged{path_, "the saved state of the module is damaged", "the module starts without it"};
   const auto body = read_whole(path_, kSavedFormat, kMostSavedBytes, damaged);
   if (!body) return body.problems();
   if (!*body) return {};
@@ -57,13 +57,13 @@ Result<void> SavedFile::read_into(channel::SavedState& state) const {
 Result<void> SavedFile::remove() const { return os::remove_file(path_); }
 
 Result<std::unique_ptr<Retained>> Retained::start(std::vector<One> all,
-                                                  std::function<void(const std::string&)> said,
+                                                  std::function<void(const std::string&)> report,
                                                   Nanoseconds every) {
-  std::unique_ptr<Retained> retained{new Retained{std::move(all), std::move(said)}};
+  std::unique_ptr<Retained> retained{new Retained{std::move(all), std::move(report)}};
   auto thread = os::Thread::start(
       {.name = "takt-retain"},
       [mine = retained.get(), every] {
-        do {  // what was saved last is written however soon the end comes
+        do {  // at least once, so that the last state is written even if the end comes at once
           os::futex_wait(mine->end_, 0, ~0U, os::now() + every);
           mine->write_changes();
         } while (mine->end_.load() == 0);
@@ -98,12 +98,12 @@ void Retained::write_changes() {
       written = one.file.write(*saved);
       if (written) one.written = saved->number;
     } else {
-      continue;  // it was being saved
+      continue;  // the module is saving it right now
     }
-    if (!written && !one.refused)
-      said_("warning: what modules retain is not on disk: " + in_words(written.problems()));
-    if (written && one.refused) said_("what modules retain is on disk again: " + one.file.path());
-    one.refused = !written;
+    if (!written && !one.failed)
+      report_("warning: the state that modules retain is not on disk: " + in_words(written.problems()));
+    if (written && one.failed) report_("the state that modules retain is on disk again: " + one.file.path());
+    one.failed = !written;
   }
 }
 

@@ -106,7 +106,7 @@ Result<void> Supervisor::prepare() {
     Member& member = *members_.back();
     member.inputs = wiring_.with_deadline(i);
     if (!member.is_process() || !member.scheduled()) continue;
-    if (auto slot = create_seat(member); !slot) return slot;
+    if (auto slot = create_slot(member); !slot) return slot;
   }
   if (auto retained = retain(); !retained) return retained;
   for (const auto& host : hosts_) {
@@ -122,7 +122,7 @@ Result<void> Supervisor::prepare() {
     if (member->is_thread()) {
       ask(*member, Doing::load);
     } else if (!member->scheduled()) {
-      apply(*member, Event::initialize);  // a program of its own: there is nothing to call
+      apply(*member, Event::initialize);  // a non-real-time program has no hooks to call
     } else if (auto spawned = spawn(*member); !spawned) {
       lose(*member, in_words(spawned.problems()));
     }
@@ -130,7 +130,8 @@ Result<void> Supervisor::prepare() {
   return {};
 }
 
-// A module whose file cannot be read begins anew, which is no reason not to begin.
+// Loads what modules retain, and starts to write it to disk. A file that cannot be read is only a warning:
+// its module starts without the saved state.
 Result<void> Supervisor::retain() {
   std::vector<Retained::One> all;
   for (const auto& member : members_) {
@@ -151,7 +152,7 @@ Result<void> Supervisor::retain() {
 void Supervisor::step() {
   const Instant now = os::now();
   flight_->step(now);
-  for (const std::string& text : flight_->news()) log(text);
+  for (const std::string& text : flight_->messages()) log(text);
   forward_output();
   for (const auto& host : hosts_) {
     host->link.flush();
@@ -170,31 +171,31 @@ void Supervisor::step() {
   watch_writers();
   for (const auto& host : hosts_) watch_host(*host, now);
   watch_gaps();
-  say_violations();
+  report_violations();
   watch_counts();
   watch_ports(now);
   if (phase_ == Phase::preparing) prepare_step();
   if (phase_ == Phase::preparing || phase_ == Phase::ready || phase_ == Phase::running) running_step(now);
   if (phase_ == Phase::stopping) stopping_step(now);
   for (auto& member : members_) {
-    if (member->order) order_step(*member, now);
+    if (member->command) step_command(*member, now);
   }
 }
 
 Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, Instant until) {
-  if (!flow_manager_) return fail("this device has no way to DDS");
+  if (!flow_manager_) return fail("this device is not connected to DDS");
   const std::string name = device().name + "." + device().modules[module].name;
   const auto& ports = options_.ports[module];
   if (!ports)
-    return fail("nothing is known of the ports of module " + name, "connect one of them in the descriptor");
+    return fail("the ports of module " + name + " are not known", "connect one of them in the descriptor");
   for (const model::Port& each : *ports) {
     if (each.role == model::Role::plain || model::name_of_service(each) != port ||
         each.direction == model::Direction::out) {
       continue;
     }
     if (each.role != model::Role::client) return open_service(module, each, until);
-    return fail(in_quotes(port) + " of module " + name + " is a client, which asks and is not asked",
-                "ask the service that it is connected to");
+    return fail(in_quotes(port) + " of module " + name + " is a client and cannot be called",
+                "call the service that it is connected to");
   }
   std::vector<std::string> names;
   for (const model::Port& each : *ports) names.push_back(model::name_of_service(each));
@@ -203,7 +204,7 @@ Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, In
       std::find_if(ports->begin(), ports->end(), [&](const model::Port& p) { return p.name == port; });
   if (found == ports->end()) {
     return fail("module " + name + " has no port " + in_quotes(port),
-                known.empty() ? "it has none" : suggestion(port, known));
+                known.empty() ? "it has no ports" : suggestion(port, known));
   }
   if (found->direction != model::Direction::out) {
     for (const model::Connection& connection : options_.cell.connections) {
@@ -212,11 +213,12 @@ Result<Tapped> Supervisor::tap(std::uint32_t module, const std::string& port, In
         continue;
       }
       return fail("port " + name + "." + port + " is an input",
-                  connection.from.given() ? "look at what it is connected to: " + connection.from.device +
-                                                "." + connection.from.module + "." + connection.from.port
-                                          : "its samples are on the topic " + connection.topic);
+                  connection.from.given()
+                      ? "use the output that it is connected to: " + connection.from.device + "." +
+                            connection.from.module + "." + connection.from.port
+                      : "its samples are on topic " + connection.topic);
     }
-    return fail("port " + name + "." + port + " is an input that nothing is connected to");
+    return fail("port " + name + "." + port + " is an input without a connection");
   }
   if (auto tapped = flow_manager_->tap(module, port, until); !tapped) return tapped.problems();
   const PlannedFlow& flow = *flow_manager_->flow_of(module, port);
@@ -229,22 +231,22 @@ Result<Tapped> Supervisor::open_service(std::uint32_t module, const model::Port&
   const Member& member = *members_[module];
   if (member.state() != State::executing)
     return fail(
-        "module " + name + " is in " + lifecycle::to_text(member.state()) + ", where it answers nobody",
-        "takt start " + name);
+        "module " + name + " is in " + lifecycle::to_text(member.state()) + ", but answers only in EXECUTING",
+        "start it: takt start " + name);
   if (auto opened = flow_manager_->open_service(module, service, until); !opened) return opened.problems();
   const auto& ports = *options_.ports[module];
   const auto reply = std::find_if(ports.begin(), ports.end(), [&](const model::Port& port) {
     return port.name == service + model::kReplyPort;
   });
   if (reply == ports.end())
-    return fail("the service " + in_quotes(service) + " of " + name + " has no reply");
+    return fail("service " + in_quotes(service) + " of " + name + " has no reply port");
   return Tapped{port_topic(options_.cell.name, {device().name, device().modules[module].name, request.name}),
                 model::to_text(request.type), true,
                 port_topic(options_.cell.name, {device().name, device().modules[module].name, reply->name}),
                 model::to_text(reply->type)};
 }
 
-// Every module is initialised, then every module started.
+// Starts each module only when all are initialised.
 void Supervisor::prepare_step() {
   const auto all = [this](auto&& holds) {
     return std::all_of(members_.begin(), members_.end(), [&](const auto& member) { return holds(*member); });
@@ -281,7 +283,7 @@ void Supervisor::go(Instant t0) {
   begin_rows();
 }
 
-// A deployment that is taken up again: the rows since T0 were nobody's to walk, so none of them is missed.
+// Lets a restored deployment continue on its grid. The rows between T0 and now do not count as missed.
 void Supervisor::join_grid(Instant t0) {
   const Instant first = os::now() + kJoinGridAhead;
   for (std::size_t e = 0; e < plan_.executors.size(); ++e) {
@@ -292,8 +294,8 @@ void Supervisor::join_grid(Instant t0) {
   }
 }
 
-// What grows when a row names the module: a periodic one is called or released, a sporadic one is asked for
-// its condition.
+// A counter that grows when a row names the module. A row calls or releases a periodic module, and evaluates
+// the condition of a sporadic one; for that, the rows of its executor count.
 std::uint64_t Supervisor::cycles_of(const Member& member) const {
   const bool sporadic = member.model.operation == model::Operation::sporadic;
   const auto& cycles = sporadic ? channel_.executor(executor_of(member)).cycles : member.block.cycles;
@@ -312,8 +314,8 @@ void Supervisor::put_in_tables(Member& member) {
   member.put_in_at = os::now();
   trust(member, true);
   channel::put_in(place_of(member));
-  // What came while it was out is there already, and nobody will ring for it.
-  if (member.slot != nullptr && member.slot->immediate != 0) ring(member.slot->bell_bit);
+  // Events that came while it was out of the tables are waiting already, and will not wake it.
+  if (member.slot != nullptr && member.slot->immediate != 0) wake(member.slot->wake_bit);
 }
 
 void Supervisor::take_from_tables(Member& member) {
@@ -335,7 +337,7 @@ std::size_t Supervisor::executor_of(const Member& member) const {
 }
 
 void Supervisor::running_step(Instant now) {
-  // The first row has run when each executor that has rows has walked one.
+  // Background modules begin when each executor that has rows has run its first one.
   if (rows_begun_ && !background_begun_ && now >= *t0_) {
     bool walked = true;
     for (const auto& member : members_) {
@@ -363,12 +365,12 @@ void Supervisor::running_step(Instant now) {
     Member& member = *pointer;
     if (member.lost) continue;
     watch_inputs(member, now);
-    // What the executor saw. SYNC: error raised
+    // An error that the executor saw. SYNC: error raised
     if (const auto type = member.block.error.load(std::memory_order_acquire); type != 0) {
       std::string text{member.block.error_text.view()};
       if (static_cast<ErrorType>(type) == ErrorType::budget) text += " of " + to_text(*member.model.budget);
       member.block.error.store(0, std::memory_order_relaxed);
-      if (member.state() == State::start) apply(member, Event::run);  // its first row went wrong
+      if (member.state() == State::start) apply(member, Event::run);  // its first run failed
       raise(member, static_cast<ErrorType>(type), text);
       const model::Overrun contract = model::contract_of(device(), member.model).what;
       if (static_cast<ErrorType>(type) == ErrorType::overrun &&
@@ -388,7 +390,7 @@ void Supervisor::running_step(Instant now) {
   }
 }
 
-// The module is out of its table, by the executor or by us.
+// Takes a module with an error out of the tables, if the executor has not done so, and into RECOVER.
 void Supervisor::raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since,
                        const std::string& more, const std::string& attachment) {
   take_from_tables(member);
@@ -402,10 +404,10 @@ void Supervisor::raise(Member& member, ErrorType type, const std::string& text, 
 
 void Supervisor::attempt_recovery(Member& member) {
   const bool alive = member.is_process() && member.child.running();
-  // A program that was started again becomes ready or ends; one that goes on has to come out of its body.
+  // A restarted program becomes ready or ends. A program that still runs must first leave its body.
   if (alive && (member.started_again || !is_out(member))) return;
   if (phase_ == Phase::stopping || (member.is_thread() && !host_of(member).link.running())) return;
-  // To wait for what somebody else is to send is no attempt.
+  // Waiting for a value from another module does not count as an attempt.
   if (member.stale && member.model.recovery.attempts > 0 && has_stale_input(member, os::now())) return;
   switch (member.recovery.next(os::now())) {
     case lifecycle::Recovery::Step::wait:
@@ -418,7 +420,7 @@ void Supervisor::attempt_recovery(Member& member) {
   }
   log(member, "recovery, attempt " + std::to_string(member.recovery.attempts()) + " of " +
                   std::to_string(member.model.recovery.attempts));
-  // What it had saved may be what makes it crash.
+  // Its saved state may be the cause of the crash.
   if ((member.reload || (member.is_process() && !alive)) && member.recovery.attempts() > 1)
     saved_of(member).clear();
   if (member.is_thread()) {
@@ -433,7 +435,7 @@ void Supervisor::attempt_recovery(Member& member) {
     member.started_again = true;
   }
   if (member.is_process() && !alive && member.child.running())
-    note(member, model::FaultKind::program_restart, "its program is started again");
+    note(member, model::FaultKind::program_restart, "its program was restarted");
 }
 
 void Supervisor::recovered(Member& member) {
@@ -462,7 +464,7 @@ void Supervisor::give_up(Member& member) {
   if (member.is_thread() && !member.lost && !member.reload) ask(member, Doing::destruct);
   member.lost |= member.reload;
   Problem problem{"module " + device().name + "." + member.model.name, "was given up: " + member.why,
-                  "mend the module, or give it more attempts in <recovery>"};
+                  "correct the module, or give it more attempts in <recovery>"};
   const bool whole_device =
       phase_ == Phase::preparing || member.model.recovery.then != model::GiveUp::destruct;
   stops_cell_ |= phase_ == Phase::running && member.model.recovery.then == model::GiveUp::stop_cell;
@@ -474,7 +476,7 @@ void Supervisor::give_up(Member& member) {
   }
 }
 
-// No hook of this module will be called any more.
+// Gives up a module whose hooks cannot be called again: its host crashed, or a hook hangs.
 void Supervisor::lose(Member& member, const std::string& text, ErrorType type, const std::string& more,
                       const std::string& attachment) {
   note(member, model::FaultKind::error, text + more, type, attachment);
@@ -491,7 +493,7 @@ void Supervisor::lose(Member& member, const std::string& text, ErrorType type, c
   const bool starting = phase_ == Phase::preparing;
   if (member.machine.accepts(Event::error)) apply(member, Event::error, text, type);
   if (member.machine.accepts(Event::give_up)) {
-    apply(member, Event::give_up, text, type);  // again: who joins later is shown the last step only
+    apply(member, Event::give_up, text, type);  // with the text again: late joiners get only the last step
   } else if (member.machine.accepts(Event::destruct)) {
     apply(member, Event::destruct, text, type);
   }

@@ -1,5 +1,5 @@
-// What an operator asks of a module while the device runs: each a step of the lifecycle's table, taken here
-// because hooks must be waited for, and rows.
+// The commands of an operator to modules of a running device. Each is one or more steps of the lifecycle's
+// table, which take time because hooks and rows must complete in between.
 #include <array>
 #include <utility>
 
@@ -15,7 +15,7 @@ using lifecycle::State;
 
 namespace {
 
-// `start` is two events: the hook, and into the tables.
+// Whether a command is allowed in a state. Command `start` stands for two events, the hook and the first run.
 bool allowed(Verb verb, State state) {
   const auto takes = [state](Event event) {
     return lifecycle::next(state, event, State::executing).has_value();
@@ -43,7 +43,7 @@ std::string refusal(Verb verb, State state) {
     if (!allowed(verb, each)) continue;
     states += (states.empty() ? "" : " or ") + std::string{lifecycle::to_text(each)};
   }
-  return std::string{name_of(verb)} + " is refused in state " + lifecycle::to_text(state) +
+  return std::string{name_of(verb)} + " is not allowed in state " + lifecycle::to_text(state) +
          "; it is allowed in " + states;
 }
 
@@ -67,39 +67,39 @@ const char* name_of(Verb verb) noexcept {
   return "?";
 }
 
-void Supervisor::order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) {
+void Supervisor::command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) {
   Member& member = *members_.at(module);
   const auto refuse = [&](const std::string& text) {
     done({.code = REPLY_REFUSED, .state = member.state(), .text = text});
   };
-  if (phase_ != Phase::running) return refuse("the device does not run");
-  if (member.order) return refuse(std::string{name_of(member.order->verb)} + " is still under way");
-  if (member.swap) return refuse("a swap is still under way");
+  if (phase_ != Phase::running) return refuse("the device is not running");
+  if (member.command) return refuse(std::string{name_of(member.command->verb)} + " is still in progress");
+  if (member.swap) return refuse("a swap is still in progress");
   if (!allowed(verb, member.state())) return refuse(refusal(verb, member.state()));
-  log(member, std::string{name_of(verb)} + " was ordered");
-  member.order = Order{.verb = verb, .done = std::move(done), .since = os::now()};
-  order_step(member, os::now());
+  log(member, std::string{"command: "} + name_of(verb));
+  member.command = PendingCommand{.verb = verb, .done = std::move(done), .since = os::now()};
+  step_command(member, os::now());
 }
 
-void Supervisor::end_order(Member& member, ReplyCode code, const std::string& text) {
-  const Order order = std::move(*member.order);
-  member.order.reset();
-  if (code != REPLY_OK) log(member, std::string{name_of(order.verb)} + " failed: " + text);
-  order.done({.code = code, .state = member.state(), .text = text});
+void Supervisor::end_command(Member& member, ReplyCode code, const std::string& text) {
+  const PendingCommand command = std::move(*member.command);
+  member.command.reset();
+  if (code != REPLY_OK) log(member, std::string{name_of(command.verb)} + " failed: " + text);
+  command.done({.code = code, .state = member.state(), .text = text});
 }
 
-// What was ordered stays wanted: an error on the way there is mended as any other.
+// The target state of a command survives an error on the way there: the recovery leads to it.
 std::string Supervisor::what_follows(const Member& member) {
   if (member.state() != State::recover) return {};
   return std::string{"; its recovery goes on, to "} +
          lifecycle::to_text(member.wanted() ? State::executing : State::start);
 }
 
-// The state is as the table wants it and no hook is being called.
-void Supervisor::begin_order(Member& member) {
-  Order& order = *member.order;
-  order.begun = true;
-  switch (order.verb) {
+// Begins a command. The state allows it, and no hook is being called.
+void Supervisor::begin_command(Member& member) {
+  PendingCommand& command = *member.command;
+  command.begun = true;
+  switch (command.verb) {
     case Verb::initialize:
       member.up_to = State::initialize;
       if (member.is_thread()) {
@@ -117,7 +117,7 @@ void Supervisor::begin_order(Member& member) {
           put_in_tables(member);
         else if (member.is_thread())
           ask(member, Doing::start);
-        break;  // else watch_process() sees when the program is ready
+        break;  // otherwise watch_process() continues when the program is ready
       }
       if (member.state() == State::initialize) apply(member, Event::start);
       if (auto spawned = spawn(member); !spawned)
@@ -130,7 +130,7 @@ void Supervisor::begin_order(Member& member) {
       take_from_tables(member);
       break;
     case Verb::recover:
-      order.attempts = member.recovery.attempts();
+      command.attempts = member.recovery.attempts();
       member.recovery.hurry();
       break;
     case Verb::reset:
@@ -140,10 +140,10 @@ void Supervisor::begin_order(Member& member) {
       member.recovery = lifecycle::Recovery{
           {.attempts = member.model.recovery.attempts, .backoff = member.model.recovery.backoff}};
       member.block.error.store(0, std::memory_order_relaxed);
-      saved_of(member).clear();  // it is to begin anew
-      if (Hosted& host = host_of(member); member.scheduled() && !host.link.running()) {  // it was given up
+      saved_of(member).clear();  // a reset module starts without its saved state
+      if (Hosted& host = host_of(member); member.scheduled() && !host.link.running()) {  // host given up
         host.restarts.clear();
-        note(member, model::FaultKind::host_restart, "it was given up, and this module is reset");
+        note(member, model::FaultKind::host_restart, "the host was given up, and this module is reset");
         restart_host(host);
       }
       if (member.is_thread())
@@ -158,37 +158,37 @@ void Supervisor::begin_order(Member& member) {
   }
 }
 
-void Supervisor::order_step(Member& member, Instant now) {
-  Order& order = *member.order;
-  if (now - order.since > kCommandLimit) {
-    return end_order(member, REPLY_FAILED,
-                     "it did not come about within " + to_text(kCommandLimit) + " and goes on by itself");
+void Supervisor::step_command(Member& member, Instant now) {
+  PendingCommand& command = *member.command;
+  if (now - command.since > kCommandLimit) {
+    return end_command(member, REPLY_FAILED,
+                       "not completed within " + to_text(kCommandLimit) + "; it continues in the background");
   }
-  if (!order.begun) {
+  if (!command.begun) {
     if (member.pending) return;
-    if (!allowed(order.verb, member.state()))
-      return end_order(member, REPLY_REFUSED, refusal(order.verb, member.state()));
-    if (order.verb == Verb::recover && member.stale && has_stale_input(member, now))
-      return end_order(member, REPLY_REFUSED, "it waits for its input: " + member.why);
-    begin_order(member);
-    if (!member.order) return;
+    if (!allowed(command.verb, member.state()))
+      return end_command(member, REPLY_REFUSED, refusal(command.verb, member.state()));
+    if (command.verb == Verb::recover && member.stale && has_stale_input(member, now))
+      return end_command(member, REPLY_REFUSED, "it waits for its input: " + member.why);
+    begin_command(member);
+    if (!member.command) return;
   }
   const State state = member.state();
   const auto failed = [&] {
-    end_order(member, REPLY_FAILED,
-              "it went to " + std::string{lifecycle::to_text(state)} +
-                  (member.why.empty() ? "" : ": " + member.why) + what_follows(member));
+    end_command(member, REPLY_FAILED,
+                "it went to " + std::string{lifecycle::to_text(state)} +
+                    (member.why.empty() ? "" : ": " + member.why) + what_follows(member));
   };
-  switch (order.verb) {
+  switch (command.verb) {
     case Verb::initialize:
-      if (state == State::initialize) return end_order(member, REPLY_OK);
+      if (state == State::initialize) return end_command(member, REPLY_OK);
       if (state != State::idle) return failed();
       return;
     case Verb::start:
-      if (state == State::executing) return end_order(member, REPLY_OK);
+      if (state == State::executing) return end_command(member, REPLY_OK);
       if (state == State::recover || state == State::destruct) return failed();
       if (state == State::start && member.in_tables() && now - member.put_in_at > kNamedWithin)
-        return end_order(member, REPLY_OK, "it runs with the next row that names it");
+        return end_command(member, REPLY_OK, "it will run with the next row that names it");
       return;
     case Verb::stop:
       if (state == State::executing) {
@@ -197,20 +197,20 @@ void Supervisor::order_step(Member& member, Instant now) {
       } else if (state != State::start) {
         return failed();
       }
-      if (member.state() == State::start) end_order(member, REPLY_OK);
+      if (member.state() == State::start) end_command(member, REPLY_OK);
       return;
     case Verb::recover:
-      if (state == State::start || state == State::executing) return end_order(member, REPLY_OK);
+      if (state == State::start || state == State::executing) return end_command(member, REPLY_OK);
       if (state == State::destruct) return failed();
-      if (member.recovery.attempts() > order.attempts && !member.pending && !member.started_again)
-        end_order(member, REPLY_FAILED, "it could not recover: " + member.why);
+      if (member.recovery.attempts() > command.attempts && !member.pending && !member.started_again)
+        end_command(member, REPLY_FAILED, "it could not recover: " + member.why);
       return;
     case Verb::reset:
-      if (state == State::idle && !member.pending) return end_order(member, REPLY_OK);
-      if (state == State::destruct && !member.pending) end_order(member, REPLY_FAILED, member.why);
+      if (state == State::idle && !member.pending) return end_command(member, REPLY_OK);
+      if (state == State::destruct && !member.pending) end_command(member, REPLY_FAILED, member.why);
       return;
     case Verb::destruct:
-      if (state == State::destruct && !member.child.running()) return end_order(member, REPLY_OK);
+      if (state == State::destruct && !member.child.running()) return end_command(member, REPLY_OK);
       if (member.is_process() || is_out(member)) destruct(member, now);
       return;
   }

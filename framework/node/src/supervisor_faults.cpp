@@ -1,4 +1,4 @@
-// What of a device goes into its fault record, beside what its lifecycle says: counts, ports, crashes.
+// The supervisor's entries in the fault record other than lifecycle events: counts, ports, crashes.
 #include <algorithm>
 
 #include <takt/node/supervisor.hpp>
@@ -25,8 +25,8 @@ void Supervisor::note(const Member& member, FaultKind kind, const std::string& c
                  {});
 }
 
-// What was counted since the last look, which is never more than there is: a gateway that was started again
-// counts from nothing.
+// Records the increase of a counter since the last check. A counter that has decreased is ignored: a
+// restarted bridge counts from 0.
 void Supervisor::note_counts(const Member& member, FaultKind kind, std::uint64_t& seen, std::uint64_t now,
                              const std::string& cause, const std::string& origin) const {
   const std::uint64_t before = std::exchange(seen, now);
@@ -43,7 +43,7 @@ void Supervisor::watch_counts() {
   for (auto& member : members_) {
     const bool sporadic = member->model.operation == model::Operation::sporadic;
     note_counts(*member, FaultKind::overrun, member->noted_overruns, overruns_of(*member),
-                sporadic ? "it was not done by its deadline" : "it was not done by its next release");
+                sporadic ? "it was not finished by its deadline" : "it was not finished by its next release");
   }
   seen_missed_.resize(channel_.executors());
   for (std::size_t e = 0; e < channel_.executors(); ++e) {
@@ -73,7 +73,7 @@ void Supervisor::watch_port(Member& member, const model::Port& port, Instant now
   const PortHealth health = health_of(member, port, now);
   NotedPort& noted = member.noted_ports[port.name];
   const std::string name = "'" + port.name + "'";
-  const auto tell = [&](FaultKind kind, const std::string& cause) {
+  const auto note_once = [&](FaultKind kind, const std::string& cause) {
     std::uint64_t seen = 0;
     note_counts(member, kind, seen, 1, cause, port.name);
   };
@@ -88,22 +88,22 @@ void Supervisor::watch_port(Member& member, const model::Port& port, Instant now
   });
   if (noted.stale && !late) {
     noted.stale = false;
-    tell(FaultKind::fresh_input, "input " + name + " has new values");
+    note_once(FaultKind::fresh_input, "input " + name + " has new values");
   }
 
   note_counts(member, FaultKind::refused_packet, noted.refused, health.refused,
-              "what came or went by port " + name + " was no value of its type", port.name);
+              "a sample at port " + name + " did not fit the port's type", port.name);
 
   const std::uint32_t before = std::exchange(noted.matched, health.matched);
   if (health.matched < before) {
     noted.lost = true;
-    tell(FaultKind::connection_lost,
-         "port " + name + ": of " + std::to_string(health.connections) + " connections " +
-             std::to_string(health.connections - std::min(health.matched, health.connections)) +
-             " have nobody at the other end");
+    const std::uint32_t unmatched = health.connections - std::min(health.matched, health.connections);
+    note_once(FaultKind::connection_lost, "port " + name + ": the other end of " + std::to_string(unmatched) +
+                                              " of " + std::to_string(health.connections) +
+                                              " connections is not there");
   } else if (health.matched > before && noted.lost) {
     noted.lost = health.matched < health.connections;
-    tell(FaultKind::connection_back, "port " + name + ": somebody is at the other end again");
+    note_once(FaultKind::connection_back, "port " + name + ": the other end of a connection is back");
   }
 }
 
@@ -118,9 +118,9 @@ Supervisor::CrashCalls Supervisor::calls_of_crash(const channel::Crash& crash, c
     const channel::CrashFrame& frame = crash.frames[i];
     std::string object{frame.object.view()};
     if (object.empty()) object = host;
-    // A module's own copy of its file, in memory.
+    // The host loads a module from a copy of its file in memory.
     if (object.starts_with("/proc/self/fd/")) object = options_.paths.at(culprit.index);
-    // Who called the module is not of interest.
+    // Skip the host's calls of the module.
     if (!calls.empty() && object == host) break;
     calls.push_back(symbols_->name(object, frame.address));
   }

@@ -1,4 +1,4 @@
-// The device's flight record: what is told to it.
+// The supervisor's part of the flight record: modules, ports and lifecycle steps.
 #include <takt/node/supervisor.hpp>
 #include <takt/os/clock.hpp>
 

@@ -1,4 +1,4 @@
-// The hosts of a device: started, asked, watched, started again.
+// Starts, commands, supervises and restarts the hosts of a device.
 #include <algorithm>
 
 #include <takt/core/check.hpp>
@@ -19,15 +19,15 @@ Result<void> Supervisor::start_host(Hosted& host) {
                     .paths = options_.paths,
                     .executor_cpus = placement_.executors,
                     .background_cpus = placement_.background,
-                    .seat_fds = {},
-                    .bell_fd = wake_word_memory_.fd().get(),
+                    .slot_fds = {},
+                    .wake_word_fd = wake_word_memory_.fd().get(),
                     .saved_fd = saved_memory_.fd().get(),
                     .links = wiring_.of_host(host.share)};
   std::vector<const os::Fd*> inherit{&wake_word_memory_.fd(), &saved_memory_.fd()};
   for (const auto& member : members_) {
     const bool released = member->slot != nullptr && member->host == host.index;
-    setup.seat_fds.push_back(released ? member->seat_memory.fd().get() : -1);
-    if (released) inherit.push_back(&member->seat_memory.fd());
+    setup.slot_fds.push_back(released ? member->slot_memory.fd().get() : -1);
+    if (released) inherit.push_back(&member->slot_memory.fd());
   }
   wiring_.inherit(inherit, setup.links);
   std::vector<std::pair<std::string, std::string>> environment;
@@ -52,7 +52,7 @@ void Supervisor::take_answers(Hosted& host) {
       case host::Request::Do::call: {
         Member* const member = member_at(answer->request.module);
         if (member == nullptr || member->lost || member->pending != answer->request.hook)
-          break;  // it was given up in the meantime
+          break;  // the module was given up in the meantime
         member->pending.reset();
         answered(*member, answer->request.hook, answer->ok, answer->text);
         break;
@@ -88,7 +88,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
   const std::string failure = std::string{channel::to_text(hook)} + " failed: " + text;
   switch (hook) {
     case Doing::load:
-      if (!ok && member.state() == State::destruct) {  // it was to be reset
+      if (!ok && member.state() == State::destruct) {  // during a reset
         member.lost = true;
         member.why = failure;
       } else if (!ok && member.reload) {
@@ -114,8 +114,8 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
         break;
       }
       apply(member, Event::initialize);
-      // While the device is prepared, all are initialised before the first is started; one that comes back
-      // waits for nobody.
+      // While the device is prepared, all modules are initialised before the first is started. A module that
+      // comes back later does not wait for others.
       if ((phase_ == Phase::ready || phase_ == Phase::running) && member.up_to != State::initialize)
         ask(member, Doing::start);
       break;
@@ -128,7 +128,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
         not_recovered(member, failure);
       else
         raise(member, ErrorType::start, failure);
-      // A module that comes back with a new host goes on where it was.
+      // A module that comes back with a new host runs again.
       if (ok && rows_begun_ && member.state() == State::start && member.wanted()) put_in_tables(member);
       break;
     case Doing::error:
@@ -138,7 +138,7 @@ void Supervisor::answered(Member& member, Doing hook, bool ok, const std::string
       if (!ok)
         not_recovered(member, failure);
       else if (member.machine.previous() == State::initialize)
-        ask(member, Doing::start);  // what failed was start()
+        ask(member, Doing::start);  // start() had failed
       else
         recovered(member);
       break;
@@ -162,7 +162,7 @@ void Supervisor::begin_rows() {
   for (const auto& host : hosts_) host->link.ask({.what = host::Request::Do::begin});
 }
 
-// A run() or a hook that never comes back.
+// Detects a run() or a hook that does not return.
 void Supervisor::watch_host(Hosted& host, Instant now) {
   if (!host.link.running() || host.hung) return;
   const auto since = [now](const channel::Activity& activity) {
@@ -200,7 +200,7 @@ void Supervisor::watch_host(Hosted& host, Instant now) {
   }
 }
 
-// The module that keeps a thread of a host, long after all were told to halt.
+// Finds a module that still keeps a thread of the host busy, long after all executors were told to halt.
 std::optional<Hang> Supervisor::never_halts(const Hosted& host) const {
   std::vector<const channel::Activity*> activities;
   for (const std::size_t e : host.share.executors) {
@@ -216,7 +216,7 @@ std::optional<Hang> Supervisor::never_halts(const Hosted& host) const {
   return std::nullopt;
 }
 
-// Nobody writes the blocks of a host that has ended: what its threads were doing is over.
+// Clears what the threads of an ended host were doing. Nothing else writes to its blocks now.
 namespace {
 void clear_after(channel::HostBlock& block) {
   block.crash.signal.store(0);
@@ -233,8 +233,8 @@ void clear_after(channel::ExecutorBlock& executor) {
 }  // namespace
 
 void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
-  nobody_answers(host, host.name() + " of device " + device().name + " has ended");
-  ring(~0U);  // for what it wrote last, if it could not ring for that any more
+  fail_property_requests(host, host.name() + " of device " + device().name + " has ended");
+  wake(~0U);  // it may have written samples without waking their readers
   if (phase_ == Phase::ended || (phase_ == Phase::stopping && end_asked_)) return;
   std::string text = host.name() + " " + end.text();
   Member* culprit = nullptr;
@@ -253,18 +253,18 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
   if (swapped) {
     const CrashCalls calls = host.hung ? CrashCalls{} : calls_of_crash(crash, *culprit);
     text += " of its new instance" + calls.place + calls.callers;
-    end_swap(*culprit, REPLY_FAILED, "the one before it is loaded again: " + text);
+    end_swap(*culprit, REPLY_FAILED, "the old instance is loaded again: " + text);
     culprit = nullptr;
   }
   const bool crashed_itself = culprit != nullptr && type == ErrorType::crash;
   const CrashCalls calls = crashed_itself ? calls_of_crash(crash, *culprit) : CrashCalls{};
   text += calls.place;
-  const std::string told = culprit == nullptr ? text : "module " + culprit->model.name + ": " + text;
-  log(told);
+  const std::string reason = culprit == nullptr ? text : "module " + culprit->model.name + ": " + text;
+  log(reason);
   const auto since = host.hung ? std::optional{os::now() - host.hung->limit} : std::nullopt;
   host.hung.reset();
 
-  // It crashed in the first row that named it, which nobody has seen yet.
+  // It crashed in its first run, and running_step() has not seen that run yet.
   if (culprit != nullptr && (doing == Doing::run || doing == Doing::condition) &&
       culprit->state() == State::start && culprit->in_tables()) {
     apply(*culprit, Event::run);
@@ -280,9 +280,9 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
     member.block.background.end();
     member.block.service.end();
     member.block.on_trial.store(0);
-    end_swap(member, REPLY_FAILED, told + "; the instance before it is loaded again");
+    end_swap(member, REPLY_FAILED, reason + "; the old instance is loaded again");
     take_from_tables(member);
-    if (&member != culprit) member.pending.reset();  // nobody will answer
+    if (&member != culprit) member.pending.reset();  // no answer will come
   }
 
   if (culprit != nullptr) {
@@ -290,12 +290,12 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
     const os::CoreDump core = end.signalled ? os::find_core_dump(host.link.pid(), end.code) : os::CoreDump{};
     crashed(*culprit, text, type, since, calls.callers, core.file);
   } else if (phase_ == Phase::preparing) {
-    fail_device({"device " + device().name, text, "see what it printed"});
+    fail_device({"device " + device().name, text, "read its output above"});
   }
   if (phase_ == Phase::stopping) {
     host.halted = true;
     for (const std::uint32_t index : host.share.modules)
-      members_[index]->lost = true;  // its instance is gone
+      members_[index]->lost = true;  // its instance is lost
     return;
   }
   if (culprit == nullptr && !swapped) {
@@ -304,25 +304,25 @@ void Supervisor::host_ended(Hosted& host, const os::ProcessEnd& end) {
     host.restarts.push_back(now);
     if (host.restarts.size() > kHostRestarts) {
       give_up_host(host, text);
-      return end_orders_of(host, culprit, told);
+      return end_commands_of(host, culprit, reason);
     }
   }
   note(model::FaultKind::host_restart, text);
   restart_host(host);
-  end_orders_of(host, culprit, told);
+  end_commands_of(host, culprit, reason);
 }
 
-// Nobody answers any more for what the host was asked to do. What its culprit was ordered ends as any order
-// does that meets an error.
-void Supervisor::end_orders_of(const Hosted& host, const Member* culprit, const std::string& why) {
+// Fails the commands to modules of an ended host, which can no longer answer. A command to the culprit ends
+// like any other command that meets an error.
+void Supervisor::end_commands_of(const Hosted& host, const Member* culprit, const std::string& why) {
   for (const std::uint32_t index : host.share.modules) {
     Member& member = *members_[index];
-    if (!member.order || &member == culprit) continue;
+    if (!member.command || &member == culprit) continue;
     const bool loaded = member.state() != State::destruct && member.state() != State::recover;
     const std::string follows =
         loaded ? std::string{"it is loaded again and goes to "} + lifecycle::to_text(member.up_to)
                : std::string{"it is in "} + lifecycle::to_text(member.state()) + what_follows(member);
-    end_order(member, REPLY_FAILED, why + "; " + follows);
+    end_command(member, REPLY_FAILED, why + "; " + follows);
   }
 }
 
@@ -341,8 +341,8 @@ void Supervisor::restart_host(Hosted& host) {
   if (background_begun_) host.link.ask({.what = host::Request::Do::background});
 }
 
-// A module whose crash ended its host. Where it stops neighbours that did nothing wrong, it is not tried
-// again.
+// Handles a module whose crash ended its host. In the shared host it is given up, because another crash would
+// stop its innocent neighbours again.
 void Supervisor::crashed(Member& member, const std::string& text, ErrorType type,
                          std::optional<Instant> since, const std::string& callers, const std::string& core) {
   member.pending.reset();
@@ -360,16 +360,16 @@ void Supervisor::crashed(Member& member, const std::string& text, ErrorType type
   member.recovery.failed(os::now(), since);
 }
 
-// It ended again and again, and no module was seen to be at fault.
+// Gives up a host that ended again and again without a module seen at fault.
 void Supervisor::give_up_host(Hosted& host, const std::string& text) {
   const std::string why = text + "; it has been restarted " + std::to_string(kHostRestarts) + " times";
   if (!host.share.is_own()) {
-    fail_device({"device " + device().name, why, "see what it printed"});
+    fail_device({"device " + device().name, why, "read its output above"});
     host.halted = true;
     for (const std::uint32_t index : host.share.modules) members_[index]->lost = true;
     return;
   }
-  log(host.name() + " is given up, the others go on; a reset of one of its modules starts it again");
+  log(host.name() + " is given up; the other hosts go on; to restart it, reset one of its modules");
   for (const auto* of : {&host.share.modules, &host.share.programs}) {
     for (const std::uint32_t index : *of) {
       Member& member = *members_[index];
@@ -379,7 +379,7 @@ void Supervisor::give_up_host(Hosted& host, const std::string& text) {
   }
 }
 
-// A module whose instance died with the host, through no fault of its own: loaded afresh.
+// Loads a module again whose instance died with the host through no fault of its own.
 void Supervisor::bring_back(Member& member) {
   member.pending.reset();
   member.block.error.store(0);

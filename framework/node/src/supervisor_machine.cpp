@@ -1,4 +1,4 @@
-// What of the machine spoils the run: said before it begins, and when it is seen.
+// Reports what on the machine spoils the run: before it begins, and when it is detected.
 #include <takt/channel/violations.hpp>
 #include <takt/node/supervisor.hpp>
 #include <takt/os/real_time.hpp>
@@ -20,11 +20,12 @@ void Supervisor::watch_conditions() {
   for (const std::string& warning : warnings_for(device(), plan_, conditions)) log("warning: " + warning);
 }
 
-// An executor that the kernel kept from its processor finds its next row late by as much. The kernel itself
-// says so once, up to Linux 6.11, and names nobody.
+// Detects that the kernel kept an executor from its CPU: its next row is late by that time. The kernel
+// itself reports throttling only once, up to Linux 6.11, and without a name.
 void Supervisor::watch_gaps() {
   while (const auto text = kernel_news_.next()) {
-    if (text->find("RT throttling activated") != std::string::npos) log("warning: the kernel says: " + *text);
+    if (text->find("RT throttling activated") != std::string::npos)
+      log("warning: the kernel reports: " + *text);
   }
   if (!rows_begun_ || !throttling_ || !real_time_) return;
   for (std::size_t e = 0; e < channel_.executors(); ++e) {
@@ -38,9 +39,9 @@ void Supervisor::watch_gaps() {
   }
 }
 
-void Supervisor::say_violations() {
+void Supervisor::report_violations() {
   if (!violations_) return;
-  for (const std::string& text : violations_->blind()) log("warning: " + text);
+  for (const std::string& text : violations_->limitations()) log("warning: " + text);
   for (const SeenViolation& violation : violations_->news(options_.paths)) {
     if ((violation.module & channel::kOfExecutor) != 0) {
       log("WARNING: executor " + device().executors.at(violation.module & ~channel::kOfExecutor).name +
@@ -54,7 +55,7 @@ void Supervisor::say_violations() {
   }
 }
 
-// Once, when nothing runs any more.
+// Makes the violations failures of the device. Called once, when nothing runs any more.
 void Supervisor::fail_by_violations() {
   if (!violations_) return;
   for (const auto& [module, count] : violations_->counts()) {
@@ -63,9 +64,9 @@ void Supervisor::fail_by_violations() {
                                                device().executors.at(module & ~channel::kOfExecutor).name
                                          : "module " + device().name + "." + members_.at(module)->model.name;
     failures_.push_back({name,
-                         "is not real-time: it did " + std::to_string(count) +
-                             (count == 1 ? " thing" : " things") + " that no real-time code may",
-                         "see each of them with the calls that led there in the report"});
+                         "is not real-time: " + std::to_string(count) +
+                             (count == 1 ? " violation" : " violations") + " of the rules of real-time code",
+                         "the report lists each violation with the calls that led to it"});
   }
 }
 

@@ -1,4 +1,4 @@
-// Inputs that nobody writes any more, and how the ports of the device are.
+// Detects stale inputs of programs, and determines the health of ports.
 #include <algorithm>
 
 #include <takt/node/supervisor.hpp>
@@ -8,7 +8,7 @@ namespace takt::node {
 
 using lifecycle::State;
 
-// The host looks at those of its modules itself, before each run(); a program is looked at from here.
+// Checks the inputs of a program. The host checks those of thread modules itself, before each run().
 void Supervisor::watch_inputs(Member& member, Instant now) {
   if (!member.is_process() || member.state() != State::executing || !member.in_tables()) return;
   const Wiring::Wire* stale = nullptr;

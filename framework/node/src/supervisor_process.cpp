@@ -31,26 +31,26 @@ const char* init_function(const Member& member) {
 
 }  // namespace
 
-Result<void> Supervisor::create_seat(Member& member) {
+Result<void> Supervisor::create_slot(Member& member) {
   auto memory = os::SharedMemory::create("takt-slot", sizeof(channel::ReleaseSlot));
   if (!memory) return memory.problems();
-  member.seat_memory = std::move(*memory);
-  member.slot = reinterpret_cast<channel::ReleaseSlot*>(member.seat_memory.data());
+  member.slot_memory = std::move(*memory);
+  member.slot = reinterpret_cast<channel::ReleaseSlot*>(member.slot_memory.data());
   channel::ReleaseSlot& slot = *member.slot;
 
   const schedule::ExecutorPlan& plan = plan_.executors[executor_of(member)];
   const model::Executor& executor = device().executors[executor_of(member)];
   const bool periodic = member.model.operation == model::Operation::periodic;
   const Nanoseconds period =
-      periodic ? *member.model.period : plan.basic_period;  // else released by each row
+      periodic ? *member.model.period : plan.basic_period;  // a sporadic one is released by any row
   slot.magic = channel::ReleaseSlot::kMagic;
   slot.name.assign(member.model.name);
   slot.kind = periodic ? channel::ReleaseSlotKind::periodic : channel::ReleaseSlotKind::sporadic;
-  slot.bell_bit = channel::bell_bit(member.index);
+  slot.wake_bit = channel::wake_bit(member.index);
   slot.period_ns = period.count();
   if (periodic) slot.offset_ns = schedule::offset_of(plan, member.index).count();
   slot.logical = model::timing_of(device(), member.model) == model::Timing::let ? 1 : 0;
-  // Programs that spin for their release on the same processor share what one may take of it.
+  // Programs that spin for their release on the same CPU share the time that one program may spin.
   slot.margin_cap_ns =
       os::margin_cap(period, executor.spin_share).count() / schedule::programs_on_one(device(), placement_);
   if (const auto contract = model::contract_of(device(), member.model);
@@ -72,9 +72,9 @@ Result<void> Supervisor::spawn(Member& member) {
                            .capture_output = true};
   if (member.slot != nullptr) {
     channel::clear_for_new_program(*member.slot);
-    options.environment = {{"TAKT_SEAT_FD", std::to_string(member.seat_memory.fd().get())},
-                           {"TAKT_BELL_FD", std::to_string(wake_word_memory_.fd().get())}};
-    options.inherit = {&member.seat_memory.fd(), &wake_word_memory_.fd()};
+    options.environment = {{"TAKT_SLOT_FD", std::to_string(member.slot_memory.fd().get())},
+                           {"TAKT_WAKE_WORD_FD", std::to_string(wake_word_memory_.fd().get())}};
+    options.inherit = {&member.slot_memory.fd(), &wake_word_memory_.fd()};
     options.environment.emplace_back("TAKT_LINKS", wiring_.of_program(member.index));
     wiring_.inherit(options.inherit, member.index);
     if (violations_) {
@@ -97,7 +97,8 @@ Result<void> Supervisor::spawn(Member& member) {
   return {};
 }
 
-// The thread that waits for releases becomes real-time only now, so that a long preparation starves nobody.
+// Makes the thread that waits for releases real-time. Not before, so that a long preparation starves no other
+// program.
 void Supervisor::process_ready(Member& member) {
   if (!real_time_) return;
   const int priority =
@@ -111,7 +112,7 @@ void Supervisor::process_ready(Member& member) {
 void Supervisor::watch_process(Member& member, Instant now) {
   if (const auto end = member.child.poll()) {
     forward_output();
-    // It may have come further than we have looked.
+    // It may have got further than the last check showed.
     if (member.state() == State::idle &&
         member.slot->phase.load(std::memory_order_acquire) != channel::ReleaseSlotPhase::empty) {
       apply(member, Event::initialize);
@@ -140,7 +141,7 @@ void Supervisor::watch_process(Member& member, Instant now) {
              std::string{"did not call "} + wait_function(member) + " within " + to_text(kAttachLimit),
              ErrorType::hang);
       } else if (phase == channel::ReleaseSlotPhase::ready && phase_ == Phase::running && member.wanted()) {
-        process_ready(member);  // while the device is prepared, all are initialised first
+        process_ready(member);  // during preparation, prepare_step() does this once all are initialised
         apply(member, Event::start);
         put_in_tables(member);
       }
@@ -164,11 +165,12 @@ void Supervisor::watch_process(Member& member, Instant now) {
   }
 }
 
-// A body that never ends, or that has ended too late.
+// Detects a body that does not end, or that ended after its deadline.
 void Supervisor::watch_body(Member& member, Instant now) {
   channel::ReleaseSlot& slot = *member.slot;
   if (member.killed_for_hanging) return;
-  // In this order: the instant of the release before it would make a body that has just begun an old one.
+  // Read in_body() first. With the opposite order, a body that has just begun would be judged by the previous
+  // release.
   if (slot.in_body() &&
       now - from_ns(slot.release_ns.load(std::memory_order_acquire)) >= stuck_after(member.model)) {
     member.killed_for_hanging = true;
@@ -185,7 +187,7 @@ void Supervisor::watch_body(Member& member, Instant now) {
 }
 
 void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
-  ring(~0U);  // for what it wrote last, if it could not ring for that any more
+  wake(~0U);  // it may have written samples without waking their readers
   std::string text = "the process " + end.text();
   if (member.killed_for_hanging) {
     text = "the process did not come back to " + std::string{wait_function(member)} + " within " +
@@ -195,14 +197,14 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
     text += "; its last line was: " + words;
 
   if (member.state() == State::destruct) return;
-  const bool to_end = member.order && member.order->begun && member.order->verb == Verb::destruct;
+  const bool to_end = member.command && member.command->begun && member.command->verb == Verb::destruct;
   if (phase_ == Phase::stopping || to_end) {
-    take_from_tables(member);  // the last row may be still to come
+    take_from_tables(member);  // the last row may still come
     if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
     apply(member, Event::destruct, end.text());
     return;
   }
-  if (member.order && member.order->begun && member.order->verb == Verb::stop && !member.scheduled() &&
+  if (member.command && member.command->begun && member.command->verb == Verb::stop && !member.scheduled() &&
       member.state() == State::executing) {
     apply(member, Event::stop, end.text());
     return;
@@ -240,14 +242,14 @@ void Supervisor::process_ended(Member& member, const os::ProcessEnd& end) {
   }
 }
 
-// First the word that ends its wait, then SIGTERM, then SIGKILL.
+// Ends a program: first by the flag in its slot that ends its wait, then by SIGTERM, then by SIGKILL.
 void Supervisor::end_process(Member& member, Instant now) {
   if (!member.child.running()) return;
   if (member.told_to_end == Instant{}) {
     member.told_to_end = now;
     if (member.slot != nullptr) {
       member.slot->end.store(1, std::memory_order_seq_cst);
-      ring(~0U);
+      wake(~0U);
     } else {
       member.end_signals = 1;
       member.child.signal(os::kTerminate);
@@ -257,16 +259,16 @@ void Supervisor::end_process(Member& member, Instant now) {
   const Nanoseconds waited = now - member.told_to_end;
   if (member.end_signals < 1 && waited > kProcessEndLimit) {
     member.end_signals = 1;
-    log(member, "does not come to its wait; SIGTERM");
+    log(member, "does not return to its wait function; sending SIGTERM");
     member.child.signal(os::kTerminate);
   } else if (member.end_signals < 2 && waited > 2 * kProcessEndLimit) {
     member.end_signals = 2;
-    log(member, "does not end on SIGTERM; SIGKILL");
+    log(member, "does not end on SIGTERM; sending SIGKILL");
     member.child.signal(os::kKill);
   }
 }
 
-void Supervisor::ring(std::uint32_t bits) {
+void Supervisor::wake(std::uint32_t bits) {
   wake_word_->rings.fetch_add(1, std::memory_order_seq_cst);
   os::futex_wake(wake_word_->rings, bits);
 }

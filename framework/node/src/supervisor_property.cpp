@@ -1,4 +1,4 @@
-// Properties of modules while the device runs: asked of who has them, the host.
+// Reads and sets properties of modules while the device runs; the host holds those of thread modules.
 #include <utility>
 
 #include <takt/node/supervisor.hpp>
@@ -14,7 +14,7 @@ void Supervisor::get(std::uint32_t module, const std::string& property,
     ask_property({.what = host::Request::Do::get, .module = module, .property = property}, std::move(done));
     return;
   }
-  // A program was given them as its arguments.
+  // A program received its properties as arguments.
   const auto given = model::given_property(member.model, property);
   done({.code = given ? REPLY_OK : REPLY_REFUSED,
         .state = member.state(),
@@ -42,11 +42,11 @@ void Supervisor::ask_property(host::Request request, std::function<void(const Ou
   std::string why;
   if (member.lost || member.state() == State::idle || member.state() == State::destruct) {
     why = member.model.name + " is in " + lifecycle::to_text(member.state()) +
-          "; its properties can be asked for and set once it is in INITIALIZE";
+          "; its properties can be read and set once it is in INITIALIZE";
   } else if (member.swap && request.what == host::Request::Do::set) {
-    why = "a swap of " + member.model.name + " is still under way; ask again";
+    why = "a swap of " + member.model.name + " is still in progress; try again later";
   } else if (phase_ == Phase::stopping || phase_ == Phase::ended || !host_of(member).link.running()) {
-    why = "the host of device " + device().name + " does not run";
+    why = "the host of device " + device().name + " is not running";
   }
   if (!why.empty()) {
     done({.code = REPLY_REFUSED, .state = member.state(), .text = why});
@@ -54,7 +54,7 @@ void Supervisor::ask_property(host::Request request, std::function<void(const Ou
   }
   request.id = ++property_requests_made_;
   property_requests_.emplace(request.id, PropertyRequest{.module = request.module, .done = std::move(done)});
-  host_of(member).link.ask(request);  // when the host is gone, host_ended() answers
+  host_of(member).link.ask(request);  // if the host has ended, host_ended() answers
 }
 
 void Supervisor::property_answered(const host::Answer& answer) {
@@ -64,7 +64,7 @@ void Supervisor::property_answered(const host::Answer& answer) {
   const bool asked = answer.request.what == host::Request::Do::get;
   if (!asked && answer.ok) {
     log(member, answer.request.property + " = " + answer.request.value);
-    // What was set stays when the host is started again, by the fault of another module perhaps.
+    // Keep the value for a restart of the host, which may be another module's fault.
     model::give_property(options_.cell.devices[options_.device].modules[member.index],
                          answer.request.property, answer.request.value);
   }
@@ -74,7 +74,7 @@ void Supervisor::property_answered(const host::Answer& answer) {
                          .value = answer.ok ? (asked ? answer.text : answer.request.value) : ""});
 }
 
-void Supervisor::nobody_answers(const Hosted& host, const std::string& why) {
+void Supervisor::fail_property_requests(const Hosted& host, const std::string& why) {
   for (auto entry = property_requests_.begin(); entry != property_requests_.end();) {
     const Member& member = *members_.at(entry->second.module);
     if (member.host != host.index) {

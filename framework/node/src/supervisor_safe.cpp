@@ -1,4 +1,5 @@
-// Which outputs are to be trusted: those of modules that execute. Readers of the others get the safe value.
+// Decides which outputs reach their readers: those of executing modules. Readers of other outputs get the
+// safe value.
 #include <utility>
 
 #include <takt/node/supervisor.hpp>
@@ -9,13 +10,13 @@ void Supervisor::give_safe(const std::vector<model::SafeOutput>& outputs) {
   for (const model::SafeOutput& output : outputs) wiring_.give_safe(output);
 }
 
-// Said on, for devices that do not hear whose fault it was.
+// Publishes stops_cell in turn, for devices that do not receive the status of the failed device.
 void Supervisor::stop_for(Problem problem) {
   stops_cell_ = true;
   fail_device(std::move(problem));
 }
 
-// Before it can write the first sample of this time, or while it may be writing the last.
+// Called before the module can write its first sample, or while it may still be writing its last one.
 void Supervisor::trust(const Member& member, bool trusted) {
   for (const Wiring::Wire& wire : wiring_.wires()) {
     if (wire.plan.from.module != member.index || !wire.plan.writer.given()) continue;
@@ -26,7 +27,8 @@ void Supervisor::trust(const Member& member, bool trusted) {
   }
 }
 
-// Of what comes over DDS the gateway is the writer, and whoever wrote it is looked at from here.
+// Checks the writing modules of samples that arrive over DDS, because in those links the gateway is the
+// writer.
 void Supervisor::watch_writers() {
   for (std::size_t i = 0; i < wiring_.wires().size(); ++i) {
     const Wiring::Wire& wire = wiring_.wires()[i];

@@ -1,4 +1,4 @@
-// The end of a device, in order: rows end, modules stop, hooks destruct, programs end, the host ends.
+// Shuts a device down: rows end, modules stop, destruct() is called, programs end, and the hosts end.
 #include <algorithm>
 
 #include <takt/node/supervisor.hpp>
@@ -13,7 +13,7 @@ using lifecycle::State;
 
 void Supervisor::stop() {
   if (phase_ == Phase::stopping || phase_ == Phase::ended) return;
-  // From now on others end too, which says nothing of how it was.
+  // Save the matched counts: other devices may end from now on, which would spoil the final report.
   for (const auto& member : members_) {
     if (const model::ModulePorts& ports = options_.ports.at(member->index)) {
       for (const model::Port& port : *ports)
@@ -24,9 +24,9 @@ void Supervisor::stop() {
   asked_at_ = os::now();
   for (auto& member : members_) {
     member->up_to = State::start;
-    if (member->order) end_order(*member, REPLY_FAILED, "the device is ending");
+    if (member->command) end_command(*member, REPLY_FAILED, "the device is shutting down");
   }
-  // The modules stay in their tables until the last row has ended, so that no row is walked without them.
+  // The modules stay in the tables until the last row has ended, so that no row runs without them.
   for (const auto& host : hosts_)
     host->halted = !host->link.running() || !host->link.ask({.what = host::Request::Do::halt});
 }
@@ -40,7 +40,7 @@ void Supervisor::stopping_step(Instant now) {
     host->hung = never_halts(*host);
     if (!host->hung)
       log("the executors of " + host->name() + " did not halt within " + to_text(kHaltLimit) +
-          "; it is ended");
+          "; the node kills it");
     host->link.kill();
   }
   if (!halted) return;
@@ -64,12 +64,12 @@ void Supervisor::stopping_step(Instant now) {
     running |= host->link.running();
   }
   if (running) return;
-  // What is still to be written may take its time; the node's thread has others to look after.
+  // Writing the last files may take long, and the node's thread must not wait for it.
   const bool recorded = !flight_ || flight_->finish();
   const bool retained = !retained_ || retained_->finish();
   if (!(recorded && retained) && now - asked_at_ < kHostEndLimit + kWrittenWithin) return;
   forward_output();
-  say_violations();
+  report_violations();
   fail_by_violations();
   watch_counts();
   ports_watched_at_ = {};
@@ -80,7 +80,7 @@ void Supervisor::stopping_step(Instant now) {
 void Supervisor::destruct(Member& member, Instant now) {
   if (member.is_process()) {
     if (member.child.running()) {
-      end_process(member, now);  // its end is its destruct
+      end_process(member, now);  // the end of a program is its destruct
     } else if (member.state() != State::destruct) {
       if (member.machine.accepts(Event::stop)) apply(member, Event::stop);
       apply(member, Event::destruct);

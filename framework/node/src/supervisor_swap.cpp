@@ -1,6 +1,5 @@
-// Another instance of a module takes the place of the one that runs: done by the host, over in the
-// lifecycle's eyes before it has begun. What goes wrong with the new one costs the old one nothing but, where
-// it ends the host, what that costs everybody.
+// Replaces the instance of a running module by a new one. The host does it, and the lifecycle does not
+// notice. An error of the new instance does not affect the old one, unless it ends the host.
 #include <utility>
 
 #include <takt/node/supervisor.hpp>
@@ -22,16 +21,16 @@ Result<void> Supervisor::may_swap(std::uint32_t module) const {
     return fail(name + " is " + model::to_text(member.model.operation) +
                     "; only a periodic module can be swapped while it runs",
                 "stop it, replace its file, then destruct, reset, initialize and start it");
-  if (phase_ != Phase::running) return fail("the device does not run");
+  if (phase_ != Phase::running) return fail("the device is not running");
   if (member.state() != State::executing)
     return fail(
-        name + " is in " + lifecycle::to_text(member.state()) + "; it can be swapped in EXECUTING alone",
+        name + " is in " + lifecycle::to_text(member.state()) + "; it can be swapped only in EXECUTING",
         "takt start " + device().name + "." + member.model.name);
-  if (member.order)
-    return fail(std::string{name_of(member.order->verb)} + " is still under way", "ask again");
-  if (member.swap) return fail("a swap of " + name + " is still under way", "ask again");
+  if (member.command)
+    return fail(std::string{name_of(member.command->verb)} + " is still in progress", "try again later");
+  if (member.swap) return fail("a swap of " + name + " is still in progress", "try again later");
   for (const auto& [id, request] : property_requests_) {
-    if (request.module == module) return fail("a property of " + name + " is just being set", "ask again");
+    if (request.module == module) return fail("a property of " + name + " is being set", "try again later");
   }
   return {};
 }
@@ -43,19 +42,19 @@ void Supervisor::swap(std::uint32_t module, const std::string& path,
     done({.code = REPLY_REFUSED, .state = member.state(), .text = in_words(may.problems())});
     return;
   }
-  log(member, "swap to " + path + " was ordered");
-  member.swap = SwapOrder{.path = path, .done = std::move(done)};
+  log(member, "command: swap to " + path);
+  member.swap = PendingSwap{.path = path, .done = std::move(done)};
   host_of(member).link.ask({.what = host::Request::Do::swap,
                             .module = module,
                             .hook = Doing::load,
-                            .value = path});  // when the host is gone, host_ended() answers
+                            .value = path});  // if the host has ended, host_ended() answers
 }
 
 void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& text) {
   if (!member.swap) return;
-  const SwapOrder swap = *std::exchange(member.swap, std::nullopt);
+  const PendingSwap swap = *std::exchange(member.swap, std::nullopt);
   if (code == REPLY_OK) {
-    // A host that is started again loads it too.
+    // A restarted host loads the new file too.
     options_.paths.at(member.index) = swap.path;
     log(member, "runs " + swap.path + " " + text);
   } else {
@@ -64,7 +63,7 @@ void Supervisor::end_swap(Member& member, ReplyCode code, const std::string& tex
   swap.done({.code = code, .state = member.state(), .text = text});
 }
 
-// A hook of the new instance that never comes back.
+// Detects a hook of the new instance that does not return.
 void Supervisor::watch_swaps(Hosted& host, Instant now) {
   const channel::Activity& activity = host.block.swap;
   Member* const member = member_at(activity.module.load(std::memory_order_acquire) - 1);

@@ -12,7 +12,7 @@ namespace takt::node {
 
 namespace {
 
-// What is in the file itself is enough; to look elsewhere may take a network.
+// The symbols in the file itself are enough; a search elsewhere may use the network.
 int no_other_file(Dwfl_Module*, void**, const char*, Dwarf_Addr, const char*, const char*, GElf_Word,
                   char**) {
   return -1;

@@ -25,12 +25,13 @@ Result<Violations> Violations::create(std::size_t modules, std::size_t executors
   violations.executors_ = executors;
   violations.library_ = os::private_directory() + "/libtakt_check.so";
   if (!os::is_shared_object(violations.library_)) {
-    return fail("there is no " + violations.library_, "install it there, or run without --check-realtime");
+    return fail("file not found: " + violations.library_,
+                "install it there, or run without --check-realtime");
   }
   auto memory = os::SharedMemory::create("takt-check", sizeof(ViolationLog));
   if (!memory) return memory.problems();
   violations.memory_ = std::move(*memory);
-  violations.said_.assign(ViolationLog::kViolations, false);
+  violations.reported_.assign(ViolationLog::kViolations, false);
   return violations;
 }
 
@@ -61,10 +62,10 @@ SeenViolation Violations::in_words(const channel::Violation& violation,
     std::string object;
     if (place.object > 0 && place.object <= log().objects.size())
       object = log().objects[place.object - 1].path.view();
-    // A module's own copy of its file, in memory.
+    // The host loads a module from a copy of its file in memory.
     if (object.starts_with("/proc/self/fd/") && violation.module < paths.size())
       object = paths[violation.module];
-    // Who called the module is not of interest, unless it was the one.
+    // Skip the host's calls of the module, unless the host itself is at fault.
     if (!seen.calls.empty() && object == os::private_directory() + "/takt-host") break;
     seen.calls.push_back(symbols_.name(object, place.address));
     if (seen.calls.back().starts_with("main ")) break;
@@ -76,9 +77,9 @@ std::vector<SeenViolation> Violations::news(const std::vector<std::string>& path
   std::vector<SeenViolation> news;
   for (std::size_t i = 0; i < log().violations.size(); ++i) {
     const channel::Violation& violation = log().violations[i];
-    if (violation.key.load(std::memory_order_relaxed) == 0) break;  // they are taken in order
-    if (said_[i] || violation.ready.load(std::memory_order_acquire) == 0) continue;  // SYNC: violation
-    said_[i] = true;
+    if (violation.key.load(std::memory_order_relaxed) == 0) break;  // entries are allocated in order
+    if (reported_[i] || violation.ready.load(std::memory_order_acquire) == 0) continue;  // SYNC: violation
+    reported_[i] = true;
     const std::uint32_t number = violation.module & ~channel::kOfExecutor;
     if (number >= (number == violation.module ? modules_ : executors_)) continue;
     seen_.push_back({in_words(violation, paths), i});
@@ -87,20 +88,20 @@ std::vector<SeenViolation> Violations::news(const std::vector<std::string>& path
   return news;
 }
 
-std::vector<std::string> Violations::blind() {
-  const std::uint32_t bits = log().blind.load(std::memory_order_relaxed) & ~blind_said_;
-  blind_said_ |= bits;
+std::vector<std::string> Violations::limitations() {
+  const std::uint32_t bits = log().blind.load(std::memory_order_relaxed) & ~blind_reported_;
+  blind_reported_ |= bits;
   std::vector<std::string> texts;
   if ((bits & ViolationLog::kNoSystemCalls) != 0)
-    texts.emplace_back("system calls are not seen: that takes Linux 5.11 on x86-64");
+    texts.emplace_back("system calls cannot be detected: that needs Linux 5.11 on x86-64");
   if ((bits & ViolationLog::kNoFaultPlaces) != 0)
     texts.emplace_back(
-        "page faults are counted, but not placed: that takes Linux 5.13, and sysctl -w "
-        "kernel.perf_event_paranoid=2 or root");
-  if (!dropped_said_ && log().dropped.load(std::memory_order_relaxed) != 0) {
-    dropped_said_ = true;
+        "page faults are counted, but without their places: those need Linux 5.13, and root or sysctl -w "
+        "kernel.perf_event_paranoid=2");
+  if (!dropped_reported_ && log().dropped.load(std::memory_order_relaxed) != 0) {
+    dropped_reported_ = true;
     texts.push_back("there are more than " + std::to_string(ViolationLog::kViolations) +
-                    " different violations; mend those that are named first");
+                    " different violations; correct the reported ones first");
   }
   return texts;
 }
@@ -133,7 +134,7 @@ std::string sentence_of(const SeenViolation& violation) {
   constexpr std::size_t kShown = 4;
   std::string text = (violation.what.empty() ? "" : violation.what + ", ") + std::string{"a"} +
                      (violation.kind == "allocation" ? "n " : " ") + violation.kind;
-  // What the libraries did in turn is in the report.
+  // The calls inside the libraries are only in the report.
   const std::string calls = called_by(violation.calls, kShown);
   return text + (calls.empty() ? "" : ", " + calls);
 }

@@ -9,7 +9,7 @@
 namespace takt::node {
 
 namespace {
-// FNV-1a. It finds what a disk does to a file, not what a person does.
+// FNV-1a. It detects accidental changes, not deliberate ones.
 std::string checksum_text(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
@@ -36,7 +36,7 @@ Result<std::optional<std::string>> read_whole(const std::string& path, const std
     return because("it does not begin with \"" + format + "\"");
   std::string body = (*content)->substr(line + 1);
   if ((*content)->substr(0, line) != format + " " + checksum_text(body))
-    return because("its checksum is another");
+    return because("its checksum is wrong");
   return std::optional{std::move(body)};
 }
 

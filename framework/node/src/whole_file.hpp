@@ -1,5 +1,5 @@
-// Files of a node that are there whole or not at all, whenever the power went, and that tell when a disk has
-// changed them: a line with the format and a checksum, and the body.
+// Writes files so that a power failure leaves the old content or the new one, and reads them with a check for
+// damage. A file has a line with the format and a checksum, and then the body.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 namespace takt::node {
 
 Result<void> write_whole(const std::string& path, const std::string& format, const std::string& body);
-/// The body; none where there is no file. Fails on one that cannot be read, has more than `most` bytes, or is
-/// not as it was written: "<what> is damaged", with this fix.
+/// The body; none if there is no file. Fails if the file cannot be read, has more than `most` bytes, or is
+/// not as it was written. In the last case the problem is `damaged`, with the reason added.
 Result<std::optional<std::string>> read_whole(const std::string& path, const std::string& format,
                                               std::size_t most, const Problem& damaged);
 

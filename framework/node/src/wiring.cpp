@@ -15,11 +15,11 @@ using model::ConnectionKind;
 using model::Direction;
 using model::Endpoint;
 
-/// Of ROS 2's default profile (rmw_qos_profile_default).
+/// The depth of ROS 2's default profile (rmw_qos_profile_default).
 constexpr std::uint32_t kRos2Depth = 10;
 
-constexpr std::uint32_t kListenDepth = 64;
-constexpr std::uint32_t kListenBytes = 16 * 1024;
+constexpr std::uint32_t kTapDepth = 64;
+constexpr std::uint32_t kTapBytes = 16 * 1024;
 
 class Planner {
  public:
@@ -37,18 +37,18 @@ class Planner {
         if (to_here) incoming(connection);
       }
     }
-    // What nobody is connected to can still be looked at.
+    // Outputs without a connection can still be tapped, and services can be called from outside.
     for (std::uint32_t module = 0; module < ports_.size(); ++module) {
       if (!ports_[module]) continue;
       for (const model::Port& port : *ports_[module]) {
         if (port.direction == Direction::out)
           flow_of(module, port, topic_of(module, port.name), std::nullopt);
-        if (answers(port)) serve_anybody(module, port);
+        if (answers(port)) serve_outside_calls(module, port);
       }
     }
     for (const PlannedFlow& flow : plan_.flows) {
       if (flow.outgoing && !flow.connected && flow.carries == model::Carries::samples)
-        keep_more(plan_.links[flow.links.front()].options);
+        deepen_for_taps(plan_.links[flow.links.front()].options);
     }
     return std::move(plan_);
   }
@@ -60,7 +60,7 @@ class Planner {
     std::uint32_t module;
     const model::Port* port;
   };
-  /// None where the module is not described.
+  /// None if the module's ports are not known.
   [[nodiscard]] std::optional<Port> find(const Endpoint& end) const {
     for (std::uint32_t module = 0; module < ports_.size(); ++module) {
       if (device_.modules[module].name != end.module || !ports_[module]) continue;
@@ -73,20 +73,21 @@ class Planner {
   [[nodiscard]] std::string topic_of(std::uint32_t module, const std::string& port) const {
     return port_topic(cell_.name, {device_.name, device_.modules[module].name, port});
   }
-  /// The requests of a service.
+  /// Whether the port takes the requests of a service.
   static bool answers(const model::Port& port) {
     return (port.role == model::Role::service || port.role == model::Role::handler) &&
            port.direction != Direction::out;
   }
-  /// Who is to be woken by a sample for this port.
+  /// The bits of the wake word that a sample for this port sets.
   [[nodiscard]] std::uint32_t wake_bits(const Port& to) const {
     const model::Module& module = device_.modules[to.module];
     if (to.port->role == model::Role::handler) return channel::kServiceBit;
     if (to.port->direction != Direction::event || module.dispatch != model::Dispatch::immediate) return 0;
-    return module.type == model::ModuleType::thread ? channel::kSporadicBit : channel::bell_bit(to.module);
+    return module.type == model::ModuleType::thread ? channel::kSporadicBit : channel::wake_bit(to.module);
   }
 
-  /// In the shared host. What lies in a host of its own outlives its crash, and so is bytes.
+  /// Whether a link between two modules holds C++ objects: only within the shared host. The links of an
+  /// executor's own host survive its crash, so they hold bytes.
   [[nodiscard]] bool as_objects(std::uint32_t one, std::uint32_t other) const {
     return std::any_of(hosts_.begin(), hosts_.end(), [&](const model::HostShare& host) {
       const auto has = [&](std::uint32_t module) {
@@ -147,7 +148,7 @@ class Planner {
                     .payload = payload_of(port),
                     .wake_bits = channel::kGatewayBit,
                     .enabled = false};
-    // Replies to whoever asks.
+    // The replies of a service, to any client.
     const bool replies = port.role == model::Role::service || port.role == model::Role::handler;
     if (replies) {
       link.options.depth += static_cast<std::uint32_t>(model::kServiceDepth);
@@ -165,14 +166,15 @@ class Planner {
     return plan_.flows.back();
   }
 
-  /// For who listens in, as `takt record` does: what is written while the node waits for a processor.
-  static void keep_more(channel::Link::Options& link) {
-    const std::uint32_t fit = kListenBytes / std::max(link.payload, 1U);
-    link.depth = std::max(link.depth, std::min(fit, kListenDepth));
-    link.is_queue = true;  // what does not fit is counted
+  /// Makes the link of a tapped output (`takt record`) deep enough for what is written while the node waits
+  /// for a CPU.
+  static void deepen_for_taps(channel::Link::Options& link) {
+    const std::uint32_t fit = kTapBytes / std::max(link.payload, 1U);
+    link.depth = std::max(link.depth, std::min(fit, kTapDepth));
+    link.is_queue = true;  // so that samples that do not fit are counted
   }
 
-  /// One flow serves all connections of the port to the topic, so it is as good as the best of them.
+  /// One flow serves all connections of the port to the topic, so it has the strictest quality of all.
   void outgoing(const Connection& connection) {
     const auto from = find(connection.from);
     if (!from) return;
@@ -181,13 +183,13 @@ class Planner {
     flow.carries = connection.carries;
     channel::Link::Options& link = plan_.links[flow.links.front()].options;
     const auto depth = static_cast<std::uint32_t>(connection.depth);
-    link.enabled = connection.carries != model::Carries::requests;  // until there is somebody
+    link.enabled = connection.carries != model::Carries::requests;  // requests: only while a service is there
     link.depth = std::max(link.depth, depth);
     link.is_queue |= connection.kind == ConnectionKind::queue;
-    // What its readers are offered by default is the last ten.
+    // By default, readers of ROS 2 are offered the last ten samples.
     flow.depth = std::max(flow.depth, connection.ros2 ? std::max(depth, kRos2Depth) : depth);
     flow.reliable |= connection.reliability == model::Reliability::reliable;
-    // A promise to the most impatient; kept as long as anybody wants it.
+    // The shortest deadline and the longest lifespan of all connections.
     if (connection.deadline)
       flow.deadline = std::min(flow.deadline.value_or(*connection.deadline), *connection.deadline);
     if (!flow.connected) {
@@ -220,8 +222,8 @@ class Planner {
                      .type = to->port->type,
                      .reliable = connection.reliability == model::Reliability::reliable,
                      .depth = static_cast<std::uint32_t>(connection.depth),
-                     // Writers of ROS 2 promise none, and one who asks for it would not be matched; the link
-                     // watches it.
+                     // Writers of ROS 2 offer no deadline, so a reader that requests one would not match. The
+                     // link checks the deadline instead.
                      .deadline = connection.ros2 ? std::nullopt : connection.deadline,
                      .lifespan = connection.lifespan,
                      .carries = connection.carries,
@@ -239,9 +241,9 @@ class Planner {
       other->links.push_back(plan_.links.size() - 1);
   }
 
-  /// For who is no module of the cell and asks all the same: `takt call`. The flow of the replies is the one
-  /// that every output has. Both come last, so that a service's replies have the order of its requests.
-  void serve_anybody(std::uint32_t module, const model::Port& port) {
+  /// Plans the flow of requests from outside the cell (`takt call`). The replies use the flow that every
+  /// output has. Both come last, so that a service's replies have the order of its requests.
+  void serve_outside_calls(std::uint32_t module, const model::Port& port) {
     PlannedLink link{.from = {}, .to = {module, port.name}};
     link.options = {.depth = static_cast<std::uint32_t>(model::kServiceDepth),
                     .payload = payload_of(port),
@@ -336,7 +338,7 @@ PortHealth Wiring::health(std::uint32_t module, const model::Port& port, std::in
     }
     const channel::LinkBlock& block = wire.link.block();
     const std::uint64_t written = block.written.load(relaxed);
-    // An output writes each sample to all that are enabled.
+    // An output writes each sample to all its enabled links, so do not add them up.
     health.samples = output ? std::max(health.samples, written) : health.samples + block.taken.load(relaxed);
     health.connections += wire.connected ? 1 : 0;
     health.dropped += block.is_queue != 0 ? block.overwritten.load(relaxed) : 0;

@@ -31,7 +31,7 @@ Result<FixedFile> FixedFile::open(const std::string& path) {
   if (!file.fd_) return errno_problem(path, kRoom);
   struct stat status {};
   if (::fstat(file.fd_.get(), &status) != 0 || !S_ISREG(status.st_mode))
-    return Problem{path, "is no regular file", kRoom};
+    return Problem{path, "is not a regular file", kRoom};
   if (::flock(file.fd_.get(), LOCK_EX | LOCK_NB) != 0)
     return Problem{path, "is in use by another process", "end that, or name another folder"};
   return file;

@@ -24,10 +24,10 @@ std::size_t product(const std::vector<std::size_t>& dimensions) {
 
 std::size_t width(const std::vector<Field>& fields);
 
-/// Columns of one value.
+/// The number of columns of one value.
 std::size_t unit(const Field& field) { return field.scalar == Scalar::structure ? width(field.fields) : 1; }
 
-/// Columns of one value or sequence.
+/// The number of columns of one value or sequence.
 std::size_t span(const Field& field) {
   return field.sequence == 0 ? unit(field) : field.sequence * product(field.elements) * unit(field);
 }
@@ -38,7 +38,7 @@ std::size_t width(const std::vector<Field>& fields) {
   return all;
 }
 
-/// Reads a sample into the columns' places.
+/// Decodes a sample into the values of the columns.
 class Reading {
  public:
   Reading(CdrReader from, std::vector<Value>& values) : from_(from), values_(values) {}

@@ -10,7 +10,7 @@ namespace takt::recording {
 
 namespace {
 
-constexpr int kBusy_ms = 2000;  // another program writes the file
+constexpr int kBusy_ms = 2000;  // time to wait while another program writes the file
 
 Problem problem_of(sqlite3* database, const std::string& file) {
   const int code = database == nullptr ? SQLITE_NOMEM : sqlite3_errcode(database);
@@ -18,22 +18,22 @@ Problem problem_of(sqlite3* database, const std::string& file) {
   const std::string where = on_one_line(file);
   switch (code & 0xFF) {
     case SQLITE_FULL:
-      return {where, "the disk is full", "make room, or record into another file"};
+      return {where, "the disk is full", "free disk space, or record into another file"};
     case SQLITE_CANTOPEN:
-      return {where, "cannot be opened: " + words, "see whether it is there and may be used"};
+      return {where, "cannot be opened: " + words, "check that it exists and is accessible"};
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:
-      return {where, "cannot be written: " + words, "see who may write it and its folder"};
+      return {where, "cannot be written: " + words, "check the permissions of the file and its folder"};
     case SQLITE_IOERR:
-      return {where, "cannot be read or written: " + words, "see what is wrong with the disk"};
+      return {where, "cannot be read or written: " + words, "check the disk"};
     case SQLITE_NOTADB:
-      return {where, "is no recording", "takt record makes one"};
+      return {where, "is not a recording", "make one with takt record"};
     case SQLITE_CORRUPT:
       return {where, "is damaged: " + words, "sqlite3 FILE .recover saves what can be read"};
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return {where, "is held by another program: " + words, "end it first"};
+      return {where, "is locked by another program: " + words, "end that program first"};
     default:
       return {where, words, ""};
   }

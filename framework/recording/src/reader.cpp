@@ -22,14 +22,15 @@ std::string where(const Selection& selection) {
 Result<Recording> Recording::open(const std::string& file) {
   const std::string place = on_one_line(file);
   std::error_code none;
-  if (!std::filesystem::exists(file, none)) return Problem{place, "is not there", "takt record makes one"};
+  if (!std::filesystem::exists(file, none))
+    return Problem{place, "does not exist", "make one with takt record"};
   auto database = Database::open(file, Access::read);
   if (!database) return database.problems();
   const auto id = database->number("PRAGMA application_id");
   if (!id) return id.problems();
   const auto version = database->number("PRAGMA user_version");
   if (!version) return version.problems();
-  if (*id != kRecordingId) return Problem{place, "is no recording", "takt record makes one"};
+  if (*id != kRecordingId) return Problem{place, "is not a recording", "make one with takt record"};
   if (*version != kRecordingVersion)
     return Problem{place, "is a recording of version " + std::to_string(*version),
                    "this is version " + std::to_string(kRecordingVersion)};
@@ -61,7 +62,7 @@ Result<void> Recording::load() {
     if (!type) {
       return Problem{on_one_line(database_.file()),
                      "is damaged: port " + in_quotes(port.path) +
-                         " has no type that can be read: " + in_words(type.problems()),
+                         " has an unreadable type: " + in_words(type.problems()),
                      ""};
     }
     port.type = std::move(*type);

@@ -31,13 +31,13 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr Nanoseconds kTappedFor = seconds{30};     // a port is published for us so long
-constexpr Nanoseconds kAskAgain = seconds{5};       // while all are there
-constexpr Nanoseconds kLookAgain = seconds{1};      // while some are not
-constexpr Nanoseconds kAtOnce = milliseconds{100};  // after news of a device
+constexpr Nanoseconds kTappedFor = seconds{30};     // time for which a device publishes a port on request
+constexpr Nanoseconds kAskAgain = seconds{5};       // while all ports are present
+constexpr Nanoseconds kLookAgain = seconds{1};      // while some ports are missing
+constexpr Nanoseconds kAtOnce = milliseconds{100};  // after a change of a device
 constexpr Nanoseconds kAnswered = seconds{2};
 constexpr Nanoseconds kExpandAgain = seconds{10};
-constexpr std::uint32_t kDepth = 256;  // samples that DDS keeps for us
+constexpr std::uint32_t kDepth = 256;  // samples that DDS keeps for the recorder
 
 std::uint64_t lost_by(const dds::Tap& tap) { return tap.health().lost; }
 
@@ -67,7 +67,7 @@ class Recorder {
       Nanoseconds wait = milliseconds{100};
       if (end) wait = std::clamp<Nanoseconds>(*end - os::now(), milliseconds{1}, wait);
       os::wait_readable({&signals_.fd()}, static_cast<int>(std::chrono::ceil<milliseconds>(wait).count()));
-      told_to_end();
+      should_end();
       progress(begun);
     }
     took_ = os::now() - begun;
@@ -92,23 +92,23 @@ class Recorder {
 
  private:
   struct Source {
-    bool tapped = false;  ///< its device said so, the last time that it was asked
+    bool tapped = false;  ///< its device confirmed this at the last request
     std::string topic;
     std::string type;
     bool reliable = false;
-    std::string said;  ///< why it is waited for
+    std::string reported;  ///< the last reported reason for waiting
     std::unique_ptr<dds::Tap> tap;
   };
 
-  bool told_to_end() {
+  bool should_end() {
     if (signals_.next()) ended_ = true;
     return ended_;
   }
 
-  /// Asks for the ports that are wanted, of the devices that are there.
+  /// Requests the wanted ports from the devices that are present.
   void look() {
-    std::map<std::string, dds::ObservedDevice> devices;
-    for (dds::ObservedDevice& device : client_.observer->devices()) {
+    std::map<std::string, wire::ObservedDevice> devices;
+    for (wire::ObservedDevice& device : client_.observer->devices()) {
       if (device.alive) devices.insert_or_assign(device.name(), std::move(device));
     }
     expand(devices);
@@ -118,7 +118,7 @@ class Recorder {
       const auto name = client::parse_port(path);
       const auto device = devices.find(name->device);
       if (device == devices.end()) {
-        wait_for(path, source, "device " + name->device + " is not there");
+        wait_for(path, source, "device " + name->device + " not found");
         continue;
       }
       questions.push_back({.kind = COMMAND_TAP,
@@ -129,11 +129,11 @@ class Recorder {
                            .limit = kAnswered});
       asked.push_back(path);
     }
-    auto answers = client_.asker->ask(questions, [this] { return told_to_end(); });
+    auto answers = client_.asker->ask(questions, [this] { return should_end(); });
     if (ended_) return;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       Source& source = sources_.at(asked[i]);
-      // A device that is busy publishes on, as long as it was told to.
+      // A busy device continues to publish for the requested time.
       if (!answers[i] && source.tapped) continue;
       const auto answer = client::accepted(std::move(answers[i]));
       if (!answer) {
@@ -146,8 +146,9 @@ class Recorder {
     }
   }
 
-  /// Patterns, anew for each deployment of a device; and now and then, for an update keeps its name.
-  void expand(const std::map<std::string, dds::ObservedDevice>& devices) {
+  /// Expands patterns, again for each deployment of a device, and now and then, because an update keeps the
+  /// deployment's name.
+  void expand(const std::map<std::string, wire::ObservedDevice>& devices) {
     std::vector<client::Question> questions;
     for (const auto& [name, device] : devices) {
       const std::string deployment = device.node() + "/" + device.status.deployment().to_string();
@@ -164,7 +165,7 @@ class Recorder {
       questions.push_back({.kind = COMMAND_REPORT, .device = name, .limit = kAnswered});
     }
     if (questions.empty()) return;
-    auto answers = client_.asker->ask(questions, [this] { return told_to_end(); });
+    auto answers = client_.asker->ask(questions, [this] { return should_end(); });
     for (std::size_t i = 0; i < answers.size(); ++i) {
       const auto answer = client::accepted(std::move(answers[i]));
       if (!answer) continue;
@@ -172,10 +173,10 @@ class Recorder {
       const auto report = model::parse_json(answer->data);
       try {
         for (const auto& module : report.at("modules")) add_outputs(device, module);
-        const dds::ObservedDevice& seen = devices.at(device);
+        const wire::ObservedDevice& seen = devices.at(device);
         expanded_[device] = {seen.node() + "/" + seen.status.deployment().to_string(), os::now()};
       } catch (const nlohmann::json::exception&) {
-        say("device " + device + ": its report cannot be read; is it of the same version?");
+        say("device " + device + ": its report cannot be read; check that it runs the same version of Takt");
       }
     }
   }
@@ -186,8 +187,9 @@ class Recorder {
       if (port.at("direction") != "out") continue;
       const std::string path =
           device + "." + module.at("name").get<std::string>() + "." + port.at("name").get<std::string>();
-      const bool wanted = std::any_of(options_.ports.begin(), options_.ports.end(),
-                                      [&](const std::string& pattern) { return client::matches(pattern, path); });
+      const bool wanted =
+          std::any_of(options_.ports.begin(), options_.ports.end(),
+                      [&](const std::string& pattern) { return client::matches(pattern, path); });
       if (wanted) sources_.try_emplace(path);
     }
   }
@@ -195,7 +197,8 @@ class Recorder {
   Result<void> listen(const std::string& path, Source& source, const std::string& data,
                       const std::string& cell) {
     const auto place = model::parse_json(data);
-    if (!place.is_object()) return fail("the device's answer is of another version of Takt");
+    if (!place.is_object())
+      return fail("the device's answer comes from another version of Takt", "use one version on all devices");
     if (place.contains("reply"))
       return fail("it is a service", "record the client's NAME/request and NAME/reply");
     const std::string topic = place.value("topic", "");
@@ -203,7 +206,7 @@ class Recorder {
     const bool reliable = place.value("reliable", false);
     if (source.tap && topic == source.topic && text == source.type && reliable == source.reliable) {
       source.tapped = true;
-      source.said.clear();
+      source.reported.clear();
       return {};
     }
     auto type = model::parse_type(text);
@@ -225,7 +228,7 @@ class Recorder {
               .topic = topic,
               .type = text,
               .reliable = reliable,
-              .said = {},
+              .reported = {},
               .tap = std::move(*tap)};
     recorded_[id] = {path, type->name};
     say("records " + path + " (" + type->name + ")");
@@ -234,7 +237,7 @@ class Recorder {
 
   void wait_for(const std::string& path, Source& source, const std::string& why) {
     source.tapped = false;
-    if (std::exchange(source.said, why) != why) say("waits for " + path + ": " + why);
+    if (std::exchange(source.reported, why) != why) say("waits for " + path + ": " + why);
   }
 
   void progress(Instant begun) {
@@ -244,15 +247,15 @@ class Recorder {
       trouble_ = health.trouble;
     }
     const Instant now = os::now();
-    if (!options_.progress || now - told_ < seconds{1}) return;
-    const double since = std::chrono::duration<double>(now - std::max(told_, begun)).count();
+    if (!options_.progress || now - last_progress_ < seconds{1}) return;
+    const double since = std::chrono::duration<double>(now - std::max(last_progress_, begun)).count();
     options_.progress(fmt::format(
         "{:.0f} s, {} ports, {} samples, {:.0f}/s, {}{}, {} lost",
         std::chrono::duration<double>(now - begun).count(), recorded_.size(), health.samples,
-        static_cast<double>(health.samples - told_samples_) / since, bytes_text(health.bytes),
+        static_cast<double>(health.samples - last_samples_) / since, bytes_text(health.bytes),
         health.dropped == 0 ? "" : fmt::format(", {} of the oldest dropped", health.dropped), lost()));
-    told_ = now;
-    told_samples_ = health.samples;
+    last_progress_ = now;
+    last_samples_ = health.samples;
   }
 
   const RecordOptions& options_;
@@ -266,11 +269,11 @@ class Recorder {
     Instant at{};
   };
   std::map<std::string, Expanded> expanded_;   // by device
-  std::map<std::int64_t, Recorded> recorded_;  // by number in the file
-  std::uint64_t lost_ = 0;                     // by taps that are gone
+  std::map<std::int64_t, Recorded> recorded_;  // by port number in the file
+  std::uint64_t lost_ = 0;                     // samples lost by former taps
   bool ended_ = false;
-  Instant told_{};
-  std::uint64_t told_samples_ = 0;
+  Instant last_progress_{};
+  std::uint64_t last_samples_ = 0;
   std::optional<Problem> trouble_;
   Nanoseconds took_{};
 };
@@ -291,19 +294,19 @@ int record(const RecordOptions& options) {
   std::atomic<bool> news{true};
   const auto client = client::connect(
       options.network, nullptr,
-      {.news = {.module = {}, .device = [&news](const dds::ObservedDevice&) { news = true; }}});
+      {.news = {.module = {}, .device = [&news](const wire::ObservedDevice&) { news = true; }}});
   if (!client) return refuse(client.problems());
   client->observer->settle(seconds{1});
   Recorder recorder{options, **writer, *signals, *client, news};
   recorder.run();
 
-  // First of all: who is told to end may have little time.
+  // Finishes the file first, because little time may remain before the process is killed.
   const std::string& file = options.recording.file;
   const auto finished = (*writer)->finish();
   const RecordingHealth health = (*writer)->health();
   if (health.full)
     recorder.say(on_one_line(file) + " is full at " + bytes_text(options.recording.max_bytes) +
-                 ", so it ended");
+                 "; recording ended");
   recorder.say(fmt::format(
       "{} samples of {} port{} in {:.1f} s, {} in {}; {} lost{}", health.samples, recorder.recorded().size(),
       recorder.recorded().size() == 1 ? "" : "s", std::chrono::duration<double>(recorder.took()).count(),
@@ -317,7 +320,7 @@ int record(const RecordOptions& options) {
   }
   if (!finished) return refuse(finished.problems());
   if (!recorder.recorded().empty()) return 0;
-  if (!options.recording.append) {  // a file of nothing is only in the way of the next attempt
+  if (!options.recording.append) {  // an empty file would only block the next attempt
     writer->reset();
     if (const auto removed = os::remove_file(file); !removed) return refuse(removed.problems());
   }

@@ -11,8 +11,8 @@ namespace takt::recording {
 
 namespace {
 
-constexpr Nanoseconds kTryAgain = std::chrono::seconds{1};  // after the disk refused
-constexpr std::uint64_t kOverhead = 24;                     // of a sample's row, beside its bytes
+constexpr Nanoseconds kTryAgain = std::chrono::seconds{1};  // after the disk failed
+constexpr std::uint64_t kOverhead = 24;                     // bytes of a sample's row besides the sample
 constexpr std::uint64_t kLargestLog = 16'000'000;
 
 std::uint64_t size_of(const std::string& file) {
@@ -27,7 +27,7 @@ Result<void> check_version(Database& database) {
   const auto version = database.number("PRAGMA user_version");
   if (!version) return version.problems();
   const std::string where = on_one_line(database.file());
-  if (*id != kRecordingId) return Problem{where, "is no recording", "takt record makes one"};
+  if (*id != kRecordingId) return Problem{where, "is not a recording", "make one with takt record"};
   if (*version != kRecordingVersion)
     return Problem{where, "is a recording of version " + std::to_string(*version),
                    "this is version " + std::to_string(kRecordingVersion)};
@@ -44,16 +44,16 @@ Result<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const Recording
   const bool there = std::filesystem::exists(options.file, none);
   const std::string where = on_one_line(options.file);
   if (options.max_bytes != 0 && options.max_bytes < kLeastRecording)
-    return Problem{where, "a bound of " + std::to_string(options.max_bytes) + " bytes is too small",
-                   "1 MB is the least"};
+    return Problem{where, "a size limit of " + std::to_string(options.max_bytes) + " bytes is too small",
+                   "use at least 1 MB"};
   if (there && !options.append)
-    return Problem{where, "is there already", "add to it by --append, or record into another file"};
+    return Problem{where, "exists already", "use --append to add to it, or record into another file"};
   auto database = Database::open(options.file, there ? Access::append : Access::create);
   if (!database) return database.problems();
   std::unique_ptr<RecordingWriter> writer{new RecordingWriter{options, std::move(*database)}};
   const auto tables = writer->database_.number("SELECT count(*) FROM sqlite_master");
   if (!tables) return tables.problems();
-  // An empty one is left by a recorder that was killed as it began.
+  // A recorder that is killed at its start leaves an empty file.
   if (*tables != 0) {
     if (auto right = check_version(writer->database_); !right) return right.problems();
   }
@@ -72,7 +72,7 @@ Result<void> RecordingWriter::prepare() {
   const auto tables = database_.number("SELECT count(*) FROM sqlite_master");
   if (!tables) return tables.problems();
   if (*tables == 0) {
-    // Before anything else is in the file: afterwards it cannot be made smaller.
+    // auto_vacuum must be set while the file is empty; otherwise the file could not shrink later.
     auto made = database_.run("PRAGMA auto_vacuum=INCREMENTAL; PRAGMA journal_mode=WAL; BEGIN IMMEDIATE;" +
                               std::string{kSchema} + "PRAGMA application_id=" + std::to_string(kRecordingId) +
                               "; PRAGMA user_version=" + std::to_string(kRecordingVersion) +
@@ -83,8 +83,8 @@ Result<void> RecordingWriter::prepare() {
       return made;
     }
   }
-  // Without waiting for the disk at every commit: after a loss of power the last ones may be missing, and
-  // what is there is whole.
+  // Does not wait for the disk at every commit. After a power failure the last commits may be missing, but
+  // the rest is intact.
   if (auto set = database_.run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL"); !set) return set;
   const auto page = database_.number("PRAGMA page_size");
   if (!page) return page.problems();
@@ -129,7 +129,7 @@ void RecordingWriter::add(std::int64_t port, std::int64_t time_ns, const std::by
   }
   waiting_.samples.push_back({port, time_ns, size});
   waiting_.bytes.insert(waiting_.bytes.end(), bytes, bytes + size);
-  // Long before it is full, and once.
+  // Wakes the writer once, long before the queue is full.
   const std::size_t early = options_.queue_bytes / 4;
   if (waiting_.bytes.size() >= early && waiting_.bytes.size() - size < early) news_.notify_one();
 }
@@ -146,13 +146,13 @@ std::map<std::int64_t, std::uint64_t> RecordingWriter::counts() const {
 
 void RecordingWriter::work() {
   Batch batch;
-  bool refused = false;
+  bool failed = false;
   for (;;) {
     bool ending = false;
     {
       std::unique_lock lock{mutex_};
-      news_.wait_for(lock, refused ? std::max(kTryAgain, options_.flush) : options_.flush, [&] {
-        return ending_ || (!refused && waiting_.bytes.size() >= options_.queue_bytes / 4);
+      news_.wait_for(lock, failed ? std::max(kTryAgain, options_.flush) : options_.flush, [&] {
+        return ending_ || (!failed && waiting_.bytes.size() >= options_.queue_bytes / 4);
       });
       ending = ending_;
       if (batch.empty()) {
@@ -161,12 +161,12 @@ void RecordingWriter::work() {
       }
     }
     const auto written = write(batch);
-    refused = !written;
+    failed = !written;
     measure();
     const std::lock_guard lock{mutex_};
     taken_bytes_ = batch.bytes.size() + batch.samples.size() * sizeof(Waiting);
-    health_.trouble = refused ? std::optional{written.problems().front()} : std::nullopt;
-    if (!ending || (!refused && !waiting_.empty())) continue;
+    health_.trouble = failed ? std::optional{written.problems().front()} : std::nullopt;
+    if (!ending || (!failed && !waiting_.empty())) continue;
     health_.lost += batch.samples.size() + waiting_.samples.size();
     return;
   }
@@ -181,7 +181,7 @@ Result<void> RecordingWriter::write(Batch& batch) {
     batch.ports.clear();
     batch.cell.clear();
   }
-  // What came in the meantime might fit, but would not follow what is there.
+  // Later samples might fit, but would leave a gap.
   if (health().full) batch.samples.clear();
   std::size_t first = 0;
   std::size_t offset = 0;
@@ -244,7 +244,7 @@ Result<void> RecordingWriter::write_ports(const Batch& batch) {
 
 Result<std::size_t> RecordingWriter::write_samples(const Batch& batch, std::size_t first,
                                                    std::size_t offset) {
-  // A transaction is in the log as a whole before it is in the file; one sample always goes.
+  // The log must hold a whole transaction before it goes into the file. One sample is always written.
   std::size_t next = first;
   std::uint64_t bytes = 0;
   do bytes += batch.samples[next++].size + kOverhead;
@@ -265,7 +265,7 @@ Result<std::size_t> RecordingWriter::write_samples(const Batch& batch, std::size
     offset += sample.size;
   }
   if (auto done = database_.run("COMMIT"); !done) return done.problems();
-  // What is in the log is in the recording; if it cannot go to the file now, it goes later.
+  // The log belongs to the recording; what cannot move to the file now moves later.
   static_cast<void>(checkpoint());
   return next;
 }
@@ -281,12 +281,12 @@ Result<std::uint64_t> RecordingWriter::used() {
 Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
   if (options_.max_bytes == 0) return true;
   const std::uint64_t bound = options_.max_bytes - log_room_;
-  // A log that somebody's reading keeps from going into the file counts too.
+  // A log that cannot move to the file because another program reads it counts too.
   if (size_of(options_.file + "-wal") > log_room_) {
     if (auto done = database_.run("PRAGMA wal_checkpoint(TRUNCATE)"); !done) return done.problems();
     if (size_of(options_.file + "-wal") > log_room_)
-      return Problem{on_one_line(options_.file), "another program reads it for so long that it grows",
-                     "end that program"};
+      return Problem{on_one_line(options_.file),
+                     "another program has been reading it for so long that it grows", "end that program"};
   }
   for (;;) {
     const auto now = used();
@@ -297,9 +297,9 @@ Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
     if (!oldest) return oldest.problems();
     const auto newest = database_.number("SELECT max(id) FROM sample");
     if (!newest) return newest.problems();
-    if (*newest == 0) return false;  // one sample is larger than the bound
-    // A little more than is needed, so that it is not done for every batch; in parts that the log has room
-    // for.
+    if (*newest == 0) return false;  // one sample is larger than the limit
+    // Drops a little more than needed, so that this does not happen for every batch, in parts for which the
+    // log has room.
     const std::uint64_t all = static_cast<std::uint64_t>(*newest - *oldest + 1);
     const std::uint64_t each = std::max<std::uint64_t>(1, *now / all);
     const std::uint64_t excess = std::min(*now + bytes - bound + bound / 16, log_room_ / 4);
@@ -313,8 +313,8 @@ Result<bool> RecordingWriter::make_room(std::uint64_t bytes) {
     }
     if (auto done = checkpoint(); !done) return done.problems();
   }
-  // The pages of what was dropped are used again. Those beyond the bound, of a file whose bound was larger,
-  // are given back.
+  // Pages of dropped samples are reused. Pages beyond the limit, in a file that had a larger limit before,
+  // are returned to the disk.
   const auto pages = database_.number("PRAGMA page_count");
   if (!pages) return pages.problems();
   if (static_cast<std::uint64_t>(*pages) * page_ > bound) {
@@ -346,7 +346,7 @@ Result<void> RecordingWriter::finish() {
   news_.notify_one();
   if (thread_.running()) thread_.join();
   insert_.reset();
-  // Not if another program has it open: then the log stays beside it.
+  // This fails if another program has the file open; then the log stays beside it.
   if (!health_.trouble) static_cast<void>(database_.run("PRAGMA journal_mode=DELETE"));
   measure();
   if (health_.trouble) return *health_.trouble;

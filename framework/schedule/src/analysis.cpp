@@ -19,19 +19,20 @@ using model::ModuleType;
 using model::Operation;
 using model::Wakeup;
 
-// What is not settled after so many steps is refused.
+// A search for a bound that needs more steps is given up; then there is no bound.
 constexpr int kMaxIterations = 100'000;
-/// Of looking at what is below the rows, each with the bounds that the one before has found.
+/// Rounds of bounding the threads below the rows. Each round uses the bounds of the previous one.
 constexpr int kRounds = 3;
-/// Modules that are looked at in all, of an executor that others interrupt.
-constexpr std::size_t kMaxLookedAt = 5'000'000;
+/// The maximum number of table entries to visit for an executor that others interrupt.
+constexpr std::size_t kMaxVisited = 5'000'000;
 /// A wake-up spins for a share of its period, and no longer than this (os::margin_cap).
 constexpr Nanoseconds kLongestSpin = std::chrono::microseconds{100};
 
-constexpr const char* kOverload = "there is more to do than there is time for";
-constexpr const char* kSkipped = "its row may begin a whole basic period late, and is skipped then";
-constexpr const char* kUnlimited = "nothing says how soon it may be released again";
-constexpr const char* kTooLong = "the table is too long to be looked at beside others on its processor";
+constexpr const char* kOverload = "the work does not fit into the available time";
+constexpr const char* kSkipped = "its row may begin a whole basic period late and is then skipped";
+constexpr const char* kUnlimited = "the minimum time between its releases is not known";
+constexpr const char* kTooLong =
+    "the table is too long to be analysed together with other threads on its CPU";
 
 Nanoseconds longest_spin(Nanoseconds period, double share) {
   const double spin = std::ceil(static_cast<double>(period.count()) * share);
@@ -39,8 +40,9 @@ Nanoseconds longest_spin(Nanoseconds period, double share) {
                                                           : kLongestSpin;
 }
 
-/// The length of a window at whose end `own` work and all that goes before it in the window is done: the
-/// shortest that is not below `least`, or, in coarser steps, one that is at most a thousandth longer.
+/// The length of a window at whose end `own` work and all work that goes before it in the window is done.
+/// This is the shortest window of at least `least`. With `coarse`, the steps are larger and it may be a
+/// thousandth longer.
 template <class Before>
 std::optional<Wide> settle(Wide own, Wide least, const Before& before, bool coarse = false) {
   Wide window = std::max(own, least);
@@ -52,21 +54,22 @@ std::optional<Wide> settle(Wide own, Wide least, const Before& before, bool coar
   return std::nullopt;
 }
 
-/// A program, and whose rows release it.
+/// A program, and the executor whose rows release it.
 struct Program {
   Contender* self = nullptr;
   const ExecutorPlan* plan = nullptr;
   std::uint32_t module = 0;
-  Wide delay = 0;  ///< from its release until it may go on, at most
-  Wide spin = 0;   ///< before its release, at most
+  Wide delay = 0;  ///< maximum time from its release until it may run
+  Wide spin = 0;   ///< maximum time that it spins before its release
   bool periodic = true;
 };
 
+/// An executor with its threads.
 struct Served {
   const ExecutorPlan* plan = nullptr;
   Contender* rows = nullptr;
-  Contender* sporadic = nullptr;  ///< of its thread modules; null: it has none
-  std::vector<Wide> ends{};       ///< of each row, from its release; kForever: there is no bound
+  Contender* sporadic = nullptr;  ///< the thread of its sporadic thread modules; null: it has none
+  std::vector<Wide> ends{};  ///< the latest end of each row, from its release; kForever: there is no bound
 };
 
 class Analyst {
@@ -85,8 +88,9 @@ class Analyst {
   void walk(Served& served);
   void walk_alone(Served& served);
   void walk_interrupted(Served& served);
-  /// One busy stretch of the processor that begins with this row. False: no bound, `why` says the reason.
-  bool walk_stretch(Served& served, std::size_t first, std::size_t& looked_at, const char*& why);
+  /// Walks one busy stretch of the CPU that begins with this row. Returns false, with the reason in `why`, if
+  /// there is no bound.
+  bool walk_stretch(Served& served, std::size_t first, std::size_t& visited, const char*& why);
   void serve_sporadic(const Served& served, std::uint32_t module, Recurring& job);
   void run_program(const Program& program);
 
@@ -101,7 +105,8 @@ class Analyst {
   [[nodiscard]] bool is_thread(std::uint32_t index) const { return module(index).type == ModuleType::thread; }
 
   [[nodiscard]] Wide apart(const ExecutorPlan& plan, const Module& module) const;
-  /// An executor that never sleeps leaves this processor to nobody of this priority.
+  /// The executor that never sleeps and so leaves no time on this CPU to a thread of this priority; null:
+  /// none.
   [[nodiscard]] const Contender* starves(const Contender& self, int cpu) const;
   [[nodiscard]] bool is_alone(const Contender& self) const;
   [[nodiscard]] Wide taken_by_others(const Contender& self, Wide window) const;
@@ -109,7 +114,7 @@ class Analyst {
   [[nodiscard]] Wide taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, Wide window) const;
 
   void set(std::uint32_t module, Wide response);
-  /// The largest counts.
+  /// Records a response; the largest one counts.
   void note(std::uint32_t module, Wide response);
   void note(std::uint32_t module, const std::string& why);
   void give_up(Served& served, const std::string& why);
@@ -118,13 +123,13 @@ class Analyst {
   const DevicePlan& plan_;
   const Placement& placement_;
   const std::vector<std::optional<Nanoseconds>>& runs_;
-  std::deque<Contender> contenders_;  // they stay where they are
+  std::deque<Contender> contenders_;  // a deque, because pointers to its elements must stay valid
   std::vector<Served> served_;        // highest priority first
   std::vector<Program> programs_;
-  std::vector<WorstCase> worst_;  // by module
+  std::vector<WorstCase> worst_;  // indexed by module
 };
 
-// ---- who there is
+// ---- the contenders
 
 void Analyst::add_rows(const ExecutorPlan& plan) {
   TAKT_CHECK(cpus_of(plan).size() == 1);
@@ -147,7 +152,8 @@ void Analyst::add_rows(const ExecutorPlan& plan) {
   served_.push_back({.plan = &plan, .rows = &contenders_.back()});
 }
 
-/// The least time between two releases. What rows look at is released in a row, at most once in each.
+/// The minimum time between two releases. A module that the rows release is released at most once in each
+/// row.
 Wide Analyst::apart(const ExecutorPlan& plan, const Module& module) const {
   const Wide interarrival = module.interarrival.value_or(Nanoseconds{}).count();
   if (module.dispatch == Dispatch::immediate) return interarrival;
@@ -172,7 +178,7 @@ void Analyst::add_sporadic(Served& served) {
   served.sporadic = &contenders_.back();
 }
 
-// A program is released while it spins, at its place in the row; or it sleeps, and is woken at the row's end.
+// A spinning program starts at its place in the row. A sleeping program is woken at the end of the row.
 void Analyst::add_programs(const Served& served) {
   const ExecutorPlan& plan = *served.plan;
   const auto add = [&](std::uint32_t index, Wide delay) {
@@ -221,7 +227,7 @@ void Analyst::add_programs(const Served& served) {
   }
 }
 
-// ---- what they take from each other
+// ---- the time that contenders take from each other
 
 const Contender* Analyst::starves(const Contender& self, int cpu) const {
   for (const Contender& other : contenders_) {
@@ -237,10 +243,11 @@ bool Analyst::is_alone(const Contender& self) const {
   });
 }
 
-// Of the processor that `self` stays on. The window begins when nothing that is above it and stays there was
-// waiting, so of that only what arrives in the window counts. What moves between processors may bring what is
-// left of an earlier release; so may equals, whose turn may have come before. Rows count their equals as
-// above them: that window begins when nothing of these was waiting either.
+// The time that others take on the CPU that `self` stays on. The window begins when no higher thread that
+// stays on this CPU was waiting, so only their new work in the window counts. Threads that move between CPUs
+// may also bring work left over from an earlier release, and so may threads of equal priority that came
+// first. For rows, threads of equal priority count as higher, because the window begins when none of these
+// was waiting either.
 Wide Analyst::taken_by_others(const Contender& self, Wide window) const {
   Wide taken = 0;
   for (const Contender& other : contenders_) {
@@ -253,7 +260,8 @@ Wide Analyst::taken_by_others(const Contender& self, Wide window) const {
   return taken;
 }
 
-// A program that may run on any of these waits only while all of them are taken by what is not below it.
+// A program that may run on any of these CPUs waits only while threads that are not below it occupy all of
+// them.
 Wide Analyst::taken_of_all(const Program& program, const std::vector<int>& cpus, Wide window) const {
   const Contender& self = *program.self;
   Wide taken = 0;
@@ -265,9 +273,9 @@ Wide Analyst::taken_of_all(const Program& program, const std::vector<int>& cpus,
   return taken / static_cast<Wide>(cpus.size());
 }
 
-// They do not interrupt each other. Before it there may be one of each that is ready or running, and those
-// that are released later with an earlier deadline. Of those that never wait for so long that their deadline
-// would be the earlier one, only one, that runs already.
+// Sporadic modules of one executor do not interrupt each other. A module waits for one release of each peer
+// that is ready or running, and for later releases with an earlier deadline. Peers that always finish before
+// their deadline could be the earlier one count only if they run already, and only one of them can.
 Wide Analyst::taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, Wide window) const {
   const Module& self = module(sporadic);
   Wide taken = 0;
@@ -287,7 +295,7 @@ Wide Analyst::taken_by_peers(const ExecutorPlan& plan, std::uint32_t sporadic, W
     taken += run(index) + (earlier > 0 ? later.fresh(earlier) : 0);
   }
   taken += running;
-  // What its events release is looked at only between two runs.
+  // Events of a module with immediate dispatch are checked only between two runs.
   return taken + (self.dispatch == Dispatch::immediate ? longest : 0);
 }
 
@@ -297,7 +305,7 @@ void Analyst::walk(Served& served) {
   const ExecutorPlan& plan = *served.plan;
   served.ends.assign(plan.rows(), 0);
   if (const Contender* other = starves(*served.rows, served.rows->cpus.front()); other != nullptr) {
-    give_up(served, "an executor that never sleeps leaves it no time on processor " +
+    give_up(served, "an executor that never sleeps leaves it no time on CPU " +
                         std::to_string(served.rows->cpus.front()));
   } else if (is_alone(*served.rows)) {
     walk_alone(served);
@@ -307,8 +315,8 @@ void Analyst::walk(Served& served) {
   served.rows->rows_response = *std::max_element(served.ends.begin(), served.ends.end());
 }
 
-// Nothing is uncertain here, and shorter runs make nothing later: this is what happens. After the first round
-// what is left over does not grow any more, or it grows for ever.
+// An executor alone on its CPU: the longest runs are the worst case, because shorter runs delay nothing. If
+// the work left over still grows in the second round, it grows forever.
 void Analyst::walk_alone(Served& served) {
   const ExecutorPlan& plan = *served.plan;
   const Wide basic = plan.basic_period.count();
@@ -336,29 +344,29 @@ void Analyst::walk_alone(Served& served) {
   }
 }
 
-// Each row may be the first of a stretch in which the processor is never free for what is below; the later
-// ones of a stretch wait for those before them.
+// Each row may be the first of a busy stretch, in which the CPU is never free for lower threads. Later rows
+// of a stretch wait for the earlier ones.
 void Analyst::walk_interrupted(Served& served) {
-  std::size_t looked_at = 0;
+  std::size_t visited = 0;
   const char* why = kOverload;
   for (std::size_t first = 0; first < served.plan->rows(); ++first) {
-    if (walk_stretch(served, first, looked_at, why)) continue;
+    if (walk_stretch(served, first, visited, why)) continue;
     give_up(served, why);
     return;
   }
 }
 
-bool Analyst::walk_stretch(Served& served, std::size_t first, std::size_t& looked_at, const char*& why) {
+bool Analyst::walk_stretch(Served& served, std::size_t first, std::size_t& visited, const char*& why) {
   const ExecutorPlan& plan = *served.plan;
   const Wide basic = plan.basic_period.count();
   const auto others = [&](Wide window) { return taken_by_others(*served.rows, window); };
   const std::size_t longest = 4 * plan.rows() + 64;
   Wide own = 0;
   Wide release = 0;
-  Wide done = 0;  // the work of the rows so far, and what goes before it
+  Wide done = 0;  // the end of the work of the rows so far, including the work before it
   for (std::size_t i = 0; i < longest; ++i, release += basic) {
     const std::size_t row = (first + i) % plan.rows();
-    // The last instant at which the thread may get the processor, were it for one nanosecond of work.
+    // The last instant at which the thread may get the CPU, even for one nanosecond of work.
     const auto start = settle(own + 1, done, others);
     if (!start) return false;
     if (i > 0 && done <= release) return true;
@@ -367,7 +375,7 @@ bool Analyst::walk_stretch(Served& served, std::size_t first, std::size_t& looke
       for (const auto task : plan.table.row(row)) {
         const auto index = plan.periodic[task];
         if (skipped) note(index, kSkipped);
-        if (++looked_at > kMaxLookedAt) {
+        if (++visited > kMaxVisited) {
           why = kTooLong;
           return false;
         }
@@ -386,13 +394,13 @@ bool Analyst::walk_stretch(Served& served, std::size_t first, std::size_t& looke
   return false;
 }
 
-// ---- what is below the rows
+// ---- threads below the rows
 
 void Analyst::serve_sporadic(const Served& served, std::uint32_t index, Recurring& job) {
   const Contender& self = *served.sporadic;
   const int cpu = self.cpus.front();
   if (starves(self, cpu) != nullptr) {
-    note(index, "an executor that never sleeps leaves it no time on processor " + std::to_string(cpu));
+    note(index, "an executor that never sleeps leaves it no time on CPU " + std::to_string(cpu));
     return;
   }
   const auto response = settle(run(index), 0, [&](Wide window) {
@@ -413,10 +421,10 @@ void Analyst::run_program(const Program& program) {
   std::vector<int> cpus = self.cpus;
   std::erase_if(cpus, [&](int cpu) { return starves(self, cpu) != nullptr; });
   if (cpus.empty()) {
-    note(program.module, "executors that never sleep leave it no time on any processor");
+    note(program.module, "executors that never sleep leave it no time on any of its CPUs");
     return;
   }
-  // Where several are waited for at once, the window would grow by a nanosecond a step.
+  // Coarse steps: with several CPUs, the window could grow by only one nanosecond per step.
   const auto response = settle(
       run(program.module), 0,
       [&](Wide window) {
@@ -436,10 +444,10 @@ void Analyst::run_program(const Program& program) {
   }
 }
 
-// ---- what was found
+// ---- results
 
 void Analyst::set(std::uint32_t index, Wide response) {
-  if (worst_[index].why == kOverload) worst_[index].why.clear();  // it looked like that in an earlier round
+  if (worst_[index].why == kOverload) worst_[index].why.clear();  // an earlier round found no bound
   constexpr Wide kLargest = Nanoseconds::max().count();
   worst_[index].response = Nanoseconds{static_cast<std::int64_t>(std::min(response, kLargest))};
 }
@@ -467,13 +475,13 @@ std::vector<WorstCase> Analyst::solve() {
   std::stable_sort(plans.begin(), plans.end(),
                    [](const auto* a, const auto* b) { return a->priority > b->priority; });
   for (const ExecutorPlan* plan : plans) add_rows(*plan);
-  // What may interrupt rows belongs to executors of a higher priority, and these come first.
+  // Only executors of a higher priority can interrupt rows, and these come first.
   for (Served& served : served_) {
     walk(served);
     add_sporadic(served);
     add_programs(served);
   }
-  // The first time with no more than that deadlines are kept; then with what was found.
+  // The first round assumes only that deadlines are kept; later rounds use the bounds found so far.
   for (int round = 0; round < kRounds; ++round) {
     for (const Served& served : served_) {
       std::size_t job = 0;
@@ -501,7 +509,7 @@ std::vector<WorstCase> Analyst::solve() {
 
 std::string reason(const WorstCase& worst) {
   if (!worst.why.empty()) return worst.why;
-  return "it may be done only " + to_text(*worst.response) + " after its release, " +
+  return "it may finish only " + to_text(*worst.response) + " after its release, " +
          to_text(*worst.response - worst.deadline) + " late";
 }
 
@@ -523,10 +531,10 @@ Problems missed_deadlines(const model::Cell& cell, const Device& device,
         cell.texts(), module.line,
         in_quotes(device.name + "." + module.name) + " cannot keep its " +
             (periodic ? "period" : "deadline") + ", " + to_text(worst.deadline) + ": " + reason(worst),
-        worst.why == kUnlimited
-            ? "an <interarrival>"
-            : std::string{"shorter runs, longer "} + (periodic ? "periods" : "deadlines or periods") +
-                  ", or modules moved to another executor or processor"));
+        worst.why == kUnlimited ? "add an <interarrival>"
+                                : std::string{"shorten the runs, lengthen the "} +
+                                      (periodic ? "periods" : "deadlines or periods") +
+                                      ", or move modules to another executor or CPU"));
   }
   return problems;
 }

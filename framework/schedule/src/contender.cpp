@@ -8,12 +8,12 @@ namespace takt::schedule {
 
 namespace {
 
-/// Of a longer table the sum of the fullest rows is not looked for, but bounded by the fullest one.
+/// For a longer table, the sum of consecutive rows is bounded by the fullest row instead of being computed.
 constexpr std::size_t kExactRows = 4096;
 
 Wide ceiling(Wide a, Wide b) { return a <= 0 ? 0 : (a + b - 1) / b; }
 
-/// At most kForever.
+/// The product, at most kForever.
 Wide product(Wide count, Wide work) {
   return work != 0 && count >= kForever / work ? kForever : count * work;
 }
@@ -61,8 +61,8 @@ Wide Recurring::fresh(Wide window) const {
   return apart == 0 ? kForever : product(ceiling(window + jitter, apart), work);
 }
 
-// The most is taken when the first release in the window is just being done as late as it may be, and all
-// others are served as soon as they come.
+// The worst case: the window begins when the first release runs as late as it may, and all later releases are
+// served at once.
 Wide Recurring::carried(Wide window) const {
   if (work >= apart) return window;
   const Wide reach = window + std::max(response, work) - work;
@@ -87,7 +87,7 @@ Wide Contender::carried(Wide window) const {
   return sum;
 }
 
-// SCHED_FIFO: what has slept goes to the end of the queue.
+// SCHED_FIFO: a thread that has slept goes to the end of the queue.
 Wide Contender::before_equal(Wide window) const {
   return sleeps_between ? std::min(jobs.front().work, carried(window)) : carried(window);
 }

@@ -16,7 +16,7 @@ using model::Operation;
 Nanoseconds times(Nanoseconds run, double factor) {
   constexpr auto kLargest = static_cast<double>(Nanoseconds::max().count());
   const double longer = std::ceil(static_cast<double>(run.count()) * factor);
-  // A double has 53 bits: of what is longer, the run itself is the better number where nothing is added.
+  // A double has 53 bits, so a long run would be rounded; without a factor, it stays exact.
   if (factor == 1) return run;
   return longer >= kLargest ? Nanoseconds::max() : Nanoseconds{static_cast<std::int64_t>(longer)};
 }
@@ -37,8 +37,8 @@ Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* 
   if (profile != nullptr && profile->cell != cell.name) {
     problems.push_back(model::problem_at(
         cell.texts(), cell.line,
-        "the profile is of cell " + in_quotes(profile->cell) + ", this one is " + in_quotes(cell.name),
-        "a profile that takt run --profile wrote of this cell"));
+        "the profile is of cell " + in_quotes(profile->cell) + ", but this cell is " + in_quotes(cell.name),
+        "use a profile of this cell, written by takt run --profile"));
   }
   LongestRuns all;
   for (const model::Device& device : cell.devices) {
@@ -52,8 +52,8 @@ Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* 
       } else {
         problems.push_back(model::problem_at(
             cell.texts(), module.line,
-            "nothing is known of how long " + in_quotes(device.name + "." + module.name) + " runs",
-            "a <budget>, or a profile of a run in which it ran"));
+            "the run time of " + in_quotes(device.name + "." + module.name) + " is not known",
+            "add a <budget>, or use a profile of a run in which it ran"));
       }
     }
   }

@@ -7,8 +7,8 @@
 namespace takt::schedule {
 namespace {
 
-/// Steps of the search, each a row that is looked at. To try each place of each module once takes as many as
-/// there are rows for each module; a table where that is more than half of them is left as it is.
+/// The maximum number of search steps; each step visits one row. Trying each place of each module once takes
+/// one step per row and module. If that alone needs more than half of the steps, the table is left as it is.
 constexpr std::uint64_t kMaxSearchSteps = 20'000'000;
 
 std::uint64_t count(Nanoseconds time) { return static_cast<std::uint64_t>(time.count()); }
@@ -38,7 +38,7 @@ class Search {
       }
     }
     for (const std::int64_t load : loads_) all_ += load;
-    // Those that leave the fewest places to choose from, and weigh the most, go first.
+    // Modules with the fewest places go first, then those with the largest weight.
     std::stable_sort(free_.begin(), free_.end(), [this](std::size_t a, std::size_t b) {
       if (modules_[a].period != modules_[b].period) return modules_[a].period < modules_[b].period;
       return modules_[a].weight > modules_[b].weight;
@@ -63,7 +63,7 @@ class Search {
     std::uint64_t rows = 1;
     for (std::size_t i = 0; i < modules_.size(); ++i) {
       if (stride(i) > most) return false;
-      rows *= stride(i) / std::gcd(rows, stride(i));  // neither was more than `most`
+      rows *= stride(i) / std::gcd(rows, stride(i));  // no overflow: both are at most `most`
       if (rows > most) return false;
     }
     rows_ = rows;
@@ -82,7 +82,7 @@ class Search {
     return result;
   }
 
-  /// The heaviest row that the module would be in.
+  /// The load of the heaviest row of the module at this place.
   std::int64_t heaviest_with(std::size_t i, std::uint64_t first) {
     std::int64_t most = 0;
     for (std::uint64_t row = first; row < rows_; row += stride(i)) most = std::max(most, loads_[row]);
@@ -94,16 +94,16 @@ class Search {
     std::int64_t load;
     std::uint64_t first;
   };
-  /// What is still to be tried of one module, while those before it stand where they do.
+  /// The places of one module that are still to be tried, with the modules before it in place.
   struct Level {
     std::vector<Place> places;
     std::size_t next = 0;
-    bool stands = false;
+    bool placed = false;
   };
 
   [[nodiscard]] Level level(std::size_t depth, std::int64_t heaviest) {
     Level result;
-    // Where nothing is yet, all places are alike.
+    // In an empty table, all places are equivalent.
     const std::uint64_t to_try = depth == 0 && all_alike() ? 1 : stride(free_[depth]);
     for (std::uint64_t first = 0; first < to_try; ++first) {
       const std::int64_t load = std::max(heaviest, heaviest_with(free_[depth], first));
@@ -114,16 +114,16 @@ class Search {
     return result;
   }
 
-  // Depth first, the lightest places first, so that the first answer is a good one already; what cannot be
-  // better than the best so far is not followed.
+  // Depth first with the lightest places first, so that the first result is already good. Branches that
+  // cannot beat the best result so far are dropped.
   void place_all() {
     std::vector<Level> levels;
     if (!free_.empty()) levels.push_back(level(0, heaviest()));
     while (!levels.empty()) {
       Level& last = levels.back();
       const std::size_t i = free_[levels.size() - 1];
-      if (last.stands) put(i, places_[i], -modules_[i].weight);
-      last.stands = false;
+      if (last.placed) put(i, places_[i], -modules_[i].weight);
+      last.placed = false;
       if (last.next == last.places.size() || last.places[last.next].load >= best_ || best_ <= least_ ||
           steps_ > kMaxSearchSteps) {
         levels.pop_back();
@@ -132,7 +132,7 @@ class Search {
       const Place candidate = last.places[last.next++];
       places_[i] = candidate.first;
       put(i, candidate.first, modules_[i].weight);
-      last.stands = true;
+      last.placed = true;
       if (levels.size() < free_.size()) {
         levels.push_back(level(levels.size(), candidate.load));
       } else {

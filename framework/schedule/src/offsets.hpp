@@ -1,5 +1,4 @@
-// Where the releases of an executor's modules are shifted to, so that its fullest row is as light as
-// possible.
+// Chooses offsets for an executor's modules so that the fullest row is as light as possible.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +9,20 @@
 
 namespace takt::schedule {
 
-/// One module of a table that is to be flattened.
+/// A module of the table to flatten.
 struct Shiftable {
-  Nanoseconds period{};
-  Nanoseconds offset{};     ///< where it is fixed, 0 to below the period
-  bool fixed = false;       ///< it stays at its offset
-  std::int64_t weight = 1;  ///< what it adds to a row, 1 to 2^40
+  Nanoseconds period{};     ///< > 0
+  Nanoseconds offset{};     ///< if `fixed`: at least 0 and less than the period
+  bool fixed = false;       ///< the module keeps its offset
+  std::int64_t weight = 1;  ///< the load that it adds to a row, 1 to 2^40
 };
 
-/// The offsets of all, in their order: the fixed ones as given, the others multiples of the greatest common
-/// divisor of all periods and fixed offsets, so that the table keeps its basic period. The heaviest row is as
-/// light as a search finds that is exact where the table is small and otherwise ends at a good one; the same
-/// input has the same answer. Of equally good ones the earliest offsets, module by module. Never worse than
-/// without a shift: then all that are not fixed are 0. Every period is positive. Allocates; takes at most
-/// some tens of milliseconds.
+/// The offsets of all modules, in their order. Fixed offsets stay; the others are multiples of the greatest
+/// common divisor of all periods and fixed offsets, so that the table keeps its basic period. A search makes
+/// the heaviest row as light as possible: exactly for small tables, else as far as its steps reach. The
+/// result is never worse than without shifts; if it is no better, all free offsets are 0. Of equally good
+/// results it takes the earliest offsets, module by module. The same input gives the same result. Allocates;
+/// takes at most some tens of milliseconds.
 std::vector<Nanoseconds> flatten(std::span<const Shiftable> modules);
 
 }  // namespace takt::schedule

@@ -26,14 +26,14 @@ Placement place(const std::vector<model::Executor>& executors, const std::vector
   for (const model::Executor& executor : executors) {
     if (executor.cpu && !has(allowed, *executor.cpu)) {
       placement.warnings.push_back(
-          "executor " + executor.name + " wants processor " + std::to_string(*executor.cpu) +
-          ", which this machine does not have or may not use; it is placed by the node");
+          "executor " + executor.name + " requests CPU " + std::to_string(*executor.cpu) +
+          ", which this machine does not have or may not use; the node chooses another CPU");
     }
     if (executor.cpu && has(allowed, *executor.cpu)) {
       placement.executors.push_back({*executor.cpu});
       continue;
     }
-    // The last free processor is left to everything else while an executor can share with another.
+    // The last free CPU is left for the other threads, as long as this executor can share the CPU of another.
     const int cpu = free.size() > 1 || taken.empty() ? free.back() : taken.front();
     placement.executors.push_back({cpu});
     take(cpu);
@@ -41,7 +41,7 @@ Placement place(const std::vector<model::Executor>& executors, const std::vector
   placement.background = free.empty() ? allowed : free;
   if (free.empty()) {
     placement.warnings.emplace_back(
-        "no processor is left beside the executors': process modules share theirs");
+        "no CPU is left for process modules: they share the CPUs of the executors");
   }
   return placement;
 }
@@ -50,8 +50,8 @@ int programs_on_one(const model::Device& device, const Placement& placement) {
   const auto programs = std::count_if(device.modules.begin(), device.modules.end(), [](const auto& module) {
     return module.type == model::ModuleType::process && module.operation != model::Operation::non_real;
   });
-  const auto processors = static_cast<std::ptrdiff_t>(placement.background.size());
-  return static_cast<int>(std::max<std::ptrdiff_t>(1, (programs + processors - 1) / processors));
+  const auto cpus = static_cast<std::ptrdiff_t>(placement.background.size());
+  return static_cast<int>(std::max<std::ptrdiff_t>(1, (programs + cpus - 1) / cpus));
 }
 
 }  // namespace takt::schedule

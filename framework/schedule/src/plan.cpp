@@ -16,7 +16,7 @@ using model::Module;
 using model::ModuleType;
 using model::Operation;
 
-/// Of a row too full for its period, no more modules than this are named.
+/// The maximum number of modules that a message about a full row names.
 constexpr std::size_t kNamedModules = 12;
 
 Problem problem_of(const model::Cell& cell, const Module& module, std::string what, std::string fix) {
@@ -25,7 +25,7 @@ Problem problem_of(const model::Cell& cell, const Module& module, std::string wh
   return problem;
 }
 
-/// Budgets are any int64, so a sum of them needs more.
+/// Sums of int64 budgets need more than 64 bits.
 __extension__ using Wide = __int128;
 constexpr Wide kLargestBudget = Nanoseconds::max().count();
 
@@ -61,10 +61,11 @@ void check_own_budgets(const model::Cell& cell, const Device& device, Problems& 
     const auto& bound = sporadic ? module.deadline : module.period;
     if (!bound || *module.budget <= *bound) continue;
     const std::string word = sporadic ? "deadline" : "period";
-    problems.push_back(problem_of(cell, module,
-                                  "the budget of '" + module.name + "', " + to_text(*module.budget) +
-                                      ", is larger than its " + word + ", " + to_text(*bound),
-                                  "a budget of at most " + to_text(*bound) + ", or a longer " + word));
+    problems.push_back(
+        problem_of(cell, module,
+                   "the budget of '" + module.name + "', " + to_text(*module.budget) +
+                       ", is larger than its " + word + ", " + to_text(*bound),
+                   "reduce the budget to at most " + to_text(*bound) + ", or lengthen the " + word));
   }
 }
 
@@ -97,16 +98,17 @@ void check_rows(const model::Cell& cell, const Device& device, const ExecutorPla
 
   const std::string sum =
       most > kLargestBudget ? "more than 10^18 ns" : to_text(Nanoseconds{static_cast<std::int64_t>(most)});
-  problems.push_back(problem_of(
-      cell, device.modules[largest],
-      "the budgets of row " + std::to_string(fullest) + " of executor '" +
-          device.executors[plan.executor].name + "' do not fit its basic period: " + list + " are " + sum +
-          " of " + to_text(plan.basic_period) + "; " + std::to_string(too_full) + " of " +
-          std::to_string(plan.rows()) + (plan.rows() == 1 ? " row is" : " rows are") + " too full",
-      "smaller budgets, longer periods, or modules moved to another executor"));
+  problems.push_back(
+      problem_of(cell, device.modules[largest],
+                 "the budgets of row " + std::to_string(fullest) + " of executor '" +
+                     device.executors[plan.executor].name + "' exceed its basic period: " + list + " are " +
+                     sum + " of " + to_text(plan.basic_period) + "; " + std::to_string(too_full) + " of " +
+                     std::to_string(plan.rows()) + (plan.rows() == 1 ? " row is" : " rows are") + " too full",
+                 "reduce the budgets, lengthen the periods, or move modules to another executor"));
 }
 
-/// By the budgets where all threads state one, and a program is next to nothing; else by the number.
+/// If all thread modules have a budget, balances the budgets, and a program counts as almost nothing.
+/// Otherwise balances the number of modules.
 std::vector<Nanoseconds> offsets_of(const Device& device, const ExecutorPlan& plan) {
   constexpr Nanoseconds kHeaviest{std::int64_t{1} << 40};
   std::vector<Nanoseconds> given;
@@ -126,7 +128,7 @@ std::vector<Nanoseconds> offsets_of(const Device& device, const ExecutorPlan& pl
   return flatten(modules);
 }
 
-/// The shortest basic period first.
+/// The executor with the shortest basic period gets the highest priority.
 void assign_priorities(const Device& device, std::vector<ExecutorPlan>& plans) {
   constexpr int kStep = 4;
   std::set<Nanoseconds> periods;
@@ -141,7 +143,7 @@ void assign_priorities(const Device& device, std::vector<ExecutorPlan>& plans) {
   }
 }
 
-/// The executor's modules are in place; its periods and its table follow from them.
+/// Builds the table and the periods of an executor from its modules, which must already be in the plan.
 void build_table(const model::Cell& cell, const Device& device, ExecutorPlan& plan, Problems& problems) {
   if (plan.periodic.empty()) {
     if (plan.sporadic.empty()) return;

@@ -9,7 +9,7 @@
 namespace takt::schedule {
 namespace {
 
-// UnsignedWide enough for the least common multiple of any two periods (2^126) and for any sum of entries.
+// Wide enough for the least common multiple of any two periods (2^126) and for any sum of entries.
 __extension__ using UnsignedWide = unsigned __int128;
 
 constexpr UnsignedWide kMaxPeriod = std::numeric_limits<std::int64_t>::max();
@@ -20,7 +20,7 @@ UnsignedWide least_common_multiple(std::uint64_t a, std::uint64_t b) {
   return UnsignedWide{a / std::gcd(a, b)} * b;
 }
 
-/// The size of a table before it is built. Without a macro period nothing after it is known either.
+/// The size of a table before it is built. Without a macro period, rows and entries are not known.
 struct Extent {
   std::uint64_t basic = 0;
   std::optional<std::uint64_t> macro;
@@ -66,10 +66,10 @@ std::string name_of(std::span<const Task> tasks, std::size_t index) {
   return task.name.empty() ? "task " + std::to_string(index) : "'" + std::string{task.name} + "'";
 }
 
-Problem refusal(std::span<const Task> tasks, const Extent& extent) {
+Problem too_large(std::span<const Task> tasks, const Extent& extent) {
   std::string what;
   if (!extent.macro) {
-    what = "these periods do not meet within any table";
+    what = "the macro period is too long";
   } else if (extent.entries > kMaxEntries) {
     what = "the table would have " + number(extent.entries) + " entries, at most " +
            std::to_string(kMaxEntries) + " are allowed";
@@ -89,7 +89,7 @@ Problem refusal(std::span<const Task> tasks, const Extent& extent) {
     });
     return {{},
             what + ": the periods alone have a basic period of " + duration(by_periods) + ", and " +
-                name_of(tasks, static_cast<std::size_t>(finest - tasks.begin())) + " is shifted by " +
+                name_of(tasks, static_cast<std::size_t>(finest - tasks.begin())) + " has an offset of " +
                 to_text(finest->offset),
             "choose offsets that are multiples of " + duration(by_periods)};
   }
@@ -97,14 +97,14 @@ Problem refusal(std::span<const Task> tasks, const Extent& extent) {
   const auto [shorter, longer] = longest_pair(tasks);
   if (shorter == longer) {
     return {{},
-            what + ": " + std::to_string(tasks.size()) + " modules with one period, " +
+            what + ": " + std::to_string(tasks.size()) + " modules with the same period, " +
                 to_text(tasks[shorter].period),
-            "divide them among several executors"};
+            "distribute them over several executors"};
   }
   const std::uint64_t low = period_of(tasks[shorter]);
   const std::uint64_t high = period_of(tasks[longer]);
   what += ": " + name_of(tasks, shorter) + " with " + to_text(tasks[shorter].period) + " and " +
-          name_of(tasks, longer) + " with " + to_text(tasks[longer].period) + " meet only every " +
+          name_of(tasks, longer) + " with " + to_text(tasks[longer].period) + " coincide only every " +
           duration(least_common_multiple(low, high));
   if (high % low == 0)
     return {{}, what, "bring the two periods closer together, or give each an executor of its own"};
@@ -122,8 +122,8 @@ PeriodPair longest_pair(std::span<const Task> tasks) {
                           [&](auto a, auto b) { return tasks[a].period == tasks[b].period; }),
               order.end());
 
-  // From the longest on, so that a bound that no least common multiple exceeds soon ends each search: the
-  // product, without what all periods have in common.
+  // Starts with the longest periods, so that each inner search ends soon. Its bound for the least common
+  // multiple is the product divided by the common divisor of all periods.
   std::uint64_t common = 0;
   for (const auto index : order) common = std::gcd(common, period_of(tasks[index]));
   PeriodPair best{};
@@ -152,9 +152,10 @@ Result<Table> Table::build(std::span<const Task> tasks) {
                           "the period of " + name_of(tasks, i) + " is " + to_text(task.period),
                           "give it a period of at least 1 ns"});
     } else if (task.offset.count() < 0 || task.offset >= task.period) {
-      problems.push_back({{},
-                          "the offset of " + name_of(tasks, i) + " is " + to_text(task.offset),
-                          "give it one from 0 to below its period, " + to_text(task.period)});
+      problems.push_back(
+          {{},
+           "the offset of " + name_of(tasks, i) + " is " + to_text(task.offset),
+           "give it an offset of at least 0 and less than its period, " + to_text(task.period)});
     }
   }
   if (!problems.empty()) return problems;
@@ -162,7 +163,8 @@ Result<Table> Table::build(std::span<const Task> tasks) {
   Table table;
   if (tasks.empty()) return table;
   const Extent extent = measure(tasks);
-  if (!extent.macro || extent.entries > kMaxEntries || extent.rows > kMaxRows) return refusal(tasks, extent);
+  if (!extent.macro || extent.entries > kMaxEntries || extent.rows > kMaxRows)
+    return too_large(tasks, extent);
 
   table.basic_ = Nanoseconds{static_cast<std::int64_t>(extent.basic)};
   table.macro_ = Nanoseconds{static_cast<std::int64_t>(*extent.macro)};
@@ -174,7 +176,7 @@ Result<Table> Table::build(std::span<const Task> tasks) {
     return static_cast<std::size_t>(static_cast<std::uint64_t>(task.offset.count()) / extent.basic);
   };
 
-  // How many each row has, then where each row begins.
+  // First the number of entries of each row, then the index of its first entry.
   std::vector<Index>& offsets = table.offsets_;
   offsets.assign(rows + 1, 0);
   for (const Task& task : tasks) {
@@ -183,8 +185,8 @@ Result<Table> Table::build(std::span<const Task> tasks) {
   }
   std::exclusive_scan(offsets.begin(), offsets.end(), offsets.begin(), Index{0});
 
-  // Task by task in the order of priority: each row fills in that order. Its offset moves on to its end,
-  // which is where the next row begins.
+  // Tasks in the order of priority, so that each row fills in that order. The offset of a row moves to its
+  // end, which is the beginning of the next row.
   std::vector<Index> order(tasks.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(),

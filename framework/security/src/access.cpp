@@ -12,10 +12,10 @@ namespace takt::security {
 
 namespace {
 
-/// What every node says, and what it hears of others.
-constexpr std::array kSaid{"takt/lifecycle", "takt/device", "takt/statistics", "takt/executor",
-                           "takt/port",      "takt/fault",  "takt/reply"};
-constexpr std::array kHeard{"takt/lifecycle", "takt/device", "takt/command", kQuestionTopic};
+/// The topics that every node writes, and those that it reads.
+constexpr std::array kNodeWrites{"takt/lifecycle", "takt/device", "takt/statistics", "takt/executor",
+                                 "takt/port",      "takt/fault",  "takt/reply"};
+constexpr std::array kNodeReads{"takt/lifecycle", "takt/device", "takt/command", kQuestionTopic};
 
 std::string escaped(std::string_view text) {
   std::string out;
@@ -37,7 +37,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-/// 2026-11-22T06:00:00, of UTC.
+/// The time in UTC: 2026-11-22T06:00:00.
 std::string date(std::int64_t seconds) {
   const auto time = static_cast<std::time_t>(seconds);
   std::tm parts{};
@@ -47,7 +47,7 @@ std::string date(std::int64_t seconds) {
   return {text.data(), length};
 }
 
-/// What may be done on one domain, each name once.
+/// The topics to write and read on one domain, each name once.
 struct Names {
   std::set<std::string> writes;
   std::set<std::string> reads;
@@ -139,8 +139,8 @@ std::vector<Access> access_of(const model::Cell& given, int domain, const Subjec
     if (at == domain) {
       switch (subject.role) {
         case Role::device:
-          names.writes.insert(kSaid.begin(), kSaid.end());
-          names.reads.insert(kHeard.begin(), kHeard.end());
+          names.writes.insert(kNodeWrites.begin(), kNodeWrites.end());
+          names.reads.insert(kNodeReads.begin(), kNodeReads.end());
           names.writes.insert(own_topics + subject.name + "/*");
           names.reads.insert(own_topics + subject.name + "/*");
           break;
@@ -167,16 +167,16 @@ Problems obstacles(const model::Cell& cell) {
   if (cell.discovery.kind == model::Discovery::Kind::server) {
     problems.push_back(model::problem_at(
         cell.texts(), cell.line,
-        "a cell with security cannot use a discovery server: with Fast DDS 2.9 they exclude "
-        "each other",
-        "use discovery=\"multicast\", or \"peers\" where there is none"));
+        "a cell with security cannot use a discovery server: Fast DDS 2.9 does not support both",
+        "use discovery=\"multicast\", or \"peers\" if the network has no multicast"));
   }
   for (const model::Connection& connection : cell.connections) {
     if (connection.topic.find_first_of("*?[\\") == std::string::npos) continue;
-    problems.push_back(model::problem_at(
-        cell.texts(), connection.line,
-        "the topic " + in_quotes(connection.topic) + " would grant more than its own name in permissions",
-        "name it without * ? [ and \\"));
+    problems.push_back(
+        model::problem_at(cell.texts(), connection.line,
+                          "the topic " + in_quotes(connection.topic) +
+                              " would act as a pattern in permissions and grant more than its own name",
+                          "use a name without * ? [ and \\"));
   }
   return problems;
 }

@@ -28,14 +28,14 @@ constexpr const char* kDomain = "domain";
 constexpr std::size_t kMostAuthorityBytes = std::size_t{32} << 20;
 
 constexpr std::int64_t kDay = 24 * 3600;
-/// Clocks differ.
-constexpr std::int64_t kBefore = 3600;
+/// A certificate is valid from this time before it is issued, because the clocks of machines differ.
+constexpr std::int64_t kBefore = 3600;  // s
 constexpr std::int64_t kAuthorityDays = 3650;
 
 Result<std::string> read_authority_file(const fs::path& path) {
   auto content = os::read_file(path.string(), kMostAuthorityBytes);
   if (!content) return content.problems();
-  if (!*content) return Problem{path.string(), "there is no such file", "takt secure init makes one"};
+  if (!*content) return Problem{path.string(), "there is no such file", "create one with takt secure init"};
   return **std::move(content);
 }
 
@@ -48,7 +48,8 @@ Result<void> read_into(Object& object, const fs::path& path, From from) {
   return {};
 }
 
-/// Tells two authorities for cells of one name apart, for who looks at what participants announce.
+/// A random mark in the name of an authority. It distinguishes the participants of two cells with the same
+/// name.
 std::string new_mark() {
   std::random_device random;
   std::array<char, 9> digits{};
@@ -56,7 +57,7 @@ std::string new_mark() {
   return digits.data();
 }
 
-/// Writes several files; the first problem counts.
+/// Writes several files, and stops at the first problem.
 class Files {
  public:
   explicit Files(fs::path folder) : folder_(std::move(folder)) {
@@ -92,7 +93,7 @@ struct Authority::Inside {
 
   void write_documents(Files& files, const Subject& subject, const Plan& plan, std::int64_t now,
                        std::int64_t until) const {
-    // A day more on each side: it is the certificate that ends, and zones of time are not.
+    // One day more on each side, so that time zones do not matter. The certificate limits the validity.
     const Validity validity{now - kDay, until + kDay};
     const std::vector<Access> access_rules = access_of(plan.cell, plan.domain, subject);
     files
@@ -120,8 +121,8 @@ Result<Authority> Authority::create(const std::string& folder, const std::string
   std::error_code error;
   const fs::path own = inside->folder / kFolder;
   if (fs::exists(own, error)) {
-    return Problem{own.string(), "there is an authority already, and it is not overwritten",
-                   "takt secure update, add or renew go on with it"};
+    return Problem{own.string(), "an authority already exists and is not overwritten",
+                   "use takt secure update, add or renew to change it"};
   }
   const Validity validity{now - kBefore, now + kAuthorityDays * kDay};
   inside->identity_key = make_key();
@@ -150,11 +151,12 @@ Result<Authority> Authority::open(const std::string& folder) {
     if (fs::exists(inside->folder / kCertificate, error)) {
       const fs::path home =
           fs::absolute(inside->folder, error).lexically_normal().parent_path().parent_path();
-      return Problem{folder, "this is the identity of one participant, and no authority",
+      return Problem{folder, "this is the identity of one participant, not an authority",
                      fs::is_directory(home / kFolder, error) ? "its authority is in " + home.string()
                                                              : "name the folder that takt secure init made"};
     }
-    return Problem{folder, "there is no authority in this folder", "takt secure init CELL.xml " + folder};
+    return Problem{folder, "this folder has no authority",
+                   "create one with takt secure init CELL.xml " + folder};
   }
   Problems problems;
   const auto keep = [&problems](const Result<void>& result) {
@@ -180,7 +182,8 @@ Result<int> Authority::domain() const {
   int domain = -1;
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), domain);
   if (error != std::errc{} || domain < 0)
-    return Problem{inside_->own(kDomain).string(), "it holds no DDS domain", "restore it from a copy"};
+    return Problem{inside_->own(kDomain).string(), "it does not contain a DDS domain",
+                   "restore it from a copy"};
   return domain;
 }
 
@@ -194,8 +197,8 @@ Result<void> Authority::issue(const Subject& subject, const Plan& plan, int days
   const fs::path folder = inside_->of(subject);
   std::error_code error;
   if (!again && fs::exists(folder, error)) {
-    return Problem{folder.string(), "there is this identity already",
-                   "takt secure renew " + inside_->folder.string() + " " + subject.name + " makes it anew"};
+    return Problem{folder.string(), "this identity already exists",
+                   "takt secure renew " + inside_->folder.string() + " " + subject.name + " renews it"};
   }
   const std::int64_t until = std::min(now + days * kDay, valid_until(*inside_->identity));
   const Key key = make_key();
@@ -278,7 +281,7 @@ Result<void> Authority::revoke(const Subject& subject, std::int64_t now) {
   if (auto found = read_into(certificate, inside_->of(subject) / kCertificate, certificate_from); !found)
     return found;
   if (is_revoked(*inside_->crl, *certificate))
-    return Problem{inside_->of(subject).string(), "it is revoked already", ""};
+    return Problem{inside_->of(subject).string(), "it is already revoked", ""};
   inside_->crl = make_crl(inside_->crl.get(), certificate.get(), *inside_->identity, *inside_->identity_key,
                           now - kBefore);
   Files own{inside_->folder / kFolder};

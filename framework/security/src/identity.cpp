@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostIdentityBytes = std::size_t{16} << 20;
-constexpr const char* kCopyAgain = "copy the whole folder as takt secure made it";
+constexpr const char* kCopyAgain = "copy the whole folder again, as takt secure made it";
 
-/// Reads the files of one folder, and keeps what is wrong with them.
+/// Reads the files of one folder and collects their problems.
 class Folder {
  public:
   explicit Folder(std::string path) : path_(std::move(path)) {}
@@ -38,7 +38,7 @@ class Folder {
   Object read(const char* file, From from, const char* kind) {
     const std::string text = read(file);
     Object object = text.empty() ? Object{} : from(text);
-    if (!text.empty() && object == nullptr) add(file, std::string{"it is no "} + kind, kCopyAgain);
+    if (!text.empty() && object == nullptr) add(file, std::string{"it is not a "} + kind, kCopyAgain);
     return object;
   }
   void add(const char* file, std::string what, std::string fix) {
@@ -57,10 +57,10 @@ class Folder {
 
 void check_access_of_others(Folder& folder) {
   const auto rights = os::rights_of(folder.place(kPrivateKey));
-  if (!rights) return;  // said already
+  if (!rights) return;  // already reported
   if (rights->group_reads || rights->group_writes || rights->others_read || rights->others_write) {
-    folder.add(kPrivateKey, "others than its owner may read or write this private key",
-               "chmod 600 " + folder.place(kPrivateKey));
+    folder.add(kPrivateKey, "other users may read or write this private key",
+               "run chmod 600 " + folder.place(kPrivateKey));
   }
 }
 
@@ -71,8 +71,8 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
   Identity identity;
   identity.folder = fs::absolute(path, error).lexically_normal().string();
   if (!fs::is_directory(path, error)) {
-    return Problem{path, "there is no such folder of an identity",
-                   "name one that takt secure made, as DIR/devices/NAME"};
+    return Problem{path, "there is no such folder with an identity",
+                   "name a folder that takt secure made, such as DIR/devices/NAME"};
   }
   Folder folder{identity.folder};
   check_access_of_others(folder);
@@ -92,7 +92,8 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
     if (parsed)
       identity.subject = *parsed;
     else
-      folder.add(kCertificate, "it names " + in_quotes(subject) + ", which is nobody of a cell", kCopyAgain);
+      folder.add(kCertificate, "its subject " + in_quotes(subject) + " is not a participant of a cell",
+                 kCopyAgain);
   }
   if (authority != nullptr) identity.authority = announced_name(*authority);
   if (certificate != nullptr && authority != nullptr) {
@@ -102,9 +103,9 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
   if (certificate != nullptr && key != nullptr && !belong_together(*certificate, *key))
     folder.add(kPrivateKey, std::string{"it is not the key of "} + kCertificate, kCopyAgain);
   if (crl != nullptr && authority != nullptr && !is_signed_by(*crl, *authority))
-    folder.add(kRevoked, "its signature is not the authority's", kCopyAgain);
+    folder.add(kRevoked, "its signature is not from the authority", kCopyAgain);
   if (crl != nullptr && certificate != nullptr && is_revoked(*crl, *certificate))
-    folder.add(kCertificate, "it was revoked", "takt secure renew, if it is to be valid again");
+    folder.add(kCertificate, "it was revoked", "to make it valid again, run takt secure renew");
 
   if (access != nullptr && !governance.empty()) {
     if (auto text = open_document(governance, *access); !text) folder.add(kGovernance, text.problems());
@@ -116,7 +117,7 @@ Result<Identity> read_identity(const std::string& path, std::int64_t now) {
     } else {
       identity.domains = domains_in(*text);
       if (!subject.empty() && text->find("<subject_name>" + subject + "<") == std::string::npos)
-        folder.add(kPermissions, "they are not those of " + subject, kCopyAgain);
+        folder.add(kPermissions, "they are not for " + subject, kCopyAgain);
     }
   }
   if (!folder.problems().empty()) return folder.problems();

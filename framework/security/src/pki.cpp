@@ -32,7 +32,7 @@ constexpr int kSerialBytes = 16;
 constexpr std::size_t kLargestCertificate = 65536;  // bytes, as PEM
 
 void add_part(X509_NAME& name, const char* part, const std::string& value) {
-  // Of one encoding whatever it holds: a participant's number on DDS is a hash of these bytes.
+  // Always the same encoding, because the GUID of a participant on DDS contains a hash of these bytes.
   TAKT_CHECK(X509_NAME_add_entry_by_txt(&name, part, V_ASN1_UTF8STRING,
                                         reinterpret_cast<const unsigned char*>(value.data()),
                                         static_cast<int>(value.size()), -1, 0) == 1);
@@ -92,7 +92,7 @@ Key make_key() {
 }
 
 Key key_from(std::string_view pem) {
-  // Without a password; one that has one is none of ours.
+  // Without a password: Takt does not create keys with one.
   const auto no_password = [](char*, int, int, void*) { return 0; };
   Key key{PEM_read_bio_PrivateKey(bytes_of(pem).get(), nullptr, no_password, nullptr)};
   ERR_clear_error();
@@ -198,15 +198,17 @@ Result<void> check_issued(X509& certificate, X509& authority, std::int64_t now) 
   if (good) return {};
   switch (error) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
-      return fail("it has expired", "takt secure renew, and copy the folder again");
+      return fail("it has expired", "run takt secure renew and copy the folder again");
     case X509_V_ERR_CERT_NOT_YET_VALID:
       return fail("it is not valid yet", "set the clock of this machine");
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
     case X509_V_ERR_CERT_SIGNATURE_FAILURE:
     case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
-      return fail("another authority has issued it", "copy the whole folder as takt secure made it");
+      return fail("it was issued by another authority",
+                  "copy the whole folder again, as takt secure made it");
     default:
-      return fail(X509_verify_cert_error_string(error), "copy the whole folder as takt secure made it");
+      return fail(X509_verify_cert_error_string(error),
+                  "copy the whole folder again, as takt secure made it");
   }
 }
 
@@ -261,7 +263,7 @@ Result<std::string> open_document(const std::string& smime, X509& certificate) {
   const Bytes owned{content};
   if (pkcs7 == nullptr || content == nullptr) {
     ERR_clear_error();
-    return fail("it is no signed document", "copy the whole folder as takt secure made it");
+    return fail("it is not a signed document", "copy the whole folder again, as takt secure made it");
   }
   STACK_OF(X509)* signers = sk_X509_new_null();
   sk_X509_push(signers, &certificate);
@@ -271,7 +273,8 @@ Result<std::string> open_document(const std::string& smime, X509& certificate) {
   sk_X509_free(signers);
   ERR_clear_error();
   if (!good)
-    return fail("its signature is not the authority's", "copy the whole folder as takt secure made it");
+    return fail("its signature is not from the authority",
+                "copy the whole folder again, as takt secure made it");
   return text_of(*out);
 }
 
@@ -279,7 +282,7 @@ Prefix prefix_of(const Subject& subject) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned length = 0;
   TAKT_CHECK(X509_NAME_digest(name_of(subject).get(), EVP_sha256(), digest.data(), &length) == 1);
-  // DDS Security 1.1, 9.3.3: one bit that is set, then the first 47 of the hash.
+  // DDS Security 1.1, 9.3.3: a bit that is set, then the first 47 bits of the hash.
   Prefix prefix{};
   for (std::size_t i = 0; i < prefix.size(); ++i) {
     const unsigned above = i == 0 ? 1U : digest[i - 1];

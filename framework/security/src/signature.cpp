@@ -34,8 +34,8 @@ Result<Certificate> signer(const std::string& file, std::int64_t now) {
   const auto pem = read_signed_file(file, kMostPem, kName);
   if (!pem) return pem.problems();
   Certificate certificate = certificate_from(*pem);
-  if (certificate == nullptr) return Problem{file, "it is no certificate", kName};
-  if (valid_until(*certificate) <= now) return Problem{file, "it has expired", "sign components anew"};
+  if (certificate == nullptr) return Problem{file, "it is not a certificate", kName};
+  if (valid_until(*certificate) <= now) return Problem{file, "it has expired", "sign the components again"};
   return certificate;
 }
 
@@ -45,7 +45,7 @@ Result<void> sign_file(const std::string& file, const std::string& pem) {
   const auto content = read_signed_file(file, kMostSigned, "name a file");
   if (!content) return content.problems();
   const Key key = key_from(pem);
-  if (key == nullptr) return fail("the key that is to sign " + file + " is none");
+  if (key == nullptr) return fail("cannot sign " + file + ": the key is not valid");
   const Digest digest{EVP_MD_CTX_new()};
   std::size_t size = 0;
   TAKT_CHECK(EVP_DigestSignInit(digest.get(), nullptr, EVP_sha256(), nullptr, key.get()) == 1);
@@ -64,14 +64,15 @@ Result<void> check_signer(const std::string& certificate, std::int64_t now) {
 }
 
 Result<void> check_signature(const std::string& file, const std::string& certificate_file, std::int64_t now) {
-  constexpr const char* kSign = "takt sign makes one";
+  constexpr const char* kSign = "sign it with takt sign";
   const auto certificate = signer(certificate_file, now);
   if (!certificate) return certificate.problems();
   const auto content = read_signed_file(file, kMostSigned, "name a file");
   if (!content) return content.problems();
   auto signature = os::read_file(signature_of(file), kMostPem);
   if (!signature) return signature.problems();
-  if (!*signature) return Problem{file, "it is not signed, and only signed components are used here", kSign};
+  if (!*signature)
+    return Problem{file, "it is not signed, and only signed components are accepted here", kSign};
   const Digest digest{EVP_MD_CTX_new()};
   TAKT_CHECK(EVP_DigestVerifyInit(digest.get(), nullptr, EVP_sha256(), nullptr,
                                   X509_get0_pubkey(certificate->get())) == 1);
@@ -80,7 +81,7 @@ Result<void> check_signature(const std::string& file, const std::string& certifi
   ERR_clear_error();
   if (good) return {};
   return Problem{file, "its signature is not of this file, or not by " + certificate_file,
-                 "use the file that was signed, or sign it anew"};
+                 "use the file that was signed, or sign it again"};
 }
 
 }  // namespace takt::security

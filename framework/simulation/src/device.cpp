@@ -1,4 +1,4 @@
-// Setting a device up, and what it says of itself.
+// Sets up a simulated device, and makes its report.
 #include "device.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-/// Programs run below the executors where they share a processor with them.
+/// Programs have this much less priority than the executors with which they share a CPU.
 constexpr int kProgramBelow = 2;
 
 }  // namespace
@@ -62,7 +62,7 @@ void Device::make_members() {
     slot.magic = channel::ReleaseSlot::kMagic;
     slot.name.assign(member.model.name);
     slot.kind = member.sporadic() ? channel::ReleaseSlotKind::sporadic : channel::ReleaseSlotKind::periodic;
-    slot.bell_bit = channel::bell_bit(i);
+    slot.wake_bit = channel::wake_bit(i);
     slot.period_ns = member.sporadic() ? world_.plans[index_].executors[member.executor].basic_period.count()
                                        : member.model.period->count();
     slot.margin_cap_ns = std::min<std::int64_t>(slot.period_ns / 10, 100'000);
@@ -94,7 +94,7 @@ void Device::make_wires() {
         });
       }
     }
-    return member.sporadic();  // nothing is known of its ports: whatever comes is an event
+    return member.sporadic();  // its ports are unknown: every input is an event
   };
   for (std::uint32_t i = 0; i < world_.cell.connections.size(); ++i) {
     const model::Connection& connection = world_.cell.connections[i];
@@ -103,7 +103,7 @@ void Device::make_wires() {
     std::uint32_t wakes = 0;
     if (to && members_[*to]->model.dispatch == model::Dispatch::immediate &&
         is_event(*members_[*to], connection.to.port)) {
-      wakes = members_[*to]->is_thread() ? channel::kSporadicBit : channel::bell_bit(*to);
+      wakes = members_[*to]->is_thread() ? channel::kSporadicBit : channel::wake_bit(*to);
     }
     const auto add = [&](Wire::End writer, Wire::End reader, std::uint32_t wake_bits) {
       const std::uint64_t ahead = writer
@@ -179,37 +179,37 @@ void Device::make_executors() {
   }
 }
 
-// Executors that name the same processor share it; those that name none have their own, or share as many as
-// the device has.
+// Executors that name the same CPU share it. Those that name none have one each, or share the CPUs of the
+// device.
 Kernel::Place Device::place_of(std::uint32_t executor, std::optional<int> wanted, std::size_t index,
                                int below) {
   const int priority = world_.plans[index_].executors[executor].priority - below;
-  if (world_.cpus == 0 && !wanted) return {.processor = nullptr, .priority = priority};
+  if (world_.cpus == 0 && !wanted) return {.cpu = nullptr, .priority = priority};
   int cpu = wanted.value_or(static_cast<int>(index));
   if (world_.cpus != 0) cpu %= world_.cpus;
-  return {.processor = &processors_[cpu], .priority = priority};
+  return {.cpu = &shared_cpus_[cpu], .priority = priority};
 }
 
-// Programs keep away from the processors of executors where there are others.
+// Programs avoid the CPUs of executors if the device has others.
 Kernel::Place Device::place_of(const Member& member) {
-  if (!member.scheduled()) return {.processor = nullptr, .priority = 0};
+  if (!member.scheduled()) return {.cpu = nullptr, .priority = 0};
   return place_of(member.executor, std::nullopt, member.index, kProgramBelow);
 }
 
-void Device::say(Event event) {
+void Device::emit(Event event) {
   event.at = now();
   event.device = index_;
-  world_.listener.hear(event);
+  world_.listener.on_event(event);
 }
 
-void Device::say(Event event, const Member& member) {
+void Device::emit(Event event, const Member& member) {
   event.module = member.index;
-  say(event);
+  emit(event);
 }
 
-void Device::say(What what, const Member& member) { say({.what = what}, member); }
+void Device::emit(What what, const Member& member) { emit({.what = what}, member); }
 
-// With the releases that a program gave itself.
+// Includes the releases that a program with immediate dispatch gave itself.
 std::uint64_t Device::cycles(const Member& member) {
   return member.block.cycles.load() + (member.slot ? member.slot->begun.load() : 0);
 }
@@ -274,7 +274,7 @@ json Device::report() const {
                        {"pid", 0}});
     if (member->failed && !member->why.empty()) modules.back()["text"] = member->why;
     if (member->inputs.empty() && member->outputs.empty()) continue;
-    // One entry a port, which may have several connections.
+    // One entry per port; a port may have several connections.
     struct Health {
       std::string name;
       const char* direction;

@@ -1,5 +1,5 @@
-// One device of a simulated cell: its executors, thread modules, programs, links and their supervision, as
-// node, host and libtakt_process are on a real one, with the same executor, lifecycle and channel.
+// One device of a simulated cell: its executors, thread modules, programs, links and their supervision. It
+// stands for the node, the host and libtakt_process, and uses the same executor, lifecycle and channel.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ namespace takt::simulation {
 class Network;
 class ThreadBody;
 
-/// What the devices of a cell share. The references outlive them.
+/// What the devices of a cell share. The referenced objects outlive the devices.
 struct World {
   Kernel& kernel;
   Listener& listener;
@@ -45,9 +45,9 @@ struct World {
   const model::CellPorts& ports;
   const model::Profile& profile;
   std::uint64_t seed = 0;
-  int cpus = 0;  ///< of each device, for executors that name none; 0: each has its own
+  int cpus = 0;  ///< CPUs per device for executors that name none; 0: one for each executor
   Network* network = nullptr;
-  /// A fault on this device is the whole cell's.
+  /// A fault on this device stops the whole cell.
   std::function<void(std::uint32_t device, const std::string& why)> stop_cell{};
 };
 
@@ -60,23 +60,23 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  /// Loads, initialises and starts every module; takes no time. Then it is ready.
+  /// Loads, initialises and starts every module. This takes no time; then the device is ready.
   Result<void> prepare();
   void go(Instant t0);
-  /// Halts, destructs, and has ended some time after.
+  /// Halts and destructs everything; the device ends some time later.
   void stop();
-  /// The same, for a fault of another device that is the whole cell's.
+  /// Stops because of a fault of another device that stops the whole cell.
   void stop_for(Problem problem);
   [[nodiscard]] Phase phase() const noexcept { return phase_; }
   [[nodiscard]] const Problems& failures() const noexcept { return failures_; }
 
   void inject(const Fault& fault);
-  /// A sample for one of its modules; `wall_ns` is its time by the sender's wall clock.
+  /// Delivers a sample for one of its modules; `wall_ns` is its time on the sender's wall clock.
   void arrive(Wire& wire, const std::byte* sample, std::int64_t wall_ns);
 
-  /// The device's object of the contract's status JSON.
+  /// The device's object in the status JSON.
   [[nodiscard]] nlohmann::ordered_json report() const;
-  /// What it counted, for the invariants.
+  /// The device's counters, for the invariants.
   [[nodiscard]] Totals totals() const;
 
  private:
@@ -89,7 +89,7 @@ class Device {
   void make_wires();
   void make_executors();
   [[nodiscard]] executor::Unit unit_of(Member& member) const;
-  /// `wanted`: the processor that is asked for; none: that of `index`, where there are several.
+  /// `wanted` is the CPU that the descriptor names; without one, `index` selects it.
   Kernel::Place place_of(std::uint32_t executor, std::optional<int> wanted, std::size_t index, int below);
   Kernel::Place place_of(const Member& member);
 
@@ -102,23 +102,23 @@ class Device {
   void run_background(Member& member);
   void run_program(Member& member);
   bool await_release(Member& member, channel::Taken& taken);
-  void look_at_tables(std::uint32_t executor);
+  void emit_table_changes(std::uint32_t executor);
   void ring(std::uint32_t bits);
   void ring_pending() { ring(wake_word_->take_pending()); }
   void forward_samples();
   [[noreturn]] void crash_host(Member& member);
   [[noreturn]] void leave(Member& member, const char* how);
   void end_host(std::optional<std::uint32_t> culprit, ErrorType type, const std::string& why);
-  void say(What what, const Member& member);
-  void say(Event event, const Member& member);
-  void say(Event event);
+  void emit(What what, const Member& member);
+  void emit(Event event, const Member& member);
+  void emit(Event event);
 
   // A module's work, in run() or in the body of a program (device_work.cpp)
   void connect(Member& member);
-  /// Of a run or body of `release` that begins now.
+  /// Does the work of a run or body that begins at `begin` for `release`.
   executor::Outcome work(Member& member, Instant release, Instant begin);
   const char* stale_input(Member& member, Instant start);
-  /// When the first event that is there may be read; channel::kNever: there is none.
+  /// When the first available event may be read; channel::kNever if there is none.
   [[nodiscard]] std::int64_t news_at(const Member& member) const;
 
   // Supervision (device_supervision.cpp)
@@ -150,7 +150,7 @@ class Device {
   void take_from_tables(Member& member);
   [[nodiscard]] bool is_out(const Member& member) const;
   [[nodiscard]] std::uint64_t cycles_of(const Member& member) const;
-  [[nodiscard]] channel::Place departure_of(const Member& member) const;
+  [[nodiscard]] channel::Place removal_of(const Member& member) const;
 
   [[nodiscard]] Instant now() const noexcept { return world_.kernel.now(); }
   [[nodiscard]] const model::Device& model() const { return world_.cell.devices[index_]; }
@@ -165,17 +165,17 @@ class Device {
   Draws draws_;
   channel::Channel channel_;
   std::unique_ptr<channel::WakeWord> wake_word_;
-  std::map<int, Processor> processors_;  // those that several may want
+  std::map<int, Cpu> shared_cpus_;  // shared CPUs, by number
   std::vector<std::unique_ptr<Member>> members_;
   std::vector<std::unique_ptr<Wire>> wires_;
   std::vector<std::unique_ptr<Row>> rows_;
-  Nanoseconds wall_offset_{};  // of the wall clock from the monotonic one
+  Nanoseconds wall_offset_{};  // wall clock minus monotonic clock
 
   Instant t0_{};
   bool rows_begun_ = false;
   bool host_runs_ = false;
   bool host_end_seen_ = true;
-  std::uint64_t host_ = 0;  // which of them; what an earlier one was asked is not answered
+  std::uint64_t host_ = 0;  // counts hosts; requests to an earlier host get no answer
   Instant hooks_free_at_{};
   std::vector<Strand*> host_strands_;
   bool gateway_awake_ = false;

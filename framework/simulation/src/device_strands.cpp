@@ -1,5 +1,5 @@
-// What on a real device are threads and programs: the rows, the sporadic modules, those that are not
-// real-time, process modules, the gateway.
+// The strands of a simulated device, which are threads and programs on a real one: rows, sporadic modules,
+// non-real-time modules, process modules and the gateway.
 #include <algorithm>
 
 #include "member.hpp"
@@ -11,24 +11,24 @@ namespace {
 
 using std::chrono::microseconds;
 
-/// A wake-up by the clock, with the spin that ends it.
+/// The delay of a wake-up by the clock, including the final spin.
 Nanoseconds wake_up(Draws& draws) {
   if (draws.chance(0.001)) return draws.between(Nanoseconds{microseconds{1}}, Nanoseconds{microseconds{30}});
   return draws.between(Nanoseconds{100}, Nanoseconds{1000});
 }
-/// A wake-up by a futex from another processor.
+/// The delay of a futex wake-up from another CPU.
 Nanoseconds futex_wake_up(Draws& draws) {
   return draws.between(Nanoseconds{microseconds{4}}, Nanoseconds{microseconds{30}});
 }
-/// The word of a slot, from one processor's cache to another's.
+/// The time until a store to a slot is visible to another CPU.
 Nanoseconds store_seen(Draws& draws) { return draws.between(Nanoseconds{100}, Nanoseconds{500}); }
-/// A gateway that is rung for, until it has taken what is there.
+/// The time from ringing for the gateway until it has taken the samples.
 constexpr Nanoseconds kGatewayShortest = microseconds{15};
 constexpr Nanoseconds kGatewayLongest = microseconds{60};
-/// A host that dies, until its node knows.
+/// The time from the death of a host until its node knows.
 constexpr Nanoseconds kEndSeenShortest = microseconds{300};
 constexpr Nanoseconds kEndSeenLongest = microseconds{5000};
-/// A non-real-time module without a period.
+/// The pause between runs of a non-real-time module without a period.
 constexpr Nanoseconds kBackgroundPause = std::chrono::milliseconds{5};
 
 }  // namespace
@@ -39,7 +39,7 @@ void Device::begin_strands() {
     if (row.plan.basic_period == Nanoseconds{0}) continue;
     row.halted = false;
     const model::Executor& executor = model().executors[row.index];
-    // As executors that name a processor share it, so do those that name the same one.
+    // Executors that name the same CPU share it.
     row.rows = &world_.kernel.spawn(place_of(row.index, executor.cpu, row.index, 0),
                                     [this, &row] { walk_rows(row); });
     host_strands_.push_back(row.rows);
@@ -56,11 +56,11 @@ void Device::walk_rows(Row& row) {
   channel::ExecutorBlock& block = channel_.executor(row.index);
   const std::uint64_t missed_before = block.missed.load();
   executor.join_grid(t0_, now());
-  say({.what = What::joined,
-       .executor = row.index,
-       .number = executor.next_row(),
-       .count = block.missed.load() - missed_before,
-       .release = executor.next_release()});
+  emit({.what = What::joined,
+        .executor = row.index,
+        .number = executor.next_row(),
+        .count = block.missed.load() - missed_before,
+        .release = executor.next_release()});
   while (true) {
     const Instant release = executor.next_release();
     if (!halt_asked_ && release > now()) {
@@ -69,16 +69,16 @@ void Device::walk_rows(Row& row) {
     if (!halt_asked_ && row.oversleep > Nanoseconds{0})
       static_cast<void>(kernel.wait(now() + std::exchange(row.oversleep, Nanoseconds{0})));
     if (halt_asked_) break;
-    look_at_tables(row.index);
-    say({.what = What::woke, .executor = row.index, .number = executor.next_row(), .release = release});
+    emit_table_changes(row.index);
+    emit({.what = What::woke, .executor = row.index, .number = executor.next_row(), .release = release});
     const std::uint64_t missed = block.missed.load();
     const std::uint32_t bits = executor.run_cycle(now());
-    look_at_tables(row.index);
-    say({.what = What::walked,
-         .executor = row.index,
-         .number = executor.next_row() - 1,
-         .count = block.missed.load() - missed,
-         .release = executor.next_release() - executor.basic_period()});
+    emit_table_changes(row.index);
+    emit({.what = What::walked,
+          .executor = row.index,
+          .number = executor.next_row() - 1,
+          .count = block.missed.load() - missed,
+          .release = executor.next_release() - executor.basic_period()});
     ring(bits | wake_word_->take_pending());
   }
   row.rows = nullptr;
@@ -89,19 +89,19 @@ void Device::serve_sporadic(Row& row) {
   while (!halt_asked_) {
     const std::uint32_t rings = wake_word_->rings.load();
     while (!halt_asked_ && row.executor->run_sporadic()) {
-      look_at_tables(row.index);
+      emit_table_changes(row.index);
       ring_pending();
     }
     if (halt_asked_ || wake_word_->rings.load() != rings) continue;
-    row.sporadic_on_bell = true;
+    row.sporadic_on_wake_word = true;
     static_cast<void>(world_.kernel.wait());
-    row.sporadic_on_bell = false;
+    row.sporadic_on_wake_word = false;
   }
   row.sporadic = nullptr;
   row.halted = row.rows == nullptr;
 }
 
-// As host::Host::run_background().
+// Corresponds to host::Host::run_background().
 void Device::run_background(Member& member) {
   channel::ModuleBlock& block = member.block;
   const Nanoseconds period = member.model.period.value_or(Nanoseconds{0});
@@ -122,8 +122,8 @@ void Device::run_background(Member& member) {
         block.errors.fetch_add(1);
         block.error_text.assign(outcome.text);
         block.error.store(static_cast<std::uint32_t>(outcome.type));
-        member.said_in_tables = false;
-        say({.what = What::taken_out, .error = outcome.type}, member);
+        member.reported_in_tables = false;
+        emit({.what = What::taken_out, .error = outcome.type}, member);
       }
     }
     ring_pending();
@@ -133,7 +133,7 @@ void Device::run_background(Member& member) {
   }
 }
 
-// As libtakt_process, in the user's program.
+// Corresponds to libtakt_process in the user's program.
 void Device::run_program(Member& member) {
   channel::ReleaseSlot& slot = *member.slot;
   connect(member);
@@ -147,12 +147,12 @@ void Device::run_program(Member& member) {
     const Instant started = now();
     const std::int64_t release = taken.release_ns;
     slot.jitter.record(release - to_ns(started));
-    say({.what = What::body, .number = taken.cycle, .release = from_ns(release)}, member);
+    emit({.what = What::body, .number = taken.cycle, .release = from_ns(release)}, member);
     const executor::Outcome outcome = work(member, from_ns(release), started);
     if (!outcome.ok())
-      leave(member, "the process exited with status 1");  // how a program says that it failed
+      leave(member, "the process exited with status 1");  // a program reports a failure in this way
     slot.run.record((now() - started).count());
-    say({.what = What::done, .took = now() - started}, member);
+    emit({.what = What::done, .took = now() - started}, member);
     const std::int64_t late = to_ns(now()) - release - slot.deadline_ns;
     if (slot.deadline_ns != 0 && late > 0) {
       slot.late_by_ns.store(late);
@@ -163,16 +163,16 @@ void Device::run_program(Member& member) {
   leave(member, "the process exited with status 0");
 }
 
-// The program is no more; its node hears of it.
+// Ends the program; its node sees this a little later.
 void Device::leave(Member& member, const char* how) {
   member.program = nullptr;
-  member.spins = member.on_bell = false;
+  member.spins = member.on_wake_word = false;
   world_.kernel.at(now() + draws_.between(kEndSeenShortest, kEndSeenLongest),
                    [this, &member, how] { program_ended(member, how); });
   world_.kernel.end();
 }
 
-// False: it is to end.
+// Returns false if the program has to end.
 bool Device::await_release(Member& member, channel::Taken& taken) {
   channel::ReleaseSlot& slot = *member.slot;
   Kernel& kernel = world_.kernel;
@@ -194,47 +194,47 @@ bool Device::await_release(Member& member, channel::Taken& taken) {
     const Instant from = from_ns(std::max(event, channel::not_before_ns(slot)));
     if (event != channel::kNever && now() >= from) {
       if (channel::begin(slot, to_ns(now()))) return true;
-      taken.count = slot.released.load();  // it was shut out in between
+      taken.count = slot.released.load();  // it was taken out of the tables in between
       slot.done.store(taken.count);
     }
     slot.sleeping.store(1);
     Instant until = Instant::max();
     if (event != channel::kNever && slot.open.load() != 0) until = from;
-    member.on_bell = true;
+    member.on_wake_word = true;
     if (!released() && until > now()) static_cast<void>(kernel.wait(until));
-    member.on_bell = false;
+    member.on_wake_word = false;
     slot.sleeping.store(0);
   }
   return true;
 }
 
-// Says what the executor has done since, to modules that do not say it themselves.
-void Device::look_at_tables(std::uint32_t executor) {
+// Emits events for what the executor has done since the last call and modules do not report themselves.
+void Device::emit_table_changes(std::uint32_t executor) {
   const Row& row = *rows_[executor];
   const auto released = [this](Member& member) {
     if (!member.slot || member.slot->immediate != 0) return;
     const std::uint32_t releases = member.slot->released.load();
-    if (releases != member.said_released) {
-      member.said_released = releases;
-      say({.what = What::released,
-           .number = member.slot->cycle(releases),
-           .release = from_ns(member.slot->release_ns.load())},
-          member);
+    if (releases != member.reported_releases) {
+      member.reported_releases = releases;
+      emit({.what = What::released,
+            .number = member.slot->cycle(releases),
+            .release = from_ns(member.slot->release_ns.load())},
+           member);
       if (member.spins) world_.kernel.wake(*member.program, store_seen(member.draws));
     }
     const std::uint64_t overruns = member.block.overruns.load();
-    if (overruns != member.said_overruns)
-      say({.what = What::busy, .count = overruns - member.said_overruns}, member);
-    member.said_overruns = overruns;
+    if (overruns != member.reported_overruns)
+      emit({.what = What::busy, .count = overruns - member.reported_overruns}, member);
+    member.reported_overruns = overruns;
   };
   for (const auto& member : members_) {
     if (!member->scheduled() || member->executor != executor) continue;
-    if (member->said_in_tables && !member->in_tables()) {
-      member->said_in_tables = false;
-      say({.what = What::taken_out,
-           .error = static_cast<ErrorType>(member->block.error.load()),
-           .text = member->block.error_text.view()},
-          *member);
+    if (member->reported_in_tables && !member->in_tables()) {
+      member->reported_in_tables = false;
+      emit({.what = What::taken_out,
+            .error = static_cast<ErrorType>(member->block.error.load()),
+            .text = member->block.error_text.view()},
+           *member);
     }
   }
   for (const std::uint32_t index : row.in_priority) released(*members_[index]);
@@ -245,11 +245,11 @@ void Device::ring(std::uint32_t bits) {
   wake_word_->rings.fetch_add(1);
   Kernel& kernel = world_.kernel;
   for (auto& row : rows_) {
-    if (row->sporadic_on_bell && (bits & channel::kSporadicBit) != 0)
+    if (row->sporadic_on_wake_word && (bits & channel::kSporadicBit) != 0)
       kernel.wake(*row->sporadic, futex_wake_up(row->draws));
   }
   for (auto& member : members_) {
-    if (member->on_bell && (bits & member->slot->bell_bit) != 0)
+    if (member->on_wake_word && (bits & member->slot->wake_bit) != 0)
       kernel.wake(*member->program, futex_wake_up(member->draws));
   }
   if ((bits & channel::kGatewayBit) == 0 || gateway_awake_) return;
@@ -258,7 +258,7 @@ void Device::ring(std::uint32_t bits) {
   kernel.at(now() + draws_.between(kGatewayShortest, kGatewayLongest), [this] { forward_samples(); });
 }
 
-// The gateway takes all that goes to other devices, and sleeps again.
+// The gateway takes all samples for other devices, and sleeps again.
 void Device::forward_samples() {
   std::int64_t next = channel::kNever;
   for (const auto& wire : wires_) {
@@ -267,12 +267,12 @@ void Device::forward_samples() {
     while (reader.take(to_ns(now()))) {
       const std::byte* sample = wire->link().payload(reader.buffer());
       if (!is_whole(sample, wire->connection()))
-        say({.what = What::read, .connection = wire->connection(), .number = number_of(sample), .count = 1});
+        emit({.what = What::read, .connection = wire->connection(), .number = number_of(sample), .count = 1});
       world_.network->send(wire->connection(), sample, wall_of(reader.info().stamp_ns));
     }
     next = std::min(next, reader.news_at());
   }
-  if (next != channel::kNever) {  // what is there and may not be read yet
+  if (next != channel::kNever) {  // a sample is there but not valid yet
     world_.kernel.at(from_ns(next), [this] { forward_samples(); });
     return;
   }
@@ -284,21 +284,21 @@ void Device::arrive(Wire& wire, const std::byte* sample, std::int64_t wall_ns) {
   if (phase_ == Phase::ended) return;
   const std::int64_t stamp = wall_ns - wall_offset_.count();
   if (wire.model().lifespan && to_ns(now()) - stamp > wire.model().lifespan->count()) {
-    say({.what = What::lost,
-         .connection = wire.connection(),
-         .number = number_of(sample),
-         .text = "too old"});
+    emit({.what = What::lost,
+          .connection = wire.connection(),
+          .number = number_of(sample),
+          .text = "too old"});
     return;
   }
   channel::LinkWriter writer{wire.link()};
   std::copy_n(sample, kSampleBytes, wire.link().payload(writer.buffer()));
   writer.publish(kSampleBytes, stamp);
-  say({.what = What::arrived, .connection = wire.connection(), .number = number_of(sample)});
+  emit({.what = What::arrived, .connection = wire.connection(), .number = number_of(sample)});
   wake_word_->note(wire.link().block().wake_bits);
   ring_pending();
 }
 
-// Called by a strand of the host, which ends with it.
+// Called by a strand of the host, which ends together with the host.
 void Device::crash_host(Member& member) {
   end_host(member.index, ErrorType::crash, "the host was ended by signal 11 in run()");
   world_.kernel.end();
@@ -308,17 +308,17 @@ void Device::end_host(std::optional<std::uint32_t> culprit, ErrorType type, cons
   if (!host_runs_) return;
   host_runs_ = false;
   host_end_seen_ = false;
-  ++host_;  // nobody answers what it was asked
+  ++host_;  // its pending requests get no answer
   for (Strand* strand : host_strands_) {
     if (strand != world_.kernel.running()) world_.kernel.kill(*strand);
   }
   host_strands_.clear();
   for (auto& row : rows_) {
     row->rows = row->sporadic = nullptr;
-    row->sporadic_on_bell = false;
+    row->sporadic_on_wake_word = false;
     row->halted = true;
   }
-  say({.what = What::host_ended, .text = why});
+  emit({.what = What::host_ended, .text = why});
   world_.kernel.at(now() + draws_.between(kEndSeenShortest, kEndSeenLongest),
                    [this, culprit, type, why] { host_is_seen_ended(culprit, type, why); });
 }
@@ -357,7 +357,7 @@ void Device::inject(const Fault& fault) {
       world_.network->delay(fault.place, fault.by);
       break;
   }
-  say({.what = What::fault, .text = text});
+  emit({.what = What::fault, .text = text});
 }
 
 }  // namespace takt::simulation

@@ -1,5 +1,5 @@
-// The supervision of a simulated device: what takt-node does about what it sees, in virtual time. It takes
-// each step through the lifecycle's table and asks lifecycle::Recovery when to try again.
+// The supervision of a simulated device: what takt-node does on a real one, on virtual time. Each step goes
+// through the lifecycle's table, and lifecycle::Recovery decides when to try again.
 #include <algorithm>
 
 #include "member.hpp"
@@ -15,22 +15,22 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// A node looks this often.
+/// The interval at which a node checks its modules.
 constexpr Nanoseconds kLookEvery = milliseconds{5};
-/// A hook.
+/// The duration of a hook.
 constexpr Nanoseconds kHookShortest = microseconds{50};
 constexpr Nanoseconds kHookLongest = milliseconds{3};
-/// A program, from its start to its first wait.
+/// The time of a program from its start to its first wait.
 constexpr Nanoseconds kAttachShortest = milliseconds{2};
 constexpr Nanoseconds kAttachLongest = milliseconds{20};
-/// A host, until it takes requests.
+/// The time until a host accepts requests.
 constexpr Nanoseconds kHostShortest = milliseconds{5};
 constexpr Nanoseconds kHostLongest = milliseconds{30};
-/// The executors, to end their rows; a program, to come to its wait.
+/// Time limits for the executors to end their rows, and for a program to reach its wait.
 constexpr Nanoseconds kHaltLimit = seconds{2};
 constexpr Nanoseconds kProgramEndLimit = seconds{1};
 
-/// A run() or a body that takes longer is taken to be never coming back.
+/// A run() or a body that takes longer counts as hanging.
 Nanoseconds stuck_after(const model::Module& module) {
   const Nanoseconds own = module.period ? *module.period : module.deadline.value_or(Nanoseconds{0});
   return seconds{1} + std::min<Nanoseconds>(10 * own, seconds{60});
@@ -41,7 +41,7 @@ Nanoseconds stuck_after(const model::Module& module) {
 bool Device::apply(Member& member, lifecycle::Event event, const std::string& text, ErrorType error) {
   const auto step = member.machine.apply(event);
   if (!step) return false;
-  say({.what = What::step, .error = error, .step = *step, .text = text}, member);
+  emit({.what = What::step, .error = error, .step = *step, .text = text}, member);
   return true;
 }
 
@@ -69,7 +69,7 @@ void Device::step() {
   world_.kernel.at(now() + kLookEvery, [this] { step(); });
 }
 
-// Every module is initialised, then every module started.
+// First every module is initialised, then every module is started.
 void Device::prepare_step() {
   const auto all = [this](auto&& holds) {
     return std::all_of(members_.begin(), members_.end(), [&](const auto& member) { return holds(*member); });
@@ -102,13 +102,13 @@ void Device::go(Instant t0) {
   begin_strands();
 }
 
-// What grows when a row names the module: a periodic one is called or released, a sporadic one is asked for
-// its condition.
+// A counter that grows when a row names the module: the module's cycles, or the executor's cycles for a
+// sporadic module, whose condition each row checks.
 std::uint64_t Device::cycles_of(const Member& member) const {
   return (member.sporadic() ? channel_.executor(member.executor).cycles : member.block.cycles).load();
 }
 
-channel::Place Device::departure_of(const Member& member) const {
+channel::Place Device::removal_of(const Member& member) const {
   return {.index = member.index,
           .block = &member.block,
           .executor = member.scheduled() ? &channel_.executor(member.executor) : nullptr,
@@ -118,19 +118,19 @@ channel::Place Device::departure_of(const Member& member) const {
 void Device::put_in_tables(Member& member) {
   member.seen_cycles = cycles_of(member);
   member.put_in_at = now();
-  channel::put_in(departure_of(member));
-  member.said_in_tables = true;
-  say(What::put_in, member);
-  if (member.slot && member.slot->immediate != 0) ring(member.slot->bell_bit);
+  channel::put_in(removal_of(member));
+  member.reported_in_tables = true;
+  emit(What::put_in, member);
+  if (member.slot && member.slot->immediate != 0) ring(member.slot->wake_bit);
 }
 
 void Device::take_from_tables(Member& member) {
-  member.removal.begin(departure_of(member));
-  if (!std::exchange(member.said_in_tables, false)) return;
-  say(What::taken_out, member);
+  member.removal.begin(removal_of(member));
+  if (!std::exchange(member.reported_in_tables, false)) return;
+  emit(What::taken_out, member);
 }
 
-bool Device::is_out(const Member& member) const { return member.removal.over(departure_of(member)); }
+bool Device::is_out(const Member& member) const { return member.removal.over(removal_of(member)); }
 
 void Device::supervise(Member& member) {
   if (!member.scheduled() && member.state() == State::start) {
@@ -140,8 +140,8 @@ void Device::supervise(Member& member) {
     if (!walked || (member.is_thread() && !host_runs_)) return;
     if (member.is_thread()) {
       put_in_tables(member);
-      Strand& strand = world_.kernel.spawn({.processor = nullptr, .priority = 0},
-                                           [this, &member] { run_background(member); });
+      Strand& strand =
+          world_.kernel.spawn({.cpu = nullptr, .priority = 0}, [this, &member] { run_background(member); });
       host_strands_.push_back(&strand);
     }
     apply(member, lifecycle::Event::run);
@@ -152,7 +152,7 @@ void Device::supervise(Member& member) {
   if (const auto type = member.block.error.load(); type != 0) {
     const std::string text{member.block.error_text.view()};
     member.block.error.store(0);
-    if (member.state() == State::start) apply(member, lifecycle::Event::run);  // its first row went wrong
+    if (member.state() == State::start) apply(member, lifecycle::Event::run);  // its first run failed
     raise(member, static_cast<ErrorType>(type), text);
     if (static_cast<ErrorType>(type) == ErrorType::overrun &&
         (member.contract.what == model::Overrun::stop_device ||
@@ -169,7 +169,7 @@ void Device::supervise(Member& member) {
   if (member.state() == State::recover && !member.pending) attempt_recovery(member);
 }
 
-// As of the host's modules before each run; a program is looked at from here.
+// Checks the inputs of programs. Thread modules check theirs before each run.
 void Device::watch_inputs(Member& member) {
   if (!member.slot || member.state() != State::executing || !member.in_tables()) return;
   for (Member::Input& input : member.inputs) {
@@ -181,7 +181,8 @@ void Device::watch_inputs(Member& member) {
     input.late = late;
     if (!late || input.wire->model().stale != model::Stale::error) continue;
     ++member.errors;
-    raise(member, ErrorType::stale, "the newest value of input '" + input.wire->model().to.port + "' is old");
+    raise(member, ErrorType::stale,
+          "the newest value of input '" + input.wire->model().to.port + "' is too old");
     return;
   }
 }
@@ -210,7 +211,7 @@ void Device::watch_program(Member& member) {
   if (slot.in_body() && member.program != nullptr &&
       now() - from_ns(slot.release_ns.load()) >= stuck_after(member.model)) {
     member.killed_for_hanging = true;
-    end_program(member, true, "the process did not come back to its wait and was ended");
+    end_program(member, true, "the process did not return to its wait and was ended");
     return;
   }
   const std::uint64_t late = slot.late.load();
@@ -221,14 +222,14 @@ void Device::watch_program(Member& member) {
   raise(member, ErrorType::deadline, "its body ended after its deadline");
 }
 
-// A run() that never comes back: the host is ended.
+// Ends the host if a run() hangs.
 void Device::watch_rows() {
   if (!host_runs_) return;
   const auto look = [this](const channel::Activity& activity) {
     const std::uint32_t busy = activity.module.load();
     if (busy == 0 || now() - from_ns(activity.since_ns.load()) < stuck_after(members_[busy - 1]->model))
       return false;
-    end_host(busy - 1, ErrorType::hang, "run() did not come back, so the host was ended");
+    end_host(busy - 1, ErrorType::hang, "run() did not return, so the host was ended");
     return true;
   };
   for (std::size_t e = 0; e < channel_.executors(); ++e) {
@@ -236,7 +237,7 @@ void Device::watch_rows() {
   }
 }
 
-// Hooks are called one after the other; before T0 they take no time.
+// Calls hooks one after the other; before T0 they take no time.
 void Device::ask(Member& member, Doing hook) {
   member.pending = hook;
   const Nanoseconds takes =
@@ -284,7 +285,7 @@ void Device::answered(Member& member, Doing hook) {
   }
 }
 
-// The module is out of its table, by the executor or by us.
+// Raises an error of a module; the executor may have taken it out of its table already.
 void Device::raise(Member& member, ErrorType type, const std::string& text, std::optional<Instant> since) {
   take_from_tables(member);
   member.why = std::string{takt::to_text(type)} + ": " + text;
@@ -297,7 +298,7 @@ void Device::raise(Member& member, ErrorType type, const std::string& text, std:
 void Device::attempt_recovery(Member& member) {
   if (member.alive && (member.started_again || !is_out(member))) return;
   if (member.is_thread() && !host_runs_) return;
-  // To wait for what somebody else is to send is no attempt.
+  // Waiting for another module to send does not count as an attempt.
   if (member.stale && member.model.recovery.attempts > 0) {
     for (const Member::Input& input : member.inputs) {
       const channel::LinkBlock& block = input.wire->link().block();
@@ -315,10 +316,10 @@ void Device::attempt_recovery(Member& member) {
     case lifecycle::Recovery::Step::attempt:
       break;
   }
-  say({.what = What::recovery,
-       .number = static_cast<std::uint64_t>(member.recovery.attempts()),
-       .count = static_cast<std::uint64_t>(member.model.recovery.attempts)},
-      member);
+  emit({.what = What::recovery,
+        .number = static_cast<std::uint64_t>(member.recovery.attempts()),
+        .count = static_cast<std::uint64_t>(member.model.recovery.attempts)},
+       member);
   if (member.is_thread()) {
     ask(member, Doing::recover);
   } else if (member.unmended != 0) {
@@ -357,7 +358,7 @@ void Device::give_up(Member& member) {
     failures_.push_back(std::move(problem));
 }
 
-// No hook of this module will be called any more.
+// Loses a module: none of its hooks is called any more.
 void Device::lose(Member& member, const std::string& text, ErrorType type) {
   take_from_tables(member);
   member.lost = true;
@@ -410,14 +411,14 @@ void Device::start_host() {
   const bool first = host_ == 0;
   const Nanoseconds takes = first ? Nanoseconds{0} : draws_.between(kHostShortest, kHostLongest);
   hooks_free_at_ = now() + takes;
-  // The values of two modules of the former host are gone with it.
+  // Values between two modules of the former host ended with it.
   for (auto& wire : wires_) {
     const auto is_thread = [this](Wire::End end) { return end && members_[*end]->is_thread(); };
     if (is_thread(wire->writer()) && is_thread(wire->reader()) && !first) wire->drop();
   }
   make_executors();
-  say({.what = What::host_began});
-  // A module whose instance died with the host, through no fault of its own, is loaded afresh.
+  emit({.what = What::host_began});
+  // A module whose instance died with the host through no fault of its own is reloaded.
   for (auto& member : members_) {
     if (!member->is_thread() || member->lost) continue;
     if (!first) {
@@ -435,10 +436,10 @@ void Device::start_host() {
 
 void Device::spawn(Member& member) {
   channel::clear_for_new_program(*member.slot);
-  member.said_released = 0;
+  member.reported_releases = 0;
   member.alive = true;
   member.killed_for_hanging = false;
-  member.told_to_end = {};
+  member.end_requested_at = {};
   const Nanoseconds takes =
       phase_ == Phase::preparing ? Nanoseconds{0} : member.draws.between(kAttachShortest, kAttachLongest);
   member.program = &world_.kernel.spawn(place_of(member), [this, &member, from = now() + takes] {
@@ -456,16 +457,16 @@ void Device::end_program(Member& member, bool killed, const std::string& why) {
   }
   world_.kernel.kill(*member.program);
   member.program = nullptr;
-  member.spins = member.on_bell = false;
+  member.spins = member.on_wake_word = false;
   program_ended(member, why);
 }
 
 void Device::program_ended(Member& member, const std::string& text) {
-  ring(~0U);  // for what it wrote last
+  ring(~0U);  // wakes the readers of its last samples
   member.alive = false;
   if (member.state() == State::destruct) return;
   if (phase_ == Phase::stopping) {
-    take_from_tables(member);  // the last row may be still to come
+    take_from_tables(member);  // the last row may still come
     if (member.machine.accepts(lifecycle::Event::stop)) apply(member, lifecycle::Event::stop);
     apply(member, lifecycle::Event::destruct, text);
     return;
@@ -490,7 +491,7 @@ void Device::stop() {
   phase_ = Phase::stopping;
   asked_at_ = now();
   halt_asked_ = true;
-  // They look whether they are to halt; one that is in a row ends it first.
+  // Wakes the strands so that they see the halt. A strand in a row ends it first.
   for (Strand* strand : host_strands_) world_.kernel.wake(*strand);
   halted_ = !host_runs_ && host_end_seen_;
 }
@@ -511,7 +512,7 @@ void Device::stopping_step() {
   }
   if (rows_begun_) {
     rows_begun_ = false;
-    say({.what = What::halted});
+    emit({.what = What::halted});
   }
   bool all = true;
   for (auto& pointer : members_) {
@@ -519,10 +520,10 @@ void Device::stopping_step() {
     take_from_tables(member);
     all &= member.state() == State::destruct && !member.alive;
     if (member.alive) {
-      if (member.told_to_end == Instant{}) {
-        member.told_to_end = now();
+      if (member.end_requested_at == Instant{}) {
+        member.end_requested_at = now();
         end_program(member, false, "");
-      } else if (now() - member.told_to_end > kProgramEndLimit) {
+      } else if (now() - member.end_requested_at > kProgramEndLimit) {
         end_program(member, true, "the process was ended by signal 15");
       }
     } else if (member.state() != State::destruct && !member.pending) {

@@ -1,6 +1,5 @@
-// What a simulated module does in its run(), or in the body of its program: takes its inputs, takes its time,
-// writes its outputs. While it does, it holds buffers of the links that it reads and writes, as a real one
-// may.
+// The work of a simulated module in its run(), or in the body of its program: it takes its inputs, takes its
+// time, and writes its outputs. Meanwhile it holds buffers of its links, as a real module may.
 #include <algorithm>
 
 #include "member.hpp"
@@ -9,14 +8,14 @@ namespace takt::simulation {
 
 namespace {
 
-/// A sporadic module without an event port is ready in this share of the rows.
+/// The share of rows in which a sporadic module without an event port is ready.
 constexpr double kReady = 0.1;
-/// What never comes back.
+/// The duration of a run that never returns.
 constexpr Nanoseconds kForEver = std::chrono::hours{24 * 365};
 
 }  // namespace
 
-// As a module that was loaded afresh takes its ends of the links.
+// Connects the links as a newly loaded module does.
 void Device::connect(Member& member) {
   for (Member::Input& input : member.inputs) {
     input.reader = channel::LinkReader{input.wire->link()};
@@ -34,7 +33,7 @@ std::int64_t Device::news_at(const Member& member) const {
   return first;
 }
 
-// As host::ThreadModule looks at its inputs.
+// Corresponds to host::ThreadModule::check_inputs().
 const char* Device::stale_input(Member& member, Instant start) {
   const std::uint64_t entered = member.block.entered.load();
   if (entered != member.entered) {
@@ -65,16 +64,16 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
     write_first_half(output.writer.link().payload(output.writer.buffer()), output.wire->connection(),
                      output.writer.next());
   }
-  // Of a queue all that is there is read, the last sample while time passes.
+  // Reads everything in a queue, and keeps the last sample while time passes.
   for (Member::Input& input : member.inputs) {
     const std::uint32_t depth = input.wire->link().depth();
     for (std::uint32_t i = 0; i < depth && input.reader.take(to_ns(start)); ++i) {
       const std::byte* sample = input.wire->link().payload(input.reader.buffer());
       const std::uint32_t connection = input.wire->connection();
-      say({.what = What::read,
-           .connection = connection,
-           .number = number_of(sample),
-           .count = is_whole(sample, connection) ? 0U : 1U});
+      emit({.what = What::read,
+            .connection = connection,
+            .number = number_of(sample),
+            .count = is_whole(sample, connection) ? 0U : 1U});
     }
   }
   Nanoseconds time = member.run_time.draw(member.draws);
@@ -89,28 +88,28 @@ executor::Outcome Device::work(Member& member, Instant release, Instant begin) {
   for (Member::Input& input : member.inputs) {
     const std::byte* sample = input.wire->link().payload(input.reader.buffer());
     if (input.reader.info().sequence == 0 || is_whole(sample, input.wire->connection())) continue;
-    say({.what = What::read,
-         .connection = input.wire->connection(),
-         .number = number_of(sample),
-         .count = 1});
+    emit({.what = What::read,
+          .connection = input.wire->connection(),
+          .number = number_of(sample),
+          .count = 1});
   }
-  if (std::exchange(member.to_fail, false)) return "it was to fail";
+  if (std::exchange(member.to_fail, false)) return "injected failure";
   for (Member::Output& output : member.outputs) {
     std::byte* const sample = output.writer.link().payload(output.writer.buffer());
     const std::uint64_t number = output.writer.next();
     write_second_half(sample, output.wire->connection(), number);
     output.writer.publish(kSampleBytes, to_ns(start), valid);
     wake_word_->note(output.wire->link().block().wake_bits);
-    say({.what = What::wrote, .connection = output.wire->connection(), .number = number});
+    emit({.what = What::wrote, .connection = output.wire->connection(), .number = number});
   }
   return {};
 }
 
 executor::Outcome ThreadBody::run(const Cycle& cycle) noexcept {
-  if (member_.scheduled()) device_.look_at_tables(member_.executor);
-  device_.say({.what = What::run, .number = cycle.number, .release = cycle.time}, member_);
+  if (member_.scheduled()) device_.emit_table_changes(member_.executor);
+  device_.emit({.what = What::run, .number = cycle.number, .release = cycle.time}, member_);
   const executor::Outcome outcome = device_.work(member_, cycle.time, cycle.start);
-  device_.say(
+  device_.emit(
       {.what = What::ran, .number = cycle.number, .took = device_.now() - cycle.start, .error = outcome.type},
       member_);
   return outcome;
@@ -121,11 +120,11 @@ executor::Outcome ThreadBody::condition(const Cycle& cycle, bool* ready) noexcep
                                     [](const Device::Member::Input& input) { return input.event; });
   *ready = by_event ? has_news(cycle.start) : member_.draws.chance(kReady);
   if (*ready)
-    device_.say({.what = What::ready,
-                 .number = cycle.number,
-                 .release = cycle.time,
-                 .until = cycle.time + *member_.model.deadline},
-                member_);
+    device_.emit({.what = What::ready,
+                  .number = cycle.number,
+                  .release = cycle.time,
+                  .until = cycle.time + *member_.model.deadline},
+                 member_);
   return {};
 }
 

@@ -30,24 +30,23 @@ struct Word {
 
 constexpr std::array kFaultWords{
     Word{Kind::late, Of::module, "late", Amount::duration, "robot.servo late 3 ms",
-         "its next run takes that much longer"},
+         "the module's next run takes 3 ms longer"},
     Word{Kind::crash, Of::module, "crash", Amount::none, "line.belt crash",
          "its next run crashes the host, or its program"},
-    Word{Kind::fail, Of::module, "fail", Amount::none, "robot.servo fail",
-         "its next run says that it failed"},
-    Word{Kind::hang, Of::module, "hang", Amount::none, "robot.servo hang", "its next run never comes back"},
+    Word{Kind::fail, Of::module, "fail", Amount::none, "robot.servo fail", "its next run reports a failure"},
+    Word{Kind::hang, Of::module, "hang", Amount::none, "robot.servo hang", "its next run never returns"},
     Word{Kind::unmended, Of::module, "unmended", Amount::count, "robot.servo unmended 2",
-         "its next attempts to recover fail"},
+         "its next two recovery attempts fail"},
     Word{Kind::oversleep, Of::executor, "oversleep", Amount::duration, "robot.motion oversleep 3 ms",
-         "the executor's next wake-up comes late"},
+         "the executor's next wake-up is 3 ms late"},
     Word{Kind::clock_step, Of::device, "clock-step", Amount::duration, "robot clock-step -2 ms",
-         "the device's wall clock is set"},
+         "the device's wall clock is set back by 2 ms"},
     Word{Kind::cut, Of::devices, "cut for", Amount::duration, "link robot line cut for 500 ms",
-         "nothing gets through between the two"},
+         "no sample passes between the two devices"},
     Word{Kind::lose, Of::connection, "lose", Amount::count, "connection robot.arm.state lose 3",
-         "the next samples of this output to other devices are lost"},
+         "the output's next three samples to other devices are lost"},
     Word{Kind::delay, Of::connection, "late", Amount::duration, "connection robot.arm.state late 5 ms",
-         "its next sample to other devices takes longer"},
+         "its next sample to other devices takes 5 ms longer"},
 };
 
 const Word& word_of(Kind kind) {
@@ -79,10 +78,10 @@ class Line {
 
   Result<std::vector<Fault>> read() {
     Fault fault;
-    if (next() != "at") return wrong("a line begins with the time", "at 1.5 s robot.servo late 3 ms");
+    if (next() != "at") return wrong("the line does not begin with 'at'", "at 1.5 s robot.servo late 3 ms");
     const auto at = duration();
     if (!at || *at < Nanoseconds{0})
-      return wrong("there is no time since T0 after 'at'", "at 1.5 s, at 20 ms");
+      return wrong("there is no time since T0 after 'at'", "write, for example, at 1.5 s or at 20 ms");
     fault.at = *at;
 
     std::vector<Fault> places;
@@ -93,7 +92,7 @@ class Line {
       if (!a) return *problem_;
       const auto b = device(next());
       if (!b) return *problem_;
-      if (*a == *b) return wrong("a link is between two devices", "link robot line cut for 500 ms");
+      if (*a == *b) return wrong("a link is between two different devices", "link robot line cut for 500 ms");
       of = Of::devices;
       fault.device = *a;
       fault.place = *b;
@@ -107,7 +106,8 @@ class Line {
     }
 
     if (!what(of, places)) return *problem_;
-    if (!peek().empty()) return wrong("there is more on the line: " + in_quotes(peek()), "one fault a line");
+    if (!peek().empty())
+      return wrong("the line continues after the fault: " + in_quotes(peek()), "write one fault per line");
     return places;
   }
 
@@ -146,7 +146,7 @@ class Line {
     return std::nullopt;
   }
 
-  /// DEVICE, DEVICE.MODULE or DEVICE.EXECUTOR, as what is to happen to it says.
+  /// DEVICE, DEVICE.MODULE or DEVICE.EXECUTOR, depending on the fault.
   bool place(std::string_view name, Fault& fault, std::vector<Fault>& places, Of& of) {
     const std::size_t dot = name.find('.');
     const auto found = device(name.substr(0, dot));
@@ -191,13 +191,13 @@ class Line {
     }
     if (!places.empty()) return true;
     if (within) {
-      wrong(in_quotes(name) + " is connected within its device, where no sample is lost or late",
-            "an output that another device reads");
+      wrong(in_quotes(name) + " is only connected within its device, where no sample is lost or late",
+            "name an output that another device reads");
       return false;
     }
     const std::vector<std::string_view> known{outputs.begin(), outputs.end()};
-    wrong("no connection is from " + in_quotes(name),
-          known.empty() ? "there is none" : suggestion(name, known));
+    wrong("no connection begins at " + in_quotes(name),
+          known.empty() ? "the cell has no connections" : suggestion(name, known));
     return false;
   }
 
@@ -210,15 +210,14 @@ class Line {
       known.push_back(word.word);
       if (given != parts.front()) continue;
       if (parts.size() > 1 && next() != parts[1]) {
-        wrong("after '" + std::string{given} + "' comes '" + std::string{parts[1]} + "'",
+        wrong("'" + std::string{parts[1]} + "' is missing after '" + std::string{given} + "'",
               std::string{word.example});
         return false;
       }
       for (Fault& fault : places) fault.kind = word.kind;
       return amount(word, places);
     }
-    wrong(given.empty() ? "it does not say what happens"
-                        : "nothing that can happen there is called " + in_quotes(given),
+    wrong(given.empty() ? "the line does not name a fault" : "no fault here is called " + in_quotes(given),
           suggestion(given, known));
     return false;
   }
@@ -258,7 +257,7 @@ class Line {
 std::string to_text(const Fault& fault, const model::Cell& cell) {
   const Word& word = word_of(fault.kind);
   const model::Device& device = cell.devices[fault.device];
-  // Exact, as to_text() of a time is not.
+  // to_text() of a time would round.
   const auto exact = [](Nanoseconds time) {
     return time.count() % 1000 == 0 ? fmt::format("{} us", time.count() / 1000)
                                     : fmt::format("{} ns", time.count());
@@ -346,7 +345,7 @@ std::vector<Fault> draw_faults(const model::Cell& cell, Draws& draws, Nanosecond
     }
     if (word.of == Of::connection) {
       fault.place = crossing[fault.place];
-      fault.device = 0;  // the connection says where
+      fault.device = 0;  // the connection determines the device
     }
     if (word.of == Of::device) fault.place = 0;
     if (fault.kind == Kind::cut) fault.by *= 10;

@@ -7,11 +7,11 @@ namespace takt::simulation {
 
 namespace {
 
-/// The rows that name a module: `first`, and each `stride` after it.
+/// The rows that name a module: `first`, and every `stride` rows after it.
 struct Rows {
   std::uint64_t first;
   std::uint64_t stride;
-  /// How many there are in [from, to).
+  /// The number of these rows in [from, to).
   [[nodiscard]] std::uint64_t in(std::uint64_t from, std::uint64_t to) const {
     const auto before = [this](std::uint64_t row) {
       return row <= first ? 0 : (row - first + stride - 1) / stride;
@@ -52,25 +52,25 @@ std::uint32_t Invariants::executor_of(std::uint32_t device, std::uint32_t module
   return static_cast<std::uint32_t>(found - model.executors.begin());
 }
 
-void Invariants::hear(const Event& event) {
+void Invariants::on_event(const Event& event) {
   if (event.connection != Event::kNone) {
-    hear_sample(event);
+    on_sample(event);
     return;
   }
   if (event.device == Event::kNone) return;
   OfDevice& device = devices_[event.device];
   if (event.executor != Event::kNone) {
-    hear_row(event, device);
+    on_row(event, device);
   } else if (event.module != Event::kNone) {
-    hear_module(event, device);
+    on_module(event, device);
   } else if (event.what == What::host_ended) {
     for (OfExecutor& executor : device.executors) {
-      // The row is cut short: it counts as missed, with what it has served and who was in it.
+      // The current row was cut short: it counts as missed, including the modules that it has served.
       const auto index = static_cast<std::size_t>(&executor - device.executors.data());
       const Nanoseconds basic = plans_[event.device].executors[index].basic_period;
       for (const Served& served : executor.served) {
         if (!executor.in_row || executor.runs == served.module) continue;
-        // What was made up of a slot that was over is not missed any more.
+        // A release that was made up for no longer counts as missed.
         const bool made_up = served.number && served.release + basic <= executor.woke_at;
         if (made_up)
           --device.modules[served.module].missed;
@@ -90,7 +90,7 @@ void Invariants::hear(const Event& event) {
   }
 }
 
-void Invariants::hear_row(const Event& event, OfDevice& device) {
+void Invariants::on_row(const Event& event, OfDevice& device) {
   OfExecutor& executor = device.executors[event.executor];
   const schedule::ExecutorPlan& plan = plans_[event.device].executors[event.executor];
   const Nanoseconds basic = plan.basic_period;
@@ -99,12 +99,12 @@ void Invariants::hear_row(const Event& event, OfDevice& device) {
     case What::joined: {
       const std::uint64_t from = event.number - event.count;
       if (event.count > event.number || from < executor.next_row)
-        violated(event, "its next row was " + number(executor.next_row));
-      if (event.release != due(event.number)) violated(event, "the grid is left");
-      if (event.release < event.at) violated(event, "the row is over");
+        violated(event, "expected row " + number(executor.next_row));
+      if (event.release != due(event.number)) violated(event, "the row is not on the grid");
+      if (event.release < event.at) violated(event, "the row is in the past");
       if (event.count != 0 && event.release - basic >= event.at)
-        violated(event, "a row was missed that was still to come");
-      // A row that a crash cut short was begun, and the rows before it were skipped.
+        violated(event, "a row in the future counts as missed");
+      // A crash cut a row short: the rows before it had been skipped.
       if (executor.in_row) {
         count_missed(device, plan, event.device, executor.next_row, from, true);
       }
@@ -114,9 +114,9 @@ void Invariants::hear_row(const Event& event, OfDevice& device) {
       break;
     }
     case What::woke:
-      if (executor.in_row) violated(event, "it is in a row");
-      if (event.number != executor.next_row) violated(event, "its next row was " + number(executor.next_row));
-      if (event.release != due(event.number)) violated(event, "the grid is left");
+      if (executor.in_row) violated(event, "it is still in a row");
+      if (event.number != executor.next_row) violated(event, "expected row " + number(executor.next_row));
+      if (event.release != due(event.number)) violated(event, "the row is not on the grid");
       if (event.at < event.release) violated(event, "it woke too early");
       executor.in_row = true;
       executor.woke_for = event.number;
@@ -129,9 +129,9 @@ void Invariants::hear_row(const Event& event, OfDevice& device) {
       }
       break;
     case What::walked:
-      if (!executor.in_row) violated(event, "it did not wake");
+      if (!executor.in_row) violated(event, "it did not wake for this row");
       if (event.number != executor.woke_for + event.count) violated(event, "rows are lost");
-      if (event.release != due(event.number)) violated(event, "the grid is left");
+      if (event.release != due(event.number)) violated(event, "the row is not on the grid");
       if (executor.woke_at < event.release || executor.woke_at - event.release >= basic)
         violated(event, "it woke in the slot of another row");
       count_missed(device, plan, event.device, executor.woke_for, event.number, true);
@@ -154,8 +154,8 @@ void Invariants::count_missed(OfDevice& device, const schedule::ExecutorPlan& pl
   }
 }
 
-// What was made up of rows that were missed comes first, row by row, each in the order of its row; a module
-// gets no more than its limit, and the newest. Counted as missed until then.
+// Releases that are made up for come first, row by row, in the order of each row. A module gets only its
+// newest missed releases, up to its limit. They counted as missed until then.
 std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
     const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan) {
   const std::vector<Served>& served = device.executors[event.executor].served;
@@ -168,16 +168,16 @@ std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
     const model::OverrunContract contract = model::contract_of(cell_.devices[event.device], model);
     const Rows rows = rows_of(plan, next->module, period_of(event.device, next->module));
     const std::uint64_t row = rows.first + *next->number * rows.stride;
-    if (contract.what != model::Overrun::catch_up) violated(event, name(next->module) + " was made up");
+    if (contract.what != model::Overrun::catch_up) violated(event, name(next->module) + " must not catch up");
     if (next->release != t0_ + plan.basic_period * static_cast<std::int64_t>(row))
-      violated(event, name(next->module) + " was told another release");
+      violated(event, name(next->module) + " got a wrong release");
     if (rows.in(row, event.number) > static_cast<std::uint64_t>(contract.limit))
-      violated(event, name(next->module) + " was made up beyond its limit");
+      violated(event, name(next->module) + " caught up beyond its limit");
     const std::vector<std::uint32_t> of_row = plan.row(row % plan.rows());
     const auto place =
         static_cast<std::size_t>(std::find(of_row.begin(), of_row.end(), next->module) - of_row.begin());
     if (row < last_row || (row == last_row && place < last_place))
-      violated(event, name(next->module) + " was made up out of turn");
+      violated(event, name(next->module) + " caught up in the wrong order");
     last_row = row;
     last_place = place;
     --device.modules[next->module].missed;
@@ -185,8 +185,8 @@ std::vector<Invariants::Served>::const_iterator Invariants::check_made_up(
   return next;
 }
 
-// Several releases of such a program may be given at once, and not all of them are heard.
-bool Invariants::is_owed(std::uint32_t device, std::uint32_t module) const {
+// A program that catches up may get several releases at once, of which not all are reported.
+bool Invariants::has_pending_releases(std::uint32_t device, std::uint32_t module) const {
   const model::Module& model = cell_.devices[device].modules[module];
   return model.type == model::ModuleType::process &&
          model::contract_of(cell_.devices[device], model).what == model::Overrun::catch_up;
@@ -199,38 +199,38 @@ void Invariants::check_row(const Event& event, OfDevice& device, const schedule:
   auto next = check_made_up(event, device, plan);
   for (const std::uint32_t index : row) {
     OfModule& module = device.modules[index];
-    if (is_owed(event.device, index)) continue;
+    if (has_pending_releases(event.device, index)) continue;
     const bool same = module.changes == module.changes_then;
     if (next == executor.served.end() || next->module != index) {
-      if (module.was_in && same) violated(event, name(index) + " was not served in its turn");
+      if (module.was_in && same) violated(event, name(index) + " was not served in its place");
       ++module.out;
       continue;
     }
-    if (!module.was_in && same) violated(event, name(index) + " was served and is not in the tables");
+    if (!module.was_in && same) violated(event, name(index) + " was served while it was out of the tables");
     const Rows rows = rows_of(plan, index, period_of(event.device, index));
     if (next->number &&
         (*next->number != (event.number - rows.first) / rows.stride || next->release != event.release))
-      violated(event, name(index) + " was told another release");
+      violated(event, name(index) + " got a wrong release");
     ++next;
   }
-  if (next != executor.served.end()) violated(event, name(next->module) + " was served out of turn");
+  if (next != executor.served.end()) violated(event, name(next->module) + " was served in the wrong place");
 }
 
-void Invariants::hear_module(const Event& event, OfDevice& device) {
+void Invariants::on_module(const Event& event, OfDevice& device) {
   const model::Module& model = cell_.devices[event.device].modules[event.module];
   OfModule& module = device.modules[event.module];
   const bool scheduled = model.operation != model::Operation::non_real;
   switch (event.what) {
     case What::put_in:
-      if (module.in_tables) violated(event, "it was in them");
-      if (module.raised) violated(event, "its error was forgotten");
+      if (module.in_tables) violated(event, "it was already in the tables");
+      if (module.raised) violated(event, "its error was not handled");
       if (module.state != lifecycle::State::start && module.state != lifecycle::State::executing)
         violated(event, std::string{"its state is "} + lifecycle::to_text(module.state));
       module.in_tables = true;
       ++module.changes;
       break;
     case What::taken_out:
-      if (!module.in_tables) violated(event, "it was not in them");
+      if (!module.in_tables) violated(event, "it was not in the tables");
       module.in_tables = false;
       ++module.changes;
       module.failed = false;
@@ -238,13 +238,13 @@ void Invariants::hear_module(const Event& event, OfDevice& device) {
       break;
     case What::ready: {
       const bool again = module.ready_until && module.ready_changes == module.changes;
-      if (again) violated(event, "it was asked before it had run");
+      if (again) violated(event, "its condition was checked again before it had run");
       if (!module.in_tables) violated(event, "it is not in the tables");
       const Nanoseconds least = model.interarrival.value_or(Nanoseconds{0});
       if (module.last_ready && event.release - *module.last_ready < least)
-        violated(event, "sooner than its interarrival time after the last");
+        violated(event, "it was released before its interarrival time had passed");
       if (model.deadline && event.until != event.release + *model.deadline)
-        violated(event, "not its deadline");
+        violated(event, "this is not its deadline");
       module.last_ready = event.release;
       module.ready_until = event.until;
       module.ready_changes = module.changes;
@@ -252,11 +252,11 @@ void Invariants::hear_module(const Event& event, OfDevice& device) {
     }
     case What::run:
       if (!module.in_tables) violated(event, "it is not in the tables");
-      if (module.failed) violated(event, "it has failed and was left in the tables");
-      if (scheduled) hear_run(event, device);
+      if (module.failed) violated(event, "it has failed but is still in the tables");
+      if (scheduled) on_run(event, device);
       break;
     case What::ran: {
-      ++module.cycles;  // one that crashes its host, or is ended with it, is not counted
+      ++module.cycles;  // a run during which the host ended is not counted
       if (!scheduled) {
         module.failed = event.error != ErrorType::none;
         break;
@@ -273,7 +273,7 @@ void Invariants::hear_module(const Event& event, OfDevice& device) {
       const bool periodic = model.operation == model::Operation::periodic;
       if (event.what == What::released) ++module.cycles;
       if (event.what == What::busy) module.busy += event.count;
-      if (!periodic || is_owed(event.device, event.module)) break;
+      if (!periodic || has_pending_releases(event.device, event.module)) break;
       OfExecutor& executor = device.executors[executor_of(event.device, event.module)];
       if (!executor.in_row) violated(event, "no row is walked");
       executor.served.push_back({event.module,
@@ -288,14 +288,14 @@ void Invariants::hear_module(const Event& event, OfDevice& device) {
       }
       break;
     case What::step:
-      hear_step(event, module);
+      on_step(event, module);
       break;
     default:
       break;
   }
 }
 
-void Invariants::hear_run(const Event& event, OfDevice& device) {
+void Invariants::on_run(const Event& event, OfDevice& device) {
   const std::uint32_t on = executor_of(event.device, event.module);
   OfExecutor& executor = device.executors[on];
   OfModule& module = device.modules[event.module];
@@ -318,9 +318,9 @@ void Invariants::hear_run(const Event& event, OfDevice& device) {
   module.ready_until.reset();
 }
 
-void Invariants::hear_step(const Event& event, OfModule& module) {
+void Invariants::on_step(const Event& event, OfModule& module) {
   const lifecycle::Transition& step = event.step;
-  if (step.sequence != module.steps + 1) violated(event, "step " + number(module.steps + 1) + " is lost");
+  if (step.sequence != module.steps + 1) violated(event, "step " + number(module.steps + 1) + " is missing");
   if (step.from != module.state)
     violated(event, std::string{"its state was "} + lifecycle::to_text(module.state));
   if (lifecycle::next(step.from, step.event, module.before_error) != step.to)
@@ -334,17 +334,17 @@ void Invariants::hear_step(const Event& event, OfModule& module) {
   module.state = step.to;
 }
 
-void Invariants::hear_sample(const Event& event) {
+void Invariants::on_sample(const Event& event) {
   OfConnection& connection = connections_[event.connection];
   switch (event.what) {
     case What::wrote:
       if (event.number != connection.wrote + 1)
-        violated(event, "the number after " + number(connection.wrote) + " is left out");
+        violated(event, "expected number " + number(connection.wrote + 1));
       connection.wrote = event.number;
       break;
     case What::arrived:
       if (event.number > connection.wrote) violated(event, "it was not written yet");
-      if (event.number <= connection.arrived) violated(event, "after " + number(connection.arrived));
+      if (event.number <= connection.arrived) violated(event, number(connection.arrived) + " arrived before");
       connection.arrived = event.number;
       break;
     case What::read:
@@ -364,7 +364,7 @@ void Invariants::hear_sample(const Event& event) {
 void Invariants::close(std::uint32_t index, const Totals& totals) {
   const model::Device& model = cell_.devices[index];
   OfDevice& device = devices_[index];
-  // The rows before one that nobody ended were skipped.
+  // A row that never ended: the rows before it were skipped.
   for (std::size_t e = 0; e < model.executors.size(); ++e) {
     const OfExecutor& executor = device.executors[e];
     if (!executor.in_row) continue;
@@ -374,19 +374,20 @@ void Invariants::close(std::uint32_t index, const Totals& totals) {
   const auto wrong = [this](const std::string& who, const std::string& what, std::uint64_t counted,
                             std::uint64_t happened) {
     if (counted == happened || violations_.size() >= kMaxViolations) return;
-    violations_.push_back(who + " counted " + number(counted) + " " + what + " of " + number(happened));
+    violations_.push_back(who + " counted " + number(counted) + " " + what + " but there were " +
+                          number(happened));
   };
   for (std::size_t e = 0; e < model.executors.size(); ++e) {
     const std::string who = model.name + " executor " + model.executors[e].name;
     const Totals::OfExecutor& counted = totals.executors[e];
     wrong(who, "rows", counted.cycles, device.executors[e].cycles);
-    wrong(who, "rows, walked or missed,", counted.cycles + counted.missed, counted.next_row);
+    wrong(who, "walked or missed rows", counted.cycles + counted.missed, counted.next_row);
   }
   for (std::size_t m = 0; m < model.modules.size(); ++m) {
     const std::string who = model.name + "." + model.modules[m].name;
     const Totals::OfModule& counted = totals.modules[m];
     const OfModule& happened = device.modules[m];
-    const bool pending = is_owed(index, static_cast<std::uint32_t>(m));
+    const bool pending = has_pending_releases(index, static_cast<std::uint32_t>(m));
     if (!pending) wrong(who, "releases", counted.cycles, happened.cycles);
     wrong(who, "steps", counted.steps, happened.steps);
     if (model.modules[m].operation == model::Operation::periodic && !pending) {
@@ -395,19 +396,19 @@ void Invariants::close(std::uint32_t index, const Totals& totals) {
           plans_[index].executors[executor_of(index, static_cast<std::uint32_t>(m))];
       const Rows due = rows_of(plan, static_cast<std::uint32_t>(m), *model.modules[m].period);
       const std::uint64_t rows = totals.executors[executor_of(index, static_cast<std::uint32_t>(m))].next_row;
-      wrong(who, "releases, with those missed, busy or not in the tables,",
+      wrong(who, "releases including missed, busy and omitted ones",
             counted.cycles + counted.missed + happened.busy + happened.out - happened.twice, due.in(0, rows));
       if (model.modules[m].type == model::ModuleType::process)
         wrong(who, "overruns", counted.overruns, happened.busy);
     }
     if (counted.state != happened.state)
-      violations_.push_back(who + " is in " + lifecycle::to_text(counted.state) + ", and its steps lead to " +
+      violations_.push_back(who + " is in " + lifecycle::to_text(counted.state) + ", but its steps lead to " +
                             lifecycle::to_text(happened.state));
   }
   for (const std::uint32_t connection : totals.unbalanced) {
     violations_.push_back("connection " + model::to_text(cell_.connections[connection].from) + " to " +
                           model::to_text(cell_.connections[connection].to) +
-                          ": a sample was written, and not taken, overwritten or left there");
+                          ": a written sample was neither taken nor overwritten, but is gone");
   }
 }
 

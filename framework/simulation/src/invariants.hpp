@@ -1,15 +1,15 @@
-// What must hold of a cell whatever happens to it, checked on the events of a simulation:
+// Checks rules that hold for every cell, whatever happens to it, on the events of a simulation:
 //
-// - The grid is never left: every row is at T0 + n x period, and starts within its slot.
-// - Table order: a row serves each module that it names and that is in the tables once, in the table's order.
-// - Releases of rows that were missed are made up before the next row, in their order, by whose contract says
-//   so, and no more than its limit.
-// - Sporadic modules run once for each time they were ready, the earliest deadline first, and no sooner after
-//   another than their interarrival time.
-// - Every step is one of the lifecycle's table and has the next number; whoever failed is out of the tables
-//   before anything else of it runs, and its supervisor takes the step `error`.
+// - The grid is kept: every row is at T0 + n x period, and starts within its slot.
+// - Table order: a row serves each of its modules that is in the tables once, in the table's order.
+// - Catching up: releases of missed rows are made up for before the next row, in their order. Only modules
+//   whose contract allows it catch up, and no further than its limit.
+// - A sporadic module runs once for each time it was ready, the earliest deadline first. Between two releases
+//   at least its interarrival time passes.
+// - Every step is in the lifecycle's table and has the next number. A failed module is out of the tables
+//   before it can run again, and its supervisor takes the step `error`.
 // - No sample is read twice, torn, out of order, or before it was written.
-// - Counters add up to what happened.
+// - Counters match the events.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@
 
 namespace takt::simulation {
 
-/// What a device has counted, by index, when it has ended.
+/// The final counters of a device, by index.
 struct Totals {
   struct OfExecutor {
     std::uint64_t cycles = 0;
@@ -34,33 +34,33 @@ struct Totals {
   struct OfModule {
     std::uint64_t cycles = 0;
     std::uint64_t missed = 0;
-    std::uint64_t overruns = 0;  ///< that the executor counted
+    std::uint64_t overruns = 0;  ///< counted by the executor
     lifecycle::State state = lifecycle::State::idle;
     std::uint64_t steps = 0;
   };
   std::vector<OfExecutor> executors;
   std::vector<OfModule> modules;
-  std::vector<std::uint32_t> unbalanced{};  ///< connections: a sample was written and is nowhere
+  std::vector<std::uint32_t> unbalanced{};  ///< connections on which a written sample disappeared
 };
 
 class Invariants final : public Listener {
  public:
-  /// No more are told.
+  /// Further violations are not reported.
   static constexpr std::size_t kMaxViolations = 50;
 
   /// The cell and its plans outlive this.
   Invariants(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans, Instant t0);
 
-  void hear(const Event& event) override;
-  /// The device has ended.
+  void on_event(const Event& event) override;
+  /// Call it when the device has ended.
   void close(std::uint32_t device, const Totals& totals);
-  /// One line each, with the time since T0; empty when all held.
+  /// One line per violation, with the time since T0.
   [[nodiscard]] const std::vector<std::string>& violations() const noexcept { return violations_; }
 
  private:
   struct Served {
     std::uint32_t module;
-    std::optional<std::uint64_t> number;  // none: busy
+    std::optional<std::uint64_t> number;  // none: the program was busy
     Instant release;
   };
   struct OfExecutor {
@@ -70,24 +70,24 @@ class Invariants final : public Listener {
     std::uint64_t woke_for = 0;
     Instant woke_at{};
     std::vector<Served> served{};
-    std::optional<std::uint32_t> runs{};      // in a row
-    std::optional<std::uint32_t> sporadic{};  // on the other thread
+    std::optional<std::uint32_t> runs{};      // the module that runs in the row
+    std::optional<std::uint32_t> sporadic{};  // the module that runs on the sporadic thread
   };
   struct OfModule {
     bool in_tables = false;
-    std::uint64_t changes = 0;  // of that
-    bool was_in = false;        // when its executor woke
+    std::uint64_t changes = 0;  // of in_tables
+    bool was_in = false;        // in_tables when its executor woke
     std::uint64_t changes_then = 0;
     std::uint64_t cycles = 0;
     std::uint64_t busy = 0;
     std::uint64_t missed = 0;
-    std::uint64_t out = 0;    // releases that were due while it was not in the tables
-    std::uint64_t twice = 0;  // served in a row that a crash cut short, which counts as missed
+    std::uint64_t out = 0;    // releases that were due while it was out of the tables
+    std::uint64_t twice = 0;  // releases counted as served and missed, because a crash cut their row short
     lifecycle::State state = lifecycle::State::idle;
     lifecycle::State before_error = lifecycle::State::start;
     std::uint64_t steps = 0;
-    bool failed = false;  // is to be taken out
-    bool raised = false;  // the step `error` is to come
+    bool failed = false;  // it must be taken out of the tables next
+    bool raised = false;  // the step `error` must follow
     std::optional<Instant> ready_until{};
     std::uint64_t ready_changes = 0;
     std::optional<Instant> last_ready{};
@@ -103,15 +103,15 @@ class Invariants final : public Listener {
   };
 
   void violated(const Event& event, const std::string& what);
-  void hear_row(const Event& event, OfDevice& device);
+  void on_row(const Event& event, OfDevice& device);
   void check_row(const Event& event, OfDevice& device, const schedule::ExecutorPlan& plan);
   std::vector<Served>::const_iterator check_made_up(const Event& event, OfDevice& device,
                                                     const schedule::ExecutorPlan& plan);
-  [[nodiscard]] bool is_owed(std::uint32_t device, std::uint32_t module) const;
-  void hear_module(const Event& event, OfDevice& device);
-  void hear_run(const Event& event, OfDevice& device);
-  void hear_step(const Event& event, OfModule& module);
-  void hear_sample(const Event& event);
+  [[nodiscard]] bool has_pending_releases(std::uint32_t device, std::uint32_t module) const;
+  void on_module(const Event& event, OfDevice& device);
+  void on_run(const Event& event, OfDevice& device);
+  void on_step(const Event& event, OfModule& module);
+  void on_sample(const Event& event);
   void count_missed(OfDevice& device, const schedule::ExecutorPlan& plan, std::uint32_t on,
                     std::uint64_t from, std::uint64_t to, bool as_woken);
   [[nodiscard]] Nanoseconds period_of(std::uint32_t device, std::uint32_t module) const;

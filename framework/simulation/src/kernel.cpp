@@ -13,13 +13,13 @@ Kernel::~Kernel() = default;
 Strand& Kernel::spawn(const Place& place, std::function<void()> body) {
   strands_.push_back(std::unique_ptr<Strand>(new Strand));
   Strand& strand = *strands_.back();
-  strand.processor_ = place.processor == nullptr ? &strand.own_ : place.processor;
+  strand.cpu_ = place.cpu == nullptr ? &strand.own_ : place.cpu;
   strand.priority_ = place.priority;
   strand.fiber_ = std::make_unique<os::Fiber>(kStackBytes, [this, body = std::move(body)] {
     body();
     end();
   });
-  want(strand, Nanoseconds{0});
+  make_ready(strand, Nanoseconds{0});
   return strand;
 }
 
@@ -28,26 +28,26 @@ void Kernel::kill(Strand& strand) {
   if (strand.ended_) return;
   strand.ended_ = true;
   strand.waits_ = false;
-  want_no_more(strand);
+  make_not_ready(strand);
   dead_.push_back(&strand);
 }
 
 void Kernel::end() {
   Strand& strand = *running_;
   strand.ended_ = true;
-  want_no_more(strand);
+  make_not_ready(strand);
   dead_.push_back(&strand);
-  pass_on();
-  std::abort();  // nobody hands over to it
+  switch_to_next();
+  std::abort();  // an ended strand never runs again
 }
 
 void Kernel::work(Nanoseconds time) {
   if (time <= Nanoseconds{0}) return;
   Strand& strand = *running_;
   strand.left_ = time;
-  strand.processor_->has_ = nullptr;  // whoever came meanwhile may go first
-  decide(*strand.processor_);
-  pass_on();
+  strand.cpu_->current_ = nullptr;  // a strand that became ready meanwhile may run first
+  reschedule(*strand.cpu_);
+  switch_to_next();
 }
 
 void Kernel::sleep_until(Instant until) {
@@ -67,15 +67,15 @@ bool Kernel::wait(Instant until) {
           .is_wake = true,
           .call = 0});
   }
-  want_no_more(strand);
-  pass_on();
+  make_not_ready(strand);
+  switch_to_next();
   return strand.woken_;
 }
 
 void Kernel::wake(Strand& strand, Nanoseconds delay) {
   if (!strand.waits_ || strand.woken_) return;
-  strand.woken_ = true;  // once
-  ++strand.wait_;        // it is not ended by its time any more
+  strand.woken_ = true;  // further wake-ups do nothing
+  ++strand.wait_;        // the end of its waiting time is outdated
   push({.when = now_ + delay,
         .order = 0,
         .strand = &strand,
@@ -106,70 +106,70 @@ void Kernel::push(Event event) {
   events_.push(event);
 }
 
-void Kernel::want(Strand& strand, Nanoseconds work) {
+void Kernel::make_ready(Strand& strand, Nanoseconds work) {
   strand.left_ = work;
-  strand.wants_since_ = wants_++;
-  strand.processor_->wanted_by_.push_back(&strand);
-  decide(*strand.processor_);
+  strand.ready_order_ = ready_count_++;
+  strand.cpu_->ready_.push_back(&strand);
+  reschedule(*strand.cpu_);
 }
 
-void Kernel::want_no_more(Strand& strand) {
-  Processor& processor = *strand.processor_;
-  std::erase(processor.wanted_by_, &strand);
-  if (processor.has_ == &strand) processor.has_ = nullptr;
-  decide(processor);
+void Kernel::make_not_ready(Strand& strand) {
+  Cpu& cpu = *strand.cpu_;
+  std::erase(cpu.ready_, &strand);
+  if (cpu.current_ == &strand) cpu.current_ = nullptr;
+  reschedule(cpu);
 }
 
-// Who has the processor from now on, and when that one's work is done.
-void Kernel::decide(Processor& processor) {
-  const auto first = std::min_element(
-      processor.wanted_by_.begin(), processor.wanted_by_.end(), [](const Strand* a, const Strand* b) {
-        return a->priority_ != b->priority_ ? a->priority_ > b->priority_ : a->wants_since_ < b->wants_since_;
+// Chooses the strand that runs from now on, and schedules the end of its work.
+void Kernel::reschedule(Cpu& cpu) {
+  const auto first =
+      std::min_element(cpu.ready_.begin(), cpu.ready_.end(), [](const Strand* a, const Strand* b) {
+        return a->priority_ != b->priority_ ? a->priority_ > b->priority_ : a->ready_order_ < b->ready_order_;
       });
-  Strand* const best = first == processor.wanted_by_.end() ? nullptr : *first;
-  if (processor.has_ != nullptr && processor.has_ == best) return;
-  // The one that runs now has said nothing yet of its next work.
-  if (processor.has_ != nullptr && processor.has_ == running_) return;
-  if (processor.has_ != nullptr) processor.has_->left_ -= now_ - processor.since_;
-  processor.has_ = best;
-  processor.since_ = now_;
-  ++processor.turn_;
+  Strand* const best = first == cpu.ready_.end() ? nullptr : *first;
+  if (cpu.current_ != nullptr && cpu.current_ == best) return;
+  // The running strand has not yet announced its next work.
+  if (cpu.current_ != nullptr && cpu.current_ == running_) return;
+  if (cpu.current_ != nullptr) cpu.current_->left_ -= now_ - cpu.since_;
+  cpu.current_ = best;
+  cpu.since_ = now_;
+  ++cpu.turn_;
   if (best == nullptr) return;
   push({.when = now_ + best->left_,
         .order = 0,
         .strand = best,
-        .valid = processor.turn_,
+        .valid = cpu.turn_,
         .is_wake = false,
         .call = 0});
 }
 
-bool Kernel::is_void(const Event& event) const noexcept {
+bool Kernel::is_outdated(const Event& event) const noexcept {
   if (event.strand == nullptr) return false;
   if (event.strand->ended_) return true;
   if (event.is_wake) return !event.strand->waits_ || event.strand->wait_ != event.valid;
-  return event.strand->processor_->has_ != event.strand || event.strand->processor_->turn_ != event.valid;
+  return event.strand->cpu_->current_ != event.strand || event.strand->cpu_->turn_ != event.valid;
 }
 
 bool Kernel::next(Event& event) {
   while (!events_.empty()) {
     event = events_.top();
-    if (is_void(event)) {
+    if (is_outdated(event)) {
       events_.pop();
       continue;
     }
     if (event.when > end_) return false;
-    if (event.strand == nullptr) return true;  // for who is no strand
+    if (event.strand == nullptr) return true;  // a call
     events_.pop();
     now_ = event.when;
     if (!event.is_wake) return true;
     event.strand->waits_ = false;
-    want(*event.strand, Nanoseconds{0});
+    make_ready(*event.strand, Nanoseconds{0});
   }
   return false;
 }
 
-// The running strand has nothing to do at present: whoever comes next goes on, perhaps itself.
-void Kernel::pass_on() {
+// The running strand has nothing to do now. Switches to the strand of the next event, which may be the same.
+void Kernel::switch_to_next() {
   Strand& strand = *running_;
   Event event{};
   running_ = nullptr;
@@ -184,10 +184,10 @@ void Kernel::pass_on() {
   } else {
     strand.fiber_->hand_over_to(main_);
   }
-  // Whoever handed over has said that we run.
+  // The strand that handed over has set running_ to this one.
 }
 
-void Kernel::go_to(Strand& strand) {
+void Kernel::resume(Strand& strand) {
   running_ = &strand;
   main_.hand_over_to(*strand.fiber_);
   running_ = nullptr;
@@ -199,7 +199,7 @@ void Kernel::run_until(Instant end) {
   Event event{};
   while (next(event)) {
     if (event.strand != nullptr) {
-      go_to(*event.strand);
+      resume(*event.strand);
     } else {
       events_.pop();
       now_ = event.when;

@@ -1,7 +1,7 @@
-// Virtual time. What would be threads and programs on several machines are strands here: each runs on a
-// processor of its own or shares one by priority, takes time by saying so, and waits for instants or for
-// others. One strand runs at a time, always the one whose turn comes first; so the same strands with the same
-// times give the same course, however fast the machine is.
+// A scheduler on virtual time. Each thread or program of the simulated machines is a strand here. A strand
+// has its own CPU or shares one by priority, calls work() to take time, and waits for an instant or for a
+// wake-up. Only one strand runs at a time, always the one with the earliest event. So the same strands with
+// the same times give the same course, however fast the machine is.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,15 @@ namespace takt::simulation {
 
 class Strand;
 
-/// A processor: of the strands that want it the one with the highest priority has it, among equals the one
-/// that has wanted it longest. Who is preempted goes on later with the work that is left.
-class Processor {
+/// A CPU. Of the strands that are ready, the one with the highest priority runs; among equals, the one that
+/// has been ready longest. A preempted strand does the rest of its work later.
+class Cpu {
  private:
   friend class Kernel;
-  std::vector<Strand*> wanted_by_;
-  Strand* has_ = nullptr;
+  std::vector<Strand*> ready_;
+  Strand* current_ = nullptr;
   Instant since_{};
-  std::uint64_t turn_ = 0;  // counts changes; an event of an earlier turn is void
+  std::uint64_t turn_ = 0;  // counts changes; an event of an earlier turn is outdated
 };
 
 class Strand {
@@ -39,19 +39,20 @@ class Strand {
  private:
   friend class Kernel;
   Strand() = default;
-  Processor own_;
-  Processor* processor_ = nullptr;
+  Cpu own_;
+  Cpu* cpu_ = nullptr;
   int priority_ = 0;
-  std::uint64_t wants_since_ = 0;  // in the order of the wants
-  Nanoseconds left_{};             // of the work
-  std::uint64_t wait_ = 0;         // counts waits; an event of an earlier one is void
+  std::uint64_t ready_order_ = 0;  // position in the order in which strands became ready
+  Nanoseconds left_{};             // the remaining work
+  std::uint64_t wait_ = 0;         // counts waits; an event of an earlier wait is outdated
   bool waits_ = false;
   bool woken_ = false;
   bool ended_ = false;
   std::unique_ptr<os::Fiber> fiber_;
 };
 
-/// One thread. What is said of a strand below is for the code of a strand; the rest is for anybody.
+/// Use it from one thread. Only a strand may call the functions marked "strand"; any code may call the
+/// others.
 class Kernel final : public Clock {
  public:
   explicit Kernel(Instant begin) : now_(begin) {}
@@ -62,43 +63,43 @@ class Kernel final : public Clock {
   [[nodiscard]] Instant now() noexcept override { return now_; }
 
   struct Place {
-    Processor* processor = nullptr;  ///< null: one of its own
-    int priority = 0;                ///< the larger goes first
+    Cpu* cpu = nullptr;  ///< null: its own
+    int priority = 0;    ///< higher values run first
   };
-  /// Its first turn is at the present time. The body keeps nothing on its stack that must be destroyed
-  /// whenever it waits or works: a strand may be killed there.
+  /// Makes a strand, which first runs at the present time. A strand may be killed whenever it waits or works,
+  /// so its stack must then hold no objects that need their destructors.
   Strand& spawn(const Place& place, std::function<void()> body);
-  /// It never goes on. Not the strand that runs: that one calls end().
+  /// Ends another strand for ever. The running strand calls end() instead.
   void kill(Strand& strand);
 
-  /// A strand: takes this much time of its processor, more on the clock where others of a higher priority
-  /// come in between. Nothing else happens meanwhile only where it is 0.
+  /// Strand: takes this much time of its CPU. More time passes if strands of higher priority preempt it.
+  /// Other events may happen meanwhile, unless `time` is 0.
   void work(Nanoseconds time);
-  /// A strand: gives up the processor until then.
+  /// Strand: releases the CPU until then.
   void sleep_until(Instant until);
-  /// A strand: until somebody wakes it. False: nobody did until then.
+  /// Strand: waits for a wake(). Returns false if none came in time.
   bool wait(Instant until = Instant::max());
-  /// A strand that waits is woken after `delay`; one that does not is not disturbed.
+  /// Wakes a waiting strand after `delay`; does nothing to one that does not wait.
   void wake(Strand& strand, Nanoseconds delay = Nanoseconds{0});
-  /// A strand: it never goes on.
+  /// Strand: ends itself.
   [[noreturn]] void end();
-  /// Null when no strand runs.
+  /// Null if no strand runs.
   [[nodiscard]] Strand* running() const noexcept { return running_; }
 
-  /// Calls somebody who is no strand; it takes no time.
+  /// Calls a function at that instant, outside any strand; this takes no simulated time.
   void at(Instant when, std::function<void()> call);
 
-  /// Not a strand: lets everything happen until then, and up to and at that instant.
+  /// Not for strands: handles all events up to and including that instant.
   void run_until(Instant end);
 
  private:
   struct Event {
     Instant when;
-    std::uint64_t order;  // of two at one instant the one that was caused first
-    Strand* strand;       // that is woken, or has done its work; null: a call
-    std::uint64_t valid;  // the strand's wait_ or the turn of its processor
+    std::uint64_t order;  // at the same instant, the event that was caused first comes first
+    Strand* strand;       // the strand that wakes up or has done its work; null: a call
+    std::uint64_t valid;  // the strand's wait_, or the turn of its CPU
     bool is_wake;
-    std::size_t call;  // index
+    std::size_t call;  // index in calls_
     bool operator>(const Event& other) const noexcept {
       return when != other.when ? when > other.when : order > other.order;
     }
@@ -106,24 +107,24 @@ class Kernel final : public Clock {
   static constexpr std::size_t kStackBytes = 128 * 1024;
 
   void push(Event event);
-  void want(Strand& strand, Nanoseconds work);
-  void want_no_more(Strand& strand);
-  void decide(Processor& processor);
-  /// The next event that is not void; none before end_ or at all: false.
+  void make_ready(Strand& strand, Nanoseconds work);
+  void make_not_ready(Strand& strand);
+  void reschedule(Cpu& cpu);
+  /// Finds the next event that is not outdated. Returns false if there is none until end_.
   bool next(Event& event);
-  void pass_on();
-  void go_to(Strand& strand);
-  [[nodiscard]] bool is_void(const Event& event) const noexcept;
+  void switch_to_next();
+  void resume(Strand& strand);
+  [[nodiscard]] bool is_outdated(const Event& event) const noexcept;
 
   Instant now_;
   Instant end_{};
   std::uint64_t order_ = 0;
-  std::uint64_t wants_ = 0;
+  std::uint64_t ready_count_ = 0;
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::vector<std::function<void()>> calls_;
   std::vector<std::size_t> free_calls_;
   std::vector<std::unique_ptr<Strand>> strands_;
-  std::vector<Strand*> dead_;  // whose stack may be the one that is in use
+  std::vector<Strand*> dead_;  // ended strands; the stack of one may still be in use
   Strand* running_ = nullptr;
   os::Fiber main_;
 };

@@ -1,4 +1,4 @@
-// The parts of a simulated device: a module under supervision, and an executor with its strands.
+// The parts of a simulated device: a supervised module, and an executor with its strands.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace takt::simulation {
 
-/// What the executor calls of a thread module.
+/// The body that the executor calls for a thread module.
 class ThreadBody final : public executor::Body {
  public:
   ThreadBody(Device& device, Device::Member& member) : device_(device), member_(member) {}
@@ -44,7 +44,7 @@ struct Device::Member {
   [[nodiscard]] bool sporadic() const noexcept { return model.operation == model::Operation::sporadic; }
   [[nodiscard]] lifecycle::State state() const noexcept { return machine.state(); }
   [[nodiscard]] bool in_tables() const noexcept { return block.in_tables.load() != 0; }
-  /// What a run that was released then reads is as of this instant, and has it as its stamp.
+  /// The logical time of a run: it reads its inputs as of this instant, and stamps its outputs with it.
   [[nodiscard]] Instant as_of(Instant release, Instant start) const noexcept {
     return logical ? release : start;
   }
@@ -62,26 +62,26 @@ struct Device::Member {
   bool logical;  ///< timing="let"
   ThreadBody body;
 
-  // As its supervisor sees it.
-  bool lost = false;    ///< no hook of it can be called any more
+  // The supervisor's view of the module.
+  bool lost = false;    ///< none of its hooks can be called any more
   bool failed = false;  ///< given up after an error
   bool stale = false;   ///< it is in RECOVER because an input was stale
   std::string why;
-  std::uint64_t errors = 0;  ///< that the executor did not see
+  std::uint64_t errors = 0;  ///< errors that the executor did not see
   std::uint64_t seen_cycles = 0;
   std::uint64_t seen_late = 0;
   std::optional<channel::Doing> pending;
-  bool said_in_tables = false;  ///< what was last heard of it
+  bool reported_in_tables = false;  ///< as the last event reported it
   Instant put_in_at{};
 
-  // What is to go wrong.
+  // Injected faults.
   Nanoseconds late_by{};
   bool to_crash = false;
   bool to_fail = false;
   bool to_hang = false;
   std::uint64_t unmended = 0;
 
-  // Its work.
+  // The module's work.
   struct Input {
     Wire* wire;
     bool event;
@@ -94,20 +94,20 @@ struct Device::Member {
   };
   std::vector<Input> inputs;
   std::vector<Output> outputs;
-  std::uint64_t entered = 0;  ///< the block's, at the last run()
+  std::uint64_t entered = 0;  ///< block.entered at the last run()
   Instant watched_since{};
 
-  // A program's.
+  // Only for programs.
   std::unique_ptr<channel::ReleaseSlot> slot;
   Strand* program = nullptr;
-  bool alive = false;    ///< as far as its supervisor knows
-  bool on_bell = false;  ///< it sleeps there
-  bool spins = false;    ///< it sees its release at once
+  bool alive = false;         ///< as far as its supervisor knows
+  bool on_wake_word = false;  ///< it sleeps on the wake word
+  bool spins = false;         ///< it spins, so it sees its release at once
   bool started_again = false;
   bool killed_for_hanging = false;
-  Instant told_to_end{};
-  std::uint64_t said_released = 0;
-  std::uint64_t said_overruns = 0;
+  Instant end_requested_at{};
+  std::uint64_t reported_releases = 0;
+  std::uint64_t reported_overruns = 0;
 };
 
 struct Device::Row {
@@ -117,7 +117,7 @@ struct Device::Row {
   std::unique_ptr<executor::Executor> executor;
   Strand* rows = nullptr;
   Strand* sporadic = nullptr;
-  bool sporadic_on_bell = false;
+  bool sporadic_on_wake_word = false;
   bool halted = true;
   Nanoseconds oversleep{};
   std::vector<std::uint32_t> in_priority{};  ///< programs, in the order in which a row releases them

@@ -10,12 +10,12 @@ namespace {
 
 using std::chrono::microseconds;
 
-/// A sample on an idle local network, from the gateway of one node to that of another.
+/// The latency of a sample on an idle local network, from the gateway of one node to that of another.
 constexpr Nanoseconds kShortest = microseconds{60};
 constexpr Nanoseconds kUsual = microseconds{250};
 constexpr Nanoseconds kLongestDelay = microseconds{3000};
 constexpr double kSeldom = 0.002;
-/// A reliable writer notices that a reader can be reached again.
+/// The longest time after a cut until a reliable writer sends again.
 constexpr Nanoseconds kResend = microseconds{2000};
 
 std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
@@ -43,7 +43,7 @@ void Network::connect(std::uint32_t connection, Device& device, Wire& wire) {
 
 void Network::send(std::uint32_t connection, const std::byte* sample, std::int64_t wall_ns) {
   Way& way = ways_[connection];
-  if (way.to == nullptr) return;  // to a program that is not ours
+  if (way.to == nullptr) return;  // the reader is an external program
   const model::Connection& model = world_.cell.connections[connection];
   const Instant now = world_.kernel.now();
   Instant arrival = now + (draws_.chance(kSeldom) ? draws_.between(kUsual, kLongestDelay)
@@ -62,11 +62,11 @@ void Network::send(std::uint32_t connection, const std::byte* sample, std::int64
   }
   if (lost) {
     ++way.lost;
-    world_.listener.hear(
+    world_.listener.on_event(
         {.at = now, .what = What::lost, .connection = connection, .number = number_of(sample)});
     return;
   }
-  arrival = std::max(arrival, way.last + Nanoseconds{1});  // in order
+  arrival = std::max(arrival, way.last + Nanoseconds{1});  // keeps the order
   way.last = arrival;
   std::array<std::byte, kSampleBytes> bytes{};
   std::memcpy(bytes.data(), sample, bytes.size());

@@ -1,4 +1,4 @@
-// What lies between the devices of a simulated cell.
+// The network between the devices of a simulated cell.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 
 namespace takt::simulation {
 
-/// Carries samples in order, each some tenths of a millisecond; loses and delays as it is told. While a link
-/// is cut, best-effort samples are lost, and reliable ones come after it.
+/// Carries samples in order; each takes some tenths of a millisecond. Loses and delays samples on request.
+/// While a link is cut, best-effort samples are lost, and reliable ones arrive afterwards.
 class Network {
  public:
   explicit Network(const World& world);
 
-  /// Where the samples of a connection are to go.
+  /// Sets the destination of a connection's samples.
   void connect(std::uint32_t connection, Device& device, Wire& wire);
   void send(std::uint32_t connection, const std::byte* sample, std::int64_t wall_ns);
 

@@ -78,7 +78,7 @@ class Maker {
     if (kind < 0.7) {
       module.operation = model::Operation::periodic;
       module.period = one_of(kPeriods);
-      // Those of a device fit any row.
+      // Small enough that all budgets of a device fit into any row.
       if (draws_.chance(0.3))
         module.budget = kPeriods.front() / draws_.between(std::int64_t{6}, std::int64_t{30});
       if (module.budget && draws_.chance(0.3))
@@ -105,13 +105,13 @@ class Maker {
     return {.what = model::Overrun::catch_up, .limit = static_cast<int>(1 + draws_.below(5))};
   }
 
-  // Every module may write and read; a latest value has one connection an input, as its own port.
+  // Every module may write and read. Each connection has its own input port.
   void connect(model::Cell& cell) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> places;
     for (std::uint32_t d = 0; d < cell.devices.size(); ++d) {
       for (std::uint32_t m = 0; m < cell.devices[d].modules.size(); ++m) {
         const model::Module& module = cell.devices[d].modules[m];
-        // A program outside the scheduler is nobody whose samples would be simulated.
+        // The samples of a program outside the schedule are not simulated.
         if (module.type == model::ModuleType::thread || module.operation != model::Operation::non_real)
           places.emplace_back(d, m);
       }
@@ -135,7 +135,7 @@ class Maker {
       }
       if (draws_.chance(0.3)) {
         connection.deadline = draws_.between(Nanoseconds{milliseconds{2}}, Nanoseconds{milliseconds{40}});
-        // In one direction only: modules that wait for each other never come back.
+        // Only in one direction: modules that wait for each other would never recover.
         if (from < to && draws_.chance(0.5)) connection.stale = model::Stale::error;
       }
       if (draws_.chance(0.1))

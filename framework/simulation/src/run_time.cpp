@@ -6,7 +6,7 @@ namespace takt::simulation {
 
 namespace {
 
-/// What is taken for granted of a module of which nothing is known: this share of its period.
+/// The assumed run time of a module without a profile or budget: this part of its period.
 constexpr int kShare = 20;
 constexpr Nanoseconds kLongestUsualRun = std::chrono::milliseconds{1};
 

@@ -1,4 +1,4 @@
-// How long a simulated run() takes.
+// The duration of a simulated run().
 #pragma once
 
 #include <takt/model/cell.hpp>
@@ -7,8 +7,8 @@
 
 namespace takt::simulation {
 
-/// Of one module: as the profile measured it; else between a third and nine tenths of its budget; else some
-/// percent of its period or deadline, at most a millisecond.
+/// The run time of one module: as the profile measured it; else between a third and nine tenths of its
+/// budget; else a few percent of its period or deadline, at most about a millisecond.
 class RunTime {
  public:
   RunTime(const model::Cell& cell, const model::Device& device, const model::Module& module,

@@ -12,20 +12,20 @@ namespace takt::simulation {
 
 namespace {
 
-/// From the begin to T0, in which modules are initialised and started.
+/// The time before T0, in which modules are initialised and started.
 constexpr Nanoseconds kLead = std::chrono::milliseconds{150};
-/// By then every device has ended, whatever never comes back.
+/// By then every device has ended, even if something hangs.
 constexpr Nanoseconds kEndLimit = std::chrono::seconds{30};
 constexpr Nanoseconds kLook = std::chrono::milliseconds{5};
-/// From a fault that is the whole cell's until the other devices have heard of it and look at it.
-constexpr Nanoseconds kHeard = std::chrono::milliseconds{10};
+/// The time from a fault that stops the cell until the other devices react to it.
+constexpr Nanoseconds kReactionTime = std::chrono::milliseconds{10};
 
 class Both final : public Listener {
  public:
   Both(Listener& first, Listener* second) : first_(first), second_(second) {}
-  void hear(const Event& event) override {
-    if (second_ != nullptr) second_->hear(event);
-    first_.hear(event);
+  void on_event(const Event& event) override {
+    if (second_ != nullptr) second_->on_event(event);
+    first_.on_event(event);
   }
 
  private:
@@ -59,7 +59,7 @@ Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::Dev
   world.stop_cell = [&](std::uint32_t device, const std::string& why) {
     for (std::uint32_t other = 0; other < devices.size(); ++other) {
       if (other == device) continue;
-      kernel.at(kernel.now() + kHeard, [&devices, &cell, other, why] {
+      kernel.at(kernel.now() + kReactionTime, [&devices, &cell, other, why] {
         devices[other]->stop_for({"device " + cell.devices[other].name, "stops with its cell: " + why, ""});
       });
     }
@@ -81,9 +81,9 @@ Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::Dev
     if (fault.at < options.length)
       kernel.at(kT0 + fault.at, [&devices, fault] { devices[fault.device]->inject(fault); });
   }
-  constexpr std::int64_t kTold = 500;  // times
-  for (std::int64_t i = 1; options.progress && i < kTold; ++i) {
-    const Nanoseconds passed = options.length / kTold * i;
+  constexpr std::int64_t kSteps = 500;
+  for (std::int64_t i = 1; options.progress && i < kSteps; ++i) {
+    const Nanoseconds passed = options.length / kSteps * i;
     kernel.run_until(kT0 + passed);
     options.progress(passed);
   }

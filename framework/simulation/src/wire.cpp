@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kSampleWords = kSampleBytes / sizeof(std::uint64_t);
 
-// The number, the connection, and words that no other sample has at their places.
+// The number, the connection, and words that are unique for this sample and place.
 std::uint64_t word(std::uint32_t connection, std::uint64_t number, std::size_t place) noexcept {
   if (place == 0) return number;
   if (place == 1) return connection;

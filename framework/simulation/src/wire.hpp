@@ -1,5 +1,5 @@
-// The samples that simulated modules send each other: numbers from which a reader can tell which sample it
-// is, and that all of its bytes belong together.
+// The samples and links of simulated modules. From the bytes of a sample a reader can tell which sample it
+// is, and whether all of its bytes belong together.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace takt::simulation {
 
 inline constexpr std::uint32_t kSampleBytes = 64;
 
-/// A sample is written in two halves, so that somebody who has its buffer at the same time is found out.
+/// A sample is written in two halves, to detect a reader or writer that uses the buffer at the same time.
 void write_first_half(std::byte* sample, std::uint32_t connection, std::uint64_t number) noexcept;
 void write_second_half(std::byte* sample, std::uint32_t connection, std::uint64_t number) noexcept;
 std::uint64_t number_of(const std::byte* sample) noexcept;
@@ -23,10 +23,10 @@ bool is_whole(const std::byte* sample, std::uint32_t connection) noexcept;
 /// A connection's link on one device.
 class Wire {
  public:
-  /// Whose end it is: a module of the device, or the gateway.
+  /// The owner of an end: a module of the device, or none for the gateway.
   using End = std::optional<std::uint32_t>;
 
-  /// `ahead`: places beside those that the connection has, see schedule::samples_ahead().
+  /// `ahead`: places in addition to the connection's depth, see schedule::samples_ahead().
   Wire(const model::Connection& connection, std::uint32_t index, End writer, End reader,
        std::uint32_t wake_bits, std::uint64_t ahead);
 
@@ -36,9 +36,9 @@ class Wire {
   [[nodiscard]] End reader() const noexcept { return reader_; }
   [[nodiscard]] channel::Link link() const noexcept { return link_; }
 
-  /// As the samples of two modules of a host that has ended: gone.
+  /// Drops the samples, as happens between two modules of a host that has ended.
   void drop();
-  /// Whether every sample that was written was taken, overwritten or dropped, or is there still.
+  /// Whether every written sample was taken, overwritten or dropped, or is still there.
   [[nodiscard]] bool adds_up() const noexcept;
 
  private:

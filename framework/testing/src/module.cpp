@@ -26,12 +26,12 @@ constexpr std::string_view kProgramSuffix = ".exe.so";
 std::string file_of(const Options& options) {
   const std::string& file = options.file.empty() ? tested_file() : options.file;
   if (file.empty())
-    throw Error("no component is named: build the test by takt_add_component_test(), or give Options::file");
+    throw Error("no component to test; build the test with takt_add_component_test(), or set Options::file");
   if (file.ends_with(".exe"))
-    throw Error(file + " is a program, which cannot be loaded; name the " + std::string{kProgramSuffix} +
+    throw Error(file + " is a program and cannot be loaded; use the " + std::string{kProgramSuffix} +
                 " that takt_add_component_test() makes of it");
   if (options.period <= Nanoseconds{0})
-    throw Error("the period is " + to_text(options.period) + "; it is positive");
+    throw Error("the period is " + to_text(options.period) + "; it must be positive");
   return file;
 }
 
@@ -88,12 +88,13 @@ struct Module::Inside {
   [[nodiscard]] std::string name() const { return file.substr(file.rfind('/') + 1); }
   void make_executor();
   Result<void> load();
-  /// What is tied and has a port by now.
+  /// Connects every wire whose port exists by now.
   void connect();
   Answer initialize();
   Answer take(Event event);
-  /// Into RECOVER, without its hook.
+  /// Goes to RECOVER, without calling error().
   Answer leave(ErrorType type, std::string text, std::uint64_t cycle);
+  /// Goes to RECOVER and calls error().
   Answer fails(ErrorType type, std::string text, std::uint64_t cycle);
   void put_in(bool in);
   void collect();
@@ -113,14 +114,14 @@ struct Module::Inside {
   irp::Property::Values values;
   lifecycle::Machine machine;
   Failure failure;
-  std::vector<std::pair<std::string, std::unique_ptr<Responder>>> responders;  // by the client
+  std::vector<std::pair<std::string, std::unique_ptr<Responder>>> responders;  // by client name
   std::uint64_t calls = 0;
   std::uint64_t pending_misses = 0;
-  bool wanted = false;  // start() and no stop() since
+  bool wanted = false;  // start() was called, and no stop() since
   bool was_started = false;
 };
 
-// A program's slot is another one after each load.
+// Each load of a program makes a new release slot, so it needs a new executor.
 void Module::Inside::make_executor() {
   executor::Unit unit{.block = &block, .period = options.period};
   subject->enter(unit);
@@ -140,7 +141,7 @@ Result<void> Module::Inside::load() {
   if (!loaded) return loaded;
   make_executor();
   connect();
-  // A C++ component takes them as they were set; others are given all of them in initialize().
+  // A C++ component takes each property now; other modules get all of them in initialize().
   for (const auto& [property, text] : values) {
     if (auto set = subject->check(property, text); !set) return set;
   }
@@ -173,8 +174,8 @@ std::string Module::Inside::ports_in_words() const {
   }
   if (!words.empty()) return words;
   return is_program && machine.state() == State::idle
-             ? "it has none, unless main() makes them: those are there after initialize()"
-             : "it has none";
+             ? "it has no ports yet; ports that main() constructs exist only after initialize()"
+             : "it has no ports";
 }
 
 Answer Module::Inside::take(Event event) {
@@ -207,7 +208,7 @@ void Module::Inside::collect() {
 
 Answer Module::Inside::initialize() {
   if (!machine.accepts(Event::initialize)) return take(Event::initialize);
-  if (subject->ended()) {  // an attempt that failed
+  if (subject->ended()) {  // a former attempt failed
     if (auto loaded = load(); !loaded) return loaded;
   }
   auto done = subject->initialize(irp::Property{values});
@@ -228,7 +229,7 @@ Answer Module::set(const std::string& property, const std::string& text) {
   Inside& in = *inside_;
   const bool idle = in.machine.state() == State::idle;
   if (in.machine.state() == State::destruct)
-    return fail("its properties cannot be set in state DESTRUCT", "reset() it first");
+    return fail("properties cannot be set in state DESTRUCT", "call reset() first");
   if (auto taken = idle ? in.subject->check(property, text) : in.subject->set(property, text); !taken)
     return taken;
   const auto known = std::find_if(in.values.begin(), in.values.end(),
@@ -245,7 +246,7 @@ Result<std::string> Module::get(const std::string& property) const {
   for (const auto& [name, text] : inside_->values) {
     if (name == property) return text;
   }
-  return fail("no property " + in_quotes(property) + " was set");
+  return fail("property " + in_quotes(property) + " was not set");
 }
 
 Answer Module::initialize() { return inside_->initialize(); }
@@ -273,7 +274,7 @@ Answer Module::start() {
 
 Answer Module::stop() {
   Inside& in = *inside_;
-  if (in.machine.state() == State::start && in.wanted) {  // no row has named it yet
+  if (in.machine.state() == State::start && in.wanted) {  // the module has not run since start()
     in.wanted = false;
     in.put_in(false);
     return {};
@@ -285,14 +286,14 @@ Answer Module::stop() {
 }
 
 Answer Module::error(ErrorType type) {
-  auto failed = inside_->fails(type, "the test said so", inside_->executor->next_row());
+  auto failed = inside_->fails(type, "raised by the test", inside_->executor->next_row());
   inside_->collect();
   return failed;
 }
 
 Answer Module::crash() {
   Inside& in = *inside_;
-  auto left = in.leave(ErrorType::crash, "the test said so", in.executor->next_row());
+  auto left = in.leave(ErrorType::crash, "raised by the test", in.executor->next_row());
   if (left) in.subject->crash();
   return left;
 }
@@ -343,7 +344,8 @@ State Module::state() const { return inside_->machine.state(); }
 std::uint64_t Module::step(std::uint64_t releases) {
   Inside& in = *inside_;
   if (!in.was_started && (state() == State::idle || state() == State::initialize))
-    throw Error("step() in state " + std::string{lifecycle::to_text(state())} + ": call start() first");
+    throw Error("step() is not allowed in state " + std::string{lifecycle::to_text(state())} +
+                "; call start() first");
   for (Inside::Tied& tie : in.tied) tie.wire->begin_step();
   const std::uint64_t before = runs();
   for (; releases > 0; --releases) {
@@ -379,8 +381,8 @@ const Failure& Module::last_error() const { return inside_->failure; }
 Answer Module::healthy() const {
   if (state() != State::recover) return {};
   const Failure& failure = inside_->failure;
-  return fail("it is in RECOVER since cycle " + std::to_string(failure.cycle) + ": " + to_text(failure.type) +
-              ": " + failure.text);
+  return fail("the module has been in RECOVER since cycle " + std::to_string(failure.cycle) + ": " +
+              to_text(failure.type) + ": " + failure.text);
 }
 
 std::uint32_t Module::most_of_a_run(const TypeInfo& type) {
@@ -401,20 +403,22 @@ Module::Tie Module::find(const std::string& port, Side side, const TypeInfo& typ
   }
   if (std::string_view{type.description} != found->type().description) {
     const bool renamed = std::string_view{type.name} != found->type().name;
-    throw Error("port " + in_quotes(port) + " of " + in.name() + " has the type " + found->type().name +
-                (renamed ? ", not " + std::string{type.name} : ", but of another IDL file than the test's"));
+    throw Error(
+        "port " + in_quotes(port) + " of " + in.name() + " has the type " + found->type().name +
+        (renamed ? ", not " + std::string{type.name} : ", but from another IDL file than the test's"));
   }
   if (wanted != nullptr && wanted->deadline != Nanoseconds{0} && in.is_program)
     throw Error(
-        "of a program it is takt-node that looks whether inputs are late; use error(ErrorType::stale)");
+        "the harness does not check the deadlines of a program's inputs; use error(ErrorType::stale)");
   if (wanted != nullptr && wanted->stale_is_error && wanted->deadline == Nanoseconds{0})
-    throw Error("without a deadline no value is stale; give the connection of " + in_quotes(port) + " one");
+    throw Error("without a deadline no value is stale; give the connection of " + in_quotes(port) +
+                " a deadline");
   const auto tied = std::find_if(in.tied.begin(), in.tied.end(),
                                  [&port](const Inside::Tied& tie) { return tie.port == port; });
   if (tied != in.tied.end()) {
     if (wanted != nullptr)
       throw Error("port " + in_quotes(port) +
-                  " is connected already; say how the first time that it is named");
+                  " is connected already; pass the connection in the first call of in() for the port");
     return {.wire = tied->wire.get()};
   }
   if (wanted == nullptr) return {};
@@ -425,7 +429,7 @@ Module::Tie Module::find(const std::string& port, Side side, const TypeInfo& typ
 void Module::find_service(const std::string& name, bool is_client, const TypeInfo& request,
                           const TypeInfo& reply) const {
   const Inside& in = *inside_;
-  // The types of what it is made of carry these names with something behind them.
+  // The type names of its two ports are NAME_Request and NAME_Reply.
   const auto type_of = [&in](const std::string& service, const char* half) {
     const PortBase* port = in.port(service + half);
     const std::string type = port == nullptr ? "" : port->type().name;
@@ -452,7 +456,8 @@ void Module::find_service(const std::string& name, bool is_client, const TypeInf
 
 void Module::respond(const std::string& client, std::unique_ptr<Responder> responder) {
   for (const auto& [name, other] : inside_->responders) {
-    if (name == client) throw Error("client " + in_quotes(client) + " is served already; call serve() once");
+    if (name == client)
+      throw Error("client " + in_quotes(client) + " has a server already; call serve() once");
   }
   inside_->responders.emplace_back(client, std::move(responder));
 }

@@ -1,4 +1,5 @@
-// A process module as a library: its main() runs on a stack of its own and hands over where it waits.
+// Tests a process module that was built as a library: its main() runs on a stack of its own, and hands
+// control back to the test when it waits for a release.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -27,23 +28,23 @@
 
 namespace takt::testing {
 
-/// While it lives: what is allocated is the program's, and ends with it. No leak of the test's.
-class OfTheProgram {
+/// While it lives, allocations belong to the program and are not leaks of the test.
+class ProgramAllocations {
  public:
 #if defined(__SANITIZE_ADDRESS__)
-  OfTheProgram() { __lsan_disable(); }
-  ~OfTheProgram() { __lsan_enable(); }
+  ProgramAllocations() { __lsan_disable(); }
+  ~ProgramAllocations() { __lsan_enable(); }
 #else
-  OfTheProgram() {}
-  ~OfTheProgram() {}
+  ProgramAllocations() {}
+  ~ProgramAllocations() {}
 #endif
-  OfTheProgram(const OfTheProgram&) = delete;
-  OfTheProgram& operator=(const OfTheProgram&) = delete;
+  ProgramAllocations(const ProgramAllocations&) = delete;
+  ProgramAllocations& operator=(const ProgramAllocations&) = delete;
 };
 
 using Main = int (*)(int, char**);
 
-/// What the C++ library remembers of exceptions that are being handled. Each course has its own.
+/// The C++ library's state of the exceptions that are being handled. Each run of a program has its own.
 class Exceptions {
  public:
   void swap() noexcept {
@@ -62,23 +63,23 @@ class Exceptions {
   State state_{};
 };
 
-/// One life of a program, from main() to its end. As with a process, what it leaves behind is not destroyed:
-/// nobody knows whether a thread of it still runs. So its code and its variables stay until the test ends.
-class Course {
+/// One run of a program, from main() to its end. As with a process, its objects are not destroyed at the end:
+/// one of its threads may still run. So its code and variables stay until the test ends.
+class ProgramRun {
  public:
-  Course(std::string path, bool sporadic, channel::ReleaseSlot& slot, VirtualClock& clock)
+  ProgramRun(std::string path, bool sporadic, channel::ReleaseSlot& slot, VirtualClock& clock)
       : path_(std::move(path)), sporadic_(sporadic), slot_(slot), clock_(clock) {}
 
   Result<void> load();
-  /// The program goes on until it waits, attaches or ends.
+  /// Lets the program continue until it waits, attaches or ends.
   void go_on();
 
-  /// Nobody hands over to it again.
+  /// Ends the run: the program never continues.
   void crash() { ended_ = true; }
 
   [[nodiscard]] bool begun() const { return begun_; }
   [[nodiscard]] bool ended() const { return ended_; }
-  /// "called exit(1) before initPeriodExe()"
+  /// Why it ended: "the program called exit(1) before it called initPeriodExe()".
   [[nodiscard]] const std::string& end() const { return end_; }
   [[nodiscard]] const std::vector<PortBase*>& ports() const { return ports_; }
   std::vector<std::string> arguments;
@@ -88,11 +89,11 @@ class Course {
   void wait(const char* function);
   [[noreturn]] void exit(int status);
   void at_exit(void (*function)()) { at_exit_.push_back(function); }
-  /// Wrong use of libtakt_process, which ends the program there as here.
+  /// Ends the program because of wrong use of libtakt_process, as the real library does.
   [[noreturn]] void refuse(const char* function, const char* what);
 
-  static thread_local Course* running;
-  static Course& of_caller(const char* function);
+  static thread_local ProgramRun* running;
+  static ProgramRun& of_caller(const char* function);
 
  private:
   void run_main();
@@ -112,10 +113,10 @@ class Course {
   Main main_ = nullptr;
   std::vector<PortBase*> ports_;
   std::vector<PropertyBase*> properties_of_file_;
-  std::vector<PropertyBase*> properties_;  // with those that main() made
-  Problems refused_;                       // of what they were given
-  std::vector<SavedBase*> saved_by_;       // of the file and of main()
-  takt_saved_state saved_{};               // no data: it saves nothing
+  std::vector<PropertyBase*> properties_;  // including those that main() constructed
+  Problems rejected_;                      // values that the properties rejected
+  std::vector<SavedBase*> saved_by_;       // global variables, and those that main() constructed
+  takt_saved_state saved_{};               // the saved variable; data is null if there is none
   std::vector<char*> argv_;
   PortContext context_;
   channel::Taken taken_;
@@ -130,18 +131,17 @@ class Course {
   os::Fiber fiber_{std::size_t{8} << 20, [this] { run_main(); }};
 };
 
-thread_local Course* Course::running = nullptr;
+thread_local ProgramRun* ProgramRun::running = nullptr;
 
-Course& Course::of_caller(const char* function) {
+ProgramRun& ProgramRun::of_caller(const char* function) {
   if (running == nullptr) {
-    std::fprintf(stderr, "%s(): called by another thread than that of main(), which is the one that waits\n",
-                 function);
+    std::fprintf(stderr, "%s(): called by another thread; call it from the thread of main()\n", function);
     std::abort();
   }
   return *running;
 }
 
-Result<void> Course::load() {
+Result<void> ProgramRun::load() {
   static_cast<void>(take_loose_ports());
   static_cast<void>(take_loose_properties());
   static_cast<void>(take_loose_saved());
@@ -149,9 +149,9 @@ Result<void> Course::load() {
   auto library = os::Library::open(path_, copy ? os::Library::Globals::own : os::Library::Globals::shared);
   if (!library) return library.problems();
   library_ = std::move(*library);
-  static std::vector<std::unique_ptr<LoadedFile>> for_ever;
-  for_ever.push_back(std::make_unique<LoadedFile>());
-  for_ever.back()->take(path_);
+  static std::vector<std::unique_ptr<LoadedFile>> loaded_files;
+  loaded_files.push_back(std::make_unique<LoadedFile>());
+  loaded_files.back()->take(path_);
   ports_ = take_loose_ports();
   properties_of_file_ = take_loose_properties();
   saved_by_ = take_loose_saved();
@@ -159,18 +159,18 @@ Result<void> Course::load() {
     saved_ = *static_cast<const takt_saved_state*>(of_c);
   main_ = reinterpret_cast<Main>(library_.own_symbol("main"));
   library_.abandon();
-  if (main_ == nullptr) return fail(path_ + " has no main()", "name a program of takt_add_process()");
+  if (main_ == nullptr) return fail(path_ + " has no main()", "use a program that takt_add_process() builds");
   return {};
 }
 
-void Course::go_on() {
+void ProgramRun::go_on() {
   TAKT_CHECK(!ended_ && running == nullptr);
   running = this;
   begun_ = true;
   serve_cycle(&cycle_);
   exceptions_.swap();
   {
-    const OfTheProgram memory;
+    const ProgramAllocations memory;
     test_.hand_over_to(fiber_);
   }
   exceptions_.swap();
@@ -178,9 +178,9 @@ void Course::go_on() {
   running = nullptr;
 }
 
-void Course::leave() noexcept { fiber_.hand_over_to(test_); }
+void ProgramRun::leave() noexcept { fiber_.hand_over_to(test_); }
 
-void Course::run_main() {
+void ProgramRun::run_main() {
   give(properties_of_file_);
   argv_.push_back(path_.data());
   for (std::string& argument : arguments) argv_.push_back(argument.data());
@@ -192,18 +192,18 @@ void Course::run_main() {
   } catch (const std::exception& exception) {
     what = std::string{"main() threw: "} + exception.what();
   } catch (...) {
-    what = "main() threw something that is no std::exception";
+    what = "main() threw something that is not a std::exception";
   }
   end_ = what + place();
   finish();
 }
 
-const char* Course::place() const {
+const char* ProgramRun::place() const {
   if (attached_) return taken_.count == 0 ? " before its first release was served" : "";
   return sporadic_ ? " before it called initSporadicExe()" : " before it called initPeriodExe()";
 }
 
-void Course::finish() {
+void ProgramRun::finish() {
   while (!at_exit_.empty()) {
     const auto function = at_exit_.back();
     at_exit_.pop_back();
@@ -212,35 +212,35 @@ void Course::finish() {
   std::fflush(nullptr);
   ended_ = true;
   leave();
-  std::abort();  // nobody hands over to it again
+  std::abort();  // never reached: the program never continues
 }
 
-void Course::exit(int status) {
-  if (end_.empty()) end_ = "it called exit(" + std::to_string(status) + ")" + place();
+void ProgramRun::exit(int status) {
+  if (end_.empty()) end_ = "the program called exit(" + std::to_string(status) + ")" + place();
   finish();
 }
 
-void Course::refuse(const char* function, const char* what) {
+void ProgramRun::refuse(const char* function, const char* what) {
   end_ = std::string{function} + "(): " + what;
   finish();
 }
 
-void Course::give(const std::vector<PropertyBase*>& made) {
+void ProgramRun::give(const std::vector<PropertyBase*>& made) {
   for (PropertyBase* property : made) {
     properties_.push_back(property);
     const std::string begin = property->name() + "=";
     for (const std::string& argument : arguments) {
       if (!argument.starts_with(begin)) continue;
       if (const auto given = property->assign(argument.substr(begin.size())); !given)
-        refused_.insert(refused_.end(), given.problems().begin(), given.problems().end());
+        rejected_.insert(rejected_.end(), given.problems().begin(), given.problems().end());
     }
   }
 }
 
-// As libtakt_process does.
-void Course::check_properties(const char* function) {
+// The same checks as in libtakt_process.
+void ProgramRun::check_properties(const char* function) {
   Problems problems = check_declared(properties_, "this program");
-  problems.insert(problems.end(), refused_.begin(), refused_.end());
+  problems.insert(problems.end(), rejected_.begin(), rejected_.end());
   std::vector<std::string_view> names;
   for (const PropertyBase* property : properties_) names.emplace_back(property->name());
   for (const std::string& argument : arguments) {
@@ -251,16 +251,17 @@ void Course::check_properties(const char* function) {
   if (!problems.empty()) refuse(function, in_words(problems).c_str());
 }
 
-// As libtakt_process does.
-void Course::find_saved(const char* function) {
-  for (SavedBase* one : take_loose_saved()) saved_by_.push_back(one);  // those that main() made
+// The same checks as in libtakt_process.
+void ProgramRun::find_saved(const char* function) {
+  for (SavedBase* one : take_loose_saved()) saved_by_.push_back(one);  // those that main() constructed
   if (saved_by_.size() + (saved_.data != nullptr ? 1 : 0) > 1)
-    refuse(function, "there is more than one variable to save; put them into one struct");
+    refuse(function, "the program saves more than one variable; put them into one struct");
   if (!saved_by_.empty()) saved_ = {saved_by_[0]->version(), saved_by_[0]->size(), saved_by_[0]->data()};
-  if (saved_.size > channel::kMostSaved) refuse(function, "it saves too much; at most 4096 bytes are saved");
+  if (saved_.size > channel::kMostSaved)
+    refuse(function, "the saved variable is too large; use at most 4096 bytes");
 }
 
-void Course::restore() const {
+void ProgramRun::restore() const {
   const channel::SavedState::Place* before = saved_.data == nullptr ? nullptr : slot_.saved.saved();
   if (before == nullptr) return;
   const bool same = before->version == saved_.version && before->size == saved_.size;
@@ -268,20 +269,20 @@ void Course::restore() const {
   for (SavedBase* one : saved_by_) one->set_restored(same);
 }
 
-void Course::attach(bool sporadic, const char* function) {
+void ProgramRun::attach(bool sporadic, const char* function) {
   if (attached_) refuse(function, "called twice; call it once, before the first wait");
   if (sporadic != sporadic_) {
     refuse(function, sporadic_ ? "the test says sporadic; use initSporadicExe() and waitSporadic()"
                                : "the test says periodic; use initPeriodExe() and waitPeriod()");
   }
   attached_ = true;
-  give(take_loose_properties());  // those that main() made
+  give(take_loose_properties());  // those that main() constructed
   check_properties(function);
-  for (PortBase* port : take_loose_ports()) ports_.push_back(port);  // those that main() made
+  for (PortBase* port : take_loose_ports()) ports_.push_back(port);  // those that main() constructed
   for (const PortBase* port : ports_) {
     for (const PortBase* other : ports_) {
       if (port != other && port->name() == other->name())
-        refuse(function, "there are two ports of one name; give each a name of its own");
+        refuse(function, "two ports have the same name; give each a different name");
     }
   }
   context_.start_ns = to_ns(clock_.now());
@@ -293,9 +294,8 @@ void Course::attach(bool sporadic, const char* function) {
   leave();
 }
 
-// The slot is the one that takt-node would make; the words between scheduler and program are those of
-// libtakt_process.
-void Course::wait(const char* function) {
+// Uses a release slot like takt-node's, and writes to it what libtakt_process writes.
+void ProgramRun::wait(const char* function) {
   if (!attached_) refuse(function, "call initPeriodExe() or initSporadicExe() first");
   if (saved_.data != nullptr && taken_.count != 0)
     slot_.saved.save(saved_.data, saved_.size, saved_.version, context_.start_ns);
@@ -313,14 +313,14 @@ void Course::wait(const char* function) {
 
 namespace {
 
-/// A program, started again each time that it is loaded or recovers after its end.
+/// A program. Each load, and each recovery after its end, starts it again.
 class ProgramSubject final : public Subject {
  public:
   ProgramSubject(std::string path, bool sporadic, Nanoseconds period, VirtualClock& clock)
       : path_(std::move(path)), sporadic_(sporadic), period_(period), clock_(clock) {}
 
   Result<void> load() override {
-    static auto& all = *new std::vector<std::unique_ptr<Life>>;  // for ever, see Course
+    static auto& all = *new std::vector<std::unique_ptr<Life>>;  // never destroyed, see ProgramRun
     const auto before = life_ == nullptr ? std::nullopt : life_->slot.saved.copy();
     all.push_back(std::make_unique<Life>(path_, sporadic_, clock_));
     life_ = all.back().get();
@@ -329,36 +329,36 @@ class ProgramSubject final : public Subject {
     slot.magic = channel::ReleaseSlot::kMagic;
     slot.kind = sporadic_ ? channel::ReleaseSlotKind::sporadic : channel::ReleaseSlotKind::periodic;
     slot.period_ns = period_.count();
-    return life_->course.load();
+    return life_->run.load();
   }
   Result<void> initialize(const irp::Property& properties) override {
-    Course& course = life_->course;
-    for (const auto& [name, value] : properties.values()) course.arguments.push_back(name + "=" + value);
+    ProgramRun& run = life_->run;
+    for (const auto& [name, value] : properties.values()) run.arguments.push_back(name + "=" + value);
     return go_on();
   }
   Result<void> start() override { return go_on(); }
-  Result<void> error(ErrorType) override { return {}; }  // a program is not told
+  Result<void> error(ErrorType) override { return {}; }  // a program has no error() hook
   Result<void> recover() override { return {}; }
   Result<void> destruct() override {
     life_->slot.end = 1;
-    if (life_->course.begun() && !life_->course.ended()) life_->course.go_on();
+    if (life_->run.begun() && !life_->run.ended()) life_->run.go_on();
     return {};
   }
-  void crash() override { life_->course.crash(); }
-  [[nodiscard]] bool ended() const override { return life_->course.ended(); }
+  void crash() override { life_->run.crash(); }
+  [[nodiscard]] bool ended() const override { return life_->run.ended(); }
 
   Result<void> check(const std::string&, const std::string&) override { return {}; }
   Result<void> set(const std::string&, const std::string&) override {
-    return fail("it is a program: its properties are arguments, which it was given when it was started",
+    return fail("the properties of a program are arguments, which it gets only when it starts",
                 "set them before initialize(), or after destruct() and reset()");
   }
   [[nodiscard]] std::optional<Result<std::string>> get(const std::string&) const override {
     return std::nullopt;
   }
 
-  [[nodiscard]] const std::vector<PortBase*>& ports() const override { return life_->course.ports(); }
+  [[nodiscard]] const std::vector<PortBase*>& ports() const override { return life_->run.ports(); }
   void connect(PortBase& port, channel::Link link) override {
-    const OfTheProgram memory;  // the port may lie on its stack
+    const ProgramAllocations memory;  // the port may be on the program's stack
     port.connect(link, nullptr);
   }
   void keep(std::shared_ptr<void> memory) override { life_->kept.push_back(std::move(memory)); }
@@ -366,29 +366,29 @@ class ProgramSubject final : public Subject {
   void enter(executor::Unit& unit) override { unit.slot = &life_->slot; }
   void serve(channel::ModuleBlock& block) override {
     if (ended() || !life_->slot.in_body()) return;
-    life_->course.go_on();
+    life_->run.go_on();
     if (!ended()) return;
     block.in_tables = 0;
     block.errors = block.errors + 1;
     block.error_cycle = life_->slot.cycle(life_->slot.released);
-    block.error_text.assign(life_->course.end());
+    block.error_text.assign(life_->run.end());
     block.error = static_cast<std::uint32_t>(ErrorType::crash);
   }
 
  private:
   struct Life {
-    Life(const std::string& path, bool sporadic, VirtualClock& clock) : course(path, sporadic, slot, clock) {}
+    Life(const std::string& path, bool sporadic, VirtualClock& clock) : run(path, sporadic, slot, clock) {}
     channel::ReleaseSlot slot{};
-    Course course;
+    ProgramRun run;
     std::vector<std::shared_ptr<void>> kept;
   };
 
-  // Until it is attached, then until it waits.
+  // The first call runs the program until it is attached, the next one until it waits.
   Result<void> go_on() {
-    Course& course = life_->course;
-    course.go_on();
-    if (!course.ended()) return {};
-    return fail(course.end(), "what it printed says why, if it did");
+    ProgramRun& run = life_->run;
+    run.go_on();
+    if (!run.ended()) return {};
+    return fail(run.end(), "see its output for the reason");
   }
 
   std::string path_;
@@ -407,25 +407,26 @@ std::unique_ptr<Subject> make_program_subject(std::string path, bool sporadic, N
 
 }  // namespace takt::testing
 
-using takt::testing::Course;
+using takt::testing::ProgramRun;
 
 extern "C" {
 
-void initPeriodExe(void) { Course::of_caller("initPeriodExe").attach(false, "initPeriodExe"); }
-void initSporadicExe(void) { Course::of_caller("initSporadicExe").attach(true, "initSporadicExe"); }
-void waitPeriod(void) { Course::of_caller("waitPeriod").wait("waitPeriod"); }
-void waitSporadic(void) { Course::of_caller("waitSporadic").wait("waitSporadic"); }
+void initPeriodExe(void) { ProgramRun::of_caller("initPeriodExe").attach(false, "initPeriodExe"); }
+void initSporadicExe(void) { ProgramRun::of_caller("initSporadicExe").attach(true, "initSporadicExe"); }
+void waitPeriod(void) { ProgramRun::of_caller("waitPeriod").wait("waitPeriod"); }
+void waitSporadic(void) { ProgramRun::of_caller("waitSporadic").wait("waitSporadic"); }
 
-// What takt_add_component_test() has a program call in place of the C library's.
+// The program calls these functions in place of those of the C library; takt_add_component_test() arranges
+// that.
 [[noreturn]] void __wrap_exit(int status);
 [[noreturn]] void __wrap_exit(int status) {
-  if (Course::running == nullptr) std::exit(status);  // a thread of its own
-  Course::running->exit(status);
+  if (ProgramRun::running == nullptr) std::exit(status);  // called by another thread of the program
+  ProgramRun::running->exit(status);
 }
 int __wrap_atexit(void (*function)(void));
 int __wrap_atexit(void (*function)(void)) {
-  if (Course::running == nullptr) return std::atexit(function);
-  Course::running->at_exit(function);
+  if (ProgramRun::running == nullptr) return std::atexit(function);
+  ProgramRun::running->at_exit(function);
   return 0;
 }
 }

@@ -1,4 +1,4 @@
-// What is tested: a thread module or a program, behind one set of hooks.
+// The interface to the tested module, the same for a thread module and a program.
 #pragma once
 
 #include <memory>
@@ -16,17 +16,18 @@
 
 namespace takt::testing {
 
-/// The time that tests are at.
+/// The virtual time of a test.
 class VirtualClock final : public Clock {
  public:
   Instant now() noexcept override { return now_; }
   void go_to(Instant now) noexcept { now_ = now; }
 
  private:
-  // Not 0, which means "never" to what counts from there.
+  // Not 0, because a time of 0 means "never" elsewhere.
   Instant now_ = from_ns(1'000'000'000'000);
 };
 
+/// The tested module.
 class Subject {
  public:
   Subject() = default;
@@ -40,30 +41,31 @@ class Subject {
   virtual Result<void> error(ErrorType type) = 0;
   virtual Result<void> recover() = 0;
   virtual Result<void> destruct() = 0;
-  /// Its process dies under it.
+  /// Simulates that the module's process dies.
   virtual void crash() = 0;
-  /// It crashed, or is a program that has come to its end; to recover it has to be loaded and started again.
+  /// Whether the module crashed, or is a program that has ended. To recover, it must be loaded and started
+  /// again.
   [[nodiscard]] virtual bool ended() const = 0;
-  /// What it saved is gone.
+  /// Discards the saved state.
   virtual void forget() {}
 
-  /// Before initialize(): whether it would be taken.
+  /// Before initialize(): whether the module accepts the property.
   virtual Result<void> check(const std::string& name, const std::string& text) = 0;
   virtual Result<void> set(const std::string& name, const std::string& text) = 0;
-  /// Empty where it has to be looked up among what was set.
+  /// The value of a property. Empty if the module cannot tell, and the caller must look among the set values.
   [[nodiscard]] virtual std::optional<Result<std::string>> get(const std::string& name) const = 0;
 
   [[nodiscard]] virtual const std::vector<PortBase*>& ports() const = 0;
   virtual void connect(PortBase& port, channel::Link link) { port.connect(link, nullptr); }
-  /// Of a thread module: as host::ThreadModule.
+  /// Checks the deadline of an input, as host::ThreadModule::watch() does. Thread modules only.
   virtual void watch(channel::Link, const PortBase&, bool /*stale_is_error*/) {}
-  /// Memory that the ports use, as long as they may.
+  /// Keeps memory alive that the ports use.
   virtual void keep(std::shared_ptr<void>) {}
 
-  /// What the executor calls or releases.
+  /// Fills in what the executor calls or releases.
   virtual void enter(executor::Unit& unit) = 0;
-  /// After each row: what was released runs, and what was asked is answered by its handler. An error type
-  /// where it went wrong.
+  /// Called after each row: lets a released program run its body, and handlers answer requests. Stores an
+  /// error in `block`.
   virtual void serve(channel::ModuleBlock& block) = 0;
 };
 
@@ -72,8 +74,8 @@ std::unique_ptr<Subject> make_thread_subject(std::string path, bool sporadic, Na
 std::unique_ptr<Subject> make_program_subject(std::string path, bool sporadic, Nanoseconds period,
                                               VirtualClock& clock);
 
-/// Files whose variables are taken: a further one of these is loaded with variables of its own. While it
-/// lives.
+/// Marks a file as loaded, while the object lives. A second module of the same file is loaded as a copy, with
+/// variables of its own.
 class LoadedFile {
  public:
   LoadedFile() = default;
@@ -81,6 +83,7 @@ class LoadedFile {
   LoadedFile& operator=(const LoadedFile&) = delete;
   ~LoadedFile() { release(); }
 
+  /// Whether another object has marked the file.
   static bool is_taken(const std::string& path);
   void take(const std::string& path);
   void release();

@@ -30,7 +30,7 @@ void LoadedFile::release() {
 
 namespace {
 
-/// What the host has loaded, without the host.
+/// A thread module, loaded as the host loads it.
 class ThreadSubject final : public Subject {
  public:
   ThreadSubject(std::string path, bool sporadic, Nanoseconds period, VirtualClock& clock,
@@ -41,7 +41,7 @@ class ThreadSubject final : public Subject {
     module_.save_in(*saved_);
   }
 
-  // As the host does: objects of a C++ component share a file, and each further module in C gets a copy.
+  // As in the host, objects of a C++ component share a file, and each further module in C gets a copy of it.
   Result<void> load() override {
     module_.unload();
     file_.release();
@@ -65,13 +65,13 @@ class ThreadSubject final : public Subject {
   void forget() override { saved_->clear(); }
 
   Result<void> check(const std::string& name, const std::string& text) override {
-    if (module_.component() == nullptr) return {};  // it looks itself, in initialize()
+    if (module_.component() == nullptr) return {};  // a module in C checks its properties in initialize()
     return module_.set({{name, text}});
   }
   Result<void> set(const std::string& name, const std::string& text) override {
     if (module_.component() == nullptr) {
-      return fail("it is written in C: it reads its properties in initialize()",
-                  "set them before that, or after destruct() and reset()");
+      return fail("a module in C reads its properties in initialize()",
+                  "set them before initialize(), or after destruct() and reset()");
     }
     return module_.set({{name, text}});
   }
@@ -86,7 +86,7 @@ class ThreadSubject final : public Subject {
   }
 
   void enter(executor::Unit& unit) override { unit.body = &module_; }
-  void serve(channel::ModuleBlock& block) override {  // the executor has called its run()
+  void serve(channel::ModuleBlock& block) override {  // the executor has already called run()
     while (module_.serve(block.in_tables != 0)) {
     }
   }
@@ -94,7 +94,7 @@ class ThreadSubject final : public Subject {
  private:
   std::string path_;
   bool sporadic_;
-  bool crashed_ = false;  // and is not yet started again
+  bool crashed_ = false;  // crashed, and not yet started again
   LoadedFile file_;
   std::unique_ptr<channel::SavedState> saved_ = std::make_unique<channel::SavedState>();
   host::ThreadModule module_;

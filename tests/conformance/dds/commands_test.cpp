@@ -1,4 +1,4 @@
-// Requests and their answers, between processes.
+// Commands and their replies, between processes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -13,7 +13,7 @@
 #include <takt/wire/taktPubSubTypes.h>
 #include <takt/dds/commands.hpp>
 #include <takt/dds/gateway.hpp>
-#include <takt/dds/inside.hpp>
+#include "inside.hpp"
 #include <takt/model/type.hpp>
 
 #include "domain.hpp"
@@ -35,10 +35,10 @@ std::int64_t wall_ns() {
   return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-class Asker {
+class TestClient {
  public:
-  explicit Asker(const std::shared_ptr<dds::Participant>& participant)
-      : client_(std::move(*dds::CommandClient::create(participant, [this](const dds::WholeReply& reply) {
+  explicit TestClient(const std::shared_ptr<dds::Participant>& participant)
+      : client_(std::move(*dds::CommandClient::create(participant, [this](const wire::WholeReply& reply) {
           const std::lock_guard lock{mutex_};
           replies_.push_back(reply);
           came_.notify_all();
@@ -46,14 +46,14 @@ class Asker {
 
   bool send(const std::string& id, const std::string& data = {}, Nanoseconds time = 20s,
             const std::string& device = "d") {
-    dds::WholeCommand command{.head = {}, .data = data};
+    wire::WholeCommand command{.head = {}, .data = data};
     command.head.id(id);
     command.head.device(device);
     command.head.kind(COMMAND_REPORT);
     command.head.deadline_ns(wall_ns() + time.count());
     return client_.send(command);
   }
-  std::optional<dds::WholeReply> next(std::chrono::milliseconds limit = 20s) {
+  std::optional<wire::WholeReply> next(std::chrono::milliseconds limit = 20s) {
     std::unique_lock lock{mutex_};
     if (!came_.wait_for(lock, limit, [this] { return !replies_.empty(); })) return std::nullopt;
     auto reply = std::move(replies_.front());
@@ -64,20 +64,20 @@ class Asker {
  private:
   std::mutex mutex_;
   std::condition_variable came_;
-  std::deque<dds::WholeReply> replies_;
+  std::deque<wire::WholeReply> replies_;
   dds::CommandClient client_;
 };
 
-TEST(Commands, TheFirstAnswerOfTwoHundredProgramsThatAskOnceIsNotLost) {
+TEST(Commands, DoNotLoseTheFirstReplyToTwoHundredNewClients) {
   Peer server{{"server", "d", "10"}};
   ASSERT_TRUE(server.says("ready"));
   std::atomic<int> next{0};
   std::atomic<int> answered{0};
   std::mutex mutex;
   std::vector<int> times;
-  std::vector<std::thread> askers;
+  std::vector<std::thread> clients;
   for (int i = 0; i < 4; ++i) {
-    askers.emplace_back([&] {
+    clients.emplace_back([&] {
       for (int number = next++; number < 200; number = next++) {
         Peer client{{"client", "d", "once" + std::to_string(number), "0"}};
         const auto line = client.line(30s);
@@ -87,14 +87,14 @@ TEST(Commands, TheFirstAnswerOfTwoHundredProgramsThatAskOnceIsNotLost) {
       }
     });
   }
-  for (std::thread& each : askers) each.join();
+  for (std::thread& each : clients) each.join();
   EXPECT_EQ(answered, 200);
   std::sort(times.begin(), times.end());
   ASSERT_EQ(times.size(), 200U);
   std::cout << "answered after " << times[100] << " ms, at most " << times.back() << " ms\n";
 }
 
-/// As in idl/takt.idl.
+/// Builds a type as in idl/takt.idl.
 model::Type wire_type(const std::string& name, const std::vector<std::string>& before,
                       std::vector<model::Field> between,
                       const std::vector<std::pair<std::string, std::size_t>>& after) {
@@ -115,7 +115,7 @@ void add_parts(model::Type& type) {
   type.fields.push_back({.name = "data", .scalar = model::Scalar::octet, .sequence = 32768});
 }
 
-TEST(Commands, AnAnswerWaitsForTheReaderOfWhoAsked) {
+TEST(Commands, ReplyOnlyWhenTheClientsReaderHasMatched) {
   const dds::Quality reliable{.reliable = true, .depth = 32, .deadline = {}, .lifespan = {}};
   model::Type command = wire_type("takt::Command", {"id", "device", "node", "module_name"},
                                   {enumeration("kind", {"COMMAND_REPORT"})},
@@ -137,12 +137,12 @@ TEST(Commands, AnAnswerWaitsForTheReaderOfWhoAsked) {
       dds::Feed::create(participant, {.topic = "takt/command", .type = command, .quality = reliable});
   ASSERT_TRUE(writer.ok());
   ASSERT_TRUE(soon([&] { return (*writer)->health().matched == 1; }));
-  std::this_thread::sleep_for(300ms);  // until the server's reader has matched, too
+  std::this_thread::sleep_for(300ms);  // until the server's reader has matched too
   const auto bytes = model::sample_bytes(command, R"({"id": "raw", "device": "d", "parts": 1})");
   ASSERT_TRUE(bytes.ok());
   ASSERT_TRUE((*writer)->write(bytes->data(), bytes->size()));
   ASSERT_TRUE(server.says("handled raw 0"));
-  std::this_thread::sleep_for(500ms);  // the answer would have gone
+  std::this_thread::sleep_for(500ms);  // long enough for the answer to be sent
   std::mutex mutex;
   std::string heard;
   auto reader = dds::Tap::create(participant, {.topic = "takt/reply", .type = reply, .quality = reliable},
@@ -157,108 +157,108 @@ TEST(Commands, AnAnswerWaitsForTheReaderOfWhoAsked) {
   })) << heard;
 }
 
-TEST(Commands, OfSixteenMebibytesGetAnAnswerAsLong) {
-  const std::size_t most = dds::kMaxData;
+TEST(Commands, CarrySixteenMebibytesInBothDirections) {
+  const std::size_t most = wire::kMaxData;
   Peer server{{"server", "d", std::to_string(most)}};
   ASSERT_TRUE(server.says("ready"));
-  Asker asker{participate()};
+  TestClient client{participate()};
   const auto begin = Clock::now();
-  ASSERT_TRUE(asker.send("long", std::string(most, 'x'), 60s));
-  const auto reply = asker.next(60s);
+  ASSERT_TRUE(client.send("long", std::string(most, 'x'), 60s));
+  const auto reply = client.next(60s);
   ASSERT_TRUE(reply.has_value());
-  std::cout << "there and back in " << std::chrono::duration<double>(Clock::now() - begin).count() << " s\n";
+  std::cout << "round trip in " << std::chrono::duration<double>(Clock::now() - begin).count() << " s\n";
   EXPECT_EQ(reply->data, std::string(most, 'r'));
   EXPECT_EQ(server.line(), "handled long " + std::to_string(most));
-  EXPECT_FALSE(asker.send("longer", std::string(most + 1, 'x')));
+  EXPECT_FALSE(client.send("longer", std::string(most + 1, 'x')));
 }
 
-TEST(Commands, OfARepeatedIdAreAnsweredAgainAndNotDoneAgain) {
+TEST(Commands, WithARepeatedIdAreAnsweredAgainButNotHandledAgain) {
   Peer server{{"server", "d", "3"}};
   ASSERT_TRUE(server.says("ready"));
-  Asker asker{participate()};
+  TestClient client{participate()};
   for (int i = 0; i < 3; ++i) {
-    ASSERT_TRUE(asker.send("same"));
-    const auto reply = asker.next();
+    ASSERT_TRUE(client.send("same"));
+    const auto reply = client.next();
     ASSERT_TRUE(reply.has_value());
     EXPECT_EQ(reply->head.value().to_string(), "for same");
     EXPECT_EQ(reply->head.device().to_string(), "d");
     EXPECT_EQ(reply->head.node().to_string(), "node");
   }
-  ASSERT_TRUE(asker.send("end"));
-  ASSERT_TRUE(asker.next().has_value());
+  ASSERT_TRUE(client.send("end"));
+  ASSERT_TRUE(client.next().has_value());
   EXPECT_EQ(server.line(), "handled same 0");
   EXPECT_EQ(server.line(), "handled end 0");
 }
 
-TEST(Commands, AreSentAgainToAServerThatComesLater) {
-  Asker asker{participate()};
-  asker.send("early");
+TEST(Commands, AreSentAgainToALaterServer) {
+  TestClient client{participate()};
+  client.send("early");
   Peer other{{"server", "other", "0"}};
   ASSERT_TRUE(other.says("ready"));
   std::this_thread::sleep_for(300ms);
   Peer server{{"server", "d", "0"}};
-  EXPECT_TRUE(asker.next().has_value());
+  EXPECT_TRUE(client.next().has_value());
   EXPECT_TRUE(server.says("handled early 0"));
 }
 
 TEST(Commands, AreNotSentAfterTheirDeadline) {
-  Asker asker{participate()};
-  asker.send("late", {}, 200ms);
+  TestClient client{participate()};
+  client.send("late", {}, 200ms);
   std::this_thread::sleep_for(300ms);
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.says("ready"));
-  asker.send("punctual");
-  ASSERT_TRUE(asker.next().has_value());
+  client.send("punctual");
+  ASSERT_TRUE(client.next().has_value());
   EXPECT_EQ(server.line(), "handled punctual 0");
 }
 
-TEST(Commands, AreAnsweredHoweverLongThatTakesWhenTheyWereBegunInTime) {
+TEST(Commands, AreAnsweredEvenLateIfBegunInTime) {
   Peer server{{"server", "d", "3", "1500"}};
   ASSERT_TRUE(server.says("ready"));
-  Asker asker{participate()};
-  asker.send("slow", {}, 500ms);
-  const auto reply = asker.next();
-  ASSERT_TRUE(reply.has_value()) << "the deadline is that of the beginning";
+  TestClient client{participate()};
+  client.send("slow", {}, 500ms);
+  const auto reply = client.next();
+  ASSERT_TRUE(reply.has_value()) << "the deadline is for the beginning of the command";
   EXPECT_EQ(reply->head.value().to_string(), "for slow");
-  asker.send("end");
-  ASSERT_TRUE(asker.next().has_value());
+  client.send("end");
+  ASSERT_TRUE(client.next().has_value());
   EXPECT_EQ(server.line(), "handled slow 0");
-  EXPECT_EQ(server.line(), "handled end 0") << "it was done once";
+  EXPECT_EQ(server.line(), "handled end 0") << "it was handled once";
 }
 
-TEST(Commands, AStuckAskerDoesNotKeepOthersWaiting) {
+TEST(Commands, AStuckClientDoesNotDelayOthers) {
   Peer server{{"server", "d", "2000000"}};
   ASSERT_TRUE(server.says("ready"));
-  Asker asker{participate()};
-  asker.send("first");
-  ASSERT_TRUE(asker.next().has_value());
+  TestClient client{participate()};
+  client.send("first");
+  ASSERT_TRUE(client.next().has_value());
   Peer stuck{{"client", "d", "stuck", "4000000"}};
   ASSERT_TRUE(server.says("handled first 0"));
   ASSERT_TRUE(server.says("handled stuck 4000000"));
   stuck.signal(SIGSTOP);
   const auto begin = Clock::now();
-  asker.send("second");
-  ASSERT_TRUE(asker.next().has_value());
+  client.send("second");
+  ASSERT_TRUE(client.next().has_value());
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   std::cout << "answered after " << seconds << " s\n";
-  EXPECT_LT(seconds, 10.0) << "its lease is 3 s";
+  EXPECT_LT(seconds, 10.0) << "the stuck client's lease is 3 s";
 }
 
-TEST(Commands, MoreThanANodeTakesAreDroppedAndCountedAndThoseOfOthersAreNot) {
+TEST(Commands, AboveTheRateLimitAreDroppedAndCountedAndOtherClientsAreServed) {
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.says("ready"));
   const auto participant = participate();
-  Asker flood{participant};
+  TestClient flood{participant};
   for (int i = 0; i < 5000; ++i) flood.send("flood " + std::to_string(i));
   Peer other{{"client", "d", "other", "0"}};
-  EXPECT_EQ(other.wait(), 0) << "its command was answered";
+  EXPECT_EQ(other.wait(), 0) << "the other client's command must be answered";
   bool said = false;
   bool counted = false;
-  // A busy machine overwrites most of a flood before it arrives.
+  // On a busy machine, most commands of a flood are overwritten before they arrive.
   for (int again = 0; again < 20 && !counted; ++again) {
     server.say("refused");
     while (const auto line = server.line(5s)) {
-      said |= line->find("refused: more than 100 commands a second of one asker") != std::string::npos;
+      said |= line->find("rejected: more than 100 commands per second from one client") != std::string::npos;
       if (!line->starts_with("refused ")) continue;
       counted = std::stoul(line->substr(8)) > 1000;
       break;
@@ -270,14 +270,14 @@ TEST(Commands, MoreThanANodeTakesAreDroppedAndCountedAndThoseOfOthersAreNot) {
   EXPECT_TRUE(counted);
 }
 
-TEST(Commands, ForgedOnesAreRefusedAndCountedAndTheServerGoesOn) {
+TEST(Commands, RejectAndCountForgedSamplesAndContinue) {
   Peer server{{"server", "d", "0"}};
   ASSERT_TRUE(server.says("ready"));
   Command good;
   good.id("forged");
   good.device("d");
   good.kind(COMMAND_STOP);
-  good.parts(2);  // never whole, however it is damaged
+  good.parts(2);  // never complete, however it is damaged
   good.data(std::vector<std::uint8_t>(100, 7));
   CommandPubSubType type;
   dds::rtps::SerializedPayload_t payload{type.m_typeSize};
@@ -290,9 +290,9 @@ TEST(Commands, ForgedOnesAreRefusedAndCountedAndTheServerGoesOn) {
   }
   Peer forger{{"forge", "takt/command", "takt::Command", "plain", "3000", text}};
   ASSERT_TRUE(forger.says("forged", 60s));
-  Asker asker{participate()};
-  asker.send("honest");
-  EXPECT_TRUE(asker.next().has_value());
+  TestClient client{participate()};
+  client.send("honest");
+  EXPECT_TRUE(client.next().has_value());
   ASSERT_TRUE(server.says("handled honest 0"));
   server.say("refused");
   auto line = server.line();

@@ -1,4 +1,4 @@
-// Where the tests meet: on the loopback interface, on a domain that another build tree most likely does not
+// The interface and domain of the tests: loopback, and a domain that another build tree most likely does not
 // use.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Samples between the links of a device and DDS, with another process at the other end.
+// Moves samples between the links of a device and DDS, with another process at the other end.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -30,7 +30,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Memory of a link, as the node makes it.
+/// The memory of a link, made as the node makes it.
 class Memory {
  public:
   explicit Memory(channel::Link::Options options) : size_(channel::Link::layout(options).size()) {
@@ -65,7 +65,7 @@ class GatewayTest : public testing::Test {
     gateway_ = std::move(*gateway);
   }
 
-  /// As a module does it, and whoever runs it at the end of its cycle.
+  /// Writes a sample as a module does, and rings as its caller does at the end of the cycle.
   void write(channel::LinkWriter& writer, const std::vector<std::byte>& bytes,
              std::int64_t stamp = to_ns(os::now())) {
     std::memcpy(writer.link().payload(writer.buffer()), bytes.data(), bytes.size());
@@ -76,8 +76,8 @@ class GatewayTest : public testing::Test {
       os::futex_wake(wake_word_.rings, bits);
     }
   }
-  /// Writes 0 until the peer has heard one: its reader may match later than our writer does.
-  void until_heard(channel::LinkWriter& writer, Peer& tap) {
+  /// Writes sample 0 until the peer receives it: the peer's reader may match later than this writer.
+  void write_until_received(channel::LinkWriter& writer, Peer& tap) {
     ASSERT_TRUE(soon([&] {
       write(writer, bytes_of(0));
       const auto line = tap.line(20ms);
@@ -94,13 +94,13 @@ class GatewayTest : public testing::Test {
 constexpr std::uint32_t kWake = channel::kGatewayBit;
 const dds::Quality kReliable{.reliable = true, .depth = 64, .deadline = {}, .lifespan = {}};
 
-TEST_F(GatewayTest, SamplesGoOutInOrderAndWhole) {
+TEST_F(GatewayTest, SendsSamplesWholeAndInOrder) {
   const Memory memory{queue(64, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("out", kReliable), memory.link());
   ASSERT_TRUE(flow_id.ok());
   Peer tap{{"tap", "out", "reliable", "64"}};
   channel::LinkWriter writer{memory.link()};
-  until_heard(writer, tap);
+  write_until_received(writer, tap);
   for (std::uint64_t number = 1; number <= 500; ++number) {
     write(writer, bytes_of(number, 0, static_cast<std::uint32_t>(number * 37 % 5000)));
     std::this_thread::sleep_for(1ms);
@@ -112,7 +112,7 @@ TEST_F(GatewayTest, SamplesGoOutInOrderAndWhole) {
   EXPECT_EQ(memory.link().block().overwritten.load(), 0U);
 }
 
-TEST_F(GatewayTest, SamplesComeInInOrderAndWholeWithTheTimeOfTheirValue) {
+TEST_F(GatewayTest, ReceivesSamplesWholeAndInOrderWithTheirTime) {
   const Memory memory{queue(256)};
   const Memory latest{{.depth = 1, .payload = kPayload}};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link(), latest.link()});
@@ -120,13 +120,13 @@ TEST_F(GatewayTest, SamplesComeInInOrderAndWholeWithTheTimeOfTheirValue) {
   Peer feed{{"feed", "in", "reliable", "64"}};
   ASSERT_TRUE(feed.says("ready"));
   ASSERT_TRUE(soon([&] { return health(*flow_id).matched == 1; }));
-  std::this_thread::sleep_for(300ms);  // until the writer knows, too
+  std::this_thread::sleep_for(300ms);  // until the writer has matched too
   const std::int64_t begin = to_ns(os::now());
   feed.say("200");
   ASSERT_TRUE(soon([&] { return health(*flow_id).samples == 200; }));
   const std::int64_t end = to_ns(os::now());
   channel::LinkReader reader{memory.link()};
-  std::int64_t last = begin - 1'000'000;  // of the other process's clock of the wall, which may be corrected
+  std::int64_t last = begin - 1'000'000;  // tolerance: the wall clock may be corrected
   for (std::uint64_t number = 1; number <= 200; ++number) {
     ASSERT_TRUE(reader.take());
     const std::byte* bytes = reader.link().payload(reader.buffer());
@@ -142,7 +142,7 @@ TEST_F(GatewayTest, SamplesComeInInOrderAndWholeWithTheTimeOfTheirValue) {
   EXPECT_EQ(health(*flow_id).lost, 0U);
 }
 
-TEST_F(GatewayTest, TheStampOfTheModuleArrivesAsItWas) {
+TEST_F(GatewayTest, KeepsTheTimeStampOfTheModule) {
   const Memory out{queue(4, kWake)};
   const Memory in{queue(4)};
   const auto going = gateway_->add_outgoing(flow("stamp", kReliable), out.link());
@@ -152,16 +152,16 @@ TEST_F(GatewayTest, TheStampOfTheModuleArrivesAsItWas) {
   channel::LinkWriter writer{out.link()};
   const std::int64_t now = to_ns(os::now());
   write(writer, bytes_of(1), now - 7'000'000'000);
-  write(writer, bytes_of(2), now - 100'000'000'000);  // of a clock that is not ours
+  write(writer, bytes_of(2), now - 100'000'000'000);  // from a clock that differs
   ASSERT_TRUE(soon([&] { return health(*coming).samples == 2; }));
   channel::LinkReader reader{in.link()};
   ASSERT_TRUE(reader.take());
   EXPECT_NEAR(static_cast<double>(reader.info().stamp_ns), static_cast<double>(now - 7'000'000'000), 5e6);
   ASSERT_TRUE(reader.take());
-  EXPECT_GE(reader.info().stamp_ns, now) << "when it arrived";
+  EXPECT_GE(reader.info().stamp_ns, now) << "the time of arrival";
 }
 
-TEST_F(GatewayTest, ASleepingPumpIsRung) {
+TEST_F(GatewayTest, ARingWakesTheGateway) {
   const Memory memory{queue(64, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("out"), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -176,10 +176,10 @@ TEST_F(GatewayTest, ASleepingPumpIsRung) {
     waited.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
   }
   std::nth_element(waited.begin(), waited.begin() + 20, waited.end());
-  EXPECT_LT(waited[20], 0.02) << "without a ring it looks each 100 ms";
+  EXPECT_LT(waited[20], 0.02) << "without a ring it checks only every 100 ms";
 }
 
-TEST_F(GatewayTest, WhoeverWaitsForASampleIsRung) {
+TEST_F(GatewayTest, RingsForReadersThatWaitForASample) {
   const Memory memory{queue(64, channel::kSporadicBit)};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link()});
   ASSERT_TRUE(flow_id.ok());
@@ -210,7 +210,7 @@ TEST_F(GatewayTest, WhoeverWaitsForASampleIsRung) {
   sporadic.join();
 }
 
-TEST_F(GatewayTest, WhatIsNoSampleIsCountedAndDoesNotReachTheLink) {
+TEST_F(GatewayTest, CountsInvalidSamplesAndKeepsThemOffTheLink) {
   const Memory memory{queue(64)};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {memory.link()});
   ASSERT_TRUE(flow_id.ok());
@@ -220,13 +220,13 @@ TEST_F(GatewayTest, WhatIsNoSampleIsCountedAndDoesNotReachTheLink) {
     std::snprintf(digits.data(), digits.size(), "%02x", static_cast<unsigned>(each));
     good += digits.data();
   }
-  good.resize(48);  // it says that it has 40 bytes of data, and has none: cut off wherever it is changed
+  good.resize(48);  // it claims 40 bytes of data but has none, so every variant is cut off
   Peer forger{{"forge", "in", "test::Sample", "plain", "500", good}};
   ASSERT_TRUE(forger.says("forged", 60s));
   const dds::FlowHealth after = health(*flow_id);
   EXPECT_EQ(after.refused + after.samples, 500U);
   EXPECT_GT(after.refused, 300U);
-  EXPECT_EQ(after.lost, 0U) << "what was refused was not lost";
+  EXPECT_EQ(after.lost, 0U) << "rejected samples do not count as lost";
   EXPECT_EQ(memory.link().block().written.load(), after.samples);
   Peer honest{{"feed", "in", "reliable", "64"}};
   EXPECT_TRUE(soon([&] {
@@ -236,7 +236,7 @@ TEST_F(GatewayTest, WhatIsNoSampleIsCountedAndDoesNotReachTheLink) {
   }));
 }
 
-TEST_F(GatewayTest, WhatDdsDoesNotTakeIsCounted) {
+TEST_F(GatewayTest, CountsSamplesThatDdsRejects) {
   const Memory memory{{.depth = 4, .payload = 2 * kPayload, .is_queue = true, .wake_bits = kWake}};
   const auto flow_id = gateway_->add_outgoing(flow("out", kReliable), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -247,7 +247,7 @@ TEST_F(GatewayTest, WhatDdsDoesNotTakeIsCounted) {
       << health(*flow_id).failures << " " << health(*flow_id).samples;
 }
 
-TEST_F(GatewayTest, ALinkThatIsTooSmallForTheTypeIsRefused) {
+TEST_F(GatewayTest, RejectsALinkThatIsTooSmallForTheType) {
   const Memory memory{{.depth = 4, .payload = 100}};
   const auto in = gateway_->add_incoming(flow("in"), {memory.link()});
   ASSERT_FALSE(in.ok());
@@ -255,7 +255,7 @@ TEST_F(GatewayTest, ALinkThatIsTooSmallForTheTypeIsRefused) {
   EXPECT_FALSE(gateway_->add_outgoing(flow("out"), memory.link()).ok());
 }
 
-TEST_F(GatewayTest, ALinkThatNobodyWantsGetsNothing) {
+TEST_F(GatewayTest, SendsNothingToADisabledLink) {
   const Memory wanted{queue(8)};
   const Memory unwanted{{.depth = 8, .payload = kPayload, .enabled = false}};
   const auto flow_id = gateway_->add_incoming(flow("in", kReliable), {wanted.link(), unwanted.link()});
@@ -269,7 +269,7 @@ TEST_F(GatewayTest, ALinkThatNobodyWantsGetsNothing) {
   EXPECT_EQ(unwanted.link().block().written.load(), 0U);
 }
 
-TEST_F(GatewayTest, AReaderThatHangsDoesNotHoldUpTheOthers) {
+TEST_F(GatewayTest, AReaderThatHangsDoesNotDelayOthers) {
   const Memory to_stuck{queue(64, kWake)};
   const Memory to_live{queue(64, kWake)};
   const auto stuck_id = gateway_->add_outgoing(flow("stuck", kReliable), to_stuck.link());
@@ -290,17 +290,17 @@ TEST_F(GatewayTest, AReaderThatHangsDoesNotHoldUpTheOthers) {
   ASSERT_TRUE(live.says("sample 1000", 5s));
   EXPECT_LT(Clock::now() - begin, 10s);
   EXPECT_EQ(to_live.link().block().overwritten.load() + to_stuck.link().block().overwritten.load(), 0U)
-      << "the pump was never more than 64 samples behind";
+      << "the gateway was never more than 64 samples behind";
   EXPECT_EQ(health(*stuck_id).failures, 0U);
 }
 
-TEST_F(GatewayTest, FlowsComeAndGoWithoutDisturbingOthers) {
+TEST_F(GatewayTest, AddsAndRemovesFlowsWithoutDisturbingOthers) {
   const Memory memory{queue(256, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("steady", kReliable), memory.link());
   ASSERT_TRUE(flow_id.ok());
   Peer tap{{"tap", "steady", "reliable", "64"}};
   channel::LinkWriter writer{memory.link()};
-  until_heard(writer, tap);
+  write_until_received(writer, tap);
   std::atomic<bool> ending{false};
   std::thread changing{[&] {
     const Memory in{queue(8, channel::kSporadicBit)};
@@ -316,7 +316,7 @@ TEST_F(GatewayTest, FlowsComeAndGoWithoutDisturbingOthers) {
       }
       gateway_->remove(*going);
       gateway_->remove(*coming);
-      EXPECT_EQ(health(*going).samples + health(*coming).matched, 0U) << "it is gone";
+      EXPECT_EQ(health(*going).samples + health(*coming).matched, 0U) << "the flow is removed";
     }
   }};
   for (std::uint64_t number = 1; number <= 3000; ++number) {
@@ -330,7 +330,7 @@ TEST_F(GatewayTest, FlowsComeAndGoWithoutDisturbingOthers) {
     ASSERT_EQ(tap.line(), "sample " + std::to_string(number));
 }
 
-TEST_F(GatewayTest, WhoDoesNotMatchIsToldWhy) {
+TEST_F(GatewayTest, ReportsWhyAnEndDoesNotMatch) {
   const Memory out{queue(8, kWake)};
   const auto going = gateway_->add_outgoing(flow("quality"), out.link());
   ASSERT_TRUE(going.ok());
@@ -351,7 +351,7 @@ TEST_F(GatewayTest, WhoDoesNotMatchIsToldWhy) {
   EXPECT_TRUE(soon([&] { return health(*coming).incompatible == "deadline"; }));
 }
 
-TEST_F(GatewayTest, WhatIsLostOnTheWayIsCounted) {
+TEST_F(GatewayTest, CountsLostSamples) {
   const Memory memory{queue(64, kWake)};
   const auto flow_id = gateway_->add_outgoing(flow("lossy"), memory.link());
   ASSERT_TRUE(flow_id.ok());
@@ -364,7 +364,7 @@ TEST_F(GatewayTest, WhatIsLostOnTheWayIsCounted) {
     write(writer, bytes_of(++number));
     return (first = tap.line(20ms)).has_value();
   }));
-  tap.signal(SIGSTOP);  // what does not fit into its socket's 4 MB is dropped
+  tap.signal(SIGSTOP);  // samples that do not fit into its socket's 4 MB are dropped
   for (int i = 0; i < 300; ++i) {
     write(writer, bytes_of(++number, 0, 50000));
     std::this_thread::sleep_for(1ms);
@@ -385,7 +385,7 @@ TEST_F(GatewayTest, WhatIsLostOnTheWayIsCounted) {
   EXPECT_EQ(samples + lost, number - std::stoul(first->substr(first->find(' '))) + 1);
 }
 
-TEST_F(GatewayTest, WhatIsTooOldIsNotDelivered) {
+TEST_F(GatewayTest, DropsSamplesThatAreTooOld) {
   const dds::Quality brief{.reliable = true, .depth = 8, .deadline = {}, .lifespan = 200ms};
   const Memory out{queue(8, kWake)};
   const Memory in{queue(8)};
@@ -402,7 +402,7 @@ TEST_F(GatewayTest, WhatIsTooOldIsNotDelivered) {
   EXPECT_EQ(number_in(reader.link().payload(reader.buffer())), 2U);
 }
 
-TEST_F(GatewayTest, ASampleOfTheLargestSizeFitsThroughAndBack) {
+TEST_F(GatewayTest, CarriesSamplesOfTheLargestSize) {
   const Memory out{queue(4, kWake)};
   const Memory in{queue(4)};
   const auto going = gateway_->add_outgoing(flow("large", kReliable), out.link());
@@ -413,7 +413,7 @@ TEST_F(GatewayTest, ASampleOfTheLargestSizeFitsThroughAndBack) {
   for (const std::uint32_t data : {0U, 1U, 2U, 3U, 65507U, static_cast<std::uint32_t>(kMostData)})
     write(writer, bytes_of(data, 0, data)), std::this_thread::sleep_for(20ms);
   channel::LinkReader reader{in.link()};
-  // Parts of the first may be overwritten: there is room for 4.
+  // The first samples may be overwritten: the link has room for 4.
   ASSERT_TRUE(soon([&] { return health(*coming).samples == 6; })) << health(*coming).samples;
   EXPECT_EQ(health(*coming).refused, 0U);
   std::uint64_t last = 0;

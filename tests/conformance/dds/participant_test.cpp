@@ -1,4 +1,4 @@
-// A process's place on DDS: what it may be made of, and what it must leave alone.
+// The DDS participant of a process: its options, its errors, and what it must not do.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pthread.h>
@@ -60,10 +60,10 @@ TEST(Participant, IsTheOnlyOneOfItsProcess) {
   ASSERT_FALSE(second.ok());
   EXPECT_THAT(to_text(second.problems()), HasSubstr("this process has a DDS participant already"));
   *first = nullptr;
-  EXPECT_TRUE(dds::Participant::create(on_loopback("third")).ok()) << "the first has ended";
+  EXPECT_TRUE(dds::Participant::create(on_loopback("third")).ok()) << "the first one is deleted";
 }
 
-TEST(Participant, SaysWhichDomainsThereAre) {
+TEST(Participant, ReportsTheRangeOfDomains) {
   for (const int domain : {-1, 233}) {
     dds::ParticipantOptions options = on_loopback("p");
     options.domain = domain;
@@ -73,17 +73,17 @@ TEST(Participant, SaysWhichDomainsThereAre) {
   }
 }
 
-TEST(Participant, SaysWhichAddressesThisMachineHas) {
+TEST(Participant, ReportsTheAddressesOfThisMachine) {
   dds::ParticipantOptions options = on_loopback("p");
   options.interfaces = {"127.0.0.1", "203.0.113.7"};
   const auto made = dds::Participant::create(options);
   ASSERT_FALSE(made.ok());
   EXPECT_THAT(to_text(made.problems()), HasSubstr("no interface with the address '203.0.113.7'"));
   EXPECT_THAT(to_text(made.problems()), HasSubstr("127.0.0.1"));
-  EXPECT_TRUE(dds::Participant::create(on_loopback("p")).ok()) << "what failed left nothing behind";
+  EXPECT_TRUE(dds::Participant::create(on_loopback("p")).ok()) << "the failed attempt left nothing behind";
 }
 
-TEST(Participant, SaysWhichPeerHasNoAddress) {
+TEST(Participant, ReportsAPeerWithoutAnAddress) {
   dds::ParticipantOptions options = on_loopback("p");
   options.discovery = {
       .kind = model::Discovery::Kind::peers, .peers = {"localhost", "no.such.host.invalid"}, .server = {}};
@@ -92,7 +92,7 @@ TEST(Participant, SaysWhichPeerHasNoAddress) {
   EXPECT_THAT(to_text(made.problems()), HasSubstr("'no.such.host.invalid'"));
 }
 
-TEST(Participant, SaysWhatIsWrongWithTheServer) {
+TEST(Participant, ReportsAnInvalidServerPort) {
   for (const char* server : {"localhost:", "localhost:port", "localhost:70000", "localhost:0"}) {
     dds::ParticipantOptions options = on_loopback("p");
     options.discovery = {.kind = model::Discovery::Kind::server, .peers = {}, .server = server};
@@ -102,7 +102,7 @@ TEST(Participant, SaysWhatIsWrongWithTheServer) {
   }
 }
 
-TEST(Participant, IsNotMadeByARealTimeThread) {
+TEST(Participant, IsNotCreatedOnARealTimeThread) {
   bool real_time = false;
   bool refused = false;
   std::thread{[&] {
@@ -112,11 +112,11 @@ TEST(Participant, IsNotMadeByARealTimeThread) {
     const auto made = dds::Participant::create(on_loopback("p"));
     refused = !made.ok() && to_text(made.problems()).find("real-time thread") != std::string::npos;
   }}.join();
-  if (!real_time) GTEST_SKIP() << "no thread may be real-time here";
+  if (!real_time) GTEST_SKIP() << "this system allows no real-time threads";
   EXPECT_TRUE(refused);
 }
 
-TEST(Participant, HasNoThreadForAsynchronousWritingAndNoneForSharedMemory) {
+TEST(Participant, CreatesNoThreadsForWritersAndReaders) {
   auto participant = dds::Participant::create(on_loopback("p"));
   ASSERT_TRUE(participant.ok());
   const std::size_t before = threads();
@@ -132,7 +132,7 @@ TEST(Participant, HasNoThreadForAsynchronousWritingAndNoneForSharedMemory) {
   EXPECT_EQ(threads(), before);
 }
 
-TEST(Participant, DoesNotRunAReaderInTheThreadThatWrites) {
+TEST(Participant, DoesNotCallAReaderOnTheWritingThread) {
   auto participant = dds::Participant::create(on_loopback("p"));
   ASSERT_TRUE(participant.ok());
   std::atomic<bool> heard{false};
@@ -152,14 +152,14 @@ TEST(Participant, DoesNotRunAReaderInTheThreadThatWrites) {
   EXPECT_FALSE(in_this_thread);
 }
 
-/// Two of them find each other.
+/// Two peers find each other.
 void expect_match(const std::map<std::string, std::string>& one,
                   const std::map<std::string, std::string>& other, const std::string& folder = {}) {
   Peer tap{{"tap", "discovery", "reliable", "1"}, one, folder};
   ASSERT_TRUE(tap.says("ready"));
   Peer feed{{"feed", "discovery", "reliable", "1"}, other, folder};
   ASSERT_TRUE(feed.says("ready"));
-  // What is written before they match is not delivered.
+  // Samples written before they match are not delivered.
   EXPECT_TRUE(soon([&] {
     feed.say("1");
     return tap.line(std::chrono::milliseconds{100}).has_value();
@@ -168,7 +168,7 @@ void expect_match(const std::map<std::string, std::string>& one,
 
 TEST(Discovery, ByMulticast) { expect_match({}, {}); }
 
-TEST(Discovery, ByANameOfAPeer) {
+TEST(Discovery, ByTheNameOfAPeer) {
   expect_match({{"PEER_DISCOVERY", "peers=localhost"}}, {{"PEER_DISCOVERY", "peers=localhost"}});
 }
 
@@ -179,7 +179,7 @@ TEST(Discovery, ByAServerThatAPeerRuns) {
   expect_match({{"PEER_DISCOVERY", "server=" + place}}, {{"PEER_DISCOVERY", "server=" + place}});
 }
 
-TEST(Discovery, IsNotChangedByTheEnvironment) {
+TEST(Discovery, IgnoresTheEnvironment) {
   const auto folder = std::filesystem::temp_directory_path() / ("takt-dds-" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   const std::string profile = R"(<?xml version="1.0"?>
@@ -195,7 +195,7 @@ TEST(Discovery, IsNotChangedByTheEnvironment) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(Participant, TopicOfAnotherTypeIsRefusedAndTheOthersGoOn) {
+TEST(Participant, RejectsATopicOfAnotherTypeAndOthersContinue) {
   auto participant = dds::Participant::create(on_loopback("p"));
   ASSERT_TRUE(participant.ok());
   auto first = dds::Feed::create(*participant, flow("shared"));
@@ -204,21 +204,21 @@ TEST(Participant, TopicOfAnotherTypeIsRefusedAndTheOthersGoOn) {
   other.type.name = "test::Other";
   const auto refused = dds::Feed::create(*participant, other);
   ASSERT_FALSE(refused.ok());
-  EXPECT_THAT(to_text(refused.problems()), HasSubstr("has the type 'test::Sample' here"));
+  EXPECT_THAT(to_text(refused.problems()), HasSubstr("already has the type 'test::Sample'"));
   dds::Flow longer = flow("another");
   longer.type.fields.back().sequence = 7;
   const auto conflicting = dds::Feed::create(*participant, longer);
   ASSERT_FALSE(conflicting.ok());
-  EXPECT_THAT(to_text(conflicting.problems()), HasSubstr("two types of the name 'test::Sample'"));
+  EXPECT_THAT(to_text(conflicting.problems()), HasSubstr("two different types named 'test::Sample'"));
   const auto bytes = bytes_of(1);
   EXPECT_TRUE((*first)->write(bytes.data(), bytes.size()));
-  first = dds::Feed::create(*participant, flow("third"));  // the first is gone, and with it the topic
+  first = dds::Feed::create(*participant, flow("third"));  // deletes the first feed, and with it the topic
   EXPECT_TRUE(dds::Feed::create(*participant, other).ok());
-  first = dds::Feed::create(*participant, other);  // and the type of the first
+  first = dds::Feed::create(*participant, other);  // deletes the third feed, and with it the type
   EXPECT_TRUE(dds::Feed::create(*participant, longer).ok());
 }
 
-TEST(Participant, EndsAtOnceWithAllThatWasMade) {
+TEST(Participant, EndsAtOnceWithAllItsEntities) {
   Peer peer{{"all"}};
   Peer other{{"all"}};
   ASSERT_TRUE(peer.says("ready"));

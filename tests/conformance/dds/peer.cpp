@@ -1,4 +1,4 @@
-// A process for the tests to talk to over DDS.
+// A process with which the tests communicate over DDS.
 //
 //   peer DOMAIN COMMAND ...
 //
@@ -28,9 +28,9 @@
 
 #include <takt/dds/commands.hpp>
 #include <takt/dds/gateway.hpp>
-#include <takt/dds/inside.hpp>
+#include "inside.hpp"
 #include <takt/dds/topics.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 
 #include "sample.hpp"
 
@@ -56,8 +56,8 @@ T must(Result<T> result) {
   return std::move(*result);
 }
 
-/// Until somebody says a word, or closes the standard input.
-std::string told() {
+/// Waits for the next line of standard input; "end" if it is closed.
+std::string next_line() {
   std::string line;
   return std::getline(std::cin, line) ? line : "end";
 }
@@ -95,7 +95,7 @@ LifecycleStatus lifecycle_status(std::size_t module, std::uint64_t sequence) {
   return status;
 }
 
-/// Says something each 100 ms until it is told to end.
+/// Calls a function every 100 ms until it is destroyed.
 class Heartbeat {
  public:
   explicit Heartbeat(std::function<void()> beat)
@@ -115,27 +115,27 @@ class Heartbeat {
   std::thread thread_;
 };
 
-// device NAME: its status, ten times a second
+// device NAME: publishes its status ten times a second
 void device(const Participant& participant, const Arguments& arguments) {
   auto writer = must(dds::Writer<DeviceStatus>::create(participant));
   std::uint64_t sequence = 0;
   const Heartbeat beat{[&] { writer.write(device_status(arguments[0], ++sequence)); }};
   print("ready");
-  told();
+  next_line();
 }
 
-// order DEVICE: tells it to stop; prints what it answers
-void order(const Participant& participant, const Arguments& arguments) {
+// stop DEVICE: sends a stop command; prints the answer
+void stop(const Participant& participant, const Arguments& arguments) {
   std::mutex mutex;
   std::condition_variable came;
-  std::optional<dds::WholeReply> answer;
-  auto client = must(dds::CommandClient::create(participant, [&](const dds::WholeReply& reply) {
+  std::optional<wire::WholeReply> answer;
+  auto client = must(dds::CommandClient::create(participant, [&](const wire::WholeReply& reply) {
     const std::lock_guard lock{mutex};
     answer = reply;
     came.notify_all();
   }));
-  dds::WholeCommand command;
-  command.head.id("order-" + std::to_string(::getpid()));
+  wire::WholeCommand command;
+  command.head.id("stop-" + std::to_string(::getpid()));
   command.head.device(arguments[0]);
   command.head.kind(COMMAND_STOP);
   command.head.deadline_ns(wall_ns() + 20'000'000'000);
@@ -146,7 +146,7 @@ void order(const Participant& participant, const Arguments& arguments) {
                : "no answer");
 }
 
-// state MODULES: the states of so many modules, twice, then it only lives
+// state MODULES: publishes the states of this many modules twice, then only asserts its liveliness
 void state(const Participant& participant, const Arguments& arguments) {
   auto writer = must(dds::Writer<LifecycleStatus>::create(participant));
   const std::size_t modules = std::stoul(arguments[0]);
@@ -155,13 +155,14 @@ void state(const Participant& participant, const Arguments& arguments) {
   }
   print("failures " + std::to_string(writer.failures()));
   const Heartbeat beat{[&] { writer.assert_liveliness(); }};
-  while (told() == "dispose") {
+  while (next_line() == "dispose") {
     for (std::size_t module = 0; module < modules; ++module) writer.dispose(lifecycle_status(module, 0));
     print("disposed");
   }
 }
 
-// transitions MODULES COUNT: the first of each module; once told, the others up to COUNT in all
+// transitions MODULES COUNT: publishes the first state of each module; after a line, more up to COUNT in
+// total
 void transitions(const Participant& participant, const Arguments& arguments) {
   auto writer = must(dds::Writer<LifecycleStatus>::create(participant));
   const std::size_t modules = std::stoul(arguments[0]);
@@ -169,30 +170,29 @@ void transitions(const Participant& participant, const Arguments& arguments) {
   for (std::size_t module = 0; module < modules; ++module) writer.write(lifecycle_status(module, 1));
   const Heartbeat beat{[&] { writer.assert_liveliness(); }};
   print("ready");
-  told();
-  std::size_t in_vain = 0;
+  next_line();
+  std::size_t timeouts = 0;
   for (std::size_t written = modules; written < count; written += modules) {
-    in_vain += writer.wait_acknowledged(5s) ? 0 : 1;
+    timeouts += writer.wait_acknowledged(5s) ? 0 : 1;
     for (std::size_t module = 0; module < modules; ++module)
       writer.write(lifecycle_status(module, written / modules + 1));
   }
   writer.wait_acknowledged(5s);
-  print("written; failures " + std::to_string(writer.failures()) + ", waited in vain " +
-        std::to_string(in_vain));
-  told();
+  print("written; failures " + std::to_string(writer.failures()) + ", timeouts " + std::to_string(timeouts));
+  next_line();
 }
 
-// server DEVICE BYTES [MS]: answers each command with so many bytes of data, after so long
+// server DEVICE BYTES [MS]: answers each command with this many bytes of data, after this time
 void server(const Participant& participant, const Arguments& arguments) {
   const std::string data(std::stoul(arguments[1]), 'r');
   dds::CommandServer* self = nullptr;
   std::mutex mutex;
   std::unique_lock lock{mutex};
   auto server = must(
-      dds::CommandServer::create(participant, arguments[0], "node", [&](const dds::WholeCommand& command) {
+      dds::CommandServer::create(participant, arguments[0], "node", [&](const wire::WholeCommand& command) {
         const std::lock_guard created{mutex};
         print("handled " + command.head.id().to_string() + " " + std::to_string(command.data.size()));
-        dds::WholeReply reply{.head = {}, .data = data};
+        wire::WholeReply reply{.head = {}, .data = data};
         reply.head.id(command.head.id());
         reply.head.code(REPLY_OK);
         reply.head.value("for " + command.head.id().to_string());
@@ -203,20 +203,20 @@ void server(const Participant& participant, const Arguments& arguments) {
   self = &server;
   lock.unlock();
   print("ready");
-  while (told() == "refused") print("refused " + std::to_string(server.refused()));
+  while (next_line() == "refused") print("refused " + std::to_string(server.refused()));
 }
 
-// client DEVICE ID BYTES: one command; 0 when its answer came
+// client DEVICE ID BYTES: sends one command; exit status 0 if the answer arrives
 int client(const Participant& participant, const Arguments& arguments) {
   std::mutex mutex;
   std::condition_variable came;
-  std::vector<dds::WholeReply> answers;
-  auto client = must(dds::CommandClient::create(participant, [&](const dds::WholeReply& reply) {
+  std::vector<wire::WholeReply> answers;
+  auto client = must(dds::CommandClient::create(participant, [&](const wire::WholeReply& reply) {
     const std::lock_guard lock{mutex};
     answers.push_back(reply);
     came.notify_all();
   }));
-  dds::WholeCommand command{.head = {}, .data = std::string(std::stoul(arguments[2]), 'c')};
+  wire::WholeCommand command{.head = {}, .data = std::string(std::stoul(arguments[2]), 'c')};
   command.head.id(arguments[1]);
   command.head.device(arguments[0]);
   command.head.kind(COMMAND_REPORT);
@@ -245,7 +245,7 @@ std::vector<std::byte> nonsense(std::mt19937& random, const std::vector<std::byt
     case 2:  // a few changed
       for (int i = 0; i < 4; ++i) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
       break;
-    default:  // lengths that cannot be
+    default:  // impossible lengths
       for (std::size_t at = 4; at + 4 <= bytes.size(); at += 4) {
         if (random() % 8 == 0)
           std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), 4, std::byte{0xff});
@@ -254,7 +254,7 @@ std::vector<std::byte> nonsense(std::mt19937& random, const std::vector<std::byt
   return bytes;
 }
 
-/// Claims a name of a keyed type and writes what it likes.
+/// Claims the name of a type, and writes any bytes.
 class ForgedType final : public dds::fast::TopicDataType {
  public:
   ForgedType(const std::string& name, bool keyed) {
@@ -286,7 +286,7 @@ class ForgedType final : public dds::fast::TopicDataType {
   }
 };
 
-// forge TOPIC TYPE KEYED COUNT HEX: that many samples which are none, made of a good one
+// forge TOPIC TYPE KEYED COUNT HEX: writes this many invalid samples, derived from a valid one
 void forge(const Participant& participant, const Arguments& arguments) {
   dds::OwnParticipant& mine = dds::own(*participant);
   const bool keyed = arguments[2] == "keyed";
@@ -326,7 +326,7 @@ void forge(const Participant& participant, const Arguments& arguments) {
   }
   writer->wait_for_acknowledgments(dds::duration(5s));
   print("forged");
-  told();
+  next_line();
   mine.publisher().delete_datawriter(writer);
   mine.release(topic);
 }
@@ -338,7 +338,7 @@ dds::Quality quality(const std::string& reliability, const std::string& depth) {
           .lifespan = {}};
 }
 
-// tap TOPIC RELIABILITY DEPTH: the number of each sample that comes
+// tap TOPIC RELIABILITY DEPTH: prints the number of each received sample
 void tap(const Participant& participant, const Arguments& arguments) {
   auto tap = must(dds::Tap::create(participant, flow(arguments[0], quality(arguments[1], arguments[2])),
                                    [](const std::byte* bytes, std::size_t size, std::int64_t) {
@@ -346,7 +346,7 @@ void tap(const Participant& participant, const Arguments& arguments) {
                                            std::to_string(number_in(bytes)));
                                    }));
   print("ready");
-  while (told() == "health") {
+  while (next_line() == "health") {
     const dds::FlowHealth health = tap->health();
     print("matched " + std::to_string(health.matched) + " samples " + std::to_string(health.samples) +
           " lost " + std::to_string(health.lost) + " refused " + std::to_string(health.refused) +
@@ -354,12 +354,12 @@ void tap(const Participant& participant, const Arguments& arguments) {
   }
 }
 
-// feed TOPIC RELIABILITY DEPTH: told N, writes N samples without data more; told "N BYTES", with so much data
+// feed TOPIC RELIABILITY DEPTH: for a line "N", writes N more samples without data; for "N BYTES", with data
 void feed(const Participant& participant, const Arguments& arguments) {
   auto feed = must(dds::Feed::create(participant, flow(arguments[0], quality(arguments[1], arguments[2]))));
   print("ready");
   std::uint64_t number = 0;
-  for (std::string line = told(); line != "end"; line = told()) {
+  for (std::string line = next_line(); line != "end"; line = next_line()) {
     std::istringstream words{line};
     std::uint64_t count = 0;
     std::uint32_t data = 0;
@@ -384,7 +384,7 @@ dds::Flow flow_of_file(const Arguments& arguments) {
           .quality = quality(arguments[1], arguments[2])};
 }
 
-// show TOPIC RELIABILITY DEPTH FILE: the samples that come, of the type in the file, as JSON
+// show TOPIC RELIABILITY DEPTH FILE: prints received samples of the type in the file, as JSON
 void show(const Participant& participant, const Arguments& arguments) {
   const dds::Flow flow = flow_of_file(arguments);
   auto tap = must(
@@ -392,21 +392,21 @@ void show(const Participant& participant, const Arguments& arguments) {
         print(model::sample_json(flow.type, bytes, size));
       }));
   print("ready");
-  while (told() == "health") print("refused " + std::to_string(tap->health().refused));
+  while (next_line() == "health") print("refused " + std::to_string(tap->health().refused));
 }
 
-// give TOPIC RELIABILITY DEPTH FILE: told a sample as JSON, writes it
+// give TOPIC RELIABILITY DEPTH FILE: reads samples as JSON, one per line, and writes them
 void give(const Participant& participant, const Arguments& arguments) {
   const dds::Flow flow = flow_of_file(arguments);
   auto feed = must(dds::Feed::create(participant, flow));
   print("ready");
-  for (std::string line = told(); line != "end"; line = told()) {
+  for (std::string line = next_line(); line != "end"; line = next_line()) {
     const auto bytes = must(model::sample_bytes(flow.type, line));
     print(feed->write(bytes.data(), bytes.size()) ? "written" : "failed");
   }
 }
 
-// statistics MODULE: of one module, each 100 ms
+// statistics MODULE: publishes the statistics of one module every 100 ms
 void statistics(const Participant& participant, const Arguments& arguments) {
   auto writer = must(dds::Writer<ModuleStatistics>::create(participant));
   ModuleStatistics sample;
@@ -422,10 +422,10 @@ void statistics(const Participant& participant, const Arguments& arguments) {
     writer.write(sample);
   }};
   print("ready");
-  told();
+  next_line();
 }
 
-// echo TOPIC BACK RELIABILITY: what comes on one goes back on the other, on the thread of Fast DDS
+// echo TOPIC BACK RELIABILITY: sends samples of one topic back on the other, on the thread of Fast DDS
 void echo(const Participant& participant, const Arguments& arguments) {
   const dds::Quality same = quality(arguments[2], "1");
   auto back = must(dds::Feed::create(participant, flow(arguments[1], same)));
@@ -433,17 +433,17 @@ void echo(const Participant& participant, const Arguments& arguments) {
       participant, flow(arguments[0], same),
       [&back](const std::byte* bytes, std::size_t size, std::int64_t) { back->write(bytes, size); }));
   print("ready");
-  told();
+  next_line();
 }
 
-// all: one of each entity, and something written with each
+// all: creates one of each entity, and writes with each
 void all(const Participant& participant, const Arguments&) {
   auto devices = must(dds::Writer<DeviceStatus>::create(participant));
   auto modules = must(dds::Writer<LifecycleStatus>::create(participant));
   auto statistics = must(dds::Writer<ModuleStatistics>::create(participant));
   std::atomic<int> heard{0};
   auto reader = must(dds::Reader<DeviceStatus>::create(
-      participant, {.sample = [&heard](const DeviceStatus&, dds::WriterId) { ++heard; }}));
+      participant, {.sample = [&heard](const DeviceStatus&, wire::WriterId) { ++heard; }}));
   auto back = must(dds::Feed::create(
       participant, flow("all", {.reliable = true, .depth = 8, .deadline = {}, .lifespan = {}})));
   auto tap = must(dds::Tap::create(
@@ -459,7 +459,7 @@ void all(const Participant& participant, const Arguments&) {
   }};
   while (heard < 20) std::this_thread::sleep_for(10ms);
   print("ready");
-  told();
+  next_line();
 }
 
 Result<Participant> participate(int domain) {
@@ -493,7 +493,7 @@ Result<Participant> participate(int domain) {
 int run(int domain, const std::string& command, const Arguments& arguments) {
   const Participant participant = must(participate(domain));
   const std::map<std::string, std::function<void(const Participant&, const Arguments&)>> commands{
-      {"device", device}, {"order", order}, {"state", state}, {"transitions", transitions},
+      {"device", device}, {"stop", stop},   {"state", state}, {"transitions", transitions},
       {"server", server}, {"forge", forge}, {"tap", tap},     {"feed", feed},
       {"echo", echo},     {"show", show},   {"give", give},   {"statistics", statistics},
       {"all", all}};
@@ -520,17 +520,17 @@ int run(int domain, const std::string& command, const Arguments& arguments) {
 }  // namespace
 }  // namespace takt::dds_test
 
-// PEER_CHEATS: this program lets itself write what its permissions do not grant, as one would that was
-// tampered with. The others have to refuse it. This stands in front of the function of Fast DDS.
+// PEER_CHEATS: this program ignores its own permissions, as a tampered program would. Others must reject its
+// samples. This function replaces the one of Fast DDS.
 extern "C" bool
-lets_itself_write(const void* permissions, const void* handle, std::uint32_t domain, const std::string& topic, const std::vector<std::string>& partitions, void* why) __asm__(
+ignores_own_permissions(const void* permissions, const void* handle, std::uint32_t domain, const std::string& topic, const std::vector<std::string>& partitions, void* why) __asm__(
     "_ZN8eprosima8fastrtps4rtps8security11Permissions23check_create_datawriterERKNS2_6HandleEjRKNSt7__cxx1112"
     "basic_stringIcSt11char_traitsIcESaIcEEERKSt6vectorISC_SaISC_EERNS2_17SecurityExceptionE");
-extern "C" __attribute__((visibility("default"))) bool lets_itself_write(
+extern "C" __attribute__((visibility("default"))) bool ignores_own_permissions(
     const void* permissions, const void* handle, std::uint32_t domain, const std::string& topic,
     const std::vector<std::string>& partitions, void* why) {
   if (std::getenv("PEER_CHEATS") != nullptr) return true;
-  static const auto original = reinterpret_cast<decltype(&lets_itself_write)>(::dlsym(
+  static const auto original = reinterpret_cast<decltype(&ignores_own_permissions)>(::dlsym(
       RTLD_NEXT,
       "_ZN8eprosima8fastrtps4rtps8security11Permissions23check_create_datawriterERKNS2_6HandleEjRKNSt7__"
       "cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKSt6vectorISC_SaISC_EERNS2_17SecurityExceptionE"));

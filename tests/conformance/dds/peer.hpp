@@ -1,4 +1,4 @@
-// Another process: the program peer.cpp, at work with one of its commands.
+// Another process: the program peer.cpp, running one of its commands.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@ namespace takt::dds_test {
 
 class Peer {
  public:
-  /// With these variables added to the environment; in this folder, if one is given.
+  /// Starts it with these variables added to the environment, in `folder` if one is given.
   explicit Peer(const std::vector<std::string>& arguments,
                 const std::map<std::string, std::string>& variables = {}, const std::string& folder = {});
   Peer(const Peer&) = delete;
@@ -20,12 +20,12 @@ class Peer {
   ~Peer();
 
   void say(const std::string& line) const;
-  /// The next line that it prints; none when it has ended, or says nothing for that long.
+  /// The next line that it prints; none if it has ended, or prints nothing in time.
   std::optional<std::string> line(std::chrono::milliseconds limit = std::chrono::seconds{20});
-  /// Whether this line comes; others before it are passed over.
+  /// Whether it prints this line in time; skips other lines.
   bool says(const std::string& wanted, std::chrono::milliseconds limit = std::chrono::seconds{20});
   void signal(int number) const;
-  /// Its exit status, -1 when it did not end by itself in time.
+  /// Its exit status; -1 if it did not end by itself in time.
   int wait(std::chrono::milliseconds limit = std::chrono::seconds{20});
   [[nodiscard]] int pid() const { return pid_; }
 
@@ -36,7 +36,8 @@ class Peer {
   std::string read_;
 };
 
-/// Until it holds, looked at each millisecond. False when it does not for that long.
+/// Waits until the condition holds, and checks it each millisecond. Returns false if it does not hold in
+/// time.
 template <class Condition>
 bool soon(Condition condition, std::chrono::milliseconds limit = std::chrono::seconds{20});
 

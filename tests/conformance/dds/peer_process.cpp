@@ -23,7 +23,7 @@ Peer::Peer(const std::vector<std::string>& arguments, const std::map<std::string
   std::array<int, 2> to{};
   std::array<int, 2> from{};
   if (::pipe2(to.data(), O_CLOEXEC) != 0 || ::pipe2(from.data(), O_CLOEXEC) != 0)
-    throw std::runtime_error("no pipe");
+    throw std::runtime_error("cannot create a pipe");
   std::vector<std::string> words{TAKT_PEER, std::to_string(domain())};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -62,7 +62,7 @@ Peer::~Peer() {
 void Peer::say(const std::string& line) const {
   const std::string text = line + "\n";
   if (::write(in_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
-    throw std::runtime_error("the peer does not listen");
+    throw std::runtime_error("cannot write to the peer");
 }
 
 std::optional<std::string> Peer::line(std::chrono::milliseconds limit) {

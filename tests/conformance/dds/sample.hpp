@@ -1,4 +1,4 @@
-// A type of the tests and its samples, byte by byte, without generated code.
+// A type for the tests and its samples, byte by byte, without generated code.
 #pragma once
 
 #include <cstddef>
@@ -49,7 +49,7 @@ inline std::int64_t value_in(const std::byte* bytes) {
   return value;
 }
 
-/// The data is what bytes_of() made it.
+/// Whether the data is as bytes_of() made it.
 inline bool is_whole(const std::byte* bytes, std::size_t size) {
   std::uint32_t data = 0;
   if (size < 24) return false;

@@ -1,4 +1,4 @@
-// What nodes say of themselves, between processes.
+// The topics on which nodes publish their state, between processes.
 #include <fastcdr/Cdr.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@
 #include <vector>
 
 #include <takt/wire/taktPubSubTypes.h>
-#include <takt/dds/checked_type.hpp>
-#include <takt/dds/validation.hpp>
+#include "workarounds/checked_type.hpp"
 #include <takt/dds/topics.hpp>
+#include <takt/wire/validation.hpp>
 
 #include "domain.hpp"
 #include "peer.hpp"
@@ -34,7 +34,7 @@ std::shared_ptr<dds::Participant> participate() {
   return made.ok() ? *made : nullptr;
 }
 
-/// The last sequence number that was heard of each path.
+/// The last sequence number received for each path.
 class Heard {
   template <class F>
   auto with(F f) const {
@@ -45,7 +45,7 @@ class Heard {
  public:
   dds::Heard<LifecycleStatus> listener() {
     return {.sample =
-                [this](const LifecycleStatus& status, dds::WriterId) {
+                [this](const LifecycleStatus& status, wire::WriterId) {
                   const std::lock_guard lock{mutex_};
                   std::uint64_t& last = last_[status.path().to_string()];
                   if (status.sequence_number() <= last) ++doubled_;
@@ -55,12 +55,12 @@ class Heard {
                   if (samples_ == held_up_at_) std::this_thread::sleep_for(1s);
                 },
             .disposed =
-                [this](const LifecycleStatus& key, dds::WriterId) {
+                [this](const LifecycleStatus& key, wire::WriterId) {
                   const std::lock_guard lock{mutex_};
                   last_.erase(key.path().to_string());
                 }};
   }
-  /// Takes a second for this sample.
+  /// Makes the reader take a second for this sample.
   void hold_up(std::size_t sample) {
     const std::lock_guard lock{mutex_};
     held_up_at_ = sample;
@@ -94,18 +94,18 @@ class Heard {
   std::size_t held_up_at_ = 0;
 };
 
-TEST(Lifecycle, WhoJoinsLateGetsThePresentStateOfThreeHundredModules) {
+TEST(Lifecycle, ALateReaderGetsThePresentStateOfThreeHundredModules) {
   Peer writer{{"state", "300"}};
   ASSERT_EQ(writer.line(), "failures 0");
   Heard heard;
   auto reader = dds::Reader<LifecycleStatus>::create(participate(), heard.listener());
   ASSERT_TRUE(reader.ok());
   EXPECT_TRUE(soon([&] { return heard.keys() == 300; })) << heard.keys();
-  EXPECT_EQ(heard.last(), std::set<std::uint64_t>{2}) << "the last state of each, not the first";
+  EXPECT_EQ(heard.last(), std::set<std::uint64_t>{2}) << "the last state of each module, not the first";
   EXPECT_EQ(heard.samples(), 300U);
 }
 
-TEST(Lifecycle, WhatWasDisposedIsNotToldToWhoComesLater) {
+TEST(Lifecycle, ALateReaderDoesNotGetDisposedStates) {
   Peer writer{{"state", "20"}};
   ASSERT_EQ(writer.line(), "failures 0");
   auto participant = participate();
@@ -121,7 +121,7 @@ TEST(Lifecycle, WhatWasDisposedIsNotToldToWhoComesLater) {
   EXPECT_EQ(late.samples(), 0U);
 }
 
-TEST(Lifecycle, TenThousandTransitionsUnderLoadAreNeitherLostNorDoubled) {
+TEST(Lifecycle, LosesAndRepeatsNoneOfTenThousandTransitionsUnderLoad) {
   std::atomic<bool> ending{false};
   std::vector<std::thread> load;
   for (unsigned i = 0; i < std::thread::hardware_concurrency(); ++i)
@@ -133,11 +133,11 @@ TEST(Lifecycle, TenThousandTransitionsUnderLoadAreNeitherLostNorDoubled) {
   ASSERT_TRUE(reader.ok());
   Peer writer{{"transitions", "20", "10000"}};
   ASSERT_TRUE(writer.says("ready"));
-  ASSERT_TRUE(soon([&] { return heard.samples() == 20; })) << "it joined first";
-  heard.hold_up(1000);  // meanwhile more comes than its socket holds, if the writer does not wait
+  ASSERT_TRUE(soon([&] { return heard.samples() == 20; })) << "the reader joins first";
+  heard.hold_up(1000);  // without waiting, the writer would overflow the socket meanwhile
   const auto begin = Clock::now();
   writer.say("go");
-  EXPECT_EQ(writer.line(100s), "written; failures 0, waited in vain 0");
+  EXPECT_EQ(writer.line(100s), "written; failures 0, timeouts 0");
   EXPECT_TRUE(soon([&] { return heard.samples() == 10000; }, 5s)) << heard.samples();
   std::cout << "10,000 transitions in " << std::chrono::duration<double>(Clock::now() - begin).count()
             << " s\n";
@@ -147,24 +147,24 @@ TEST(Lifecycle, TenThousandTransitionsUnderLoadAreNeitherLostNorDoubled) {
   for (std::thread& each : load) each.join();
 }
 
-/// What becomes of the writers of device states.
+/// Records when the writers of device states become alive and lost.
 class Devices {
  public:
   dds::Heard<DeviceStatus> listener() {
     return {.sample =
-                [this](const DeviceStatus& status, dds::WriterId writer) {
+                [this](const DeviceStatus& status, wire::WriterId writer) {
                   const std::lock_guard lock{mutex_};
                   names_[writer] = status.device().to_string();
                   ++samples_[names_[writer]];
                 },
-            .lost = [this](dds::WriterId writer) { note(writer, "lost"); },
-            .alive = [this](dds::WriterId writer) { note(writer, "alive"); }};
+            .lost = [this](wire::WriterId writer) { note(writer, "lost"); },
+            .alive = [this](wire::WriterId writer) { note(writer, "alive"); }};
   }
-  /// "alive lost alive"
-  std::string told(const std::string& device) const {
+  /// For example "alive lost alive".
+  std::string events(const std::string& device) const {
     const std::lock_guard lock{mutex_};
     std::string all;
-    for (const auto& [writer, what] : told_) {
+    for (const auto& [writer, what] : events_) {
       if (names_.count(writer) > 0 && names_.at(writer) == device) all += (all.empty() ? "" : " ") + what;
     }
     return all;
@@ -175,61 +175,61 @@ class Devices {
   }
 
  private:
-  void note(dds::WriterId writer, const std::string& what) {
+  void note(wire::WriterId writer, const std::string& what) {
     const std::lock_guard lock{mutex_};
-    told_.emplace_back(writer, what);
+    events_.emplace_back(writer, what);
   }
   mutable std::mutex mutex_;
-  std::map<dds::WriterId, std::string> names_;
+  std::map<wire::WriterId, std::string> names_;
   std::map<std::string, std::size_t> samples_;
-  std::vector<std::pair<dds::WriterId, std::string>> told_;
+  std::vector<std::pair<wire::WriterId, std::string>> events_;
 };
 
-TEST(Device, DeathIsToldWithinTheLeaseWhileAnotherLivesOn) {
+TEST(Device, IsLostWithinItsLeaseWhileAnotherLives) {
   auto participant = participate();
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participant, devices.listener());
   Peer other{{"device", "other"}};
   ASSERT_TRUE(soon([&] { return devices.samples("other") > 0; }));
   std::vector<double> seconds;
-  // The machine may be held up; the claim is of one that is not.
+  // Repeats the measurement if the machine was held up.
   for (int attempt = 0; attempt < 5 && (seconds.empty() || seconds.back() > 0.4); ++attempt) {
     const std::string name = "mortal" + std::to_string(attempt);
     Peer mortal{{"device", name}};
     ASSERT_TRUE(soon([&] { return devices.samples(name) >= 5; }));
     mortal.signal(SIGKILL);
     const auto killed = Clock::now();
-    ASSERT_TRUE(soon([&] { return devices.told(name) == "alive lost"; }, 2s)) << devices.told(name);
+    ASSERT_TRUE(soon([&] { return devices.events(name) == "alive lost"; }, 2s)) << devices.events(name);
     seconds.push_back(std::chrono::duration<double>(Clock::now() - killed).count());
-    std::cout << "told after " << seconds.back() << " s\n";
+    std::cout << "reported after " << seconds.back() << " s\n";
   }
   EXPECT_LE(seconds.back(), 0.4);
-  EXPECT_EQ(devices.told("other"), "alive") << "it goes on";
-  std::this_thread::sleep_for(4s);  // its participant's lease runs out too
-  EXPECT_EQ(devices.told("mortal0"), "alive lost") << "once";
+  EXPECT_EQ(devices.events("other"), "alive") << "the other device continues";
+  std::this_thread::sleep_for(4s);  // the participant's lease expires too
+  EXPECT_EQ(devices.events("mortal0"), "alive lost") << "the loss is reported once";
 }
 
-TEST(Device, ThatHangsAndGoesOnIsLostAndAliveAgain) {
+TEST(Device, ThatHangsAndContinuesIsLostAndAliveAgain) {
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
   Peer peer{{"device", "d"}};
   ASSERT_TRUE(soon([&] { return devices.samples("d") >= 3; }));
   peer.signal(SIGSTOP);
-  ASSERT_TRUE(soon([&] { return devices.told("d") == "alive lost"; })) << devices.told("d");
+  ASSERT_TRUE(soon([&] { return devices.events("d") == "alive lost"; })) << devices.events("d");
   peer.signal(SIGCONT);
-  EXPECT_TRUE(soon([&] { return devices.told("d") == "alive lost alive"; })) << devices.told("d");
+  EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost alive"; })) << devices.events("d");
 }
 
-TEST(Device, ThatLeavesInOrderIsLostAtOnce) {
+TEST(Device, ThatLeavesCleanlyIsLostAtOnce) {
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
   Peer peer{{"device", "d"}};
   ASSERT_TRUE(soon([&] { return devices.samples("d") >= 1; }));
   peer.say("end");
-  EXPECT_TRUE(soon([&] { return devices.told("d") == "alive lost"; })) << devices.told("d");
+  EXPECT_TRUE(soon([&] { return devices.events("d") == "alive lost"; })) << devices.events("d");
 }
 
-/// The hexadecimal digits of a sample as it is on the wire.
+/// The hexadecimal digits of a sample in its wire format.
 template <class Generated>
 std::string wire(typename Generated::type& sample) {
   Generated type;
@@ -244,7 +244,7 @@ std::string wire(typename Generated::type& sample) {
   return text;
 }
 
-TEST(Device, ForgedSamplesAreRefusedAndCountedAndTheReaderGoesOn) {
+TEST(Device, RejectsAndCountsForgedSamplesAndContinues) {
   Devices devices;
   auto reader = dds::Reader<DeviceStatus>::create(participate(), devices.listener());
   DeviceStatus status;
@@ -261,46 +261,46 @@ TEST(Device, ForgedSamplesAreRefusedAndCountedAndTheReaderGoesOn) {
   EXPECT_TRUE(soon([&] { return devices.samples("honest") > 0; }));
 }
 
-TEST(Sensible, RefusesWhatCannotBe) {
+TEST(Validation, RejectsImpossibleValues) {
   DeviceStatus good;
   good.path("c/d");
   good.cell("c");
   good.device("d");
   good.node("n");
   DeviceStatus status = good;
-  EXPECT_TRUE(dds::validate(status));
+  EXPECT_TRUE(wire::validate(status));
   status.state(static_cast<DeviceState>(17));
-  EXPECT_FALSE(dds::validate(status));
+  EXPECT_FALSE(wire::validate(status));
   status = good;
   status.device("");
-  EXPECT_FALSE(dds::validate(status));
+  EXPECT_FALSE(wire::validate(status));
   status = good;
   status.device("a\x1b[2Jb");
-  EXPECT_FALSE(dds::validate(status));
+  EXPECT_FALSE(wire::validate(status));
   status = good;
   status.cell("\xff");
-  EXPECT_FALSE(dds::validate(status));
+  EXPECT_FALSE(wire::validate(status));
   status = good;
   status.text("it broke: \xff\x1b[31m \xc3\xa4");
-  EXPECT_TRUE(dds::validate(status));
+  EXPECT_TRUE(wire::validate(status));
   EXPECT_EQ(status.text().to_string(), "it broke: ? [31m \xc3\xa4");
 
   Command command;
   command.id("1");
   command.device("d");
   command.parts(1);
-  EXPECT_TRUE(dds::validate(command));
+  EXPECT_TRUE(wire::validate(command));
   command.part(1);
-  EXPECT_FALSE(dds::validate(command));
+  EXPECT_FALSE(wire::validate(command));
   command.part(0);
   command.parts(0);
-  EXPECT_FALSE(dds::validate(command));
+  EXPECT_FALSE(wire::validate(command));
   command.parts(1);
   command.kind(static_cast<CommandKind>(99));
-  EXPECT_FALSE(dds::validate(command));
+  EXPECT_FALSE(wire::validate(command));
 }
 
-TEST(Keys, AreTheSameWhoeverComputesThemAtTheSameTime) {
+TEST(Keys, AreCorrectWhenTwoThreadsComputeThemAtOnce) {
   dds::CheckedType<LifecycleStatusPubSubType> type;
   const auto key_of = [&type](const std::string& path) {
     LifecycleStatus status;

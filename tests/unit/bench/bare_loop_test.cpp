@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 const Grid kGrid{.first = from_ns(1'000'000), .period = 100us, .length = 1ms};
 
-// Wakes as late as it is told for each cycle in turn, and punctually after that.
+// Runs a loop whose first cycles wake late by the given delays, and punctually after that.
 Loop loop_with(const std::vector<Nanoseconds>& late, std::vector<Instant>* releases = nullptr) {
   std::size_t cycle = 0;
   return loop_on_grid(
@@ -31,23 +31,23 @@ TEST(LoopOnGrid, HasACycleAtEachInstant) {
 
 TEST(LoopOnGrid, JitterIsReleaseMinusStart) { EXPECT_EQ(-5000, loop_with({0us, 5us}).jitter.at(1)); }
 
-TEST(LoopOnGrid, InstantsThatPassedAreMissedAndTheGridIsKept) {
+TEST(LoopOnGrid, MissesPassedInstantsAndKeepsTheGrid) {
   std::vector<Instant> releases;
   const Loop loop = loop_with({0us, 250us}, &releases);
   EXPECT_EQ(2U, loop.missed);
   ASSERT_EQ(8U, loop.jitter.size());
-  EXPECT_EQ(-50'000, loop.jitter.at(1));  // of the slot that it lies in
+  EXPECT_EQ(-50'000, loop.jitter.at(1));  // relative to the slot in which it began
   EXPECT_EQ(kGrid.first + 3 * kGrid.period, releases.at(1));
   EXPECT_EQ(0, loop.jitter.at(2));
 }
 
-TEST(LoopOnGrid, EndsWhereTheLastInstantsWereMissed) {
+TEST(LoopOnGrid, EndsIfTheLastInstantsWereMissed) {
   const Loop loop = loop_with({5ms});
   EXPECT_TRUE(loop.jitter.empty());
   EXPECT_EQ(50U, loop.missed);
 }
 
-TEST(LoopOnGrid, WithoutAnInstantHasNoCycle) {
+TEST(LoopOnGrid, HasNoCycleWithoutAnInstant) {
   const Grid grid{.first = from_ns(0), .period = 1ms, .length = 100us};
   EXPECT_TRUE(loop_on_grid(grid, [](Instant release) { return release; }).jitter.empty());
 }

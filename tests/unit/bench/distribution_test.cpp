@@ -7,7 +7,7 @@
 namespace takt::bench::distribution_test {
 namespace {
 
-TEST(Distribution, OfNothingIsNothing) {
+TEST(Distribution, IsZeroWithoutValues) {
   const Distribution d = distribution_of({});
   EXPECT_EQ(0U, d.count);
   EXPECT_EQ(0, d.mean);
@@ -23,7 +23,7 @@ TEST(Distribution, OfOneValueIsThatValue) {
   for (const double size : {d.min, d.p50, d.p90, d.p99, d.p999, d.max}) EXPECT_EQ(7, size);
 }
 
-TEST(Distribution, PercentilesAreOfTheNearestRank) {
+TEST(Distribution, PercentilesUseTheNearestRank) {
   std::vector<std::int64_t> values(1000);
   std::iota(values.rbegin(), values.rend(), 1);
   const Distribution d = distribution_of(values);
@@ -35,7 +35,7 @@ TEST(Distribution, PercentilesAreOfTheNearestRank) {
   EXPECT_EQ(1000, d.max);
 }
 
-TEST(Distribution, MeanAndVarianceAreSignedAndTheOthersSizes) {
+TEST(Distribution, OnlyMeanAndVarianceAreSigned) {
   const Distribution d = distribution_of({-3, 3, -1, 1});
   EXPECT_EQ(0, d.mean);
   EXPECT_EQ(5, d.variance);
@@ -49,7 +49,7 @@ TEST(Distribution, KeepsASmallVarianceFarFromZero) {
   EXPECT_EQ(1, distribution_of({far - 1, far + 1}).variance);
 }
 
-TEST(Percentile, OfAscendingSizesStaysWithinThem) {
+TEST(Percentile, IsAlwaysOneOfTheValues) {
   const std::vector<std::int64_t> sizes{10, 20};
   EXPECT_EQ(10, percentile(sizes, 0));
   EXPECT_EQ(10, percentile(sizes, 0.5));

@@ -25,7 +25,7 @@ Report report() {
   return report;
 }
 
-TEST(ReportText, LinesUpItsColumns) {
+TEST(ReportText, AlignsItsColumns) {
   const std::string text = report_text(report());
   EXPECT_THAT(text,
               ContainsRegex("wake-up\n +p50 us +missed\n  hybrid +0.02 +3\n  none +- +0\n  A sentence.\n"));
@@ -44,26 +44,26 @@ TEST(ReportJson, HasAKeyForEachColumn) {
   EXPECT_EQ(1U, json["refused"].size());
 }
 
-TEST(AddOnce, TakesEachProblemOnce) {
+TEST(AddOnce, AddsEachProblemOnce) {
   Problems all;
   add_once(all, {fail("a"), fail("a")});
   add_once(all, {fail("b"), fail("a")});
   EXPECT_EQ((Problems{fail("a"), fail("b")}), all);
 }
 
-TEST(TimeColumns, AreAsManyAsTheirValues) {
+TEST(TimeColumns, MatchTheNumberOfValues) {
   EXPECT_EQ(time_columns().size(), in_columns({.count = 1}).size());
   EXPECT_TRUE(std::isnan(in_columns({}).front()));
 }
 
-TEST(Surroundings, SayWhatIsNotThere) {
+TEST(Surroundings, ShowMissingValues) {
   const std::string text = machine_text({});
-  EXPECT_THAT(text, ContainsRegex("governor +none to be seen"));
-  EXPECT_THAT(text, ContainsRegex("isolated +no processor"));
+  EXPECT_THAT(text, ContainsRegex("governor +none visible"));
+  EXPECT_THAT(text, ContainsRegex("isolated +no CPU"));
   EXPECT_THAT(text, ContainsRegex("throttling +off"));
 }
 
-TEST(Surroundings, TimesHaveThreeDigitsThatMatter) {
+TEST(Surroundings, TimesHaveThreeSignificantDigits) {
   EXPECT_EQ("0.05", in_us(52));
   EXPECT_EQ("-12.3", in_us(-12'300));
   EXPECT_EQ("1450", in_us(1'450'400));

@@ -31,7 +31,7 @@ using testing::Not;
 
 // ---- The cases
 
-TEST(Table1Cases, AreAsPrinted) {
+TEST(Table1Cases, HaveTheNumbersOfThePaper) {
   ASSERT_EQ(10U, kTable1.size());
   int number = 0;
   for (const Table1Case& one : kTable1) EXPECT_EQ(++number, one.number);
@@ -43,11 +43,11 @@ TEST(Table1Cases, AreAsPrinted) {
   EXPECT_EQ(8, last.non_real);
   EXPECT_EQ(ModuleType::process, last.measured);
   EXPECT_EQ(11.758, last.paper.worst);
-  EXPECT_EQ(9, last.processors_wanted());
+  EXPECT_EQ(9, last.cpus_wanted());
   EXPECT_EQ(15, kTable1[1].so);
 }
 
-TEST(Table1Cases, DescriptorsHaveTheModulesOfTheirCase) {
+TEST(Table1Cases, DescriptorsHaveTheModulesOfTheCase) {
   for (const Table1Case& one : kTable1) {
     const std::string text = descriptor_of(
         one, {.period = 100us, .cpu = 3, .priority = 70, .file = "/tmp/a & b", .releases = 500});
@@ -79,7 +79,7 @@ TEST(Table1Cases, DescriptorsHaveTheModulesOfTheirCase) {
   }
 }
 
-// ---- What is as it should be
+// ---- Verdicts
 
 CaseResult result_of(std::size_t place, double p50_ns, double p99_ns, double bare_p99_ns) {
   CaseResult result;
@@ -91,7 +91,7 @@ CaseResult result_of(std::size_t place, double p50_ns, double p99_ns, double bar
   return result;
 }
 
-TEST(Judge, AThreadModuleIsHeldToItsMedianAndToHalfTheBareLoop) {
+TEST(Judge, LimitsMedianAndP99OfAThreadModule) {
   EXPECT_EQ(Verdict::held, judge(result_of(0, 100, 5000, 10'000), 100us, 1).verdict);
   const Judgement late = judge(result_of(0, 101, 5000, 10'000), 100us, 1);
   EXPECT_EQ(Verdict::not_held, late.verdict);
@@ -101,34 +101,34 @@ TEST(Judge, AThreadModuleIsHeldToItsMedianAndToHalfTheBareLoop) {
   EXPECT_THAT(spread.why, HasSubstr("half the bare loop's"));
 }
 
-TEST(Judge, AtAMillisecondAThreadModuleIsHeldToAMicrosecond) {
+TEST(Judge, LimitsP99ToAMicrosecondFromAPeriodOfAMillisecond) {
   EXPECT_EQ(Verdict::held, judge(result_of(0, 50, 1001, 10'000), 999us, 1).verdict);
   EXPECT_EQ(Verdict::held, judge(result_of(0, 50, 1000, 10'000), 1ms, 1).verdict);
   EXPECT_EQ(Verdict::not_held, judge(result_of(0, 50, 1001, 10'000), 1ms, 1).verdict);
 }
 
-TEST(Judge, AProcessModuleIsHeldToItsMedianAlone) {
+TEST(Judge, LimitsOnlyTheMedianOfAProcessModule) {
   EXPECT_EQ(Verdict::held, judge(result_of(3, 1000, 90'000, 10), 100us, 4).verdict);
   EXPECT_EQ(Verdict::not_held, judge(result_of(3, 1001, 0, 10), 100us, 4).verdict);
 }
 
-TEST(Judge, WhatTheCoresCannotHoldIsSaidToBeThat) {
+TEST(Judge, SaysIfTheMachineHasTooFewCpus) {
   const Judgement crowded = judge(result_of(3, 1001, 0, 10), 100us, 3);
   EXPECT_EQ(Verdict::more_modules, crowded.verdict);
-  EXPECT_THAT(crowded.why, HasSubstr("it wants 4 processors and has 3"));
+  EXPECT_THAT(crowded.why, HasSubstr("it needs 4 CPUs and has 3"));
   EXPECT_EQ(Verdict::held, judge(result_of(3, 1000, 0, 10), 100us, 2).verdict);
 }
 
-TEST(Judge, WithoutSamplesOrRealTimeNothingIsHeld) {
+TEST(Judge, IsNotHeldWithoutSamplesOrRealTime) {
   CaseResult nothing = result_of(0, 0, 0, 10'000);
   nothing.takt.count = 0;
   EXPECT_EQ(Verdict::not_held, judge(nothing, 100us, 4).verdict);
   CaseResult ordinary = result_of(0, 0, 0, 10'000);
   ordinary.real_time = false;
-  EXPECT_THAT(judge(ordinary, 100us, 4).why, HasSubstr("refused real-time"));
+  EXPECT_THAT(judge(ordinary, 100us, 4).why, HasSubstr("denied real-time"));
   CaseResult alone = result_of(0, 0, 0, 10'000);
   alone.loop_real_time = false;
-  EXPECT_THAT(judge(alone, 100us, 4).why, HasSubstr("refused the bare loop"));
+  EXPECT_THAT(judge(alone, 100us, 4).why, HasSubstr("denied the bare loop"));
 }
 
 // ---- Reports
@@ -140,7 +140,7 @@ Table1Result all_cases() {
                       .seconds = 0.5,
                       .cpu = 1,
                       .priority = 80,
-                      .processors = 2,
+                      .cpus = 2,
                       .load = "",
                       .cases = {}};
   result.machine.name = "lab<1>";
@@ -151,7 +151,7 @@ Table1Result all_cases() {
     one.missed = 900;
     result.cases.push_back(one);
   }
-  result.cases.back().jitter.clear();  // it recorded nothing
+  result.cases.back().jitter.clear();  // nothing was recorded
   result.cases.back().takt = {};
   return result;
 }
@@ -187,7 +187,7 @@ bool is_well_formed(const std::string& page) {
   return right;
 }
 
-TEST(Table1Page, IsWellFormedAndNeedsNothingElse) {
+TEST(Table1Page, IsWellFormedAndSelfContained) {
   const std::string page = table1_page(all_cases());
   EXPECT_TRUE(is_well_formed(page));
   for (const char* word : {"http", "//", "src=", "<script", "@import", "url("})
@@ -195,39 +195,39 @@ TEST(Table1Page, IsWellFormedAndNeedsNothingElse) {
   EXPECT_THAT(page, HasSubstr("lab&lt;1&gt;"));
 }
 
-TEST(Table1Page, HasTwoPicturesOfEachCase) {
+TEST(Table1Page, HasTwoChartsForEachCase) {
   const std::string page = table1_page(all_cases());
-  std::size_t pictures = 0;
+  std::size_t charts = 0;
   for (std::size_t at = page.find("<svg "); at != std::string::npos; at = page.find("<svg ", at + 1))
-    ++pictures;
-  EXPECT_EQ(20U, pictures);
+    ++charts;
+  EXPECT_EQ(20U, charts);
   for (const Table1Case& one : kTable1)
     EXPECT_THAT(page, HasSubstr("<h2 id=\"case" + std::to_string(one.number) + "\">"));
   EXPECT_THAT(page, HasSubstr("nothing was recorded"));
 }
 
-TEST(Table1Page, OfNoCaseIsWellFormed) {
+TEST(Table1Page, IsWellFormedWithoutCases) {
   Table1Result none = all_cases();
   none.cases.clear();
   EXPECT_TRUE(is_well_formed(table1_page(none)));
 }
 
-TEST(JitterOverTime, LeavesOutTheTimeInWhichNothingWasReleased) {
+TEST(JitterOverTime, HasAGapWhereNothingWasReleased) {
   std::vector<Served> served;
   for (std::int64_t n = 0; n < 1000; ++n) served.push_back({n, -100});
-  const auto count_medians = [](const std::string& picture) {
+  const auto count_medians = [](const std::string& chart) {
     std::size_t count = 0;
-    for (std::size_t at = picture.find("\"median\""); at != std::string::npos;
-         at = picture.find("\"median\"", at + 1))
+    for (std::size_t at = chart.find("\"median\""); at != std::string::npos;
+         at = chart.find("\"median\"", at + 1))
       ++count;
     return count;
   };
-  EXPECT_EQ(1U + 1U, count_medians(jitter_over_time("t", served, 100us))) << "and one in the legend";
+  EXPECT_EQ(1U + 1U, count_medians(jitter_over_time("t", served, 100us))) << "plus one in the legend";
   for (std::int64_t n = 3000; n < 4000; ++n) served.push_back({n, -100});
   EXPECT_EQ(2U + 1U, count_medians(jitter_over_time("t", served, 100us)));
 }
 
-TEST(JitterOverTime, ShowsWhatIsFewerThanItsColumns) {
+TEST(JitterOverTime, DrawsFewerValuesThanColumns) {
   const std::string one = jitter_over_time("t", {{7, -100}}, 100us);
   EXPECT_THAT(one, AllOf(HasSubstr("class=\"alone\""), Not(HasSubstr("nan"))));
   std::vector<Served> served;
@@ -237,21 +237,21 @@ TEST(JitterOverTime, ShowsWhatIsFewerThanItsColumns) {
   EXPECT_THAT(few, ContainsRegex("<path d=\"M[^\"]*L[^\"]*L[^\"]*\" class=\"median\"")) << "joined";
 }
 
-TEST(JitterCharts, SayWhatIsDrawnAndOnWhatAxis) {
+TEST(JitterCharts, HaveALegendAndAxisTitles) {
   std::vector<Served> served;
   for (std::int64_t n = 0; n < 1000; ++n) served.push_back({n, -100 * n});
   const std::string over_time = jitter_over_time("Case 10: size of the jitter", served, 100us);
-  tool::pictures::expect_readable(over_time);
-  EXPECT_THAT(over_time, AllOf(HasSubstr(">from the least to the largest<"), HasSubstr(">median<"),
-                               HasSubstr(">time<")));
+  tool::drawings::expect_readable(over_time);
+  EXPECT_THAT(over_time,
+              AllOf(HasSubstr(">minimum to maximum<"), HasSubstr(">median<"), HasSubstr(">time<")));
   const std::string shares = jitter_histogram("Case 10: share of releases", served, {50'000, 60'000});
-  tool::pictures::expect_readable(shares);
+  tool::drawings::expect_readable(shares);
   EXPECT_THAT(shares,
-              AllOf(HasSubstr(">takt<"), HasSubstr(">the bare loop<"), HasSubstr(">size of the jitter<")));
+              AllOf(HasSubstr(">takt<"), HasSubstr(">the bare loop<"), HasSubstr(">absolute jitter<")));
   EXPECT_THAT(jitter_histogram("t", served, {}), Not(HasSubstr("bare loop")));
 }
 
-TEST(ClassesOf, AreTenADecadeAboveTheSmallest) {
+TEST(ClassesOf, AreTenPerDecadeAboveTheSmallest) {
   EXPECT_EQ((std::vector<std::size_t>{2}), classes_of({0, -9}));
   EXPECT_EQ((std::vector<std::size_t>{0, 1}), classes_of({10}));
   const auto classes = classes_of({-100, 99, 1000});

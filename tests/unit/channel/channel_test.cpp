@@ -14,7 +14,7 @@ namespace {
 /// A second descriptor of the same memory, as another process would hold.
 os::Fd again(const os::Fd& fd) { return os::Fd{::dup(fd.get())}; }
 
-TEST(Channel, IsAllZeroWhenCreatedButForTheNames) {
+TEST(Channel, IsAllZeroExceptForTheNamesWhenCreated) {
   const auto channel = Channel::create(2, {"main", "motion"}, {"a", "b", "c"});
   ASSERT_TRUE(channel.ok());
   EXPECT_EQ(channel->hosts(), 2U);
@@ -29,7 +29,7 @@ TEST(Channel, IsAllZeroWhenCreatedButForTheNames) {
   EXPECT_EQ(channel->executor(0).row.module.load(), 0U);
 }
 
-TEST(Channel, IsOneMemoryForAllWhoAttach) {
+TEST(Channel, IsSharedWithEveryProcessThatAttaches) {
   const auto mine = Channel::create(1, {"main"}, {"a", "b"});
   const auto theirs = Channel::attach(again(mine->fd()));
   ASSERT_TRUE(theirs.ok()) << to_text(theirs.problems());
@@ -43,13 +43,13 @@ TEST(Channel, IsOneMemoryForAllWhoAttach) {
   EXPECT_EQ(mine->host(0).t0_ns.load(), 11);
 }
 
-TEST(Channel, OfNothingIsAChannelToo) {
+TEST(Channel, MayHaveNoExecutorsAndNoModules) {
   const auto mine = Channel::create(1, {}, {});
   ASSERT_TRUE(mine.ok());
   EXPECT_TRUE(Channel::attach(again(mine->fd())).ok());
 }
 
-TEST(Channel, OutlivesWhoCreatedIt) {
+TEST(Channel, OutlivesItsCreator) {
   Channel theirs;
   {
     const auto mine = Channel::create(1, {"main"}, {"a"});
@@ -68,7 +68,7 @@ TEST(Channel, BlocksDoNotShareCacheLines) {
   }
 }
 
-TEST(Channel, OfAnotherVersionIsRefused) {
+TEST(Channel, RejectsMemoryOfAnotherVersion) {
   const auto mine = Channel::create(1, {"main"}, {"a"});
   auto view = os::SharedMemory::attach(again(mine->fd()));
   std::uint64_t magic = 0;
@@ -77,14 +77,14 @@ TEST(Channel, OfAnotherVersionIsRefused) {
   std::memcpy(view->data(), &magic, sizeof magic);
   const auto theirs = Channel::attach(again(mine->fd()));
   ASSERT_FALSE(theirs.ok());
-  EXPECT_EQ(theirs.problems()[0].what, "the channel was laid out by another version");
-  EXPECT_EQ(theirs.problems()[0].fix, "install takt-node and takt-host of one version");
+  EXPECT_EQ(theirs.problems()[0].what, "another version of Takt created the channel");
+  EXPECT_EQ(theirs.problems()[0].fix, "install takt-node and takt-host of the same version");
 }
 
-TEST(Channel, ThatHoldsOtherNumbersThanItSaysIsRefused) {
+TEST(Channel, RejectsMemoryWhoseSizeDoesNotMatchItsHeader) {
   const auto mine = Channel::create(1, {"main"}, {"a"});
   auto view = os::SharedMemory::attach(again(mine->fd()));
-  // Also numbers whose size passes what 64 bits hold.
+  // Includes numbers for which the computed size overflows 64 bits.
   for (const std::uint64_t modules :
        {std::uint64_t{0}, std::uint64_t{2}, ~std::uint64_t{0}, (std::uint64_t{1} << 60) + 1}) {
     std::memcpy(view->data() + 24, &modules, sizeof modules);
@@ -92,11 +92,11 @@ TEST(Channel, ThatHoldsOtherNumbersThanItSaysIsRefused) {
   }
 }
 
-TEST(Channel, TooSmallIsRefused) {
+TEST(Channel, RejectsMemoryThatIsTooSmall) {
   auto memory = os::SharedMemory::create("small", 32);
   const auto theirs = Channel::attach(again(memory->fd()));
   ASSERT_FALSE(theirs.ok());
-  EXPECT_EQ(theirs.problems()[0].what, "this is no channel");
+  EXPECT_EQ(theirs.problems()[0].what, "the memory is not a channel");
   EXPECT_FALSE(Channel::attach(os::Fd{}).ok());
   auto nothing = os::SharedMemory::create("empty", 4096);
   EXPECT_FALSE(Channel::attach(again(nothing->fd())).ok());

@@ -17,7 +17,7 @@ void add(FlightWriter& writer, std::uint64_t n) {
              static_cast<std::int64_t>(n));
 }
 
-TEST(FlightRecord, HoldsNothingWhereNothingWasWritten) {
+TEST(FlightRecord, IsEmptyBeforeTheFirstEntry) {
   const auto record = FlightRecord::create({kCapacity, 0});
   ASSERT_TRUE(record.ok());
   for (const std::size_t ring : {0U, 1U}) {
@@ -28,7 +28,7 @@ TEST(FlightRecord, HoldsNothingWhereNothingWasWritten) {
   }
 }
 
-TEST(FlightRecord, GivesBackAnEntryAsItWas) {
+TEST(FlightRecord, ReadsBackAnEntryUnchanged) {
   const auto record = FlightRecord::create({kCapacity});
   FlightWriter writer = record->writer(0);
   writer.add(FlightKind::row, 12'345'678'901, 0, 2'000'000'000'000 / 2);
@@ -39,7 +39,7 @@ TEST(FlightRecord, GivesBackAnEntryAsItWas) {
   EXPECT_EQ(copy.entries[1], (FlightSample{-5, FlightKind::write, 1'000'000, 7}));
 }
 
-TEST(FlightRecord, KeepsValuesWithinTheirBounds) {
+TEST(FlightRecord, ClampsValuesToTheirBounds) {
   const auto record = FlightRecord::create({kCapacity});
   FlightWriter writer = record->writer(0);
   writer.add(FlightKind::run, 1, 0xffff'ffff, std::int64_t{1} << 62);
@@ -50,8 +50,8 @@ TEST(FlightRecord, KeepsValuesWithinTheirBounds) {
   EXPECT_EQ(copy.entries[1], (FlightSample{2, FlightKind::run, 3, 0}));
 }
 
-// One place is left to who writes: whether it is at it cannot be seen.
-TEST(FlightRecord, HoldsTheNewestWhateverWasWritten) {
+// A copy leaves one entry out, because a reader cannot see whether the writer is writing there.
+TEST(FlightRecord, HoldsTheNewestEntries) {
   for (std::uint64_t n = 0; n <= 5 * kCapacity; ++n) {
     const auto record = FlightRecord::create({kCapacity});
     FlightWriter writer = record->writer(0);
@@ -65,7 +65,7 @@ TEST(FlightRecord, HoldsTheNewestWhateverWasWritten) {
   }
 }
 
-TEST(FlightRecord, GoesOnWithTheNextWriter) {
+TEST(FlightRecord, ContinuesWithTheNextWriter) {
   const auto record = FlightRecord::create({kCapacity});
   {
     FlightWriter first = record->writer(0);
@@ -80,7 +80,7 @@ TEST(FlightRecord, GoesOnWithTheNextWriter) {
   EXPECT_EQ(copy.entries[1].value, 1U);
 }
 
-TEST(FlightRecord, RingsAreApart) {
+TEST(FlightRecord, RingsDoNotAffectEachOther) {
   const auto record = FlightRecord::create({2, 0, 4});
   FlightWriter first = record->writer(0);
   FlightWriter none = record->writer(1);
@@ -99,28 +99,28 @@ TEST(FlightRecord, RingsAreApart) {
   EXPECT_EQ(record->copy(2).entries[0].value, 7U);
 }
 
-TEST(FlightRecord, RefusesMemoryOfAnotherLayout) {
-  const auto refused = [](std::size_t offset, std::uint64_t value) {
+TEST(FlightRecord, RejectsMemoryOfAnotherLayout) {
+  const auto rejected = [](std::size_t offset, std::uint64_t value) {
     const auto record = FlightRecord::create({kCapacity, kCapacity});
     auto memory = os::SharedMemory::attach(os::Fd{::dup(record->fd().get())});
     std::memcpy(memory->data() + offset, &value, sizeof value);
     return !FlightRecord::attach(os::Fd{::dup(record->fd().get())}).ok();
   };
-  EXPECT_TRUE(refused(0, 1));  // its magic
-  EXPECT_TRUE(refused(8, 3));  // rings
-  EXPECT_TRUE(refused(8, ~std::uint64_t{0}));
-  EXPECT_TRUE(refused(64, kCapacity * 2));  // a capacity
-  EXPECT_TRUE(refused(64, kCapacity - 1));
-  EXPECT_TRUE(refused(64, std::uint64_t{1} << 63));
+  EXPECT_TRUE(rejected(0, 1));  // the magic number
+  EXPECT_TRUE(rejected(8, 3));  // the number of rings
+  EXPECT_TRUE(rejected(8, ~std::uint64_t{0}));
+  EXPECT_TRUE(rejected(64, kCapacity * 2));  // a capacity
+  EXPECT_TRUE(rejected(64, kCapacity - 1));
+  EXPECT_TRUE(rejected(64, std::uint64_t{1} << 63));
 }
 
-TEST(FlightWriter, WithoutARingRecordsNothing) {
+TEST(FlightWriter, RecordsNothingWithoutARing) {
   FlightWriter writer;
   add(writer, 1);
 }
 
-// Whatever is read was written like that: each entry's parts belong together, and they follow each other.
-TEST(FlightRecord, IsReadWhileItIsWritten) {
+// Every entry that is read is consistent, and the entries are consecutive.
+TEST(FlightRecord, CanBeReadWhileItIsWritten) {
   const auto record = FlightRecord::create({64});
   std::atomic<bool> end{false};
   std::thread thread{[&] {

@@ -1,6 +1,6 @@
-// Every way in which a writer and a reader of a link can meet, and in which either can die and be replaced,
-// for small links and a few samples. The code is the real one; its atomics hand control to a scheduler before
-// every step, which tries all orders and does not look twice at the same state.
+// Tries every interleaving of a writer and a reader of a link, and every moment at which either can die and
+// be replaced, for small links and a few samples. The code is the real one. Its atomics hand control to a
+// scheduler before every step. The scheduler tries all orders, and visits each state once.
 #include <takt/channel/link.hpp>
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
   return hash ^ (hash >> 32);
 }
 
-/// A side of the link, stopped between two of its steps. To kill it is never to let it go on.
+/// A side of the link, stopped between two of its steps. A killed side is never resumed.
 class Fiber {
  public:
   static Fiber* running;
@@ -41,7 +41,7 @@ class Fiber {
     mine_.uc_link = &scheduler_;
     ::makecontext(&mine_, reinterpret_cast<void (*)()>(&Fiber::main), 0);
   }
-  /// Up to its next step.
+  /// Runs the side up to its next step.
   void resume() {
     running = this;
     ::swapcontext(&scheduler_, &mine_);
@@ -51,8 +51,8 @@ class Fiber {
   void learn(std::uint64_t value) { known = mixed(known, value); }
 
   bool done = true;
-  std::uint64_t known =
-      0;  ///< of all that it has read: with its script, where it stands and what it has in mind
+  /// Hash of everything that the side has read. Together with its script it determines the side's state.
+  std::uint64_t known = 0;
 
  private:
   static void main() {
@@ -104,9 +104,9 @@ class Stepped {
 
 struct Limits {
   std::uint32_t depth;
-  int samples;       ///< that a writer publishes before it has done its part
-  int takes;         ///< that a reader tries
-  int writer_kills;  ///< how often it may be killed and replaced
+  int samples;       ///< samples that each writer publishes
+  int takes;         ///< takes that each reader tries
+  int writer_kills;  ///< how often a writer may be killed and replaced
   int reader_kills;
 };
 
@@ -176,8 +176,8 @@ class World {
     return hash;
   }
 
-  /// Both sides are done, or were replaced and are done: every buffer has one owner, and what is left is read
-  /// whole.
+  /// Checks the end, when both sides (or their successors) are done: every buffer has one owner, and the
+  /// remaining samples are complete.
   void check_end() {
     LinkWriter writer{link_};
     LinkReader reader{link_};
@@ -192,13 +192,13 @@ class World {
       if (expected != 0 && reader.info().sequence != expected) wrong_ = "a sample is missing among the rest";
       expected = reader.info().sequence + 1;
     }
-    if (last_read_ > newest) wrong_ = "a sample that was never published";
+    if (last_read_ > newest) wrong_ = "a sample was read that was never published";
     if (expected != 0 && expected != newest + 1) wrong_ = "the newest sample is missing";
-    // And it goes on.
+    // The link still works.
     fill(writer, writer.next());
     writer.publish(16, 1);
     if (!reader.has_news() || !reader.take() || reader.info().sequence != newest + 1)
-      wrong_ = "the link does not go on";
+      wrong_ = "the link does not continue";
     check(reader);
   }
   [[nodiscard]] const std::string& wrong() const { return wrong_; }
@@ -223,7 +223,7 @@ class World {
     for (auto& word : words(reader.buffer())) {
       if (word.load(std::memory_order_relaxed) != sequence) wrong_ = "a sample is torn";
     }
-    if (sequence <= last_read_) wrong_ = "a sample was read twice, or before its turn";
+    if (sequence <= last_read_) wrong_ = "a sample was read twice, or out of order";
     last_read_ = sequence;
   }
 
@@ -273,7 +273,7 @@ Found explore(Limits limits) {
   Found found;
   std::unordered_set<std::uint64_t> seen;
   std::vector<Move> path;
-  std::vector<std::vector<Move>> open;  // moves that are still to be tried, by how far we are
+  std::vector<std::vector<Move>> open;  // untried moves at each depth of the path
 
   const auto moves = [&world] {
     std::vector<Move> possible;
@@ -293,7 +293,7 @@ Found explore(Limits limits) {
         path.pop_back();
       }
       if (open.empty() || open.back().empty()) break;
-      world.begin();  // there is no way back but from the start
+      world.begin();  // a state can be reached again only from the start
       for (const Move move : path) world.make(move);
     }
     const Move move = open.back().back();
@@ -326,14 +326,14 @@ std::string in_letters(const std::vector<Move>& path) {
 
 class LinkModel : public testing::TestWithParam<Limits> {};
 
-TEST_P(LinkModel, LosesDoublesAndTearsNothingWhateverTheOrderAndWhoeverDies) {
+TEST_P(LinkModel, NeverLosesDoublesOrTearsASampleInAnyOrderOfStepsAndDeaths) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "the sanitizers do not know the stacks of the two sides";
+  GTEST_SKIP() << "the sanitizers do not support the stacks of the two sides";
 #endif
   const Limits& limits = GetParam();
   const auto kills = static_cast<std::uint32_t>(limits.writer_kills + limits.reader_kills);
   if (kills > 0 && limits.depth + kills >= 4 && !full_form())
-    GTEST_SKIP() << "takes up to half a minute: in the full form only";
+    GTEST_SKIP() << "takes up to half a minute; runs in the full form only";
   const Found found = explore(limits);
   EXPECT_EQ(found.wrong, "") << "after " << in_letters(found.path) << " (capital: killed)";
   EXPECT_GT(found.ends, 1U);

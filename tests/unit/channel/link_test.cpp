@@ -40,7 +40,7 @@ Link::Options queue(std::uint32_t depth, std::uint32_t payload = 64) {
   return {.depth = depth, .payload = payload, .is_queue = depth > 1};
 }
 
-/// Writes a sample that is its own number, all over.
+/// Writes a sample whose words are all its own number.
 void write(LinkWriter& writer, std::int64_t stamp_ns = 1) {
   const std::uint64_t value = writer.next();
   const std::uint32_t words = writer.link().stride() / 8;
@@ -51,7 +51,7 @@ void write(LinkWriter& writer, std::int64_t stamp_ns = 1) {
 void write(LinkWriter& writer, int samples) {
   for (int i = 0; i < samples; ++i) write(writer);
 }
-/// The number in the sample; 0 when it is torn or of another number than its info says.
+/// The number in the sample; 0 if the sample is torn, or if the number differs from that of its info.
 std::uint64_t value_of(const LinkReader& reader) {
   const std::uint32_t words = reader.link().stride() / 8;
   const std::byte* payload = reader.link().payload(reader.buffer());
@@ -67,7 +67,7 @@ std::vector<std::uint64_t> read_all(LinkReader& reader) {
   while (reader.take()) values.push_back(value_of(reader));
   return values;
 }
-/// Every buffer belongs to one: a slot, the writer, the reader.
+/// Whether every buffer has exactly one owner: a slot, the writer or the reader.
 bool is_whole(const LinkWriter& writer, const LinkReader& reader) {
   const Link link = writer.link();
   std::set<std::uint32_t> owned{writer.buffer(), reader.buffer()};
@@ -75,7 +75,7 @@ bool is_whole(const LinkWriter& writer, const LinkReader& reader) {
   return owned.size() == link.buffers() && *owned.rbegin() == link.buffers() - 1;
 }
 
-TEST(Link, HasNothingBeforeTheFirstSample) {
+TEST(Link, IsEmptyBeforeTheFirstSample) {
   for (const std::uint32_t depth : {1U, 2U, 7U}) {
     const Memory memory{queue(depth)};
     LinkReader reader{memory.link()};
@@ -85,7 +85,7 @@ TEST(Link, HasNothingBeforeTheFirstSample) {
   }
 }
 
-TEST(Link, GivesEachSampleOnceAndInOrder) {
+TEST(Link, DeliversEachSampleOnceAndInOrder) {
   for (const std::uint32_t depth : {1U, 2U, 7U}) {
     const Memory memory{queue(depth)};
     LinkWriter writer{memory.link()};
@@ -98,7 +98,7 @@ TEST(Link, GivesEachSampleOnceAndInOrder) {
       EXPECT_EQ(reader.info().stamp_ns, static_cast<std::int64_t>(100 * i));
       EXPECT_FALSE(reader.has_news());
       EXPECT_FALSE(reader.take());
-      EXPECT_EQ(value_of(reader), i) << "it stays until the next one";
+      EXPECT_EQ(value_of(reader), i) << "the sample stays until the next one";
     }
     EXPECT_EQ(memory.link().block().overwritten.load(), 0U);
     EXPECT_EQ(memory.link().block().taken.load(), 29U);
@@ -111,7 +111,7 @@ TEST(Link, AFullQueueDropsItsOldestSamplesAndCountsThem) {
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
   write(writer, 7);
-  EXPECT_EQ(memory.link().block().overwritten.load(), 0U) << "full is not too much";
+  EXPECT_EQ(memory.link().block().overwritten.load(), 0U) << "7 samples fit";
   write(writer, 3);
   EXPECT_EQ(memory.link().block().overwritten.load(), 3U);
   EXPECT_EQ(read_all(reader), (std::vector<std::uint64_t>{4, 5, 6, 7, 8, 9, 10}));
@@ -120,19 +120,19 @@ TEST(Link, AFullQueueDropsItsOldestSamplesAndCountsThem) {
   EXPECT_EQ(read_all(reader), (std::vector<std::uint64_t>{1004, 1005, 1006, 1007, 1008, 1009, 1010}));
 }
 
-TEST(Link, AReaderThatIsInTheMiddleIsCaughtUpWith) {
+TEST(Link, AReaderSkipsTheSamplesThatWereOverwritten) {
   const Memory memory{queue(3)};
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
   write(writer, 3);
   ASSERT_TRUE(reader.take());
   EXPECT_EQ(value_of(reader), 1U);
-  write(writer, 2);  // 4 in the slot of 1, 5 over 2
+  write(writer, 2);  // 4 goes into the slot of 1, and 5 overwrites 2
   EXPECT_EQ(memory.link().block().overwritten.load(), 1U);
   EXPECT_EQ(read_all(reader), (std::vector<std::uint64_t>{3, 4, 5}));
 }
 
-TEST(Link, OfDepthOneHasTheLatestValue) {
+TEST(Link, HoldsTheLatestValueAtDepthOne) {
   const Memory memory{queue(1)};
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
@@ -142,7 +142,7 @@ TEST(Link, OfDepthOneHasTheLatestValue) {
   EXPECT_EQ(read_all(reader), std::vector<std::uint64_t>{51});
 }
 
-TEST(Link, TellsTheNewestStampWithoutBeingRead) {
+TEST(Link, ShowsTheNewestStampWithoutARead) {
   const Memory memory{queue(2)};
   LinkWriter writer{memory.link()};
   EXPECT_EQ(memory.link().block().newest_ns.load(), 0);
@@ -150,7 +150,7 @@ TEST(Link, TellsTheNewestStampWithoutBeingRead) {
   EXPECT_EQ(memory.link().block().newest_ns.load(), 1234);
 }
 
-TEST(Link, WhoeverTakesThePlaceOfASideGoesOnWhereItWas) {
+TEST(Link, ASuccessorContinuesWhereTheFormerSideStopped) {
   for (const std::uint32_t depth : {1U, 2U, 7U}) {
     const Memory memory{queue(depth)};
     std::uint64_t read = 0;
@@ -171,7 +171,7 @@ TEST(Link, WhoeverTakesThePlaceOfASideGoesOnWhereItWas) {
   }
 }
 
-TEST(Link, WithoutItsPayloadsIsEmptyAndGoesOn) {
+TEST(Link, IsEmptyAndContinuesAfterItsPayloadsWereLost) {
   for (const std::uint32_t depth : {1U, 2U, 7U}) {
     for (int unread = 0; unread < 20; ++unread) {
       const Memory memory{queue(depth)};
@@ -197,7 +197,7 @@ TEST(Link, WithoutItsPayloadsIsEmptyAndGoesOn) {
   }
 }
 
-TEST(Link, RefusesMemoryThatIsNone) {
+TEST(Link, RejectsMemoryThatIsNotALink) {
   const Memory memory{queue(7)};
   EXPECT_TRUE(Link::is_link(memory.data(), memory.size()));
   EXPECT_FALSE(Link::is_link(memory.data(), memory.size() - 1));
@@ -211,7 +211,7 @@ TEST(Link, RefusesMemoryThatIsNone) {
   EXPECT_FALSE(Link::is_link(memory.data(), memory.size()));
 }
 
-TEST(Link, OfTheGreatestDepthHoldsThatManySamples) {
+TEST(Link, HoldsAsManySamplesAsTheMaximumDepth) {
   const Memory memory{queue(kMaxLinkDepth, 8)};
   LinkWriter writer{memory.link()};
   LinkReader reader{memory.link()};
@@ -222,7 +222,7 @@ TEST(Link, OfTheGreatestDepthHoldsThatManySamples) {
   EXPECT_TRUE(is_whole(writer, reader));
 }
 
-TEST(Link, LeadsNobodyOutOfItsMemoryWhateverIsWrittenIntoIt) {
+TEST(Link, NeverAccessesOutsideItsMemoryWhateverIsWrittenIntoIt) {
   std::mt19937_64 random{7};
   for (int round = 0; round < 2000; ++round) {
     const Memory memory{queue(3)};
@@ -241,7 +241,7 @@ TEST(Link, LeadsNobodyOutOfItsMemoryWhateverIsWrittenIntoIt) {
       EXPECT_LT(writer.buffer(), 5U);
       EXPECT_LE(reader.info().size, 64U);
     }
-    if (!Link::is_link(memory.data(), memory.size())) continue;  // nobody would attach it
+    if (!Link::is_link(memory.data(), memory.size())) continue;  // such memory is never attached
     EXPECT_LT(LinkReader{memory.link()}.buffer(), memory.link().buffers());
     EXPECT_LT(LinkWriter{memory.link()}.buffer(), memory.link().buffers());
   }
@@ -288,7 +288,7 @@ void stress(std::uint32_t depth, bool slow_reader, bool slow_writer) {
   testing::Test::RecordProperty("read", static_cast<int>(read));
 }
 
-TEST(LinkOfTwoThreads, TearsAndLosesNothing) {
+TEST(LinkOfTwoThreads, NeitherTearsNorLosesSamples) {
   for (const std::uint32_t depth : {1U, 2U, 7U}) {
     SCOPED_TRACE(depth);
     stress(depth, false, false);
@@ -297,8 +297,7 @@ TEST(LinkOfTwoThreads, TearsAndLosesNothing) {
   }
 }
 
-// ---- Two processes, one of which is killed again and again
-// ---------------------------------------------------
+// ---- Two processes, one of which is killed again and again -----------------------------------------------
 
 class Killed {
  public:
@@ -360,7 +359,7 @@ class LinkOfTwoProcesses : public testing::TestWithParam<std::uint32_t> {
       sleep_us(random() % 300);
       if (i % 100 != 99) continue;
       sleep_us(20'000);
-      EXPECT_GT(shared.read, before) << "nothing comes after " << i << " kills";
+      EXPECT_GT(shared.read, before) << "no sample arrives after " << i << " kills";
       before = shared.read;
     }
   }
@@ -384,7 +383,7 @@ class LinkOfTwoProcesses : public testing::TestWithParam<std::uint32_t> {
   std::mt19937 random{GetParam()};
 };
 
-TEST_P(LinkOfTwoProcesses, OutlivesItsWriters) {
+TEST_P(LinkOfTwoProcesses, SurvivesKilledWriters) {
   {
     const Killed reader{[&] { read_for_ever(memory.link(), shared); }};
     kill_again_and_again([&] { write_for_ever(memory.link()); });
@@ -392,7 +391,7 @@ TEST_P(LinkOfTwoProcesses, OutlivesItsWriters) {
   check_the_end();
 }
 
-TEST_P(LinkOfTwoProcesses, OutlivesItsReaders) {
+TEST_P(LinkOfTwoProcesses, SurvivesKilledReaders) {
   {
     const Killed writer{[&] { write_for_ever(memory.link()); }};
     kill_again_and_again([&] { read_for_ever(memory.link(), shared); });
@@ -400,7 +399,7 @@ TEST_P(LinkOfTwoProcesses, OutlivesItsReaders) {
   check_the_end();
 }
 
-TEST_P(LinkOfTwoProcesses, OutlivesBoth) {
+TEST_P(LinkOfTwoProcesses, SurvivesKilledWritersAndReaders) {
   for (int i = 0; i < kKills / 2; ++i) {
     const Killed writer{[&] { write_for_ever(memory.link()); }};
     const Killed reader{[&] { read_for_ever(memory.link(), shared); }};

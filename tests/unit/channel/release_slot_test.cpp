@@ -1,5 +1,5 @@
-// The slot between two real processes. What they find is summed in shared memory by the program and by the
-// scheduler alone, and compared.
+// The release slot between two real processes. The scheduler and the program each add up the cycles that they
+// see; the sums are compared at the end.
 #include <takt/channel/release_slot.hpp>
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@
 #include <takt/os/futex.hpp>
 #include <takt/os/shared_memory.hpp>
 
-namespace takt::channel::seat_test {
+namespace takt::channel::release_slot_test {
 namespace {
 
 constexpr std::uint32_t kReleases = kSanitized ? 20'000 : 200'000;
@@ -28,13 +28,13 @@ struct Shared {
   ReleaseSlot slot;
   WakeWord wake_word;
   std::atomic<std::uint64_t> served;
-  std::atomic<std::uint64_t> sum;    // of the cycles it was released for
-  std::atomic<std::uint64_t> wrong;  // releases that came doubled, or with the instant of another
+  std::atomic<std::uint64_t> sum;    // of the cycles that the program was released for
+  std::atomic<std::uint64_t> wrong;  // releases that came twice, or with the instant of another release
   std::atomic<std::uint64_t> sleeps;
 };
 
-/// A program as libtakt_process makes it, in a process of its own. It looks at the slot `patience` times
-/// before it sleeps.
+/// A program that behaves like one with libtakt_process, in a process of its own. It reads the slot
+/// `patience` times before it sleeps.
 class Program {
  public:
   Program(Shared& shared, int patience, bool stays_in_body = false) {
@@ -71,7 +71,7 @@ class Program {
         slot.sleeping.store(1);
         if (slot.released.load() == taken && slot.end.load() == 0) {
           ++shared.sleeps;
-          os::futex_wait(shared.wake_word.rings, rings, slot.bell_bit);
+          os::futex_wait(shared.wake_word.rings, rings, slot.wake_bit);
         }
         slot.sleeping.store(0);
       }
@@ -90,19 +90,19 @@ class Program {
   int pid_ = 0;
 };
 
-class SeatOfTwoProcesses : public testing::Test {
+class ReleaseSlotOfTwoProcesses : public testing::Test {
  protected:
-  SeatOfTwoProcesses()
+  ReleaseSlotOfTwoProcesses()
       : memory(std::move(os::SharedMemory::create("slot", sizeof(Shared)).value())),
         shared(*reinterpret_cast<Shared*>(memory.data())) {
-    shared.slot.bell_bit = bell_bit(3);
+    shared.slot.wake_bit = wake_bit(3);
   }
 
   void ring(std::uint32_t bits) {
     shared.wake_word.rings.fetch_add(1);
     os::futex_wake(shared.wake_word.rings, bits);
   }
-  /// False when it did not become so in ten seconds: a release was lost.
+  /// Waits until `holds` is true. False if it is not within ten seconds: a release was lost.
   template <class Predicate>
   bool until(const Predicate& holds) {
     const Instant limit = os::now() + std::chrono::seconds{10};
@@ -112,7 +112,7 @@ class SeatOfTwoProcesses : public testing::Test {
     }
     return true;
   }
-  /// Releases `n` times, each as soon as the program waits; each attempt is a cycle.
+  /// Releases the program `n` times, each time as soon as it waits. Each attempt is a cycle.
   void release_times(std::uint32_t n) {
     for (std::uint32_t given = 0; given < n;) {
       const Release outcome = release(shared.slot, cycle, static_cast<std::int64_t>(cycle) * 1000);
@@ -121,7 +121,7 @@ class SeatOfTwoProcesses : public testing::Test {
       } else {
         ++given;
         expected += cycle;
-        if (outcome == Release::wake) ring(shared.slot.bell_bit);
+        if (outcome == Release::wake) ring(shared.slot.wake_bit);
       }
       ++cycle;
     }
@@ -139,7 +139,7 @@ class SeatOfTwoProcesses : public testing::Test {
   std::uint64_t expected = 0;
 };
 
-TEST_F(SeatOfTwoProcesses, LosesAndDoublesNothing) {
+TEST_F(ReleaseSlotOfTwoProcesses, DeliversEachReleaseExactlyOnce) {
   Program program{shared, 200};
   release_times(kReleases);
   end(program);
@@ -148,7 +148,7 @@ TEST_F(SeatOfTwoProcesses, LosesAndDoublesNothing) {
   EXPECT_EQ(shared.wrong.load(), 0U);
 }
 
-TEST_F(SeatOfTwoProcesses, LosesNothingWhenTheProgramAlwaysSleeps) {
+TEST_F(ReleaseSlotOfTwoProcesses, DeliversEachReleaseIfTheProgramAlwaysSleeps) {
   Program program{shared, 0};
   release_times(kReleases);
   end(program);
@@ -158,14 +158,14 @@ TEST_F(SeatOfTwoProcesses, LosesNothingWhenTheProgramAlwaysSleeps) {
   EXPECT_GT(shared.sleeps.load(), 0U);
 }
 
-TEST_F(SeatOfTwoProcesses, IsUsableAfterTheProgramWasKilled) {
+TEST_F(ReleaseSlotOfTwoProcesses, IsUsableAfterTheProgramWasKilled) {
   for (const bool in_body : {true, false}) {
     clear_for_new_program(shared.slot);
     Program first{shared, 0, in_body};
     ASSERT_TRUE(until([&] { return shared.slot.waiting(); }));
     if (in_body) {
       const std::uint64_t before = shared.served.load();
-      if (release(shared.slot, 0, 0) == Release::wake) ring(shared.slot.bell_bit);
+      if (release(shared.slot, 0, 0) == Release::wake) ring(shared.slot.wake_bit);
       ASSERT_TRUE(until([&] { return shared.served.load() == before + 1; }));
     } else {
       ASSERT_TRUE(until([&] { return shared.slot.sleeping.load() != 0; }));
@@ -176,7 +176,7 @@ TEST_F(SeatOfTwoProcesses, IsUsableAfterTheProgramWasKilled) {
     }
 
     clear_for_new_program(shared.slot);
-    EXPECT_EQ(release(shared.slot, 1, 1000), Release::busy) << "nobody is there";
+    EXPECT_EQ(release(shared.slot, 1, 1000), Release::busy) << "there is no program";
     EXPECT_EQ(shared.slot.sleeping.load(), 0U);
     Program second{shared, 10};
     ASSERT_TRUE(until([&] { return shared.slot.waiting(); }));
@@ -188,13 +188,13 @@ TEST_F(SeatOfTwoProcesses, IsUsableAfterTheProgramWasKilled) {
   }
 }
 
-TEST(ReleaseSlot, NoProgramIsBusy) {
+TEST(ReleaseSlot, IsBusyWithoutAProgram) {
   ReleaseSlot slot{};
   EXPECT_EQ(release(slot, 0, 0), Release::busy);
   EXPECT_EQ(slot.released.load(), 0U);
 }
 
-TEST(ReleaseSlot, CountsOnAfterTheNumberOfReleasesHasWrapped) {
+TEST(ReleaseSlot, ContinuesAfterTheCountOfReleasesWraps) {
   ReleaseSlot slot{};
   slot.phase.store(ReleaseSlotPhase::ready);
   slot.released.store(~0U);
@@ -206,14 +206,14 @@ TEST(ReleaseSlot, CountsOnAfterTheNumberOfReleasesHasWrapped) {
   EXPECT_EQ(release(slot, 2, 2), Release::given);
 }
 
-/// A program that releases itself, as libtakt_process makes it: here a thread, so that a thread sanitizer
-/// sees what it and the node share without agreement.
-class SeatOfItsOwn : public testing::Test {
+/// The slot of a program that releases itself, as with libtakt_process. Here the program is a thread, so that
+/// a thread sanitizer finds data that it and the node share without synchronisation.
+class SelfReleasingProgram : public testing::Test {
  protected:
   static constexpr std::int64_t kInterarrival = 1'000;
 
   void SetUp() override {
-    slot.bell_bit = bell_bit(1);
+    slot.wake_bit = wake_bit(1);
     slot.immediate = 1;
     slot.period_ns = 1'000'000;
     slot.interarrival_ns = kInterarrival;
@@ -223,24 +223,24 @@ class SeatOfItsOwn : public testing::Test {
   ReleaseSlot slot{};
 };
 
-TEST_F(SeatOfItsOwn, IsInItsBodyFromItsReleaseOn) {
+TEST_F(SelfReleasingProgram, IsInItsBodyFromItsReleaseOn) {
   slot.open.store(1);
   EXPECT_TRUE(slot.waiting());
   ASSERT_TRUE(begin(slot, 5'000'000));
   EXPECT_FALSE(slot.waiting());
-  EXPECT_EQ(slot.release_ns.load(), 5'000'000) << "its deadline and its hang are reckoned from there";
+  EXPECT_EQ(slot.release_ns.load(), 5'000'000) << "its deadline and the detection of a hang count from here";
   EXPECT_EQ(slot.begun.load(), 1U);
   slot.done.store(slot.released.load());
   EXPECT_TRUE(slot.waiting());
 }
 
-TEST_F(SeatOfItsOwn, DoesNotBeginOutOfTheTables) {
+TEST_F(SelfReleasingProgram, DoesNotBeginWhileOutOfTheTables) {
   EXPECT_FALSE(begin(slot, 5));
   EXPECT_TRUE(slot.waiting());
   EXPECT_EQ(slot.begun.load(), 0U);
 }
 
-TEST_F(SeatOfItsOwn, ServesTheRowThatComesNext) {
+TEST_F(SelfReleasingProgram, GetsTheNumberOfTheNextRow) {
   slot.open.store(1);
   slot.t0_ns.store(10'000'000);
   for (const auto& [now, row] :
@@ -251,18 +251,18 @@ TEST_F(SeatOfItsOwn, ServesTheRowThatComesNext) {
   }
 }
 
-TEST_F(SeatOfItsOwn, WaitsForItsInterarrivalAlsoAsANewProgram) {
+TEST_F(SelfReleasingProgram, KeepsTheInterarrivalTimeAcrossARestart) {
   slot.open.store(1);
   EXPECT_EQ(not_before_ns(slot), 0);
   ASSERT_TRUE(begin(slot, 5'000'000));
   EXPECT_EQ(not_before_ns(slot), 5'000'000 + kInterarrival);
   clear_for_new_program(slot);
   EXPECT_EQ(not_before_ns(slot), 5'000'000 + kInterarrival);
-  EXPECT_EQ(slot.begun.load(), 1U) << "counts go on";
+  EXPECT_EQ(slot.begun.load(), 1U) << "the count continues";
 }
 
-// Nothing but the slot keeps the two apart: what the body writes, the node writes while the module is out.
-TEST_F(SeatOfItsOwn, IsOutOnceItIsClosedAndWaits) {
+// The body and the node both write `shared`, the node while the module is out. Only the slot separates them.
+TEST_F(SelfReleasingProgram, RunsNoBodyOnceTheSlotIsClosedAndItWaits) {
   std::uint64_t shared = 0;
   std::atomic<bool> inside{false};
   std::atomic<bool> end{false};
@@ -297,8 +297,8 @@ TEST_F(SeatOfItsOwn, IsOutOnceItIsClosedAndWaits) {
   EXPECT_EQ(slot.begun.load(), bodies);
 }
 
-/// Who waits on the wake_word for a word that another writes, and whether a wake-up is ever lost.
-class BellOfTwoThreads : public testing::Test {
+/// One thread waits on the wake word for a variable that another thread writes. No wake-up may be lost.
+class WakeWordOfTwoThreads : public testing::Test {
  protected:
   void ring(std::uint32_t bits) {
     wake_word.rings.fetch_add(1, std::memory_order_seq_cst);
@@ -307,8 +307,8 @@ class BellOfTwoThreads : public testing::Test {
   WakeWord wake_word{};
 };
 
-// As the gateway: it says that it sleeps, and then looks once more.
-TEST_F(BellOfTwoThreads, WakesAGatewayThatSleepsAndNoOther) {
+// Like the real gateway, this one states that it sleeps and then checks once more for a sample.
+TEST_F(WakeWordOfTwoThreads, WakesTheGatewayOnlyIfItSleeps) {
   constexpr std::uint32_t kSamples = kReleases / 2;
   std::atomic<std::uint32_t> published{0};
   std::atomic<std::uint32_t> seen{0};
@@ -337,7 +337,7 @@ TEST_F(BellOfTwoThreads, WakesAGatewayThatSleepsAndNoOther) {
     }
     const Instant limit = os::now() + std::chrono::seconds{10};
     while (seen.load(std::memory_order_acquire) != i && !lost) {
-      if (i % 3 != 0) ::sched_yield();  // else it is met on its way to sleep
+      if (i % 3 != 0) ::sched_yield();  // otherwise the next sample comes while it goes to sleep
       lost = os::now() > limit;
     }
     EXPECT_FALSE(lost) << "the wake-up for sample " << i << " was lost";
@@ -347,15 +347,15 @@ TEST_F(BellOfTwoThreads, WakesAGatewayThatSleepsAndNoOther) {
     ring(kGatewayBit);
   }
   gateway.join();
-  EXPECT_LE(rings, announced) << "one that was awake was rung for";
-  EXPECT_GT(rings, 0U) << "it was to sleep";
+  EXPECT_LE(rings, announced) << "the gateway was woken while it was awake";
+  EXPECT_GT(rings, 0U) << "the gateway never slept";
 }
 
-// Several write and each takes what is pending at the end of its cycle, its own or another's.
-TEST_F(BellOfTwoThreads, LosesNoBitBetweenSeveralWhoNoteAndRing) {
+// At the end of its cycle each writer takes all pending bits, its own and those of others.
+TEST_F(WakeWordOfTwoThreads, LosesNoBitBetweenSeveralWriters) {
   constexpr std::uint32_t kSamples = kReleases / 4;
   constexpr int kWriters = 2;
-  const std::uint32_t bit = bell_bit(5);
+  const std::uint32_t bit = wake_bit(5);
   std::atomic<std::uint32_t> published{0};
   std::atomic<std::uint32_t> rung{0};
   std::thread waiter{[&] {
@@ -366,7 +366,7 @@ TEST_F(BellOfTwoThreads, LosesNoBitBetweenSeveralWhoNoteAndRing) {
         const Instant limit = os::now() + std::chrono::seconds{10};
         os::futex_wait(wake_word.rings, rings, bit, limit);
         if (os::now() >= limit) {
-          ADD_FAILURE() << "nobody rang for " << published.load() << " after " << seen;
+          ADD_FAILURE() << "no wake-up for sample " << published.load() << " after " << seen;
           return;
         }
       }
@@ -380,7 +380,7 @@ TEST_F(BellOfTwoThreads, LosesNoBitBetweenSeveralWhoNoteAndRing) {
         published.fetch_add(1, std::memory_order_seq_cst);
         wake_word.note(bit);
         const std::uint32_t bits = wake_word.take_pending();
-        if (bits == 0) continue;  // the other took it, and rings
+        if (bits == 0) continue;  // the other writer took the bit, and wakes the waiter
         EXPECT_EQ(bits, bit);
         ++rung;
         ring(bits);
@@ -393,25 +393,25 @@ TEST_F(BellOfTwoThreads, LosesNoBitBetweenSeveralWhoNoteAndRing) {
   EXPECT_LE(rung.load(), kSamples * kWriters);
 }
 
-TEST(WakeWord, NotesNoGatewayThatIsAwake) {
+TEST(WakeWord, IgnoresTheBitOfAGatewayThatIsAwake) {
   WakeWord wake_word{};
   wake_word.note(kGatewayBit);
   EXPECT_EQ(wake_word.take_pending(), 0U);
-  wake_word.note(kGatewayBit | bell_bit(2));
-  EXPECT_EQ(wake_word.take_pending(), bell_bit(2));
+  wake_word.note(kGatewayBit | wake_bit(2));
+  EXPECT_EQ(wake_word.take_pending(), wake_bit(2));
   wake_word.gateway_sleeps.store(1);
   wake_word.note(kGatewayBit);
   wake_word.note(kSporadicBit);
   EXPECT_EQ(wake_word.take_pending(), kGatewayBit | kSporadicBit);
-  EXPECT_EQ(wake_word.take_pending(), 0U) << "they were taken";
+  EXPECT_EQ(wake_word.take_pending(), 0U) << "the bits were taken";
 }
 
-TEST(BellBit, OfAProgramIsNeverThatOfTheSporadicThreads) {
+TEST(WakeBit, OfAProgramIsNeverAReservedBit) {
   for (std::size_t slot = 0; slot < 1000; ++slot) {
-    EXPECT_EQ(bell_bit(slot) & (kSporadicBit | kGatewayBit), 0U);
-    EXPECT_NE(bell_bit(slot), 0U);
+    EXPECT_EQ(wake_bit(slot) & (kSporadicBit | kGatewayBit), 0U);
+    EXPECT_NE(wake_bit(slot), 0U);
   }
 }
 
 }  // namespace
-}  // namespace takt::channel::seat_test
+}  // namespace takt::channel::release_slot_test

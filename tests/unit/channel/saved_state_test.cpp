@@ -32,12 +32,12 @@ class Saved : public testing::Test {
   std::unique_ptr<SavedState> state = std::make_unique<SavedState>();
 };
 
-TEST_F(Saved, NothingIsThereAtFirst) {
+TEST_F(Saved, IsEmptyAtFirst) {
   EXPECT_EQ(state->saved(), nullptr);
   EXPECT_FALSE(state->copy().has_value());
 }
 
-TEST_F(Saved, TheLastIsThere) {
+TEST_F(Saved, ReturnsTheStateThatWasSavedLast) {
   for (std::uint64_t value = 1; value <= 5; ++value) {
     save(value, 7);
     ASSERT_NE(state->saved(), nullptr);
@@ -49,15 +49,15 @@ TEST_F(Saved, TheLastIsThere) {
   }
 }
 
-TEST_F(Saved, AsMuchAsThereIsRoomFor) {
+TEST_F(Saved, HoldsTheMaximumSize) {
   std::array<std::byte, kMostSaved> all;
   all.fill(std::byte{9});
   state->save(all.data(), kMostSaved, 1, 0);
   EXPECT_EQ(state->saved()->bytes, all);
 }
 
-// Whoever dies while saving has written some of one place and not the number.
-TEST_F(Saved, WhoDiesInTheMiddleSpoilsNothing) {
+// A process that dies while saving has written parts of one place, but not the number.
+TEST_F(Saved, KeepsTheLastStateIfTheProcessDiesWhileSaving) {
   save(1);
   save(2);
   SavedState::Place& next = state->places[3 % 2];
@@ -70,7 +70,7 @@ TEST_F(Saved, WhoDiesInTheMiddleSpoilsNothing) {
   EXPECT_EQ(read(*state->saved()), words(3));
 }
 
-TEST_F(Saved, NonsenseIsNothing) {
+TEST_F(Saved, IsEmptyIfTheMemoryIsDamaged) {
   save(1);
   state->places[1].size = kMostSaved + 1;
   EXPECT_EQ(state->saved(), nullptr);
@@ -79,7 +79,7 @@ TEST_F(Saved, NonsenseIsNothing) {
   EXPECT_EQ(state->saved(), nullptr);
 }
 
-TEST_F(Saved, IsGoneOnceItIsCleared) {
+TEST_F(Saved, IsEmptyAfterClear) {
   save(1);
   state->clear();
   EXPECT_EQ(state->saved(), nullptr);
@@ -87,7 +87,7 @@ TEST_F(Saved, IsGoneOnceItIsCleared) {
   EXPECT_EQ(read(*state->saved()), words(4));
 }
 
-TEST_F(Saved, ACopyIsWholeWhileSomebodySaves) {
+TEST_F(Saved, CopiesAConsistentStateWhileTheModuleSaves) {
   std::atomic<bool> end{false};
   save(1);
   std::thread saver{[&] {

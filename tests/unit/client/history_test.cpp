@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 
 namespace takt::client::history_test {
 namespace {
@@ -17,20 +17,20 @@ constexpr std::int64_t kBegin_ms = 1'700'000'000'000;
 
 ModuleStatistics servo(std::int64_t time_ms, std::uint64_t cycles = 0) {
   ModuleStatistics statistics;
-  dds::set(statistics.name(), "servo");
+  wire::set(statistics.name(), "servo");
   statistics.time_ns((kBegin_ms + time_ms) * 1'000'000);
   statistics.cycles(cycles);
   return statistics;
 }
 
-std::vector<dds::ObservedDevice> robot(const std::vector<ModuleStatistics>& modules) {
-  dds::ObservedDevice device;
-  dds::set(device.status.device(), "robot");
+std::vector<wire::ObservedDevice> robot(const std::vector<ModuleStatistics>& modules) {
+  wire::ObservedDevice device;
+  wire::set(device.status.device(), "robot");
   for (const ModuleStatistics& each : modules) device.deployment.statistics[each.name().to_string()] = each;
   return {device};
 }
 
-TEST(History, OfAModuleThatNobodyHeardOfIsEmpty) {
+TEST(History, IsEmptyForAnUnknownModule) {
   History history;
   EXPECT_THAT(history.of("robot.servo").times_ms, SizeIs(0));
   history.hear({});
@@ -38,7 +38,7 @@ TEST(History, OfAModuleThatNobodyHeardOfIsEmpty) {
   EXPECT_THAT(history.of("robot.servo").times_ms, SizeIs(0));
 }
 
-TEST(History, KeepsWhatWasHeardOldestFirst) {
+TEST(History, ReturnsTheNewestEntriesOldestFirst) {
   History history;
   for (int i = 0; i < 3; ++i) {
     ModuleStatistics statistics = servo(i * 1000);
@@ -59,7 +59,7 @@ TEST(History, KeepsWhatWasHeardOldestFirst) {
   EXPECT_THAT(history.of("line.servo").times_ms, SizeIs(0));
 }
 
-TEST(History, TakesOneASecondHoweverOftenItIsTold) {
+TEST(History, KeepsOneEntryASecondHoweverOftenItIsCalled) {
   History history;
   for (int ms = 0; ms <= 3000; ms += 100) {
     history.hear(robot({servo(ms)}));
@@ -69,7 +69,7 @@ TEST(History, TakesOneASecondHoweverOftenItIsTold) {
               ElementsAre(kBegin_ms, kBegin_ms + 900, kBegin_ms + 1800, kBegin_ms + 2700));
 }
 
-TEST(History, KeepsTenMinutesAndNoMore) {
+TEST(History, KeepsTheLastTenMinutes) {
   History history;
   for (std::int64_t i = 0; i < 1501; ++i) {
     ModuleStatistics statistics = servo(i * 1000);
@@ -84,7 +84,7 @@ TEST(History, KeepsTenMinutesAndNoMore) {
   EXPECT_EQ(history.of("robot.servo", 60).jitter_p99_us.front(), 1441);
 }
 
-TEST(History, TellsWhatLayBetweenTwoStatistics) {
+TEST(History, ComputesTheMeansBetweenTwoStatistics) {
   History history;
   // 1000 cycles with a jitter of -2 us, then 1000 with one of -3 us and 5 us in turn.
   ModuleStatistics statistics = servo(0, 1000);
@@ -96,7 +96,7 @@ TEST(History, TellsWhatLayBetweenTwoStatistics) {
   statistics.jitter_us().variance((4.0 + 17.0) / 2 - 0.25);
   statistics.run_us().mean(25);
   history.hear(robot({statistics}));
-  // It is stopped for a second, then loaded afresh.
+  // The module is stopped for a second, then reloaded.
   statistics.time_ns(servo(2000).time_ns());
   history.hear(robot({statistics}));
   statistics = servo(3000, 10);
@@ -106,9 +106,9 @@ TEST(History, TellsWhatLayBetweenTwoStatistics) {
 
   const Series series = history.of("robot.servo");
   ASSERT_THAT(series.jitter_us, SizeIs(4));
-  EXPECT_TRUE(std::isnan(series.jitter_us[0])) << "nothing was heard before";
+  EXPECT_TRUE(std::isnan(series.jitter_us[0])) << "there is no previous entry";
   EXPECT_THAT(series.jitter_us[1], DoubleNear(std::sqrt(17), 1e-5));
-  EXPECT_TRUE(std::isnan(series.jitter_us[2])) << "it did not run";
+  EXPECT_TRUE(std::isnan(series.jitter_us[2])) << "the module did not run";
   EXPECT_THAT(series.jitter_us[3], DoubleNear(7, 1e-5));
   EXPECT_TRUE(std::isnan(series.run_us[0]));
   EXPECT_THAT(series.run_us[1], DoubleNear(40, 1e-5));
@@ -116,24 +116,24 @@ TEST(History, TellsWhatLayBetweenTwoStatistics) {
   EXPECT_THAT(series.run_us[3], DoubleNear(8, 1e-5));
 }
 
-TEST(History, BeginsAnewWhereTheClockOfTheDeviceWasSetBack) {
+TEST(History, StartsAgainWhenTheClockOfTheDeviceIsSetBack) {
   History history;
   for (const std::int64_t ms : {0, 1000, 2000, -500'000, -499'000}) history.hear(robot({servo(ms)}));
   EXPECT_THAT(history.of("robot.servo").times_ms, ElementsAre(kBegin_ms - 500'000, kBegin_ms - 499'000));
 }
 
-TEST(History, ForgetsWhoIsNotSeenAnyMore) {
+TEST(History, ForgetsAModuleThatHasDisappeared) {
   History history;
   history.hear(robot({servo(0)}));
   history.hear(robot({}));
   EXPECT_THAT(history.of("robot.servo").times_ms, SizeIs(0));
 }
 
-TEST(History, OfTooManyModulesTheFirstAreKept) {
+TEST(History, KeepsTheFirstModulesWhenThereAreTooMany) {
   std::vector<ModuleStatistics> modules;
   for (std::size_t i = 0; i <= History::kModules; ++i) {
     modules.push_back(servo(0));
-    dds::set(modules.back().name(), "m" + std::to_string(100'000 + i));
+    wire::set(modules.back().name(), "m" + std::to_string(100'000 + i));
   }
   History history;
   history.hear(robot(modules));

@@ -29,7 +29,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Factory, MakesAndEndsTheComponent) {
+TEST(Factory, CreatesAndDestroysTheComponent) {
   const ComponentFactory* factory = takt_component_factory();
   ASSERT_NE(factory, nullptr);
   EXPECT_EQ(factory->abi, ComponentFactory::kAbi);
@@ -41,7 +41,7 @@ TEST(Factory, MakesAndEndsTheComponent) {
   EXPECT_EQ(Ramp::ended, 1);
 }
 
-TEST(Factory, MakesAnObjectOfItsOwnForEachModule) {
+TEST(Factory, CreatesASeparateObjectForEachModule) {
   const ComponentFactory* factory = takt_component_factory();
   Component* first = factory->create();
   Component* second = factory->create();
@@ -51,13 +51,13 @@ TEST(Factory, MakesAnObjectOfItsOwnForEachModule) {
   factory->destroy(second);
 }
 
-TEST(Component, RunsOnTheTimeItIsGiven) {
+TEST(Component, ComputesWithTheTimeOfItsCycle) {
   Ramp ramp;
   for (std::uint64_t n = 0; n < 10; ++n) ramp.run({.number = n, .time = {}, .period = 100ms});
   EXPECT_NEAR(ramp.value, 1, 1e-12);
 }
 
-TEST(Component, HooksThatAreNotWrittenDoNothingAndSucceed) {
+TEST(Component, HooksThatAreNotOverriddenDoNothingAndSucceed) {
   Ramp ramp;
   EXPECT_TRUE(ramp.initialize().ok());
   EXPECT_TRUE(ramp.start().ok());
@@ -67,7 +67,7 @@ TEST(Component, HooksThatAreNotWrittenDoNothingAndSucceed) {
   ramp.destruct();
 }
 
-TEST(Failure, IsSaidByTheComponentAndTakenOnce) {
+TEST(Failure, IsReportedByAComponentAndTakenOnce) {
   Ramp ramp;
   EXPECT_EQ(take_failure(), nullptr);
   ramp.run({.number = 0, .time = {}, .period = 3s});
@@ -75,38 +75,38 @@ TEST(Failure, IsSaidByTheComponentAndTakenOnce) {
   EXPECT_EQ(take_failure(), nullptr);
 }
 
-TEST(Failure, IsSaidByALegacyModuleToo) {
+TEST(Failure, IsReportedByAModuleInTheCForm) {
   takt_fail("no sensor");
   EXPECT_STREQ(take_failure(), "no sensor");
 }
 
-TEST(Failure, WithoutAReasonIsStillAFailure) {
+TEST(Failure, NeedsNoReason) {
   takt_fail(nullptr);
   EXPECT_STREQ(take_failure(), "no reason given");
   takt_fail("");
   EXPECT_STREQ(take_failure(), "no reason given");
 }
 
-TEST(Failure, KeepsTheLastThatWasSaid) {
-  say_failure("first");
-  say_failure("second");
+TEST(Failure, KeepsTheLastReport) {
+  report_failure("first");
+  report_failure("second");
   EXPECT_STREQ(take_failure(), "second");
 }
 
-TEST(Failure, IsCutToItsBound) {
+TEST(Failure, CutsLongTextToItsBound) {
   const std::string fits(kFailureText - 1, 'x');
-  say_failure(fits);
+  report_failure(fits);
   EXPECT_EQ(take_failure(), fits);
-  say_failure(fits + "y");
+  report_failure(fits + "y");
   EXPECT_EQ(take_failure(), fits);
 }
 
-TEST(Failure, BelongsToItsThread) {
-  std::thread([] { say_failure("of another thread"); }).join();
+TEST(Failure, BelongsToTheThreadThatReportedIt) {
+  std::thread([] { report_failure("of another thread"); }).join();
   EXPECT_EQ(take_failure(), nullptr);
 }
 
-TEST(CurrentCycle, IsTheServedOneAndZeroOutside) {
+TEST(CurrentCycle, IsTheServedCycleAndZeroOutside) {
   EXPECT_EQ(takt_period_ns(), 0);
   const Cycle cycle{.number = 7, .time = from_ns(5'000), .period = Nanoseconds{600'000}};
   serve_cycle(&cycle);

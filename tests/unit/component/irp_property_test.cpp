@@ -14,7 +14,7 @@ using testing::ThrowsMessage;
 
 irp::Property one(const char* text) { return irp::Property(irp::Property::Values{{"value", text}}); }
 
-TEST(IrpProperty, NotGivenIsTheFallback) {
+TEST(IrpProperty, ReturnsTheFallbackIfTheDescriptorDoesNotSetIt) {
   const irp::Property property;
   EXPECT_FALSE(property.contains("value"));
   EXPECT_EQ(property.get("value", 5), 5);
@@ -22,14 +22,14 @@ TEST(IrpProperty, NotGivenIsTheFallback) {
   EXPECT_EQ(property.get("value", true), true);
   EXPECT_EQ(property.get("value", std::string("none")), "none");
   EXPECT_EQ(property.get("value", "none"), "none");
-  EXPECT_EQ(property.get("value", 50, 0, 10), 50) << "a fallback is the author's own";
+  EXPECT_EQ(property.get("value", 50, 0, 10), 50) << "the fallback is not checked";
 }
 
-TEST(IrpProperty, NotGivenAndWithoutFallbackThrowsItsName) {
+TEST(IrpProperty, ThrowsWithItsNameIfNotSetAndWithoutFallback) {
   EXPECT_THAT([] { irp::Property().get("speed"); }, ThrowsMessage<std::out_of_range>(HasSubstr("'speed'")));
 }
 
-TEST(IrpProperty, IsGivenInTheTypeOfTheFallback) {
+TEST(IrpProperty, ConvertsToTheTypeOfTheFallback) {
   EXPECT_EQ(one("7").get("value"), "7");
   EXPECT_EQ(one("7").get("value", 5), 7);
   EXPECT_EQ(one("+7").get("value", 5), 7);
@@ -42,39 +42,39 @@ TEST(IrpProperty, IsGivenInTheTypeOfTheFallback) {
   EXPECT_EQ(one("").get("value", "none"), "");
 }
 
-TEST(IrpProperty, OfSeveralKeepsTheOrderOfTheDescriptor) {
+TEST(IrpProperty, KeepsTheOrderOfTheDescriptor) {
   const irp::Property property(irp::Property::Values{{"b", "1"}, {"a", "2"}});
   EXPECT_EQ(property.values().at(0).first, "b");
   EXPECT_EQ(property.get("a", 0), 2);
 }
 
 template <class T>
-void expect_refused(const char* text, T fallback, const char* takes) {
+void expect_rejected(const char* text, T fallback, const char* takes) {
   EXPECT_THAT([&] { one(text).get("value", fallback); },
               ThrowsMessage<std::invalid_argument>(
                   AllOf(HasSubstr("'value'"), HasSubstr("'" + std::string(text) + "'"), HasSubstr(takes))))
       << text;
 }
 
-TEST(IrpProperty, OfTheWrongTextSaysWhatItTakes) {
+TEST(IrpProperty, RejectsWrongTextAndStatesWhatItAccepts) {
   for (const char* text : {"", " ", "five", "5 ", " 5", "+", "+-5", "++5", "1.5", "0x10", "1e3", "5;"}) {
-    expect_refused(text, 5, "a whole number");
+    expect_rejected(text, 5, "a whole number");
   }
   for (const char* text : {"", " 1", "1,5", "nan", "inf", "-inf", "0x1p3", "1e999", "1.5V"}) {
-    expect_refused(text, 1.0, "a number");
+    expect_rejected(text, 1.0, "a number");
   }
-  for (const char* text : {"", "yes", "True", "2"}) expect_refused(text, false, "true or false");
+  for (const char* text : {"", "yes", "True", "2"}) expect_rejected(text, false, "true or false");
 }
 
-TEST(IrpProperty, ThatDoesNotFitItsTypeSaysWhatDoes) {
-  expect_refused("2147483648", 5, "-2147483648 to 2147483647");
-  expect_refused("-1", 5u, "0 to 4294967295");
-  expect_refused("128", std::int8_t{0}, "-128 to 127");
-  expect_refused("9223372036854775808", 5LL, "a whole number");
-  expect_refused("1e39", 1.0f, "a number");
+TEST(IrpProperty, RejectsANumberThatDoesNotFitItsTypeAndStatesTheRange) {
+  expect_rejected("2147483648", 5, "-2147483648 to 2147483647");
+  expect_rejected("-1", 5u, "0 to 4294967295");
+  expect_rejected("128", std::int8_t{0}, "-128 to 127");
+  expect_rejected("9223372036854775808", 5LL, "a whole number");
+  expect_rejected("1e39", 1.0f, "a number");
 }
 
-TEST(IrpProperty, WithBoundsIncludesThem) {
+TEST(IrpProperty, IncludesItsBounds) {
   EXPECT_EQ(one("1").get("value", 5, 1, 10), 1);
   EXPECT_EQ(one("10").get("value", 5, 1, 10), 10);
   EXPECT_EQ(one("0.5").get("value", 1.0, 0.5, 2), 0.5);

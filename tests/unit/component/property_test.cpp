@@ -40,7 +40,7 @@ TEST(Property, HasItsDefaultUntilItIsSet) {
   EXPECT_EQ(component.label.value(), "none");
 }
 
-TEST(Property, SaysOfItselfWhatADescriptionNeeds) {
+TEST(Property, HasTheTextsForADescription) {
   const Everything component;
   EXPECT_STREQ(to_text(component.enabled.type()), "bool");
   EXPECT_STREQ(to_text(component.count.type()), "integer");
@@ -57,7 +57,7 @@ TEST(Property, SaysOfItselfWhatADescriptionNeeds) {
   EXPECT_EQ(component.gain.value_text(), "1.5");
 }
 
-TEST(Property, TakesWhatItsTypeTakes) {
+TEST(Property, AcceptsEveryValueOfItsType) {
   Everything component;
   EXPECT_EQ(reason(component.enabled, "0"), "");
   EXPECT_EQ(reason(component.count, "+10"), "");
@@ -71,7 +71,7 @@ TEST(Property, TakesWhatItsTypeTakes) {
   EXPECT_EQ(component.label.value(), "");
 }
 
-TEST(Property, ReadsBackWhatItWrites) {
+TEST(Property, ReadsBackTheTextOfItsValue) {
   Everything component;
   for (const double value : {0.1, 1e-300, 123456789.123456789, 1e300}) {
     ASSERT_TRUE(component.gain.assign(detail::number_text(value)).ok());
@@ -79,7 +79,7 @@ TEST(Property, ReadsBackWhatItWrites) {
   }
 }
 
-TEST(Property, RefusesByNameAndKeepsItsValue) {
+TEST(Property, RejectsAWrongValueByNameAndKeepsItsOwn) {
   Everything component;
   EXPECT_EQ(reason(component.count, "11"),
             "error: property 'count' cannot be '11'; it takes a whole number, 1 to 10");
@@ -92,7 +92,7 @@ TEST(Property, RefusesByNameAndKeepsItsValue) {
   EXPECT_TRUE(component.enabled);
 }
 
-TEST(Property, RefusesWhatIsNoNumber) {
+TEST(Property, RejectsTextThatIsNotANumber) {
   Everything component;
   for (const char* text :
        {"", " 1", "1 ", "1,5", "nan", "-nan", "inf", "0x10", "1e999", "++1", "+-1", "one"}) {
@@ -102,15 +102,15 @@ TEST(Property, RefusesWhatIsNoNumber) {
   EXPECT_THAT(reason(component.wide, "1.5"), HasSubstr("a whole number"));
 }
 
-TEST(Property, RefusesWhatItsTypeCannotHold) {
+TEST(Property, RejectsANumberThatItsTypeCannotHold) {
   Everything component;
   EXPECT_THAT(reason(component.wide, "9223372036854775808"), HasSubstr("'wide'"));
-  EXPECT_THAT(reason(component.count, "4294967297"), HasSubstr("'count'"));  // 1 if it were cut to 32 bits
-  EXPECT_THAT(reason(component.narrow, "-1e39"), HasSubstr("'narrow'"));     // below no bound, but no float
+  EXPECT_THAT(reason(component.count, "4294967297"), HasSubstr("'count'"));  // would be 1 if cut to 32 bits
+  EXPECT_THAT(reason(component.narrow, "-1e39"), HasSubstr("'narrow'"));     // too large for a float
   EXPECT_EQ(component.narrow, 0.0f);
 }
 
-TEST(Property, HasBoundsThatBelongToIt) {
+TEST(Property, IncludesItsBounds) {
   Everything component;
   EXPECT_EQ(reason(component.count, "1"), "");
   EXPECT_EQ(reason(component.count, "10"), "");
@@ -118,7 +118,7 @@ TEST(Property, HasBoundsThatBelongToIt) {
   EXPECT_EQ(reason(component.gain, "0"), "");
 }
 
-TEST(Property, WithoutAComponentIsOfWhoeverTakesIt) {
+TEST(Property, IsListedOnceIfItHasNoComponent) {
   static_cast<void>(take_loose_properties());
   Property<double> speed{"speed", 0.5, {.unit = "m/s", .min = 0.0, .max = 2.0}};
   Property<std::string> label{"label", "none"};
@@ -127,7 +127,7 @@ TEST(Property, WithoutAComponentIsOfWhoeverTakesIt) {
   EXPECT_TRUE(take_loose_properties().empty());
 }
 
-TEST(Property, KeepsItsDefaultInMind) {
+TEST(Property, RemembersItsDefaultAfterItIsSet) {
   Everything component;
   ASSERT_TRUE(component.count.assign("7"));
   EXPECT_EQ(component.count.default_text(), "3");
@@ -136,7 +136,7 @@ TEST(Property, KeepsItsDefaultInMind) {
   EXPECT_EQ(component.gain.max_text(), "");
 }
 
-TEST(Property, IsDeclaredOnceAndBeginsWithinItsRange) {
+TEST(Property, NeedsAUniqueNameAndADefaultWithinItsRange) {
   struct Wrong : Component {
     Property<double> a{*this, "a", 1.0, {.min = 2.0}};
     Property<double> twice{*this, "twice", 1.0};
@@ -145,14 +145,13 @@ TEST(Property, IsDeclaredOnceAndBeginsWithinItsRange) {
   } wrong;
   const Problems problems = check_declared(wrong.properties(), "it");
   EXPECT_EQ(to_text(problems),
-            "error: it has a property 'a' whose default 1 is out of its range: at least 2; give it a default "
-            "that is "
-            "within its range, or mend the range\n"
-            "error: it has two properties 'twice'; give each a name of its own");
+            "error: it has a property 'a' whose default 1 is out of its range: at least 2; "
+            "change the default or the range\n"
+            "error: it has two properties 'twice'; give each a different name");
   EXPECT_TRUE(check_declared(Everything{}.properties(), "it").empty());
 }
 
-// What the macros of <takt/property.h> do.
+// The declarations that the macros of <takt/property.h> generate.
 struct CProperties {
   double number = 0.5;
   std::int64_t integer = 3;
@@ -179,7 +178,7 @@ struct CProperties {
   std::vector<PropertyBase*> taken;
 };
 
-TEST(CProperty, SaysOfItselfWhatItWasDeclaredWith) {
+TEST(CProperty, HasTheTextsOfItsDeclaration) {
   const CProperties c;
   ASSERT_EQ(c.taken.size(), 4U);
   EXPECT_EQ(c.taken[0]->range_text(), "0 to 2");
@@ -191,12 +190,12 @@ TEST(CProperty, SaysOfItselfWhatItWasDeclaredWith) {
   EXPECT_EQ(c.taken[3]->default_text(), "none");
 }
 
-TEST(CProperty, IsAVariableThatIsWrittenWhenItIsTakenOver) {
+TEST(CProperty, WritesItsVariableWhenTheValueIsTakenOver) {
   const CProperties c;
   EXPECT_EQ(c.number, 0.5);
   EXPECT_STREQ(c.text, "none");
   ASSERT_TRUE(c.taken[0]->propose("1.25"));
-  EXPECT_EQ(c.number, 0.5) << "a call may be going on";
+  EXPECT_EQ(c.number, 0.5) << "a hook may be running";
   c.taken[0]->take_over();
   EXPECT_EQ(c.number, 1.25);
   EXPECT_FALSE(c.taken[1]->assign("0"));
@@ -211,29 +210,29 @@ TEST(CProperty, IsAVariableThatIsWrittenWhenItIsTakenOver) {
   }
 }
 
-TEST(Property, OfTextTakesTheWordsOfItsChoices) {
+TEST(Property, AcceptsOnlyTheWordsOfItsChoices) {
   Everything component;
   Property<std::string> mode{component, "mode", "slow", {.choices = {"slow", "fast", "off"}}};
   EXPECT_EQ(mode.range_text(), "slow, fast or off");
   EXPECT_TRUE(mode.assign("fast"));
-  const auto refused = mode.assign("Fast");
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(in_words(refused.problems()),
+  const auto rejected = mode.assign("Fast");
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(in_words(rejected.problems()),
             "property 'mode' cannot be 'Fast'; it takes text, slow, fast or off");
   EXPECT_EQ(mode.value(), "fast");
 }
 
-TEST(Property, TakesARangeThatOnlyTheModuleKnows) {
+TEST(Property, CanBeNarrowedByTheModule) {
   Everything component;
   Property<double> cutoff{component, "cutoff", 10, {.unit = "Hz", .min = 0, .max = 1000}};
   EXPECT_TRUE(cutoff.narrow(1, 450, "at a period of 1 ms"));
-  const auto refused = cutoff.assign("500");
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(in_words(refused.problems()),
+  const auto rejected = cutoff.assign("500");
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(in_words(rejected.problems()),
             "property 'cutoff' cannot be '500'; it takes a number, 1 to 450 at a period of 1 ms, in Hz");
-  EXPECT_TRUE(cutoff.narrow({}, 5000, "at a period of 100 us"));  // never wider than it was declared
+  EXPECT_TRUE(cutoff.narrow({}, 5000, "at a period of 100 us"));  // never widens the range
   EXPECT_FALSE(cutoff.assign("451"));
-  EXPECT_FALSE(cutoff.narrow({}, 5, "at a period of 90 ms"));  // and its value has to be within
+  EXPECT_FALSE(cutoff.narrow({}, 5, "at a period of 90 ms"));  // its value must be in the new range
 }
 
 }  // namespace

@@ -8,13 +8,13 @@
 namespace latest_test {
 namespace {
 
-TEST(Latest, HasNothingUntilSomethingIsPublished) {
+TEST(Latest, HasNoValueBeforeTheFirstPublish) {
   Latest<int> latest;
   EXPECT_FALSE(latest.take());
   EXPECT_EQ(latest.taken(), 0);
 }
 
-TEST(Latest, IsTheNewestAndIsTakenOnce) {
+TEST(Latest, ReturnsTheNewestValueOnce) {
   Latest<int> latest;
   for (int i = 1; i <= 5; ++i) {
     latest.writing() = i;
@@ -27,7 +27,7 @@ TEST(Latest, IsTheNewestAndIsTakenOnce) {
   EXPECT_EQ(latest.taken(), 5);
 }
 
-TEST(Latest, IsWholeWhileBothSidesWork) {
+TEST(Latest, NeverMixesTwoValuesUnderConcurrency) {
   constexpr std::uint64_t kLast = 300'000;
   Latest<std::array<std::uint64_t, 16>> latest;
   std::thread writer{[&] {

@@ -24,20 +24,20 @@ std::vector<Point> points(std::string_view map) {
   return parsed.points;
 }
 
-TEST(Groups, AreOfNeighboursInOneTable) {
+TEST(ModbusGroups, CombineAdjacentPointsOfOneTable) {
   const auto map =
       points("a in coil 2; b in coil 0; c in coil 1; d in coil 4; e in discrete 5; f out coil 3");
   EXPECT_EQ(text(groups_of(map, false, kReadLimits)), "coil 0+3: 1 2 0\ncoil 4+1: 3\ndiscrete 5+1: 4\n");
   EXPECT_EQ(text(groups_of(map, true, kWriteLimits)), "coil 3+1: 5\n");
 }
 
-TEST(Groups, CountBothRegistersOfALongValue) {
+TEST(ModbusGroups, CountBothRegistersOfALongValue) {
   EXPECT_EQ(text(groups_of(points("a in register 0 float32; b in register 2; c in register 4"), false,
                            kReadLimits)),
             "register 0+3: 0 1\nregister 4+1: 2\n");
 }
 
-TEST(Groups, ReadWhatOverlapsOnce) {
+TEST(ModbusGroups, ReadOverlappingPointsOnce) {
   EXPECT_EQ(text(groups_of(points("a in register 0 float32; b in register 0; c in register 1 uint32"), false,
                            kReadLimits)),
             "register 0+3: 0 1 2\n");
@@ -47,13 +47,13 @@ TEST(Groups, ReadWhatOverlapsOnce) {
       "register 0+3: 0 1 2\n");
 }
 
-TEST(Groups, AreNoLongerThanARequestAndDivideNoPoint) {
+TEST(ModbusGroups, StayWithinARequestAndNeverSplitAPoint) {
   const auto map = points("a in register 0 uint32; b in register 2 uint32; c in register 4 uint32");
   EXPECT_EQ(text(groups_of(map, false, {.bits = 8, .registers = 5})), "register 0+4: 0 1\nregister 4+2: 2\n");
   EXPECT_EQ(text(groups_of(map, false, {.bits = 8, .registers = 6})), "register 0+6: 0 1 2\n");
 }
 
-TEST(Groups, ReachTheLastAddress) {
+TEST(ModbusGroups, ReachTheLastAddress) {
   EXPECT_EQ(text(groups_of(points("a in coil 65534; b in coil 65535"), false, kReadLimits)),
             "coil 65534+2: 0 1\n");
 }

@@ -14,14 +14,14 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-std::vector<std::string> told(std::string_view text) {
+std::vector<std::string> messages(std::string_view text) {
   std::vector<std::string> lines;
   for (const Mistake& m : parse_map(text).mistakes)
     lines.push_back(std::to_string(m.line) + ": " + m.what + "; " + m.fix);
   return lines;
 }
 
-TEST(Map, HasWhatEachLineSays) {
+TEST(ModbusMap, ParsesThePointsOfAllLines) {
   const Map map = parse_map(R"(
     lamp         out coil 0 safe 0      # comment; with a semicolon
     button       in  discrete 3
@@ -49,8 +49,8 @@ TEST(Map, HasWhatEachLineSays) {
   EXPECT_EQ(map.points[6].name, "b");
 }
 
-TEST(Map, TellsEveryMistakeWithItsLineAndWhatWouldBeRight) {
-  const std::vector<std::string> lines = told(
+TEST(ModbusMap, ReportsEveryMistakeWithItsLineAndItsFix) {
+  const std::vector<std::string> lines = messages(
       "ok out coil 0\n"
       "1x sideways coils 65536\n"
       "\n"
@@ -70,45 +70,46 @@ TEST(Map, TellsEveryMistakeWithItsLineAndWhatWouldBeRight) {
   EXPECT_THAT(
       lines,
       testing::ElementsAre(
-          HasSubstr("2: '1x' is no name of a port; use up to 63 letters"),
-          HasSubstr("2: 'sideways' is no direction; say 'in'"),
-          HasSubstr("2: there is no table 'coils'; say coil, discrete, register or input-register"),
+          HasSubstr("2: '1x' is not a valid port name; use up to 63 letters"),
+          HasSubstr("2: 'sideways' is not a direction; write 'in'"),
+          HasSubstr("2: unknown table 'coils'; write coil, discrete, register or input-register"),
           HasSubstr("2: the address cannot be '65536'; "),
-          HasSubstr("4: nobody can write a discrete input; "), HasSubstr("5: the scale cannot be '0'; "),
-          HasSubstr("6: a type of one word has no order of words; "),
-          HasSubstr("7: 'v' and 'ok' write the same coil; "), HasSubstr("8: there are two points 'ok'; "),
-          HasSubstr("9: an input has no safe value; "),
-          HasSubstr("10: the safe value does not fit the type; with this scale and offset it may be -32768 "
-                    "to 32767"),
-          HasSubstr("11: the two registers of 'y' end beyond 65535; "),
-          HasSubstr("12: the port 'connected' is there already; "),
-          HasSubstr("13: 'z' is not a whole point; "), HasSubstr("14: a coil has no type; "),
-          HasSubstr("15: nothing follows 'unit'; "), HasSubstr("16: 'colour' is not known here; "),
-          HasSubstr("16: 'red' is not known here; ")));
+          HasSubstr("4: a discrete input cannot be written; "), HasSubstr("5: the scale cannot be '0'; "),
+          HasSubstr("6: a type of one register has no word order; "),
+          HasSubstr("7: 'v' and 'ok' write the same coil; "),
+          HasSubstr("8: there are two points named 'ok'; "), HasSubstr("9: an input has no safe value; "),
+          HasSubstr(
+              "10: the safe value does not fit the type; with this scale and offset the range is -32768 "
+              "to 32767"),
+          HasSubstr("11: the two registers of 'y' extend beyond address 65535; "),
+          HasSubstr("12: the port name 'connected' is reserved; "),
+          HasSubstr("13: 'z' is not a complete point; "), HasSubstr("14: a coil has no type; "),
+          HasSubstr("15: 'unit' has no value; "), HasSubstr("16: unknown option 'colour'; "),
+          HasSubstr("16: unknown option 'red'; ")));
 }
 
-TEST(Map, WithoutAPointIsAMistake) {
-  EXPECT_THAT(told(""), testing::ElementsAre(HasSubstr("1: the map has no point; ")));
-  EXPECT_THAT(told("# only; words\n\n"), testing::ElementsAre(HasSubstr("the map has no point")));
+TEST(ModbusMap, RejectsAMapWithoutPoints) {
+  EXPECT_THAT(messages(""), testing::ElementsAre(HasSubstr("1: the map has no points; ")));
+  EXPECT_THAT(messages("# only; words\n\n"), testing::ElementsAre(HasSubstr("the map has no points")));
 }
 
-TEST(Map, HasAsManyPointsAsItMayAndNotOneMore) {
+TEST(ModbusMap, RejectsMoreThanTheMaximumNumberOfPoints) {
   std::string text;
   for (std::size_t i = 0; i < kMaxPoints; ++i)
     text += "p" + std::to_string(i) + " in coil " + std::to_string(i) + "\n";
   EXPECT_THAT(parse_map(text).mistakes, IsEmpty());
-  EXPECT_THAT(told(text + "q in coil 999\n"),
+  EXPECT_THAT(messages(text + "q in coil 999\n"),
               testing::ElementsAre(HasSubstr("257: there are more than 256 points")));
 }
 
-TEST(Map, TakesTheWholeRangeOfAddresses) {
-  EXPECT_THAT(told("a in coil 0; b in coil 65535; c in register 65534 float32"), IsEmpty());
-  EXPECT_THAT(told("a in coil -1"), SizeIs(1));
-  EXPECT_THAT(told("a in coil 0x10"), SizeIs(1));
+TEST(ModbusMap, AcceptsAddressesFrom0To65535) {
+  EXPECT_THAT(messages("a in coil 0; b in coil 65535; c in register 65534 float32"), IsEmpty());
+  EXPECT_THAT(messages("a in coil -1"), SizeIs(1));
+  EXPECT_THAT(messages("a in coil 0x10"), SizeIs(1));
 }
 
-// Whatever the text is, points and mistakes stay within their bounds, and there is one or the other.
-TEST(Map, SurvivesAnyText) {
+// For any text, the points are within their limits, and there is at least one point or one mistake.
+TEST(ModbusMap, SurvivesRandomText) {
   const std::vector<std::string> pieces{"lamp",     "in",
                                         "out",      "coil",
                                         "register", "input-register",
@@ -136,18 +137,18 @@ TEST(Map, SurvivesAnyText) {
   }
 }
 
-TEST(ModbusMap, AUnitCanBeShown) {
+TEST(ModbusMap, RejectsControlCharactersInAUnit) {
   EXPECT_TRUE(parse_map("a in register 1 unit \xC2\xB0"
                         "C")
                   .mistakes.empty());
   for (const char* unit : {"\x1b[2J", "m\x7f", "\x01"}) {
     const Map map = parse_map(std::string{"a in register 1 unit "} + unit);
     ASSERT_EQ(map.mistakes.size(), 1U);
-    EXPECT_NE(map.mistakes[0].what.find("cannot be shown"), std::string::npos);
+    EXPECT_NE(map.mistakes[0].what.find("contains control characters"), std::string::npos);
   }
 }
 
-TEST(ModbusMap, OfManyMistakesThereIsAnEndInOneLineToo) {
+TEST(ModbusMap, StopsAtTheLimitOfMistakesWithinOneLine) {
   std::string text = "a in register 1";
   for (int i = 0; i < 10000; ++i) text += " x";
   EXPECT_EQ(parse_map(text).mistakes.size(), kMostMistakes);

@@ -14,12 +14,12 @@ std::array<std::uint16_t, 2> encoded(const Encoding& encoding, double value) {
   return words;
 }
 
-TEST(Value, OfOneWordLeavesTheNextAlone) {
+TEST(ModbusValue, OfOneRegisterLeavesTheNextUnchanged) {
   EXPECT_EQ(encoded({.type = Type::uint16}, 0x1234), (std::array<std::uint16_t, 2>{0x1234, 0xAAAA}));
   EXPECT_EQ(encoded({.type = Type::int16}, -2), (std::array<std::uint16_t, 2>{0xFFFE, 0xAAAA}));
 }
 
-TEST(Value, OfTwoWordsHasTheHighOneFirstUnlessSaid) {
+TEST(ModbusValue, StoresTheHighWordFirstByDefault) {
   EXPECT_EQ(encoded({.type = Type::uint32}, 0x12345678), (std::array<std::uint16_t, 2>{0x1234, 0x5678}));
   EXPECT_EQ(encoded({.type = Type::uint32, .low_first = true}, 0x12345678),
             (std::array<std::uint16_t, 2>{0x5678, 0x1234}));
@@ -30,7 +30,7 @@ TEST(Value, OfTwoWordsHasTheHighOneFirstUnlessSaid) {
             (std::array<std::uint16_t, 2>{0, 0x3F80}));
 }
 
-TEST(Value, IsReadAsItWasWritten) {
+TEST(ModbusValue, SurvivesEncodingAndDecoding) {
   for (const bool low_first : {false, true}) {
     for (const Type type : {Type::uint16, Type::int16, Type::uint32, Type::int32, Type::float32}) {
       const Encoding encoding{.type = type, .scale = 0.5, .offset = 3, .low_first = low_first};
@@ -43,13 +43,13 @@ TEST(Value, IsReadAsItWasWritten) {
   }
 }
 
-TEST(Value, IsTheNearestThatTheScaleAllows) {
+TEST(ModbusValue, IsRoundedToTheScale) {
   const Encoding encoding{.type = Type::int16, .scale = 0.1};
   EXPECT_EQ(encoded(encoding, 20.06)[0], 201);
   EXPECT_DOUBLE_EQ(decode(encoding, encoded(encoding, -20.06).data()), -20.1);
 }
 
-TEST(Value, StopsAtTheEndOfItsRange) {
+TEST(ModbusValue, IsClampedToTheRangeOfItsType) {
   EXPECT_EQ(encoded({.type = Type::uint16}, 70000)[0], 65535);
   EXPECT_EQ(encoded({.type = Type::uint16}, -1)[0], 0);
   EXPECT_EQ(encoded({.type = Type::int16}, -40000)[0], 0x8000);
@@ -57,17 +57,17 @@ TEST(Value, StopsAtTheEndOfItsRange) {
   EXPECT_EQ(decode({.type = Type::int32}, encoded({.type = Type::int32}, 1e30).data()), 2147483647);
   EXPECT_EQ(decode({.type = Type::float32}, encoded({.type = Type::float32}, 1e300).data()),
             static_cast<double>(std::numeric_limits<float>::max()));
-  // A scale below zero turns the range round.
+  // A negative scale reverses the range.
   EXPECT_EQ(decode({.scale = -1}, encoded({.scale = -1}, 5).data()), 0);
 }
 
-TEST(Value, ThatIsNoNumberIsNotWritten) {
+TEST(ModbusValue, RejectsNotANumber) {
   std::array<std::uint16_t, 2> words{1, 2};
   EXPECT_FALSE(encode({}, std::numeric_limits<double>::quiet_NaN(), words.data()));
   EXPECT_EQ(words, (std::array<std::uint16_t, 2>{1, 2}));
 }
 
-TEST(Value, FitsOrDoesNot) {
+TEST(ModbusValue, ReportsWhetherItFitsItsRange) {
   EXPECT_TRUE(fits({.type = Type::int16, .scale = 0.1}, 3276.7));
   EXPECT_FALSE(fits({.type = Type::int16, .scale = 0.1}, 3277));
   EXPECT_EQ(range_text({.type = Type::int16, .scale = -0.1}), "-3276.7 to 3276.8");

@@ -15,7 +15,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// What `put` writes into this much room; empty when it does not fit.
+/// The bytes that `put` writes into a buffer of `room` bytes; empty if they do not fit.
 template <class F>
 Bytes written(F put, std::size_t room = 64) {
   Bytes bytes(room, 0xEE);
@@ -29,7 +29,7 @@ CdrReader reader(const Bytes& bytes) {
   return CdrReader{reinterpret_cast<const std::byte*>(bytes.data()), bytes.size()};
 }
 
-TEST(CdrWriter, BeginsWithItsEncapsulation) {
+TEST(CdrWriter, StartsWithTheEncapsulation) {
   EXPECT_EQ(written([](CdrWriter&) {}), (Bytes{0, 1, 0, 0}));
   EXPECT_EQ(written([](CdrWriter&) {}, 4), (Bytes{0, 1, 0, 0}));
   for (const std::size_t room : {0U, 1U, 2U, 3U}) EXPECT_EQ(written([](CdrWriter&) {}, room), Bytes{});
@@ -45,7 +45,7 @@ TEST(CdrWriter, AlignsFromTheEndOfTheEncapsulation) {
             (Bytes{0, 1, 0, 0, 1, 0, 2, 0, 3, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST(CdrWriter, PadsNothingBeforeAnEmptyArray) {
+TEST(CdrWriter, AddsNoPaddingBeforeAnEmptyArray) {
   EXPECT_EQ(written([](CdrWriter& to) {
               to.put_length(0, 3);
               to.put_array(static_cast<const double*>(nullptr), 0);
@@ -61,7 +61,7 @@ TEST(CdrWriter, EndsATextWithAZero) {
   EXPECT_EQ(written([](CdrWriter& to) { to.put_text("abc", 3, 2); }), Bytes{});
 }
 
-TEST(CdrWriter, WritesNothingAfterWhatDidNotFit) {
+TEST(CdrWriter, WritesNothingAfterAValueThatDoesNotFit) {
   Bytes bytes(16, 0xEE);
   CdrWriter to{reinterpret_cast<std::byte*>(bytes.data()), 10};
   to.put(std::uint64_t{1});  // two bytes too many
@@ -71,7 +71,7 @@ TEST(CdrWriter, WritesNothingAfterWhatDidNotFit) {
             (Bytes{0, 1, 0, 0, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE, 0xEE}));
 }
 
-TEST(CdrWriter, RefusesALengthThatWouldNotBeOneIn32Bits) {
+TEST(CdrWriter, RejectsALengthBeyondItsBoundOr32Bits) {
   EXPECT_EQ(written([](CdrWriter& to) { to.put_length(4, 3); }), Bytes{});
   EXPECT_EQ(written([](CdrWriter& to) { to.put_length((1ULL << 32) + 1, 3); }), Bytes{});
 }
@@ -91,11 +91,11 @@ TEST(CdrReader, ReadsBothByteOrders) {
   }
 }
 
-TEST(CdrReader, GivesZeroFromTheFirstThingThatIsWrong) {
+TEST(CdrReader, ReturnsZerosAfterTheFirstError) {
   const Bytes bytes{0, 1, 0, 0, 7, 2, 9, 9};
   CdrReader from = reader(bytes);
   EXPECT_EQ(from.get<std::uint8_t>(), 7);
-  EXPECT_FALSE(from.get_boolean());  // 2 is none
+  EXPECT_FALSE(from.get_boolean());  // 2 is not a boolean
   EXPECT_FALSE(from.ok());
   EXPECT_EQ(from.get<std::uint8_t>(), 0);
   EXPECT_EQ(from.get_length(9), 0U);
@@ -108,18 +108,18 @@ TEST(CdrReader, GivesZeroFromTheFirstThingThatIsWrong) {
   EXPECT_FALSE(from.complete());
 }
 
-TEST(CdrReader, NeverCountsBeyondTheBytes) {
+TEST(CdrReader, NeverReadsBeyondTheBytes) {
   const Bytes bytes{0, 1, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 1, 2};
   EXPECT_EQ(reader(bytes).get_length(std::numeric_limits<std::uint32_t>::max()), 0U);
   EXPECT_EQ(reader(bytes).take_array(8, std::numeric_limits<std::size_t>::max() / 4), nullptr);
   EXPECT_EQ(reader(bytes).take_array(8, 1), nullptr);
   EXPECT_NE(reader(bytes).take_array(2, 3), nullptr);
-  // As many as there are bytes after it, for an element has at least one.
+  // Each element has at least one byte, so the length is at most the number of bytes after it.
   EXPECT_EQ(reader({0, 1, 0, 0, 2, 0, 0, 0, 1, 2}).get_length(9), 2U);
   EXPECT_EQ(reader({0, 1, 0, 0, 3, 0, 0, 0, 1, 2}).get_length(9), 0U);
 }
 
-TEST(CdrReader, TakesATextThatEndsWhereItSays) {
+TEST(CdrReader, AcceptsOnlyATextThatEndsAtItsLength) {
   const auto text = [](Bytes bytes) {
     bytes.insert(bytes.begin(), {0, 1, 0, 0});
     CdrReader from = reader(bytes);
@@ -135,7 +135,7 @@ TEST(CdrReader, TakesATextThatEndsWhereItSays) {
   EXPECT_EQ(text({4, 0, 0, 0, 'a', 'b', 'c'}), "wrong");
 }
 
-TEST(CdrReader, IsCompleteWhenNoWholeWordIsLeft) {
+TEST(CdrReader, IsCompleteIfLessThanAWordIsLeft) {
   for (std::size_t more = 0; more < 6; ++more) {
     Bytes bytes{0, 1, 0, 0, 7};
     bytes.resize(bytes.size() + more);
@@ -145,7 +145,7 @@ TEST(CdrReader, IsCompleteWhenNoWholeWordIsLeft) {
   }
 }
 
-TEST(CdrReader, KnowsOnlyPlainCdr) {
+TEST(CdrReader, AcceptsOnlyPlainCdr) {
   for (int first = 0; first < 256; ++first) {
     for (int second = 0; second < 16; ++second) {
       const Bytes bytes{static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(second), 0xAB, 0xCD};

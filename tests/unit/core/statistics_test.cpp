@@ -77,11 +77,11 @@ TEST(Statistics, AgreesWithTheSortedValues) {
   }
 }
 
-TEST(Statistics, IsReadWholeWhileItIsWritten) {
+TEST(Statistics, ReaderSeesAConsistentSnapshotDuringWrites) {
   auto statistics = empty();
   std::atomic<bool> end{false};
   // Every value is 1000, so any mixture of two states shows in the mean or in the buckets. A module records a
-  // few times in a hundred microseconds; this writer is faster, yet leaves a reader the time for one pass.
+  // few times in 100 us. This writer is faster, yet leaves a reader the time for one pass.
   std::thread writer{[&] {
     while (!end) {
       statistics->record(1000);
@@ -102,7 +102,7 @@ TEST(Statistics, IsReadWholeWhileItIsWritten) {
   writer.join();
 }
 
-TEST(Statistics, CanBeReadAfterItsWriterDiedInTheMiddle) {
+TEST(Statistics, CanBeReadAfterTheWriterDiedWhileWriting) {
   auto statistics = empty();
   statistics->record(5);
   auto* sequence = reinterpret_cast<std::atomic<std::uint64_t>*>(statistics.get());  // the first member

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Time, IsWrittenInTheLargestUnitThatIsExact) {
+TEST(Time, IsPrintedInTheLargestExactUnit) {
   EXPECT_EQ(to_text(0ns), "0 ns");
   EXPECT_EQ(to_text(7ns), "7 ns");
   EXPECT_EQ(to_text(100us), "100 us");

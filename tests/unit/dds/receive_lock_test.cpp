@@ -1,4 +1,4 @@
-#include <takt/dds/receive_lock.hpp>
+#include "workarounds/receive_lock.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +6,12 @@
 #include <thread>
 #include <vector>
 
-namespace handling_test {
+namespace receive_lock_test {
 namespace {
 
 using takt::dds::ReceiveLock;
 
-TEST(ReceiveLock, StandsStillWhileItIsPaused) {
+TEST(ReceiveLock, HandlesNoPacketDuringAPause) {
   ReceiveLock receive_lock;
   std::atomic<int> inside{0};
   std::atomic<std::uint64_t> handled{0};
@@ -43,7 +43,7 @@ TEST(ReceiveLock, StandsStillWhileItIsPaused) {
   for (std::thread& receiver : receivers) receiver.join();
 }
 
-TEST(ReceiveLock, IsNotWaitedForByTheThreadThatHandles) {
+TEST(ReceiveLock, APauseDoesNotWaitOnTheHandlingThread) {
   ReceiveLock receive_lock;
   bool held = true;
   receive_lock.handle([&] { held = ReceiveLock::Pause{receive_lock}.holds(); });
@@ -51,7 +51,7 @@ TEST(ReceiveLock, IsNotWaitedForByTheThreadThatHandles) {
   EXPECT_TRUE(ReceiveLock::Pause{receive_lock}.holds());
 }
 
-TEST(ReceiveLock, IsNotWaitedForForEver) {
+TEST(ReceiveLock, APauseDoesNotWaitForEver) {
   ReceiveLock receive_lock;
   std::atomic<bool> handles{false};
   std::atomic<bool> end{false};
@@ -68,4 +68,4 @@ TEST(ReceiveLock, IsNotWaitedForForEver) {
 }
 
 }  // namespace
-}  // namespace handling_test
+}  // namespace receive_lock_test

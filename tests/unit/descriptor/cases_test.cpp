@@ -1,5 +1,5 @@
-// The descriptors of cases/ say in comments what is wrong with them, and whether the schema sees it. They go
-// through the parser and through xmllint, so that neither can drift from the other.
+// Runs the descriptors of cases/ through the parser and through xmllint, so that the parser and the schema
+// cannot drift apart. Comments in each descriptor state the expected problems and the verdict of the schema.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ std::string content_of(const std::string& file) {
   return content.str();
 }
 
-/// The texts of the comments that begin so.
+/// The texts of the comments with this beginning.
 std::vector<std::string> notes(const std::string& content, const std::string& beginning) {
   std::vector<std::string> found;
   const std::string open = "<!-- " + beginning;
@@ -48,7 +48,7 @@ std::vector<std::string> notes(const std::string& content, const std::string& be
   return found;
 }
 
-TEST(DescriptorCases, GoodOnesAreRead) {
+TEST(DescriptorCases, AcceptsTheGoodOnes) {
   const auto files = files_of(kCases + "good");
   EXPECT_GE(files.size(), 20U);
   for (const std::string& file : files) {
@@ -57,7 +57,7 @@ TEST(DescriptorCases, GoodOnesAreRead) {
   }
 }
 
-TEST(DescriptorCases, BadOnesAreRefusedWithTheirLinesAndWords) {
+TEST(DescriptorCases, RejectsTheBadOnesWithTheExpectedLinesAndMessages) {
   const auto files = files_of(kCases + "bad");
   EXPECT_GE(files.size(), 60U);
   for (const std::string& file : files) {
@@ -65,23 +65,23 @@ TEST(DescriptorCases, BadOnesAreRefusedWithTheirLinesAndWords) {
     const auto cell = load(file);
     ASSERT_FALSE(cell);
     const auto expected = notes(content_of(file), "line ");
-    ASSERT_FALSE(expected.empty()) << "the file does not say what is wrong with it";
+    ASSERT_FALSE(expected.empty()) << "the file has no comment with the expected problem";
     EXPECT_EQ(cell.problems().size(), expected.size()) << to_text(cell.problems());
     for (const std::string& note : expected) {
       const std::string line = note.substr(0, note.find(':'));
       const std::string words = note.substr(note.find(':') + 2);
-      const bool said =
+      const bool found =
           std::any_of(cell.problems().begin(), cell.problems().end(), [&](const Problem& problem) {
             return problem.where == file + ":" + line &&
                    (problem.what + "; " + problem.fix).find(words) != std::string::npos;
           });
-      EXPECT_TRUE(said) << "expected on line " << line << ": " << words << "\n" << to_text(cell.problems());
+      EXPECT_TRUE(found) << "expected on line " << line << ": " << words << "\n" << to_text(cell.problems());
     }
     for (const Problem& problem : cell.problems()) EXPECT_FALSE(problem.fix.empty()) << problem.what;
   }
 }
 
-/// Those of the files that the schema accepts; one run of xmllint.
+/// The files that the schema accepts, determined by one run of xmllint.
 std::set<std::string> accepted_by_schema(const std::vector<std::string>& files) {
   std::string command = "xmllint --nonet --noout --schema '" + kSchema + "'";
   for (const std::string& file : files) command += " '" + file + "'";
@@ -97,7 +97,7 @@ std::set<std::string> accepted_by_schema(const std::vector<std::string>& files) 
   return accepted;
 }
 
-TEST(DescriptorSchema, AgreesWithTheParserWhereItCan) {
+TEST(DescriptorSchema, AgreesWithTheParserWhereXsdCanExpressTheRule) {
   if (std::system("xmllint --version >/dev/null 2>&1") != 0)
     GTEST_SKIP() << "xmllint (libxml2-utils) is missing";
   auto good = files_of(kCases + "good");
@@ -109,8 +109,8 @@ TEST(DescriptorSchema, AgreesWithTheParserWhereItCan) {
   const auto accepted_bad = accepted_by_schema(bad);
   for (const std::string& file : bad) {
     const auto expected = notes(content_of(file), "xsd: ");
-    ASSERT_EQ(expected.size(), 1U) << file << " does not say what the schema makes of it";
-    EXPECT_EQ(expected[0], accepted_bad.count(file) == 1 ? "cannot say" : "refuses") << file;
+    ASSERT_EQ(expected.size(), 1U) << file << " has no comment with the verdict of the schema";
+    EXPECT_EQ(expected[0], accepted_bad.count(file) == 1 ? "cannot say" : "rejects") << file;
   }
 }
 

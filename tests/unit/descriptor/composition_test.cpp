@@ -1,5 +1,5 @@
-// Includes and templates: what they make is what somebody would have written by hand, what is wrong is told
-// with both places, and what would grow without bounds is refused.
+// Includes and templates: they give the same cell as text written by hand, problems name both the template
+// and its use, and unbounded growth is rejected.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,8 +27,8 @@ using testing::HasSubstr;
 
 const std::string kCases = TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/";
 
-std::string said(const Result<model::Cell>& cell) {
-  return cell ? said_of(*cell) : "refused: " + to_text(cell.problems());
+std::string cell_text(const Result<model::Cell>& cell) {
+  return cell ? text_of_cell(*cell) : "rejected: " + to_text(cell.problems());
 }
 
 std::vector<std::string> texts_of(const Result<model::Cell>& cell) {
@@ -38,7 +38,7 @@ std::vector<std::string> texts_of(const Result<model::Cell>& cell) {
   return texts;
 }
 
-/// A folder of files that is gone afterwards.
+/// A folder of files that is removed at the end.
 class Folder {
  public:
   Folder()
@@ -70,7 +70,7 @@ std::string module(const std::string& name, const std::string& period, const std
 }
 
 // Many equal axes, with parameters drawn at random.
-TEST(Composition, IsWhatSomebodyWouldHaveWrittenByHand) {
+TEST(Composition, EqualsTheSameCellWrittenByHand) {
   std::mt19937 random{1};
   const auto draw = [&random](int most) {
     return static_cast<int>(random() % static_cast<unsigned>(most)) + 1;
@@ -106,11 +106,11 @@ TEST(Composition, IsWhatSomebodyWouldHaveWrittenByHand) {
                                    "</device>" + by_hand + inner_connections + "</cell>",
                                "f.xml");
     ASSERT_TRUE(written) << to_text(written.problems());
-    ASSERT_EQ(said(parse(used, "f.xml")), said(written)) << used;
+    ASSERT_EQ(cell_text(parse(used, "f.xml")), cell_text(written)) << used;
   }
 }
 
-TEST(Composition, CallsWhatIsInATemplateOfTemplatesByAllNames) {
+TEST(Composition, PrefixesNamesInNestedTemplates) {
   const auto cell = load(kCases + "good/template_composite.xml");
   ASSERT_TRUE(cell) << to_text(cell.problems());
   std::vector<std::string> names;
@@ -125,7 +125,7 @@ TEST(Composition, CallsWhatIsInATemplateOfTemplatesByAllNames) {
   EXPECT_THAT(connections, testing::Contains("d.b_right_drive.state e.log.in rt/b"));
 }
 
-TEST(Composition, PutsInWhatIncludedFilesHold) {
+TEST(Composition, InsertsIncludedFiles) {
   const auto cell = load(kCases + "good/include.xml");
   ASSERT_TRUE(cell) << to_text(cell.problems());
   ASSERT_EQ(cell->devices.size(), 2U);
@@ -136,8 +136,8 @@ TEST(Composition, PutsInWhatIncludedFilesHold) {
   }
 }
 
-// Whatever is right is the same written out, and the same when it is sent.
-TEST(Composition, IsTheSameWrittenOutAndSent) {
+// Each valid descriptor gives the same cell after flatten() and when it is sent as a bundle.
+TEST(Composition, FlattenedAndBundledDescriptorsGiveTheSameCell) {
   int files = 0;
   for (const auto& entry : fs::directory_iterator{kCases + "good"}) {
     SCOPED_TRACE(entry.path().string());
@@ -148,13 +148,13 @@ TEST(Composition, IsTheSameWrittenOutAndSent) {
     ++files;
     for (const char* gone : {"<include", "<template", "<use", "<parameter"})
       EXPECT_EQ(flat->find(gone), std::string::npos) << *flat;
-    EXPECT_EQ(said(parse(*flat, entry.path().string())), said(cell)) << *flat;
-    EXPECT_EQ(said(parse(sent, entry.path().string())), said(cell)) << sent;
+    EXPECT_EQ(cell_text(parse(*flat, entry.path().string())), cell_text(cell)) << *flat;
+    EXPECT_EQ(cell_text(parse(sent, entry.path().string())), cell_text(cell)) << sent;
   }
   EXPECT_GE(files, 40);
 }
 
-TEST(Composition, TellsTheLineOfTheTemplateAndThatOfTheUse) {
+TEST(Composition, NamesTheLinesOfTheTemplateAndOfTheUse) {
   const Folder folder;
   folder.write("lib/parts.xml", "<fragment>\n<template name='axis'>\n<parameter name='executor'/>\n" +
                                     module("", "1000", "1") +
@@ -165,12 +165,12 @@ TEST(Composition, TellsTheLineOfTheTemplateAndThatOfTheUse) {
                    "<cell name='c'>\n<include file='lib/parts.xml'/>\n<device name='d'>\n"
                    "<use template='pair' name='a'/>\n<use template='pair' name='b'/>\n</device></cell>");
   const std::string parts_file = folder.file("lib/parts.xml");
-  // Of the template itself, whoever uses it.
+  // A problem of the template itself has no use.
   EXPECT_THAT(
       texts_of(load(cell)),
-      ElementsAre(HasSubstr(
-          parts_file + ":3: error: parameter 'executor' of template 'axis' is used nowhere (included at " +
-          cell + ":2); ")));
+      ElementsAre(HasSubstr(parts_file +
+                            ":3: error: parameter 'executor' of template 'axis' is not used (included at " +
+                            cell + ":2); ")));
   folder.write(
       "lib/parts.xml",
       "<fragment>\n<template name='axis'>\n" + module("", "0", "1") +
@@ -178,7 +178,7 @@ TEST(Composition, TellsTheLineOfTheTemplateAndThatOfTheUse) {
   EXPECT_THAT(texts_of(load(cell)),
               ElementsAre(HasSubstr(parts_file + ":3: error: <period> is out of range: '0' (used at " +
                                     parts_file + ":6, used at " + cell + ":4, and 1 more); ")));
-  // And of what is found later: the executor is there for neither.
+  // Later checks name both lines too: the executor does not exist.
   std::string named = module("", "1000", "1");
   named.insert(named.find("<period>"), "<executor>fast</executor>");
   folder.write(
@@ -192,7 +192,7 @@ TEST(Composition, TellsTheLineOfTheTemplateAndThatOfTheUse) {
                   HasSubstr("of module 'b_l' (used at " + parts_file + ":6, used at " + cell + ":5); ")));
 }
 
-TEST(Composition, HoldsTextOfAFragmentAgainstWhatItIsPutInto) {
+TEST(Composition, ChecksTextOfAFragmentAgainstTheIncludingElement) {
   const Folder folder;
   folder.write("parts.xml", "<fragment>\nstray words\n</fragment>");
   const std::string cell =
@@ -204,8 +204,8 @@ TEST(Composition, HoldsTextOfAFragmentAgainstWhatItIsPutInto) {
                                     ":2); remove it")));
 }
 
-// A node has the text and no files, and says the same.
-TEST(Composition, TellsTheSameOfABundle) {
+// A node has only the bundle and no files, but reports the same problems.
+TEST(Composition, ReportsTheSameProblemsForABundle) {
   const Folder folder;
   const std::string right =
       "<fragment><template name='axis'>\n" + module("", "1000", "1") + "</template></fragment>";
@@ -216,7 +216,7 @@ TEST(Composition, TellsTheSameOfABundle) {
   std::string sent;
   ASSERT_TRUE(load(cell, &sent));
   fs::remove(folder.file("parts.xml"));
-  ASSERT_TRUE(parse(sent, "cell.xml")) << "it opened a file";
+  ASSERT_TRUE(parse(sent, "cell.xml")) << "parse() must not open a file";
   EXPECT_THAT(texts_of(load(cell)), ElementsAre(HasSubstr(cell + ":2: error: the included file")));
   EXPECT_THAT(
       texts_of(parse("<cell name='c'>\n<include file='" + kCases + "included/devices.xml'/></cell>", "net")),
@@ -230,7 +230,7 @@ TEST(Composition, TellsTheSameOfABundle) {
                             ":2: error: <period> is not a whole number: 'none' (used at " + cell + ":4); ")));
 }
 
-TEST(Composition, RefusesFilesThatIncludeThemselvesOrTooMany) {
+TEST(Composition, RejectsCircularAndTooManyIncludes) {
   const Folder folder;
   const std::string device = "<device name='d'>" + module("", "1000", "1") + "</device></cell>";
   const std::string cell = folder.write("cell.xml", "<cell name='c'>\n<include file='a.xml'/>" + device);
@@ -266,7 +266,7 @@ TEST(Composition, RefusesFilesThatIncludeThemselvesOrTooMany) {
       ElementsAre(HasSubstr("larger than 16 MiB")));
 }
 
-TEST(Composition, RefusesWhatGrowsWithoutBounds) {
+TEST(Composition, RejectsTemplatesThatExpandToTooMuch) {
   std::string templates = "<template name='t0'>" + module("", "1000", "1") + "</template>\n";
   for (int i = 1; i < 8; ++i) {
     templates += "<template name='t" + std::to_string(i) + "'>";
@@ -279,7 +279,7 @@ TEST(Composition, RefusesWhatGrowsWithoutBounds) {
                              "f.xml")),
               ElementsAre(HasSubstr("alone makes more than 10^18 elements")));
 
-  // Few elements with long values: each template writes the parameter twenty times into one of the next.
+  // Few elements with long values: each template passes its parameter on twenty times.
   std::string twenty;
   for (int i = 0; i < 20; ++i) twenty += "${v}";
   std::string values =
@@ -294,7 +294,7 @@ TEST(Composition, RefusesWhatGrowsWithoutBounds) {
                              "f.xml")),
               testing::Contains(HasSubstr("more than 16 MiB of values")));
 
-  // A chain and a ring of many do not exhaust the stack.
+  // A long chain and a long circle of templates do not exhaust the stack.
   std::string chain;
   for (int i = 0; i < 50000; ++i)
     chain += "<template name='c" + std::to_string(i) + "'><use template='c" +
@@ -308,7 +308,7 @@ TEST(Composition, RefusesWhatGrowsWithoutBounds) {
               ElementsAre(HasSubstr("more than 8 deep")));
 }
 
-TEST(Parameters, StandForTheirValuesAndNothingElse) {
+TEST(Parameters, AreReplacedByTheirValuesOnce) {
   const std::string value = "${b}$";
   const auto of = [&](std::string_view text, int* wrong = nullptr) {
     return substituted(

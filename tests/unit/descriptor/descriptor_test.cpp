@@ -34,7 +34,7 @@ std::vector<std::string> texts_of(const std::string& xml) {
   return texts;
 }
 
-TEST(Descriptor, TellsEveryMistakeInOneRun) {
+TEST(Descriptor, ReportsAllMistakesAtOnce) {
   const std::string xml = R"(<cell name="c" domain="900">
   <device name="robot">
     <executor name="fast" priority="100"/>
@@ -78,8 +78,8 @@ TEST(Descriptor, TellsEveryMistakeInOneRun) {
           HasSubstr("f.xml:21: error: from names the unknown device 'robt'; did you mean robot?")));
 }
 
-TEST(Descriptor, SaysNothingThatOnlyFollowsFromAMistake) {
-  // The executor, the module and the device are there, their names could not be read.
+TEST(Descriptor, DoesNotReportConsequencesOfAMistake) {
+  // The executor, the module and the device exist, but their names could not be read.
   EXPECT_THAT(
       texts_of("<root><executor nam=\"fast\"/>" + module("a", "<executor>fast</executor>") + "</root>"),
       ElementsAre(HasSubstr("unknown attribute nam")));
@@ -106,12 +106,12 @@ TEST(Descriptor, SaysNothingThatOnlyFollowsFromAMistake) {
       ElementsAre(HasSubstr("unknown value 'cyclic'")));
 }
 
-TEST(Descriptor, SaysNothingOfAConnectionThatOnlyFollowsFromAMistake) {
+TEST(Descriptor, DoesNotReportConsequencesOfAMistakeInAConnection) {
   const auto of = [](const std::string& attributes) {
     return texts_of("<cell name='c'><device name='d'>" + module("a") + module("b") +
                     "</device>\n<connection " + attributes + "/></cell>");
   };
-  // An end or a topic that was meant to be there is not missing, and a domain then has its topic.
+  // A misspelled end or topic does not count as missing, and the domain then has a topic.
   EXPECT_THAT(of("form='d.a.x' to='d.b.x'"), ElementsAre(HasSubstr("unknown attribute form")));
   EXPECT_THAT(of("from='d.a.x' topc='t' domain='3'"), ElementsAre(HasSubstr("unknown attribute topc")));
   EXPECT_THAT(of("from='d.a.x' topic='' domain='3'"), ElementsAre(HasSubstr("attribute topic is empty")));
@@ -121,12 +121,12 @@ TEST(Descriptor, SaysNothingOfAConnectionThatOnlyFollowsFromAMistake) {
               ElementsAre(HasSubstr("unknown value 'cue'")));
   EXPECT_THAT(of("from='' to='d.b.x'"), ElementsAre(HasSubstr("attribute from is empty")));
   EXPECT_THAT(of("from='nobody.a.x' topic='t'"), ElementsAre(HasSubstr("from names the unknown device")));
-  // Two topics that could not be read are not the same one.
+  // Two topics that could not be read do not count as the same topic.
   EXPECT_THAT(of("to='d.b.x' topic=''/><connection from='d.a.x' topic=''/><connection from='d.b.y' topic=''"),
               ElementsAre(HasSubstr("empty"), HasSubstr("empty"), HasSubstr("empty")));
 }
 
-TEST(Descriptor, SaysNothingOfDiscoveryThatOnlyFollowsFromAMistake) {
+TEST(Descriptor, DoesNotReportConsequencesOfAMistakeInDiscovery) {
   const auto of = [](const std::string& attributes) {
     return texts_of("<cell name='c' " + attributes + "><device name='d'>" + module("a") + "</device></cell>");
   };
@@ -139,7 +139,7 @@ TEST(Descriptor, SaysNothingOfDiscoveryThatOnlyFollowsFromAMistake) {
   EXPECT_THAT(of("discovery='peers' peers=''"), ElementsAre(HasSubstr("attribute peers is empty")));
 }
 
-TEST(Descriptor, GivesTheReliabilityOfItsKindToAConnectionThatNamesNone) {
+TEST(Descriptor, TheDefaultReliabilityDependsOnTheKindOfConnection) {
   const auto of = [](const std::string& attributes) {
     const auto cell = parse("<cell name='c'><device name='d'>" + module("a") + module("b") +
                                 "</device><connection from='d.a.x' to='d.b.x' " + attributes + "/></cell>",
@@ -153,7 +153,7 @@ TEST(Descriptor, GivesTheReliabilityOfItsKindToAConnectionThatNamesNone) {
   EXPECT_EQ(of("reliability='best-effort' kind='queue'"), model::Reliability::best_effort);
 }
 
-TEST(Descriptor, LeavesOutTheEndThatIsNotTakts) {
+TEST(Descriptor, ReadsConnectionsToExternalPrograms) {
   const auto cell = parse("<cell name='c' domain='4'><device name='d'>" + module("a") +
                               "</device><connection to='d.a.in' topic='rt/in' domain='3'/>"
                               "<connection from='d.a.out' topic=' rt/out '/></cell>",
@@ -171,7 +171,7 @@ TEST(Descriptor, LeavesOutTheEndThatIsNotTakts) {
   EXPECT_FALSE(out.domain);
 }
 
-TEST(Descriptor, TellsAThousandProblemsAndThatThereAreMore) {
+TEST(Descriptor, ReportsAtMostAThousandProblems) {
   std::string xml = "<root>";
   for (int i = 0; i < 999; ++i) xml += "<x/>\n";
   EXPECT_EQ(problems_of(xml + module("a") + "</root>").size(), 999U);
@@ -186,7 +186,7 @@ TEST(Descriptor, TellsAThousandProblemsAndThatThereAreMore) {
             1000U);
 }
 
-TEST(Descriptor, ShowsWhatWasWrittenOnOneLineAndNotAllOfIt) {
+TEST(Descriptor, QuotesLongTextShortenedAndOnOneLine) {
   const auto texts = texts_of(
       "<root>" + module("a", "<executor>" + std::string(100000, 'x') + "\n&#x85;</executor>") + "</root>");
   ASSERT_EQ(texts.size(), 1U);
@@ -195,8 +195,8 @@ TEST(Descriptor, ShowsWhatWasWrittenOnOneLineAndNotAllOfIt) {
   EXPECT_THAT(texts[0], HasSubstr("...xxx"));
 }
 
-// tinyxml2 drops white space between two marks when there is nothing else between them.
-TEST(Descriptor, KeepsThePropertyAsItIsWrittenButForWhiteSpaceOnItsOwn) {
+// tinyxml2 drops white space between two pieces of markup if there is nothing else between them.
+TEST(Descriptor, KeepsTheWhiteSpaceOfPropertyValues) {
   const auto cell = parse(
       "<root>" +
           module("a", "<property><value name=' x '> 5 &lt;<!-- - --><![CDATA[&]]>\n</value></property>") +
@@ -212,13 +212,13 @@ TEST(Descriptor, AcceptsAByteOrderMark) {
   EXPECT_TRUE(parse("\xef\xbb\xbf<root>" + module("a") + "</root>", "f.xml"));
 }
 
-TEST(Descriptor, NamesThePlaceEvenWithoutAFile) {
+TEST(Descriptor, NamesTheLineEvenWithoutAFile) {
   const auto cell = parse("<root>\n<x/>" + module("a") + "</root>", "");
   ASSERT_FALSE(cell);
   EXPECT_EQ(cell.problems()[0].where, "line 2");
 }
 
-TEST(Descriptor, IsNamedAfterItsFile) {
+TEST(Descriptor, NamesTheCellAfterItsFile) {
   EXPECT_EQ(name_after("deploy/module.xml"), "module");
   EXPECT_EQ(name_after("my cell (2).xml"), "my_cell__2_");
   EXPECT_EQ(name_after("7.xml"), "_");
@@ -228,12 +228,12 @@ TEST(Descriptor, IsNamedAfterItsFile) {
   EXPECT_TRUE(model::is_valid_name(name_after("\xff\n\xc3\xa9")));
 }
 
-TEST(DescriptorText, IsRefusedWithTheLineOfTheFault) {
+TEST(DescriptorText, RejectsFaultsOfXmlWithTheirLine) {
   const std::vector<std::pair<std::string, std::pair<int, std::string>>> faults{
       {"", {1, "the file is empty"}},
       {"\n\n", {1, "the file is empty"}},
       {"<!-- x -->\n", {2, "the file has no element"}},
-      {"<root>\n\xff</root>", {2, "not UTF-8: there is a byte '\\xff'"}},
+      {"<root>\n\xff</root>", {2, "not UTF-8: it has the byte '\\xff'"}},
       {"<root>\n\n\xed\xa0\x80</root>", {3, "not UTF-8"}},
       {"\xff\xfe<", {1, "UTF-16"}},
       {std::string("<root>\n\0</root>", 15), {2, "a zero byte"}},
@@ -241,10 +241,10 @@ TEST(DescriptorText, IsRefusedWithTheLineOfTheFault) {
       {"<?xml version=\"1.0\" encoding=\"latin1\"?><root/>", {1, "encoding 'latin1'"}},
       {"<?xml version=\"1.1\"?><root/>", {1, "XML version '1.1'"}},
       {"\n<?xml version=\"1.0\"?><root/>", {2, "a processing instruction"}},
-      {"<root>\n&#0;</root>", {2, "'&#0;' is no character"}},
-      {"<root>\n&#xD800;</root>", {2, "is no character"}},
-      {"<root>\n&#99999999999999;</root>", {2, "is no character"}},
-      {"<root>\n&#X41;</root>", {2, "is no character"}},
+      {"<root>\n&#0;</root>", {2, "'&#0;' is not a character"}},
+      {"<root>\n&#xD800;</root>", {2, "is not a character"}},
+      {"<root>\n&#99999999999999;</root>", {2, "is not a character"}},
+      {"<root>\n&#X41;</root>", {2, "is not a character"}},
       {"<root>\n]]></root>", {2, "]]> in a text"}},
       {"<root>\n<!-- a\nb", {2, "a comment is not closed"}},
       {"<root>\n<!-- a\n -- b --></root>", {3, "-- inside a comment"}},
@@ -264,7 +264,7 @@ TEST(DescriptorText, IsRefusedWithTheLineOfTheFault) {
   }
 }
 
-TEST(DescriptorText, IsRefusedWhenNestedTooDeep) {
+TEST(DescriptorText, RejectsDeepNesting) {
   const auto nested = [](std::size_t depth) {
     std::string xml;
     for (std::size_t i = 0; i < depth; ++i) xml += "<root>\n";
@@ -279,29 +279,29 @@ TEST(DescriptorText, IsRefusedWhenNestedTooDeep) {
   EXPECT_TRUE(find_fault(nested(1'000'000)));
 }
 
-TEST(DescriptorText, IsRefusedWhenTooLarge) {
+TEST(DescriptorText, RejectsTextThatIsTooLarge) {
   EXPECT_THAT(texts_of(std::string(kMaxBytes + 1, ' ')),
               ElementsAre(HasSubstr("f.xml:1: error: the file is larger than 16 MiB")));
   EXPECT_THAT(texts_of(std::string(kMaxBytes, ' ')), ElementsAre(HasSubstr("the file is empty")));
 }
 
-TEST(DescriptorFile, IsRefusedWhenItCannotBeRead) {
+TEST(DescriptorFile, RejectsAFileThatCannotBeRead) {
   for (const std::string file : {"/nowhere/module.xml", "/tmp", ""}) {
     const auto cell = load(file);
     ASSERT_FALSE(cell) << file;
-    EXPECT_EQ(cell.problems()[0].where, file) << "there is no line in it";
+    EXPECT_EQ(cell.problems()[0].where, file) << "the place has no line";
     EXPECT_THAT(cell.problems()[0].what, HasSubstr("cannot be read"));
     EXPECT_FALSE(cell.problems()[0].fix.empty());
   }
 }
 
-TEST(DescriptorFile, ThatNeverEndsIsRefused) {
+TEST(DescriptorFile, RejectsAFileThatNeverEnds) {
   const auto cell = load("/dev/zero");
   ASSERT_FALSE(cell);
   EXPECT_THAT(cell.problems()[0].what, HasSubstr("larger than"));
 }
 
-TEST(DescriptorFile, ThatIsEmptyIsSaidToBeEmpty) {
+TEST(DescriptorFile, ReportsAnEmptyFile) {
   const auto file = std::filesystem::temp_directory_path() / "takt_descriptor_test_empty.xml";
   std::ofstream{file};
   const auto cell = load(file.string());

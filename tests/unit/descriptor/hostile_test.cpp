@@ -1,5 +1,5 @@
-// Texts that somebody made to hurt: a node reads what came over the network with the same parse(). Each is
-// refused, with few words and without taking many times its size of memory; none throws or ends the process.
+// Malicious texts: a node parses text from the network with the same parse(). Each text is rejected with
+// short messages and without using many times its size in memory. None throws or ends the process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <full_form.hpp>
@@ -22,7 +22,7 @@ const std::string kModule =
     "<period>1000000</period><priority>1</priority></module>";
 const std::string kDevice = "<device name='d'>" + kModule + "</device>";
 
-/// As long as a text may be.
+/// A text of the maximum size: `before`, as many `unit`s as fit, and `after`.
 std::string filled(const std::string& before, const std::string& unit, const std::string& after,
                    std::size_t size = kMaxBytes) {
   std::string text = before;
@@ -31,11 +31,11 @@ std::string filled(const std::string& before, const std::string& unit, const std
   return text + after;
 }
 
-/// Of what is slow to read.
+/// The size of texts that are slow to read.
 std::size_t bytes() { return static_cast<std::size_t>(kSanitized && !full_form() ? 3'000'000 : 8'000'000); }
 
-/// The problems, each of which a person could read.
-Problems refused(const std::string& xml) {
+/// The problems of a text that must be rejected. Checks that each is short and on one line.
+Problems rejected(const std::string& xml) {
   Result<model::Cell> cell = model::Cell{};
   EXPECT_NO_THROW(cell = parse(xml, "the network"));
   EXPECT_FALSE(cell) << xml.substr(0, 200);
@@ -50,11 +50,11 @@ Problems refused(const std::string& xml) {
 }
 
 std::string first_of(const std::string& xml) {
-  const Problems problems = refused(xml);
+  const Problems problems = rejected(xml);
   return problems.empty() ? "nothing" : problems[0].what;
 }
 
-TEST(HostileText, OfMoreThanAMillionPartsIsRefusedBeforeAnythingIsMadeOfIt) {
+TEST(HostileText, WithMoreThanAMillionPartsIsRejectedBeforeParsing) {
   std::string attributes;
   for (int i = 0; i < 90; ++i) attributes += " a" + std::to_string(i) + "=''";
   for (const std::string& unit :
@@ -66,8 +66,8 @@ TEST(HostileText, OfMoreThanAMillionPartsIsRefusedBeforeAnythingIsMadeOfIt) {
               HasSubstr("more than 1000000 elements"));
 }
 
-// Blanks are not kept, and closing tags are part of what they close.
-TEST(HostileText, OfAMillionPartsIsRead) {
+// Blanks and closing tags do not count as parts.
+TEST(HostileText, WithAMillionPartsIsAccepted) {
   const auto of_parts = [](std::size_t parts) {
     std::string xml = "<root>";
     for (std::size_t i = 1; i < parts; ++i) xml += "<a></a>\n";
@@ -79,7 +79,7 @@ TEST(HostileText, OfAMillionPartsIsRead) {
   EXPECT_EQ(fault->line, static_cast<int>(kMaxParts));
 }
 
-TEST(HostileText, OfFewLargePartsIsRefused) {
+TEST(HostileText, WithFewHugePartsIsRejected) {
   const std::string x(kMaxBytes - 1000, 'x');
   for (const std::string& xml :
        {"<" + x + "/>", "<root " + x + "='1'/>", "<cell name='" + x + "'>" + kDevice + "</cell>",
@@ -89,15 +89,15 @@ TEST(HostileText, OfFewLargePartsIsRefused) {
         "<cell name='c'>" + kDevice + "<connection from='" + x + "' to='d.a.i'/></cell>",
         "<cell name='c'>" + kDevice + "<connection from='d.a.o' topic='" + x + "'/></cell>", "<!--" + x,
         "&" + x, "<root>&#" + x + ";</root>"}) {
-    EXPECT_LE(refused(xml).size(), 5U);
+    EXPECT_LE(rejected(xml).size(), 5U);
   }
 }
 
-TEST(HostileText, OfMoreThanTheBoundsOfACellIsRefused) {
+TEST(HostileText, BeyondTheLimitsOfACellIsRejected) {
   EXPECT_THAT(first_of(filled("<cell name='c'>" + kDevice, "<connection from='d.a.o'/>", "</cell>", bytes())),
               HasSubstr("more than 100000 connections"));
   EXPECT_EQ(
-      refused(filled("<cell name='c' discovery='peers' peers='", " a", "'>" + kDevice + "</cell>")).size(),
+      rejected(filled("<cell name='c' discovery='peers' peers='", " a", "'>" + kDevice + "</cell>")).size(),
       1U);
   EXPECT_THAT(first_of(filled("<cell name='c'>", "<device name='d'/>", "</cell>", bytes())),
               HasSubstr(" devices"));
@@ -105,34 +105,34 @@ TEST(HostileText, OfMoreThanTheBoundsOfACellIsRefused) {
               HasSubstr("executors"));
 }
 
-// A guess at what was meant looks at many names; there are not to be many guesses.
-TEST(HostileText, OfMistakesThatAskForGuessesIsRefused) {
+// A guess at the intended name compares many names, so the number of guesses is limited.
+TEST(HostileText, WithManyMisspelledNamesIsRejectedQuickly) {
   std::string devices;
   const std::string long_name(60, 'd');
   for (int i = 100; i < 1000; ++i)
     devices += "<device name='" + long_name + std::to_string(i) + "'>" + kModule + "</device>";
   const std::string connection =
       "<connection from='" + long_name + "xxx.a.o' to='" + long_name + "yyy.a.i'/>";
-  EXPECT_EQ(refused(filled("<cell name='c'>" + devices, connection, "</cell>", bytes())).size(),
+  EXPECT_EQ(rejected(filled("<cell name='c'>" + devices, connection, "</cell>", bytes())).size(),
             model::kMaxProblems);
-  EXPECT_EQ(refused(filled("<root>", "<modul" + std::string(50, 'e') + "/>", "</root>", bytes())).size(),
+  EXPECT_EQ(rejected(filled("<root>", "<modul" + std::string(50, 'e') + "/>", "</root>", bytes())).size(),
             model::kMaxProblems);
 }
 
-TEST(HostileText, OfRandomBytesIsRefused) {
+TEST(HostileText, OfRandomBytesIsRejected) {
   std::mt19937 random{1};
   std::uniform_int_distribution<int> byte{0, 255};
   for (int i = 0; i < 2000; ++i) {
     std::string xml(static_cast<std::size_t>(i % 97), '\0');
     for (char& c : xml) c = static_cast<char>(byte(random));
-    refused(xml);
-    refused("<root>" + xml + "</root>");
-    refused("<cell name='c'>" + kDevice + "<connection from='" + xml + "'/></cell>");
+    rejected(xml);
+    rejected("<root>" + xml + "</root>");
+    rejected("<cell name='c'>" + kDevice + "<connection from='" + xml + "'/></cell>");
   }
 }
 
-// What is refused here is refused everywhere: what is right is read the same whatever it is called.
-TEST(HostileText, DoesNotHideBehindItsName) {
+// The name of a file does not change how its text is read, and cannot break the line of a message.
+TEST(HostileText, WithAHostileFileNameIsRejectedOnOneLine) {
   for (const std::string& name :
        {std::string{}, std::string{"\n: error: nothing\n"}, std::string(100000, 'n')}) {
     const auto cell = parse("<root><x/>" + kModule + "</root>", name);

@@ -9,7 +9,7 @@ using model::ModuleType;
 using model::Operation;
 using namespace std::chrono_literals;
 
-// Figure 1 of the paper, written a second time.
+// Figure 1 of the paper, as expected values.
 struct Expected {
   const char* name;
   const char* filename;
@@ -31,7 +31,7 @@ const Expected kFigure1[] = {
     {"monitoring", "./monitoring.exe", ModuleType::process, Operation::non_real, {}, {}, 0, 55},
 };
 
-TEST(PaperDescriptor, GivesTheSevenModulesOfFigure1) {
+TEST(PaperDescriptor, HasTheSevenModulesOfFigure1) {
   const auto cell = load(TAKT_SOURCE_DIR "/deploy/module.xml");
   ASSERT_TRUE(cell) << to_text(cell.problems());
   EXPECT_EQ(cell->name, "module");
@@ -66,7 +66,7 @@ TEST(PaperDescriptor, GivesTheSevenModulesOfFigure1) {
   EXPECT_EQ(device.modules[0].properties[0].value, "5");
 }
 
-TEST(CellDescriptor, GivesEverythingTheDesignShows) {
+TEST(CellDescriptor, ReadsTheCellOfTheDesign) {
   const auto cell = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/cell.xml");
   ASSERT_TRUE(cell) << to_text(cell.problems());
   EXPECT_EQ(cell->name, "palletizing");
@@ -117,7 +117,7 @@ TEST(CellDescriptor, GivesEverythingTheDesignShows) {
   EXPECT_EQ(cell->server_device, "");
 }
 
-TEST(CellDescriptor, GivesWhatACellCanSayBesides) {
+TEST(CellDescriptor, ReadsAllOtherElementsAndAttributes) {
   const auto cell = load(TAKT_SOURCE_DIR "/tests/unit/descriptor/cases/good/everything.xml");
   ASSERT_TRUE(cell) << to_text(cell.problems());
   EXPECT_EQ(cell->discovery.kind, model::Discovery::Kind::server);
@@ -139,7 +139,7 @@ TEST(CellDescriptor, GivesWhatACellCanSayBesides) {
   EXPECT_TRUE(trajectory.retain);
   EXPECT_EQ(trajectory.tolerance.times, 2);
   EXPECT_EQ(trajectory.tolerance.in_a_row, 5);
-  EXPECT_EQ(model::contract_of(cell->devices[0], trajectory).limit, 2) << "its own";
+  EXPECT_EQ(model::contract_of(cell->devices[0], trajectory).limit, 2) << "the module's own contract";
   EXPECT_EQ(model::timing_of(cell->devices[0], trajectory), model::Timing::let);
 
   const model::Module& conveyor = cell->devices.at(1).modules.at(0);

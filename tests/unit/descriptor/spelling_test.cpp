@@ -1,5 +1,6 @@
-// One cell can be written in many ways: which quotes, in which order, with which references. All that XML
-// holds for the same must give the same cell, or somebody's editor changes what runs.
+// One cell can be written in many ways: with other quotes, another order or references. Spellings that are
+// equal in XML must give the same cell. Otherwise an editor that reformats a descriptor could change the
+// cell.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -26,12 +27,12 @@ std::string content_of(const std::string& file) {
   return content.str();
 }
 
-std::string said(const std::string& xml) {
+std::string cell_text(const std::string& xml) {
   const auto cell = parse(xml, "f.xml");
-  return cell ? said_of(*cell) : "refused: " + to_text(cell.problems());
+  return cell ? text_of_cell(*cell) : "rejected: " + to_text(cell.problems());
 }
 
-/// The text with each match of the pattern made into something else.
+/// The text with each match of the pattern replaced.
 std::string each(const std::string& text, const std::string& pattern,
                  const std::function<std::string(const std::smatch&)>& make) {
   const std::regex expression{pattern};
@@ -59,7 +60,7 @@ std::string as_references(const std::string& text, bool hex) {
 const std::string kAttribute = R"re(([a-z-]+)="([^"]*)")re";
 const std::string kTagWithAttributes = R"re(<([a-z]+)((?: [a-z-]+="[^"]*")+)(/?)>)re";
 
-/// Texts that mean the same. Each is a file without an XML declaration and comments.
+/// Spellings that are equal in XML. `xml` has no XML declaration and no comments.
 std::vector<std::pair<std::string, std::string>> spellings(const std::string& xml) {
   const auto attributes =
       [&](const std::function<std::string(const std::string&, const std::string&)>& make) {
@@ -86,7 +87,7 @@ std::vector<std::pair<std::string, std::string>> spellings(const std::string& xm
               for (auto at = one.rbegin(); at != one.rend(); ++at) turned += *at;
               return "<" + tag[1].str() + turned + tag[3].str() + ">";
             })},
-      {"an attribute a line",
+      {"one attribute per line",
        each(xml, R"re( ([a-z-]+="))re", [](const auto& m) { return "\n  " + m[1].str(); })},
       {"empty elements with two tags",
        each(xml, R"(<([a-z]+)([^<>]*)/>)",
@@ -98,7 +99,7 @@ std::vector<std::pair<std::string, std::string>> spellings(const std::string& xm
             [](const auto& m) { return ">" + m[1].str() + "<!-- and -->" + m[2].str() + "</"; })},
       {"texts as references", each(xml, R"(>([^<>\s][^<>]*)</)",
                                    [](const auto& m) { return ">" + as_references(m[1], true) + "</"; })},
-      {"lines that end as on Windows", each(xml, "\n", [](const auto&) { return "\r\n"; })},
+      {"Windows line ends", each(xml, "\n", [](const auto&) { return "\r\n"; })},
       {"all on one line", each(xml, "\n *", [](const auto&) { return " "; })},
       {"with a byte order mark and a declaration",
        "\xef\xbb\xbf<?xml version='1.0' encoding='utf-8' standalone='yes' ?>" + xml},
@@ -107,53 +108,54 @@ std::vector<std::pair<std::string, std::string>> spellings(const std::string& xm
   };
 }
 
-TEST(DescriptorSpelling, OfOneCellGivesOneCell) {
+TEST(DescriptorSpelling, DoesNotChangeTheCell) {
   std::set<std::string> changed;
   for (const char* file : {"everything.xml", "peers.xml", "cell.xml", "template.xml"}) {
     std::string xml =
         each(content_of(kGood + file), R"(<!--[^]*?-->|<\?[^]*?\?>)", [](const auto&) { return ""; });
     xml.erase(0, xml.find('<'));
-    const std::string plain = said(xml);
-    ASSERT_EQ(plain, said(content_of(kGood + file))) << "without its comments";
-    ASSERT_EQ(plain.find("refused"), std::string::npos) << plain;
+    const std::string plain = cell_text(xml);
+    ASSERT_EQ(plain, cell_text(content_of(kGood + file))) << "without its comments";
+    ASSERT_EQ(plain.find("rejected"), std::string::npos) << plain;
     for (const auto& [spelling, other] : spellings(xml)) {
       if (other != xml) changed.insert(spelling);
-      EXPECT_EQ(said(other), plain) << file << ", " << spelling << ":\n" << other;
+      EXPECT_EQ(cell_text(other), plain) << file << ", " << spelling << ":\n" << other;
     }
   }
   EXPECT_EQ(changed.size(), spellings("").size());
 }
 
-// What a reference stands for is held against the rules, and not the reference.
-TEST(DescriptorSpelling, HidesNothingFromTheRules) {
+// The rules apply to the character that a reference stands for.
+TEST(DescriptorSpelling, DoesNotBypassTheRules) {
   const std::string device =
       "<device "
       "name='d'><module><filename>a.so</filename><moduletype>thread</moduletype><operationtype>periodic"
       "</operationtype><period>1000000</period><priority>1</priority></module></device>";
   const auto with = [&](const std::string& connection) {
-    return said("<cell name='c'>" + device + "<connection " + connection + "/></cell>");
+    return cell_text("<cell name='c'>" + device + "<connection " + connection + "/></cell>");
   };
-  EXPECT_EQ(with("from='d.a.o' topic='rt&#47;x'").find("refused"), std::string::npos);
+  EXPECT_EQ(with("from='d.a.o' topic='rt&#47;x'").find("rejected"), std::string::npos);
   for (const char* wrong :
        {"from='d.a.o' topic='takt&#47;x'", "from='d.a.o' topic='&#x74;akt/x'", "from='d.a.o' topic='a&#32;b'",
         "from='d.a.o' topic='a&#10;b'", "from='d.a.o' topic='a&#9;b'", "from='d.a.o' topic='&#228;'",
         "from='d&#46;a.o' topic=''", "from='d.a&#46;' topic='t'", "from='d.a.o&#46;p' topic='t'"}) {
-    EXPECT_EQ(with(wrong).rfind("refused", 0), 0U) << wrong;
+    EXPECT_EQ(with(wrong).rfind("rejected", 0), 0U) << wrong;
   }
-  EXPECT_EQ(
-      said("<cell name='c' discovery='peers' peers='a&#32;a'>" + device + "</cell>").rfind("refused", 0), 0U);
-  EXPECT_EQ(said("<cell name='c&#46;d'>" + device + "</cell>").rfind("refused", 0), 0U);
+  EXPECT_EQ(cell_text("<cell name='c' discovery='peers' peers='a&#32;a'>" + device + "</cell>")
+                .rfind("rejected", 0),
+            0U);
+  EXPECT_EQ(cell_text("<cell name='c&#46;d'>" + device + "</cell>").rfind("rejected", 0), 0U);
 }
 
-// Whoever writes the same module, device or connection elsewhere in the file means the same.
-TEST(DescriptorSpelling, OfDevicesAndConnectionsInAnyOrderIsAsGood) {
+// Connections may be written before the devices.
+TEST(DescriptorSpelling, AllowsDevicesAndConnectionsInAnyOrder) {
   const std::string xml = content_of(kGood + "everything.xml");
   const std::size_t first = xml.find("  <device");
   const std::size_t connections = xml.find("  <connection");
   const std::size_t end = xml.find("</cell>");
   const std::string turned = xml.substr(0, first) + xml.substr(connections, end - connections) +
                              xml.substr(first, connections - first) + xml.substr(end);
-  EXPECT_EQ(said(turned), said(xml));
+  EXPECT_EQ(cell_text(turned), cell_text(xml));
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ TEST_F(DeviceProperties, OfCModulesAndProgramsAreThoseOfTheDescriptor) {
   bring_up(module("c", "slow.so", kEvery, value("ns", "1000")) +
            module("p", "fine.exe", kEvery, value("every", "3")));
   EXPECT_EQ(get(0, "ns").value, "1000");
-  EXPECT_EQ(get(0, "every").text, "the descriptor gives c no property 'every'; it gives ns");
+  EXPECT_EQ(get(0, "every").text, "the descriptor sets no property 'every' of c; it sets ns");
   EXPECT_EQ(set(0, "ns", "2000").text,
             "c is written in C and declares no properties: it reads them in initialize(); undeploy the cell, "
             "change the descriptor and deploy it again");
@@ -144,7 +144,7 @@ class DeviceOrders : public RealDevice {
   }
   Outcome order(Verb verb) {
     std::optional<Outcome> told;
-    device->order(0, verb, [&told](const Outcome& outcome) { told = outcome; });
+    device->command(0, verb, [&told](const Outcome& outcome) { told = outcome; });
     EXPECT_TRUE(step_until([&] { return told.has_value(); }));
     return told.value_or(Outcome{.code = REPLY_LATE, .text = {}});
   }
@@ -181,7 +181,7 @@ TEST_F(DeviceOrders, OneWhoseHostEndsMeanwhileIsToldWhyAndWhereItsModuleGoes) {
   const int host = module_of("live")["pid"];
   ASSERT_EQ(::kill(host, SIGSTOP), 0);
   std::optional<Outcome> told;
-  device->order(0, Verb::initialize, [&told](const Outcome& outcome) { told = outcome; });
+  device->command(0, Verb::initialize, [&told](const Outcome& outcome) { told = outcome; });
   run_for(milliseconds{20});
   EXPECT_FALSE(told);
   ASSERT_EQ(::kill(host, SIGKILL), 0);

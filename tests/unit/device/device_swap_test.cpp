@@ -102,13 +102,13 @@ TEST_F(DeviceSwap, WhatCannotBeSwappedIsRefused) {
   expect_executing("periodic");
   device->swap(0, kComponents + "/fine.so",
                [](const Outcome& outcome) { EXPECT_EQ(outcome.code, REPLY_OK); });
-  EXPECT_THAT(swap(0, "fine.so").text, HasSubstr("a swap of module d.periodic is still under way"));
+  EXPECT_THAT(swap(0, "fine.so").text, HasSubstr("a swap of module d.periodic is still in progress"));
   run_for(milliseconds{100});
-  device->order(0, Verb::stop, [](const Outcome&) {});
+  device->command(0, Verb::stop, [](const Outcome&) {});
   ASSERT_TRUE(step_until([&] { return module_of("periodic")["state"] == "START"; }));
   const Outcome stopped = swap(0, "fine.so");
   EXPECT_EQ(stopped.code, REPLY_REFUSED);
-  EXPECT_THAT(stopped.text, HasSubstr("d.periodic is in START; it can be swapped in EXECUTING alone"));
+  EXPECT_THAT(stopped.text, HasSubstr("d.periodic is in START; it can be swapped only in EXECUTING"));
   take_down();
 }
 
@@ -130,7 +130,7 @@ TEST_F(DeviceSwap, OneThatCrashesIsNotLoadedAgainHoweverOften) {
     ASSERT_TRUE(step_until([&] { return module_of("ticks")["state"] == "EXECUTING"; }));
     const Outcome outcome = swap(0, "ticks_crashes.so");
     EXPECT_EQ(outcome.code, REPLY_FAILED);
-    EXPECT_THAT(outcome.text, HasSubstr("the one before it is loaded again"));
+    EXPECT_THAT(outcome.text, HasSubstr("the old instance is loaded again"));
   }
   ASSERT_TRUE(step_until([&] { return module_of("ticks")["state"] == "EXECUTING"; }));
   ASSERT_TRUE(step_until([&] { return module_of("other")["state"] == "EXECUTING"; }));
@@ -144,7 +144,7 @@ TEST_F(DeviceSwap, TheEndOfTheDeviceEndsIt) {
   device->swap(0, kComponents + "/ticks_hangs.so", [&told](const Outcome& outcome) { told = outcome; });
   run_for(milliseconds{200});
   EXPECT_FALSE(told);
-  device->order(0, Verb::stop, [](const Outcome& outcome) { EXPECT_EQ(outcome.code, REPLY_REFUSED); });
+  device->command(0, Verb::stop, [](const Outcome& outcome) { EXPECT_EQ(outcome.code, REPLY_REFUSED); });
   take_down();
 }
 

@@ -29,7 +29,7 @@ class Error : public testing::Test {
   const char* failure = nullptr;
 };
 
-TEST_F(Error, OfRunTakesTheModuleOutWithinTheRow) {
+TEST_F(Error, InRunTakesTheModuleOutWithinTheRow) {
   device->cycle();
   device->cycle();
   failure = "no answer from the drive";
@@ -45,7 +45,7 @@ TEST_F(Error, OfRunTakesTheModuleOutWithinTheRow) {
   EXPECT_EQ(block.error_text.view(), "no answer from the drive");
   EXPECT_EQ(block.error_cycle.load(), 2U);
   EXPECT_EQ(block.errors.load(), 1U);
-  EXPECT_EQ(block.cycles.load(), 3U) << "the call that failed was one";
+  EXPECT_EQ(block.cycles.load(), 3U) << "the failed call counts";
   EXPECT_EQ(block.run.read().count, 3U);
   for (std::size_t other : {0U, 2U}) {
     EXPECT_EQ(device->blocks[other].cycles.load(), 4U);
@@ -54,14 +54,14 @@ TEST_F(Error, OfRunTakesTheModuleOutWithinTheRow) {
   }
 }
 
-TEST_F(Error, KeepsTheFirst255BytesOfItsText) {
+TEST_F(Error, KeepsTheFirst255BytesOfTheText) {
   const std::string text(1000, 'x');
   failure = text.c_str();
   device->cycle();
   EXPECT_EQ(device->blocks[1].error_text.view(), std::string(255, 'x'));
 }
 
-TEST_F(Error, OfTheBudgetIsRaisedForOneNanosecondTooMany) {
+TEST_F(Error, IsRaisedOneNanosecondOverTheBudget) {
   takes = microseconds{100};
   device->cycle();
   EXPECT_EQ(device->blocks[1].error.load(), 0U);
@@ -74,13 +74,13 @@ TEST_F(Error, OfTheBudgetIsRaisedForOneNanosecondTooMany) {
   EXPECT_EQ(device->blocks[2].cycles.load(), 2U);
 }
 
-TEST_F(Error, CountsTheBudgetFromTheStartOfTheCallNotFromTheRelease) {
+TEST_F(Error, MeasuresTheBudgetFromTheCallNotFromTheRelease) {
   takes = microseconds{100};
   device->cycle(microseconds{600});
   EXPECT_EQ(device->blocks[1].error.load(), 0U);
 }
 
-TEST_F(Error, ThatIsBothIsAFailure) {
+TEST_F(Error, IsAFailureWhenRunFailsAndExceedsTheBudget) {
   takes = microseconds{500};
   failure = "gave up";
   device->cycle();
@@ -88,7 +88,7 @@ TEST_F(Error, ThatIsBothIsAFailure) {
   EXPECT_EQ(device->blocks[1].errors.load(), 1U);
 }
 
-TEST_F(Error, OverWithTheModuleBackInTheTablesKeepsThePhase) {
+TEST_F(Error, KeepsThePhaseWhenTheModuleReturnsToTheTables) {
   failure = "once";
   device->cycle();
   failure = nullptr;
@@ -103,10 +103,11 @@ TEST_F(Error, OverWithTheModuleBackInTheTablesKeepsThePhase) {
   device->cycle();
   EXPECT_EQ(number, 2U);
   EXPECT_EQ(device->blocks[1].cycles.load(), 2U);
-  EXPECT_EQ(device->blocks[1].missed.load(), 0U) << "a row without it is no miss";
+  EXPECT_EQ(device->blocks[1].missed.load(), 0U)
+      << "a row while it is out of the tables does not count as missed";
 }
 
-TEST_F(Error, OverrunTakesNothingOut) {
+TEST_F(Error, OverrunAloneDoesNotTakeTheModuleOut) {
   device->bodies[0].on_run = [this](const Cycle&) {
     device->clock.time += milliseconds{4};
     return nullptr;

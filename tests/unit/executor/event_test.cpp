@@ -1,4 +1,4 @@
-// Sporadic modules that events release: how often, when, in which order, and what a storm of events does to
+// Sporadic modules that events release: how often, when and in which order, and how a storm of events affects
 // the rows.
 #include <gtest/gtest.h>
 #include <full_form.hpp>
@@ -36,7 +36,7 @@ model::Module event_module(Nanoseconds deadline, Nanoseconds interarrival, model
   return module;
 }
 
-TEST(Interarrival, IsTheLeastTimeBetweenTwoReleasesByRows) {
+TEST(Interarrival, IsTheMinimumTimeBetweenReleasesByRows) {
   FakeDevice device{
       {thread(milliseconds{1}), event_module(milliseconds{5}, microseconds{2500}, model::Dispatch::row)}};
   std::vector<Instant> releases;
@@ -51,13 +51,13 @@ TEST(Interarrival, IsTheLeastTimeBetweenTwoReleasesByRows) {
     while (device.executor->run_sporadic()) {
     }
   }
-  // Rows at 0, 1, 2, 3 ...: the first one that is 2.5 ms after the last release is the third.
+  // Rows at 0, 1, 2, 3 ... ms: the third is the first at least 2.5 ms after the last release.
   ASSERT_EQ(releases.size(), 4U);
   for (std::size_t i = 1; i < releases.size(); ++i) EXPECT_EQ(releases[i] - releases[i - 1], milliseconds{3});
-  EXPECT_EQ(device.bodies[1].asked, 4) << "the condition is not asked where there could be no release";
+  EXPECT_EQ(device.bodies[1].asked, 4) << "the condition is not checked when no release is allowed";
 }
 
-TEST(Interarrival, HoldsForProgramsToo) {
+TEST(Interarrival, AppliesToProgramsToo) {
   model::Module program = sporadic(kProcess, milliseconds{5});
   program.interarrival = milliseconds{4};
   FakeDevice device{{thread(milliseconds{1}), program}};
@@ -72,26 +72,26 @@ TEST(Interarrival, HoldsForProgramsToo) {
 TEST(Immediate, RunsWithoutARow) {
   FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
   bool news = false;
-  Cycle told;
+  Cycle seen;
   device.bodies[1].on_news = [&] { return news; };
   device.bodies[1].on_condition = hold;
   device.bodies[1].on_run = [&](const Cycle& cycle) {
-    told = cycle;
+    seen = cycle;
     news = false;
     return nullptr;
   };
   device.join();
   device.cycle();
-  EXPECT_FALSE(device.executor->run_sporadic()) << "it has no news";
+  EXPECT_FALSE(device.executor->run_sporadic()) << "it has no unread event";
   device.clock.time += microseconds{300};
   news = true;
   EXPECT_TRUE(device.executor->run_sporadic());
-  EXPECT_EQ(told.time, device.clock.time) << "released when it was seen, not at a row";
+  EXPECT_EQ(seen.time, device.clock.time) << "released when the event was seen, not at a row";
   EXPECT_FALSE(device.executor->run_sporadic());
   EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
 }
 
-TEST(Immediate, IsNeverAskedByARowWhichOnlyRingsForIt) {
+TEST(Immediate, IsOnlyRungForByARow) {
   FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
   bool news = false;
   device.bodies[1].on_news = [&] { return news; };
@@ -102,15 +102,15 @@ TEST(Immediate, IsNeverAskedByARowWhichOnlyRingsForIt) {
   EXPECT_EQ(device.bodies[1].asked, 0);
 }
 
-TEST(Immediate, WaitsForItsInterarrivalAndIsRungForByTheRowAfterIt) {
+TEST(Immediate, WaitsForItsInterarrivalAndTheNextRowRings) {
   FakeDevice device{{thread(milliseconds{1}),
                      event_module(milliseconds{5}, microseconds{1500}, model::Dispatch::immediate)}};
   device.bodies[1].on_news = [] { return true; };
   device.bodies[1].on_condition = hold;
   device.join();
   device.cycle();
-  EXPECT_TRUE(device.executor->run_sporadic());   // at 0
-  EXPECT_FALSE(device.executor->run_sporadic());  // at 0 still
+  EXPECT_TRUE(device.executor->run_sporadic());   // at 0 ms
+  EXPECT_FALSE(device.executor->run_sporadic());  // still at 0 ms
   EXPECT_EQ(device.cycle(), 0U) << "at 1 ms it may not run yet";
   EXPECT_FALSE(device.executor->run_sporadic());
   EXPECT_EQ(device.cycle(), channel::kSporadicBit);
@@ -128,7 +128,7 @@ TEST(Immediate, DoesNotRunOutOfTheTables) {
   EXPECT_EQ(device.bodies[1].asked, 0);
 }
 
-TEST(Immediate, GoesBeforeALaterDeadlineThatARowReleased) {
+TEST(Immediate, RunsBeforeAModuleWithALaterDeadline) {
   FakeDevice device{{thread(milliseconds{1}), event_module(milliseconds{50}, {}, model::Dispatch::row),
                      event_module(milliseconds{5}, {}, model::Dispatch::immediate)}};
   std::string ran;
@@ -152,7 +152,7 @@ TEST(Immediate, GoesBeforeALaterDeadlineThatARowReleased) {
   EXPECT_EQ(ran, "event row ");
 }
 
-TEST(Deadline, ThatIsMissedIsCountedAndOnlyAnErrorWhereTheDescriptorSaysSo) {
+TEST(Deadline, CountsAMissAndRaisesAnErrorOnlyIfDeclared) {
   for (const model::Miss miss : {model::Miss::count, model::Miss::error}) {
     model::Module late = sporadic(kThread, milliseconds{2});
     late.miss = miss;
@@ -176,7 +176,7 @@ TEST(Deadline, ThatIsMissedIsCountedAndOnlyAnErrorWhereTheDescriptorSaysSo) {
   }
 }
 
-TEST(Deadline, ThatIsKeptToTheNanosecondIsNoError) {
+TEST(Deadline, IsMetWhenTheRunEndsExactlyAtIt) {
   model::Module punctual = sporadic(kThread, milliseconds{2});
   punctual.miss = model::Miss::error;
   FakeDevice device{{thread(milliseconds{1}), punctual}};
@@ -192,7 +192,7 @@ TEST(Deadline, ThatIsKeptToTheNanosecondIsNoError) {
   EXPECT_EQ(device.blocks[1].overruns.load(), 0U);
 }
 
-/// Memory of a link, aligned as it must be.
+/// The memory of a link, properly aligned.
 class LinkMemory {
  public:
   explicit LinkMemory(const channel::Link::Options& options)
@@ -213,11 +213,11 @@ struct Storm {
   Nanoseconds interarrival;
 };
 
-/// 20,000 events a second for a minute, at random, to a module that takes 50 us for each. Rows preempt it, as
-/// they do where it runs one priority below: a row that falls due within its run() is walked in it.
+/// 20,000 events per second at random times for a minute, to a module that takes 50 us for each. Rows preempt
+/// it, as if it ran one priority lower: a row that falls due during its run() is walked inside it.
 class StormOfEvents : public testing::TestWithParam<Storm> {};
 
-TEST_P(StormOfEvents, NeverMovesARow) {
+TEST_P(StormOfEvents, NeverDelaysARow) {
   constexpr std::uint32_t kDepth = 16;
   constexpr auto kPeriod = milliseconds{1};
   constexpr auto kWork = microseconds{50};
@@ -236,7 +236,7 @@ TEST_P(StormOfEvents, NeverMovesARow) {
   device.bodies[0].on_run = [&](const Cycle& cycle) {
     EXPECT_EQ(cycle.number, rows);
     EXPECT_EQ(cycle.time, device.t0 + kPeriod * static_cast<std::int64_t>(rows));
-    EXPECT_EQ(cycle.start, cycle.time) << "it waits for nobody";
+    EXPECT_EQ(cycle.start, cycle.time) << "the row starts on time";
     ++rows;
     return nullptr;
   };
@@ -287,7 +287,7 @@ TEST_P(StormOfEvents, NeverMovesARow) {
   EXPECT_EQ(device.block->missed.load(), 0U);
   EXPECT_EQ(device.block->late.load(), 0U);
   EXPECT_NEAR(static_cast<double>(written) / static_cast<double>(length.count()), 20'000, 83);
-  // All that came was taken, dropped by the full queue and counted, or waits.
+  // Every event was taken, was dropped by the full queue and counted, or waits.
   const std::uint64_t dropped = memory.link().block().overwritten.load();
   std::uint64_t waiting = 0;
   while (reader.take()) ++waiting;
@@ -298,7 +298,7 @@ TEST_P(StormOfEvents, NeverMovesARow) {
   EXPECT_LE(taken, most);
   EXPECT_GT(taken, 0U);
   if (GetParam().interarrival > Nanoseconds{kWork} && GetParam().dispatch == model::Dispatch::row) {
-    EXPECT_EQ(taken, all_rows - 1) << "one a row, but for the first, before which there was no event";
+    EXPECT_EQ(taken, all_rows - 1) << "one per row, except the first, before which there was no event";
   }
 }
 
@@ -313,9 +313,9 @@ INSTANTIATE_TEST_SUITE_P(Dispatch, StormOfEvents,
                                   std::to_string(each.param.interarrival.count() / 1000) + "_us";
                          });
 
-/// Random sets beside the rule itself: of those released, the earliest absolute deadline first, ties by
-/// priority.
-TEST(DeadlineOrder, IsThatOfTheRule) {
+/// Compares random sets with the rule itself: among the released modules the earliest absolute deadline runs
+/// first; priority decides ties.
+TEST(DeadlineOrder, FollowsTheRuleForRandomSets) {
   std::mt19937 random{11};
   for (int set = 0; set < 300; ++set) {
     const std::size_t count = 2 + random() % 6;
@@ -350,7 +350,7 @@ TEST(DeadlineOrder, IsThatOfTheRule) {
     for (std::size_t i = 1; i <= count; ++i) {
       if (wanted_news[i]) wanted.push_back(i);
     }
-    // All were released at the same instant, the clock stands still.
+    // All were released at the same instant because the clock does not move.
     std::stable_sort(wanted.begin(), wanted.end(), [&](std::size_t a, std::size_t b) {
       return std::pair{*modules[a].deadline, modules[a].priority} <
              std::pair{*modules[b].deadline, modules[b].priority};
@@ -359,8 +359,8 @@ TEST(DeadlineOrder, IsThatOfTheRule) {
   }
 }
 
-/// The rule again, as one would do it by hand: who is released when, and who is next.
-struct ByHand {
+/// A simple model of the rule: when each module is released, and which runs next.
+struct Rule {
   struct Each {
     model::Module module;
     int events = 0;
@@ -375,7 +375,7 @@ struct ByHand {
       return !released && events > 0 && at >= not_before;
     }
   };
-  std::vector<Each> all;  // by their place on the device
+  std::vector<Each> all;  // by their index on the device
 
   void row(Instant at) {
     for (Each& each : all) {
@@ -397,8 +397,8 @@ struct ByHand {
   }
 };
 
-// Events at random, bodies of random length, rows that come in the middle of them.
-TEST(DeadlineOrder, IsThatOfTheRuleWhateverComesWhen) {
+// Random events, bodies of random length, and rows that fall due during bodies.
+TEST(DeadlineOrder, FollowsTheRuleForRandomEventsOverTime) {
   constexpr auto kPeriod = milliseconds{1};
   std::mt19937 random{23};
   const auto up_to = [&random](int most) { return static_cast<int>(random() % static_cast<unsigned>(most)); };
@@ -412,8 +412,8 @@ TEST(DeadlineOrder, IsThatOfTheRuleWhateverComesWhen) {
                                      up_to(2) == 0 ? model::Dispatch::row : model::Dispatch::immediate));
       modules.back().priority = up_to(3);
     }
-    ByHand by_hand;
-    for (const model::Module& module : modules) by_hand.all.push_back({.module = module});
+    Rule rule;
+    for (const model::Module& module : modules) rule.all.push_back({.module = module});
     FakeDevice device{modules};
     struct Arrival {
       Instant at;
@@ -426,18 +426,18 @@ TEST(DeadlineOrder, IsThatOfTheRuleWhateverComesWhen) {
       arrivals.push_back({at, 1 + static_cast<std::size_t>(up_to(count))});
     std::size_t arrived = 0;
 
-    // Lets time pass: what comes and which rows fall due meanwhile.
+    // Advances time: delivers the events and walks the rows that fall due meanwhile.
     const auto pass_to = [&](Instant then) {
       while (true) {
         const Instant row = device.executor->next_release();
         const bool event = arrived < arrivals.size() && arrivals[arrived].at <= std::min(row, then);
         if (event) {
           device.clock.time = std::max(device.clock.time, arrivals[arrived].at);
-          ++by_hand.all[arrivals[arrived++].module].events;
+          ++rule.all[arrivals[arrived++].module].events;
         } else if (row <= then) {
           device.clock.time = std::max(device.clock.time, row);
           device.executor->run_cycle(device.clock.time);
-          by_hand.row(row);
+          rule.row(row);
         } else {
           break;
         }
@@ -446,15 +446,15 @@ TEST(DeadlineOrder, IsThatOfTheRuleWhateverComesWhen) {
     };
     std::optional<std::size_t> ran;
     for (std::size_t i = 1; i < modules.size(); ++i) {
-      device.bodies[i].on_news = [&by_hand, i] { return by_hand.all[i].events > 0; };
-      device.bodies[i].on_condition = [&by_hand, i](bool* ready) -> const char* {
-        *ready = by_hand.all[i].events > 0;
+      device.bodies[i].on_news = [&rule, i] { return rule.all[i].events > 0; };
+      device.bodies[i].on_condition = [&rule, i](bool* ready) -> const char* {
+        *ready = rule.all[i].events > 0;
         return nullptr;
       };
       device.bodies[i].on_run = [&, i](const Cycle& cycle) -> const char* {
         ran = i;
-        EXPECT_EQ(cycle.time, by_hand.all[i].released) << "set " << set << " module " << i;
-        --by_hand.all[i].events;
+        EXPECT_EQ(cycle.time, rule.all[i].released) << "set " << set << " module " << i;
+        --rule.all[i].events;
         pass_to(device.clock.time + microseconds{up_to(400)});
         return nullptr;
       };
@@ -464,21 +464,21 @@ TEST(DeadlineOrder, IsThatOfTheRuleWhateverComesWhen) {
       pass_to(std::min(device.executor->next_release(),
                        arrived < arrivals.size() ? arrivals[arrived].at : Instant::max()));
       while (true) {
-        const auto wanted = by_hand.next(device.clock.time);
+        const auto wanted = rule.next(device.clock.time);
         ran.reset();
         ASSERT_EQ(device.executor->run_sporadic(), wanted.has_value()) << "set " << set;
         ASSERT_EQ(ran, wanted) << "set " << set;
         if (!wanted) break;
-        for (const auto& each : by_hand.all) {
-          if (each.released && *each.released < *by_hand.all[*wanted].released) ++overtaken;
+        for (const auto& each : rule.all) {
+          if (each.released && *each.released < *rule.all[*wanted].released) ++overtaken;
         }
-        by_hand.all[*wanted].released.reset();
+        rule.all[*wanted].released.reset();
         ++runs;
       }
     }
   }
   EXPECT_GT(runs, 5'000U);
-  EXPECT_GT(overtaken, 500U) << "the order was to matter";
+  EXPECT_GT(overtaken, 500U) << "deadlines must have changed the order often";
 }
 
 }  // namespace

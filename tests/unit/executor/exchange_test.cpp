@@ -14,7 +14,7 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using State = Exchange::State;
 
-/// Counts on from where the one before it was, and says which release each of its runs served.
+/// Continues the count of the body that it replaces, and records which release each of its runs served.
 class Counting final : public Body {
  public:
   explicit Counting(VirtualClock& clock) : clock_(clock) {}
@@ -43,13 +43,13 @@ class Counting final : public Body {
   Nanoseconds takes{};
   int refuses = 0;
   int taken_over = 0;
-  bool comes = true;  ///< else it is put back
+  bool comes = true;  ///< a new body; else take_over() puts an old one back
 
  private:
   VirtualClock& clock_;
 };
 
-/// Two modules of 1 and 2 ms; it is the second that is exchanged.
+/// Two modules with periods of 1 and 2 ms; tests exchange the body of the second.
 class Exchanging : public testing::Test {
  protected:
   explicit Exchanging(model::Module module = thread(milliseconds{2}, 2))
@@ -63,7 +63,7 @@ class Exchanging : public testing::Test {
   void cycles(int n) {
     for (int i = 0; i < n; ++i) device.cycle();
   }
-  /// Each release of the first so many rows was served by one of them, and by one only.
+  /// Expects that exactly one of the bodies served each release of the first `rows` rows.
   void expect_all_served(std::uint64_t rows, const std::vector<const Counting*>& bodies) const {
     std::vector<int> times((rows + 1) / 2);
     for (const Counting* body : bodies)
@@ -81,7 +81,7 @@ class Exchanging : public testing::Test {
   Exchange exchange{.index = 1, .body = &next, .runs = 3};
 };
 
-TEST_F(Exchanging, TakesPlaceBetweenTwoRowsAndMissesNoRelease) {
+TEST_F(Exchanging, HappensBetweenTwoRowsWithoutAMissedRelease) {
   cycles(5);
   device.executor->exchange(exchange);
   EXPECT_EQ(state(), State::waiting);
@@ -99,7 +99,7 @@ TEST_F(Exchanging, TakesPlaceBetweenTwoRowsAndMissesNoRelease) {
   EXPECT_EQ(old.taken_over, 0);
 }
 
-TEST_F(Exchanging, WhatFailsOnTrialIsPutBackAndTheReleaseServed) {
+TEST_F(Exchanging, PutsTheOldBodyBackAfterAFailureAndServesTheRelease) {
   cycles(4);
   next.fails_at = 3;
   device.executor->exchange(exchange);
@@ -109,15 +109,15 @@ TEST_F(Exchanging, WhatFailsOnTrialIsPutBackAndTheReleaseServed) {
   EXPECT_EQ(exchange.cycle, 3U);
   EXPECT_EQ(exchange.text.view(), "it cannot do this one");
   EXPECT_EQ(device.blocks[1].on_trial.load(), 0U);
-  EXPECT_EQ(device.blocks[1].error.load(), 0U) << "nothing is raised: the module goes on";
+  EXPECT_EQ(device.blocks[1].error.load(), 0U) << "no error is raised: the module continues";
   cycles(2);
   expect_all_served(10, {&old, &next});
   EXPECT_EQ(next.served, std::vector<std::uint64_t>{2});
-  EXPECT_EQ(old.count, 4U) << "its own state, without what the other one did";
+  EXPECT_EQ(old.count, 4U) << "its own state, without the other body's runs";
   EXPECT_EQ(old.taken_over, 1);
 }
 
-TEST_F(Exchanging, WhatFailsAfterItsTrialIsAnErrorAsEver) {
+TEST_F(Exchanging, RaisesAnErrorForAFailureAfterTheTrial) {
   next.fails_at = 3;
   device.executor->exchange(exchange);
   cycles(7);
@@ -127,7 +127,7 @@ TEST_F(Exchanging, WhatFailsAfterItsTrialIsAnErrorAsEver) {
   EXPECT_TRUE(old.served.empty());
 }
 
-TEST_F(Exchanging, WaitsWhileTheModuleIsNotInTheTablesAndCanBeWithdrawn) {
+TEST_F(Exchanging, WaitsWhileTheModuleIsOutOfTheTablesAndCanBeWithdrawn) {
   device.blocks[1].in_tables.store(0);
   device.executor->exchange(exchange);
   cycles(4);
@@ -139,11 +139,11 @@ TEST_F(Exchanging, WaitsWhileTheModuleIsNotInTheTablesAndCanBeWithdrawn) {
   EXPECT_EQ(old.count, 2U);
   device.executor->exchange(exchange);
   cycles(1);
-  EXPECT_FALSE(device.executor->withdraw()) << "a row has taken it up";
+  EXPECT_FALSE(device.executor->withdraw()) << "a row has already taken it";
   EXPECT_EQ(state(), State::on_trial);
 }
 
-TEST_F(Exchanging, ABodyThatDoesNotTakeOverChangesNothing) {
+TEST_F(Exchanging, ChangesNothingIfTheNewBodyDoesNotTakeOver) {
   next.refuses = 1;
   device.executor->exchange(exchange);
   cycles(3);
@@ -154,16 +154,16 @@ TEST_F(Exchanging, ABodyThatDoesNotTakeOverChangesNothing) {
   expect_all_served(6, {&old, &next});
 }
 
-TEST_F(Exchanging, TheOtherModuleIsNotTouched) {
-  exchange.index = 7;  // none of this executor
+TEST_F(Exchanging, IgnoresAModuleOfAnotherExecutor) {
+  exchange.index = 7;  // not a module of this executor
   device.executor->exchange(exchange);
   cycles(10);
   EXPECT_EQ(state(), State::waiting);
   expect_all_served(10, {&old});
 }
 
-// Whatever the moment, and whether they fail or not: each release is served once, and the count goes on.
-TEST_F(Exchanging, ThousandsOfTimesAtAnyMoment) {
+// At any moment, with and without failures, each release is served once and the count continues.
+TEST_F(Exchanging, KeepsTheCountOverThousandsOfExchanges) {
   std::mt19937 random{1};
   std::vector<std::unique_ptr<Counting>> bodies;
   std::vector<std::unique_ptr<Exchange>> exchanges;
@@ -192,7 +192,7 @@ TEST_F(Exchanging, ThousandsOfTimesAtAnyMoment) {
     }
     ASSERT_EQ(one.state == State::put_back, fails);
     if (fails) {
-      ASSERT_EQ(runs->count, count + 1) << "it served the release in which the other one failed";
+      ASSERT_EQ(runs->count, count + 1) << "it served the release in which the new body failed";
       ++back;
     } else {
       ASSERT_GE(body.count, count + one.runs);
@@ -221,7 +221,7 @@ class Limited : public Exchanging {
   }
 };
 
-TEST_F(Limited, WhatExceedsTheBudgetOnTrialIsPutBack) {
+TEST_F(Limited, PutsTheOldBodyBackAfterABudgetExcess) {
   next.takes = microseconds{200};
   device.executor->exchange(exchange);
   cycles(6);
@@ -231,7 +231,7 @@ TEST_F(Limited, WhatExceedsTheBudgetOnTrialIsPutBack) {
   EXPECT_EQ(next.served.size(), 1U);
 }
 
-TEST_F(Limited, AnOverrunIsPutBackAndStillAnError) {
+TEST_F(Limited, PutsTheOldBodyBackAfterAnOverrunWhichRemainsAnError) {
   next.takes = milliseconds{3};
   device.executor->exchange(exchange);
   cycles(1);
@@ -239,9 +239,9 @@ TEST_F(Limited, AnOverrunIsPutBackAndStillAnError) {
   EXPECT_EQ(exchange.error, ErrorType::overrun);
   EXPECT_EQ(device.blocks[1].error.load(), static_cast<std::uint32_t>(ErrorType::overrun));
   EXPECT_EQ(device.blocks[1].in_tables.load(), 0U);
-  cycles(1);  // the release that went by meanwhile is nobody's
+  cycles(1);  // no body serves the release that passed meanwhile
   device.blocks[1].error.store(0);
-  device.blocks[1].in_tables.store(1);  // as the node does when it has recovered
+  device.blocks[1].in_tables.store(1);  // the node does this after recovery
   cycles(4);
   EXPECT_EQ(next.served.size(), 1U);
   EXPECT_EQ(device.blocks[1].in_tables.load(), 1U);

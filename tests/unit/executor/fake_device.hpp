@@ -1,5 +1,5 @@
-// A device on virtual time: one executor, bodies that do what the test says, and programs that are only their
-// slots.
+// A device on virtual time: one executor, bodies that the test scripts, and programs that consist only of
+// their release slots.
 #pragma once
 
 #include <algorithm>
@@ -65,8 +65,8 @@ inline model::Module sporadic(model::ModuleType type, Nanoseconds deadline, int 
   return module;
 }
 
-/// Everything the executor needs, with each module's block, body and slot by its index in `modules`. All are
-/// in the tables, and all programs wait.
+/// Everything the executor needs. Blocks, bodies and slots have the module's index in `modules`. At first all
+/// modules are in the tables, and all programs wait.
 class FakeDevice {
  public:
   explicit FakeDevice(std::vector<model::Module> modules)
@@ -99,7 +99,7 @@ class FakeDevice {
           unit.body = &bodies[i];
         } else {
           unit.slot = &slots[i];
-          slots[i].bell_bit = channel::bell_bit(i);
+          slots[i].wake_bit = channel::wake_bit(i);
           slots[i].period_ns = unit.period.count();
           if (unit.overrun.what == model::Overrun::catch_up)
             slots[i].catch_up = static_cast<std::uint32_t>(unit.overrun.limit);
@@ -116,19 +116,19 @@ class FakeDevice {
     make_executor();
   }
 
-  /// As after a restart of the host: the blocks stay.
+  /// Makes a new executor, as after a restart of the host: the blocks stay.
   void make_executor() {
     executor =
         std::make_unique<Executor>(plan.executors[0], periodic_units, sporadic_units, *block, clock, flight);
   }
 
-  /// Puts the executor on the grid from the clock's time on; T0 is `later` than that.
+  /// Puts the executor on the grid at the clock's time; T0 is `later` than that.
   void join(Nanoseconds later = Nanoseconds{0}) {
     t0 = clock.time + later;
     executor->join_grid(t0, clock.time);
   }
 
-  /// Waits for the next release, wakes up `delay` after it, and walks the row.
+  /// Advances to the next release plus `delay`, and walks the row.
   std::uint32_t cycle(Nanoseconds delay = Nanoseconds{0}) {
     clock.time = std::max(clock.time, executor->next_release()) + delay;
     return executor->run_cycle(clock.time);
@@ -143,7 +143,7 @@ class FakeDevice {
   schedule::DevicePlan plan;
   std::vector<Unit> periodic_units;
   std::vector<Unit> sporadic_units;
-  Flight flight;  ///< for the executor that is made next
+  Flight flight;  ///< used by the next make_executor()
   std::unique_ptr<Executor> executor;
   Instant t0{};
 };

@@ -1,4 +1,4 @@
-// What an executor records, held against a model that writes down what the bodies were told.
+// Compares what an executor records with a model that notes what the bodies saw.
 #include <takt/channel/flight_record.hpp>
 #include <takt/executor/executor.hpp>
 
@@ -36,7 +36,7 @@ class Recorded : public testing::Test {
 
 std::int64_t ns(Instant instant) { return to_ns(instant); }
 
-TEST_F(Recorded, EveryRowAndRunOfThousandsAsTheyWere) {
+TEST_F(Recorded, MatchesTheModelOverThousandsOfRows) {
   FakeDevice device{{thread(1ms), thread(2ms), thread(3ms), process(2ms, -1)}};
   record(device);
   std::mt19937 random{7};
@@ -55,7 +55,7 @@ TEST_F(Recorded, EveryRowAndRunOfThousandsAsTheyWere) {
   std::int64_t body_ended = 0;
   std::uint64_t body_took = 0;
   for (int i = 0; i < 5000; ++i) {
-    // The program answers as it likes, between two rows.
+    // The program ends its body between two rows, but not always.
     channel::ReleaseSlot& slot = device.slots[3];
     if (slot.in_body() && i % 3 != 0) {
       body_took = 1000 + static_cast<std::uint64_t>(i);
@@ -88,7 +88,7 @@ TEST_F(Recorded, EveryRowAndRunOfThousandsAsTheyWere) {
     ASSERT_EQ(runs_seen, 1U + (walked % 2 == 0) + (walked % 3 == 0));
     expected.push_back({ns(device.clock.time), FlightKind::row_end, 0, 0});
     if (walked % 2 != 0 && body_ended != 0) {
-      // It is seen when it is released next: what ended last by then.
+      // The executor records the body at the next release, so the end is withheld until then.
       const std::uint32_t done = slot.done.load();
       slot.done.store(done - 1);
     }
@@ -103,7 +103,7 @@ TEST_F(Recorded, EveryRowAndRunOfThousandsAsTheyWere) {
   }
 }
 
-TEST_F(Recorded, ARunThatIsMadeUpLiesInTheRowThatIsLate) {
+TEST_F(Recorded, PutsAMadeUpRunIntoTheLateRow) {
   auto module = thread(1ms);
   module.overrun = model::OverrunContract{.what = model::Overrun::catch_up, .limit = 2};
   FakeDevice device{{module}};
@@ -118,7 +118,7 @@ TEST_F(Recorded, ARunThatIsMadeUpLiesInTheRowThatIsLate) {
   EXPECT_EQ(of_rows()[3].value, 500'000U);
 }
 
-TEST_F(Recorded, ASwapLiesInTheRowThatItBegins) {
+TEST_F(Recorded, PutsASwapIntoTheRowInWhichItBegins) {
   auto module = thread(1ms);
   module.overrun = model::OverrunContract{.what = model::Overrun::catch_up, .limit = 2};
   FakeDevice device{{thread(1ms), module}};
@@ -140,7 +140,7 @@ TEST_F(Recorded, ASwapLiesInTheRowThatItBegins) {
   EXPECT_EQ(seen, expected);
 }
 
-TEST_F(Recorded, ASporadicRunLiesInTheRingOfItsThread) {
+TEST_F(Recorded, PutsASporadicRunIntoItsThreadsRing) {
   FakeDevice device{{thread(1ms), sporadic(model::ModuleType::thread, 5ms)}};
   record(device);
   device.bodies[1].on_condition = [](bool* ready) -> const char* {
@@ -161,7 +161,7 @@ TEST_F(Recorded, ASporadicRunLiesInTheRingOfItsThread) {
   EXPECT_EQ(of_sporadic()[0], (FlightSample{ns(device.clock.time), FlightKind::run, 1, 40'000}));
 }
 
-TEST_F(Recorded, AModuleOutOfTheTablesLeavesNothing) {
+TEST_F(Recorded, HasNoEntryForAModuleOutOfTheTables) {
   FakeDevice device{{thread(1ms)}};
   record(device);
   device.blocks[0].in_tables.store(0);
@@ -171,7 +171,7 @@ TEST_F(Recorded, AModuleOutOfTheTablesLeavesNothing) {
   EXPECT_EQ(of_rows()[1].kind, FlightKind::row_end);
 }
 
-TEST_F(Recorded, WithoutARecordAnExecutorRunsAsWell) {
+TEST_F(Recorded, AnExecutorRunsWithoutARecord) {
   FakeDevice device{{thread(1ms), process(1ms), sporadic(model::ModuleType::thread, 5ms)}};
   device.join();
   for (int i = 0; i < 10; ++i) device.cycle();

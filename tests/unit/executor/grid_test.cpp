@@ -1,6 +1,6 @@
-// A million cycles on virtual time beside a model that knows nothing but the paper: at slot n, the modules
-// whose period divides n x basic period, less their offset, are due, by priority, then by their place in the
-// file. What slots that have passed were to release is left out, or made up by who catches up.
+// Compares a million cycles on virtual time with a model made only from the paper. In slot n the modules are
+// due whose period divides n x basic period minus their offset, by priority, then by position in the file.
+// Releases of passed slots are skipped, or made up for by modules that catch up.
 #include <gtest/gtest.h>
 #include <full_form.hpp>
 
@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 
 constexpr int kCyclesPerSeed = kSanitized ? 12'500 : 125'000;
 
-/// A number that depends on nothing but its arguments, so that the model draws what the device drew.
+/// A random number that depends only on its arguments, so that model and device draw the same.
 std::uint64_t noise(std::uint64_t a, std::uint64_t b) {
   std::uint64_t x = a * 0x9e3779b97f4a7c15U + b + 1;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
@@ -28,7 +28,7 @@ std::uint64_t noise(std::uint64_t a, std::uint64_t b) {
   return x ^ (x >> 31);
 }
 
-/// Mostly short, now and then longer than the basic period.
+/// A random duration: mostly short, occasionally longer than the basic period.
 Nanoseconds duration(std::uint64_t seed, std::size_t module, std::uint64_t call, Nanoseconds basic) {
   const std::uint64_t n = noise(seed * 64 + module, call);
   const auto b = static_cast<std::uint64_t>(basic.count());
@@ -45,7 +45,7 @@ struct Call {
   bool operator==(const Call&) const = default;
 };
 
-/// What the counters must be, one module.
+/// The expected counters of one module.
 struct Count {
   std::uint64_t cycles = 0;
   std::uint64_t missed = 0;
@@ -53,7 +53,7 @@ struct Count {
   Instant busy_until{};  // of a program
 };
 
-/// The model. Slots are counted from T0; one walk a slot.
+/// The model. Slots are counted from T0; each is walked at most once.
 struct Model {
   std::uint64_t seed;
   std::vector<model::Module> modules;
@@ -78,7 +78,7 @@ struct Model {
     return found;
   }
 
-  /// The executor woke up at `now`. Returns the calls it makes and the time it is done.
+  /// Models a wake-up at `now`. Returns the expected calls and the time when they are done.
   std::vector<Call> wake(Instant now, Instant* done) {
     struct Missed {
       std::uint64_t slot;
@@ -137,7 +137,7 @@ struct Model {
 
 class Grid : public testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(Grid, IsNeverLeft) {
+TEST_P(Grid, IsKeptThroughOverrunsAndRemovals) {
   const std::uint64_t seed = GetParam();
   std::mt19937_64 random{seed};
   const auto draw = [&random](std::int64_t n) {
@@ -172,7 +172,7 @@ TEST_P(Grid, IsNeverLeft) {
   }
   model.basic = Nanoseconds{basic};
 
-  // Programs: their slots are looked at whenever time moves.
+  // Programs check their slots whenever time moves.
   std::vector<std::uint64_t> served(modules.size());
   std::vector<Instant> busy_until(modules.size());
   const auto move_time_to = [&](Instant time) {
@@ -212,7 +212,7 @@ TEST_P(Grid, IsNeverLeft) {
     calls.clear();
     const std::uint32_t wake = device.executor->run_cycle(now);
 
-    ASSERT_EQ(wake, 0U) << "nobody sleeps";
+    ASSERT_EQ(wake, 0U) << "no program sleeps";
     ASSERT_EQ(calls.size(), expected.size()) << "slot " << model.slot - 1;
     ASSERT_TRUE(calls == expected) << "slot " << model.slot - 1;
     ASSERT_EQ(device.clock.time, done);
@@ -241,7 +241,7 @@ TEST_P(Grid, IsNeverLeft) {
   }
 }
 
-TEST_P(Grid, EveryReleaseIsServedOrCountedOnce) {
+TEST_P(Grid, ServesOrCountsEveryReleaseOnce) {
   const std::uint64_t seed = GetParam();
   std::mt19937_64 random{seed ^ 0xabcdef};
   std::vector<model::Module> modules{thread(microseconds{100}), thread(microseconds{300}),
@@ -296,7 +296,7 @@ TEST(Executor, WalksAnEmptyRow) {
   FakeDevice device{{thread(milliseconds{2}), thread(milliseconds{3})}};
   device.join();
   device.cycle();
-  device.cycle();  // 1 ms: nobody is due
+  device.cycle();  // 1 ms: no module is due
   EXPECT_EQ(device.block->cycles.load(), 2U);
   EXPECT_EQ(device.blocks[0].cycles.load(), 1U);
   EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
@@ -315,7 +315,7 @@ TEST(Executor, WalksRowsOfConditionsOnly) {
   EXPECT_EQ(device.executor->next_release(), device.t0 + milliseconds{30});
 }
 
-TEST(ExecutorDeathTest, WithoutModulesHasNoGrid) {
+TEST(ExecutorDeathTest, HasNoGridWithoutModules) {
   FakeDevice device{{}};
   EXPECT_EQ(device.executor->basic_period(), Nanoseconds{0});
   EXPECT_DEATH(device.join(), "basic_ > Nanoseconds");
@@ -335,7 +335,7 @@ TEST(Executor, WalksAThousandModulesInOneRow) {
   device.join();
   device.cycle();
   ASSERT_EQ(order.size(), 1000U);
-  EXPECT_TRUE(std::is_sorted(order.rbegin(), order.rend())) << "the lowest value goes first";
+  EXPECT_TRUE(std::is_sorted(order.rbegin(), order.rend())) << "the lowest value runs first";
 }
 
 TEST(Executor, WaitsForAT0InTheFuture) {
@@ -353,7 +353,7 @@ TEST(Executor, WaitsForAT0InTheFuture) {
   EXPECT_EQ(device.block->missed.load(), 0U);
 }
 
-TEST(Executor, CountsWhatARestartMissed) {
+TEST(Executor, CountsRowsMissedDuringARestart) {
   FakeDevice device{{thread(milliseconds{1}), thread(milliseconds{2}), process(milliseconds{3})}};
   device.join();
   for (int i = 0; i < 5; ++i) device.cycle();  // rows 0 to 4
@@ -377,7 +377,7 @@ TEST(Executor, CountsWhatARestartMissed) {
   EXPECT_EQ(number, 12U);
 }
 
-TEST(Executor, KeepsTheLatestBeginningWhateverItCost) {
+TEST(Executor, KeepsTheLargestRowDelay) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.join();
   device.cycle();
@@ -385,14 +385,14 @@ TEST(Executor, KeepsTheLatestBeginningWhateverItCost) {
   device.cycle(microseconds{300});
   device.cycle(microseconds{200});
   EXPECT_EQ(device.block->latest_ns.load(), 300'000);
-  device.cycle(milliseconds{50});  // fifty rows are skipped, and the one that is walked is punctual
+  device.cycle(milliseconds{50});  // skips fifty rows; the row that is walked is on time
   EXPECT_EQ(device.block->latest_ns.load(), 50'000'000);
   EXPECT_EQ(device.block->missed.load(), 50U);
   device.cycle();
   EXPECT_EQ(device.block->latest_ns.load(), 50'000'000);
 }
 
-TEST(Executor, JoinsAtTheReleaseThatIsNow) {
+TEST(Executor, JoinsAtAReleaseThatIsExactlyNow) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.executor->join_grid(device.clock.time - milliseconds{4}, device.clock.time);
   EXPECT_EQ(device.executor->next_row(), 4U);
@@ -400,7 +400,7 @@ TEST(Executor, JoinsAtTheReleaseThatIsNow) {
   EXPECT_EQ(device.block->missed.load(), 4U);
 }
 
-TEST(Executor, CountsARowThatEndsWithItsSlotAsInTime) {
+TEST(Executor, CountsARowThatEndsExactlyWithItsSlotAsOnTime) {
   FakeDevice device{{thread(milliseconds{1})}};
   device.join();
   Nanoseconds takes = milliseconds{1};
@@ -419,7 +419,7 @@ TEST(Executor, CountsARowThatEndsWithItsSlotAsInTime) {
   EXPECT_EQ(device.block->missed.load(), 0U) << "the next row runs, late";
 }
 
-TEST(Executor, MeasuresJitterAsEquation1) {
+TEST(Executor, MeasuresJitterByEquation1) {
   FakeDevice device{{thread(milliseconds{1}), thread(milliseconds{1})}};
   device.bodies[0].on_run = [&device](const Cycle&) {
     device.clock.time += microseconds{40};

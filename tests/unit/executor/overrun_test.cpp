@@ -1,4 +1,4 @@
-// What each overrun contract does, slot by slot, on virtual time.
+// The effect of each overrun contract, slot by slot, on virtual time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ model::Module with(model::Module module, Overrun what, int limit = 1) {
   return module;
 }
 
-/// A device that writes down who is called with which number: "0:3" is module 0 in its cycle 3.
+/// A device that records which module is called in which cycle: "0:3" is module 0 in its cycle 3.
 class Contract : public testing::Test {
  protected:
   void make(std::vector<model::Module> modules) {
@@ -39,7 +39,7 @@ class Contract : public testing::Test {
     }
     device->join();
   }
-  /// What one wake-up calls, `late` after the release.
+  /// The calls of one wake-up, `late` after the release.
   std::vector<std::string> cycle(Nanoseconds late = Nanoseconds{0}) {
     calls.clear();
     device->cycle(late);
@@ -56,7 +56,7 @@ class Contract : public testing::Test {
   std::vector<std::string> calls;
 };
 
-TEST_F(Contract, SkipLeavesOutWhatWasMissed) {
+TEST_F(Contract, SkipOmitsMissedReleases) {
   make({thread(milliseconds{1}), thread(milliseconds{2})});
   EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
   EXPECT_THAT(cycle(microseconds{3'500}), ElementsAre("0:4", "1:2")) << "slots 1 to 3 are over";
@@ -66,37 +66,38 @@ TEST_F(Contract, SkipLeavesOutWhatWasMissed) {
   EXPECT_EQ(error(0), ErrorType::none);
 }
 
-TEST_F(Contract, CatchUpMakesUpTheNewestInTheirOrder) {
+TEST_F(Contract, CatchUpMakesUpForTheNewestReleasesInOrder) {
   make({with(thread(milliseconds{1}, 1), Overrun::catch_up, 2), thread(milliseconds{1}, 2),
         with(thread(milliseconds{2}, 0), Overrun::catch_up, 5)});
   EXPECT_THAT(cycle(), ElementsAre("2:0", "0:0", "1:0"));
   EXPECT_THAT(cycle(microseconds{4'500}), ElementsAre("2:1", "0:3", "2:2", "0:4", "0:5", "1:5"))
-      << "slots 1 to 4 are over; 0 makes up 3 and 4, and 2 its releases of the slots 2 and 4";
-  EXPECT_EQ(missed(0), 2U) << "beyond the limit";
+      << "slots 1 to 4 are over; module 0 makes up for 3 and 4, module 2 for its releases in slots 2 and 4";
+  EXPECT_EQ(missed(0), 2U) << "two releases exceed the limit";
   EXPECT_EQ(missed(1), 4U);
   EXPECT_EQ(missed(2), 0U);
   EXPECT_EQ(device->blocks[0].cycles.load(), 4U);
   EXPECT_EQ(overruns(0), 2U) << "each ended after its next release";
-  EXPECT_EQ(overruns(2), 1U) << "4:2 ended before 6 ms";
-  EXPECT_EQ(device->block->missed.load(), 4U) << "the slots have passed all the same";
-  EXPECT_EQ(device->executor->next_release(), device->t0 + milliseconds{6}) << "the grid is not left";
+  EXPECT_EQ(overruns(2), 1U) << "its cycle 2 ended before 6 ms";
+  EXPECT_EQ(device->block->missed.load(), 4U) << "the slots were still missed";
+  EXPECT_EQ(device->executor->next_release(), device->t0 + milliseconds{6}) << "the grid is kept";
   EXPECT_THAT(cycle(), ElementsAre("2:3", "0:6", "1:6"));
 }
 
-TEST_F(Contract, CatchUpThatIsLateItselfGoesOnWithWhatItMissed) {
+TEST_F(Contract, CatchUpThatIsLateItselfMakesUpForItsOwnMisses) {
   make({with(thread(milliseconds{1}), Overrun::catch_up, 1)});
   takes[0] = microseconds{1'400};
   EXPECT_THAT(cycle(), ElementsAre("0:0"));
-  // At 1.4 ms the slot of 1 ms is not over: it runs late, until 2.8 ms. And so on, until one slot has passed.
+  // At 1.4 ms the slot of 1 ms is not over: its row runs late, until 2.8 ms. This repeats until a slot
+  // passes.
   EXPECT_THAT(cycle(), ElementsAre("0:1"));
   EXPECT_THAT(cycle(), ElementsAre("0:2")) << "2.8 to 4.2 ms";
-  EXPECT_THAT(cycle(), ElementsAre("0:3", "0:4")) << "4.2 ms: 3 is made up, and 4 runs late";
+  EXPECT_THAT(cycle(), ElementsAre("0:3", "0:4")) << "4.2 ms: cycle 3 is made up for, and 4 runs late";
   EXPECT_EQ(missed(0), 0U);
-  EXPECT_THAT(cycle(), ElementsAre("0:6", "0:7")) << "7 ms: 5 is beyond the limit";
+  EXPECT_THAT(cycle(), ElementsAre("0:6", "0:7")) << "7 ms: cycle 5 exceeds the limit";
   EXPECT_EQ(missed(0), 1U);
 }
 
-TEST_F(Contract, CatchUpLeavesOutWhoWasTakenOut) {
+TEST_F(Contract, CatchUpStopsWhenTheModuleIsTakenOut) {
   make({with(thread(milliseconds{1}), Overrun::catch_up, 3)});
   EXPECT_THAT(cycle(), ElementsAre("0:0"));
   device->bodies[0].on_run = [this](const Cycle& cycle) {
@@ -108,7 +109,7 @@ TEST_F(Contract, CatchUpLeavesOutWhoWasTakenOut) {
   EXPECT_EQ(device->blocks[0].cycles.load(), 2U);
 }
 
-TEST_F(Contract, CatchUpIsNotForARestart) {
+TEST_F(Contract, CatchUpDoesNotApplyToAHostRestart) {
   make({with(thread(milliseconds{1}), Overrun::catch_up, 100)});
   cycle();
   device->make_executor();
@@ -118,7 +119,7 @@ TEST_F(Contract, CatchUpIsNotForARestart) {
   EXPECT_THAT(cycle(), ElementsAre("0:10"));
 }
 
-TEST_F(Contract, CatchUpGoesByTheOffset) {
+TEST_F(Contract, CatchUpRespectsTheOffset) {
   model::Module shifted = with(thread(milliseconds{2}), Overrun::catch_up, 2);
   shifted.offset = milliseconds{1};
   make({shifted, thread(milliseconds{1})});
@@ -135,7 +136,7 @@ TEST_F(Contract, CatchUpGoesByTheOffset) {
   EXPECT_EQ(missed(1), 4U);
 }
 
-TEST_F(Contract, ErrorTakesOutWhoseReleaseWasMissed) {
+TEST_F(Contract, ErrorTakesOutAModuleThatMissesARelease) {
   make({with(thread(milliseconds{1}), Overrun::error), with(thread(milliseconds{4}), Overrun::error)});
   EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
   EXPECT_THAT(cycle(microseconds{2'500}), IsEmpty()) << "slot 3";
@@ -143,27 +144,27 @@ TEST_F(Contract, ErrorTakesOutWhoseReleaseWasMissed) {
   EXPECT_EQ(device->blocks[0].error_text.view(), "2 releases were missed, from cycle 1 on");
   EXPECT_EQ(device->blocks[0].error_cycle.load(), 1U);
   EXPECT_EQ(missed(0), 2U);
-  EXPECT_EQ(error(1), ErrorType::none) << "none of its releases was missed";
+  EXPECT_EQ(error(1), ErrorType::none) << "it missed no release";
   EXPECT_THAT(cycle(), ElementsAre("1:1"));
 }
 
-TEST_F(Contract, ErrorTakesOutWhoEndsAfterItsNextRelease) {
+TEST_F(Contract, ErrorTakesOutAModuleThatEndsAfterItsNextRelease) {
   for (const Overrun contract : {Overrun::error, Overrun::stop_device}) {
     make({with(thread(milliseconds{1}), contract), thread(milliseconds{1})});
     takes = {milliseconds{1}, Nanoseconds{0}};
     EXPECT_THAT(cycle(), ElementsAre("0:0", "1:0"));
-    EXPECT_EQ(error(0), ErrorType::none) << "it ended at its next release";
+    EXPECT_EQ(error(0), ErrorType::none) << "it ended exactly at its next release";
     takes[0] = milliseconds{1} + Nanoseconds{1};
     EXPECT_THAT(cycle(), ElementsAre("0:1", "1:1"));
     EXPECT_EQ(error(0), ErrorType::overrun);
     EXPECT_EQ(device->blocks[0].error_text.view(), "run() ended after its next release");
     EXPECT_EQ(overruns(0), 1U);
-    EXPECT_EQ(overruns(1), 1U) << "it ended late too, and may";
+    EXPECT_EQ(overruns(1), 1U) << "it ended late too, but its contract allows that";
     EXPECT_EQ(error(1), ErrorType::none);
   }
 }
 
-TEST_F(Contract, OfAProgramInItsBody) {
+TEST_F(Contract, AppliesToAProgramStillInItsBody) {
   make({process(milliseconds{1}), with(process(milliseconds{1}), Overrun::error),
         with(process(milliseconds{1}), Overrun::catch_up, 2)});
   for (int row = 0; row < 5; ++row) device->cycle();
@@ -172,7 +173,7 @@ TEST_F(Contract, OfAProgramInItsBody) {
   EXPECT_EQ(overruns(1), 1U);
   EXPECT_EQ(error(1), ErrorType::overrun);
 
-  // The third is pending the last two.
+  // The last two releases of the third program are pending.
   channel::ReleaseSlot& release_slot = device->slots[2];
   EXPECT_EQ(device->blocks[2].cycles.load(), 3U);
   EXPECT_EQ(overruns(2), 4U);
@@ -202,7 +203,7 @@ class Budget : public Contract {
     module.tolerance = tolerance;
     make({module});
   }
-  /// One run of so many microseconds; whether it was an error.
+  /// Runs once for this many microseconds; returns whether that was an error.
   bool is_error(int us) {
     takes[0] = microseconds{us};
     cycle();
@@ -216,14 +217,14 @@ class Budget : public Contract {
   }
 };
 
-TEST_F(Budget, WithoutToleranceIsNeverToBeExceeded) {
+TEST_F(Budget, WithoutToleranceAnyExcessIsAnError) {
   make_with({});
   EXPECT_FALSE(is_error(100));
   EXPECT_TRUE(is_error(101));
   EXPECT_EQ(device->blocks[0].over_budget.load(), 1U);
 }
 
-TEST_F(Budget, ToleratesOneExcessUpToSoManyBudgets) {
+TEST_F(Budget, ToleratesAnExcessUpToAMultipleOfTheBudget) {
   make_with({.times = 3, .in_a_row = {}});
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(is_error(300));
   EXPECT_TRUE(is_error(301));
@@ -231,19 +232,19 @@ TEST_F(Budget, ToleratesOneExcessUpToSoManyBudgets) {
   EXPECT_EQ(device->blocks[0].over_budget.load(), 11U);
 }
 
-TEST_F(Budget, ToleratesExcessesUntilSoManyInARow) {
+TEST_F(Budget, ToleratesExcessesUpToANumberInARow) {
   make_with({.times = {}, .in_a_row = 3});
   EXPECT_FALSE(is_error(900));
   EXPECT_FALSE(is_error(101));
-  EXPECT_FALSE(is_error(100)) << "one that kept it";
+  EXPECT_FALSE(is_error(100)) << "a run within the budget ends the series";
   EXPECT_FALSE(is_error(101));
   EXPECT_FALSE(is_error(101));
   EXPECT_TRUE(is_error(101));
   EXPECT_EQ(device->blocks[0].error_text.view(), "run() took longer than its budget 3 times in a row");
-  EXPECT_FALSE(is_error(101)) << "counted afresh";
+  EXPECT_FALSE(is_error(101)) << "the count starts again";
 }
 
-TEST_F(Budget, ToleratesWhatBothTolerate) {
+TEST_F(Budget, ToleratesOnlyWhatBothLimitsAllow) {
   make_with({.times = 2, .in_a_row = 2});
   EXPECT_FALSE(is_error(200));
   EXPECT_TRUE(is_error(101));

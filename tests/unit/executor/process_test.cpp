@@ -1,5 +1,5 @@
-// Process units. The program is a thread here, but it and the executor share nothing but the slot and the
-// wake_word.
+// Process units. Here the program is a thread, but it shares only the slot and the wake word with the
+// executor.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(ProcessUnit, IsReleasedWithItsCycleAndInstant) {
+TEST(ProcessUnit, IsReleasedWithCycleAndReleaseTime) {
   FakeDevice device{{process(milliseconds{2}), thread(milliseconds{1})}};
   device.join();
   device.cycle();
@@ -25,7 +25,7 @@ TEST(ProcessUnit, IsReleasedWithItsCycleAndInstant) {
   EXPECT_EQ(slot.release_ns.load(), to_ns(device.t0));
   slot.done.store(1);
   device.cycle();
-  EXPECT_EQ(slot.released.load(), 1U) << "not due";
+  EXPECT_EQ(slot.released.load(), 1U) << "the program is not due";
   device.cycle();
   EXPECT_EQ(slot.released.load(), 2U);
   EXPECT_EQ(slot.cycle(slot.released.load()), 1U);
@@ -33,7 +33,7 @@ TEST(ProcessUnit, IsReleasedWithItsCycleAndInstant) {
   EXPECT_EQ(device.blocks[0].cycles.load(), 2U);
 }
 
-TEST(ProcessUnit, StillInItsBodyIsAnOverrunAndNoRelease) {
+TEST(ProcessUnit, CountsAnOverrunInsteadOfAReleaseWhileInItsBody) {
   FakeDevice device{{process(milliseconds{1})}};
   device.join();
   for (int i = 0; i < 4; ++i) device.cycle();
@@ -42,10 +42,11 @@ TEST(ProcessUnit, StillInItsBodyIsAnOverrunAndNoRelease) {
   EXPECT_EQ(device.blocks[0].overruns.load(), 3U);
   device.slots[0].done.store(1);
   device.cycle();
-  EXPECT_EQ(device.slots[0].cycle(device.slots[0].released.load()), 4U) << "a gap for every release missed";
+  EXPECT_EQ(device.slots[0].cycle(device.slots[0].released.load()), 4U)
+      << "the cycle numbers skip every missed release";
 }
 
-TEST(ProcessUnit, NotYetAtItsFirstWaitIsNotReleased) {
+TEST(ProcessUnit, IsNotReleasedBeforeItsFirstWait) {
   FakeDevice device{{process(milliseconds{1})}};
   device.slots[0].phase.store(channel::ReleaseSlotPhase::attached);
   device.join();
@@ -54,7 +55,7 @@ TEST(ProcessUnit, NotYetAtItsFirstWaitIsNotReleased) {
   EXPECT_EQ(device.blocks[0].cycles.load(), 0U);
 }
 
-TEST(ProcessUnit, OutOfTheTablesIsNotReleased) {
+TEST(ProcessUnit, IsNotReleasedOutOfTheTables) {
   FakeDevice device{{process(milliseconds{1})}};
   device.blocks[0].in_tables.store(0);
   device.join();
@@ -65,19 +66,19 @@ TEST(ProcessUnit, OutOfTheTablesIsNotReleased) {
   EXPECT_EQ(device.blocks[0].missed.load(), 0U);
 }
 
-TEST(ProcessUnit, ThatSleepsIsRungForOnce) {
+TEST(ProcessUnit, IsRungForOnceWhileItSleeps) {
   FakeDevice device{{process(milliseconds{1}), process(milliseconds{1}), process(milliseconds{1})}};
   device.slots[0].sleeping.store(1);
   device.slots[2].sleeping.store(1);
   device.join();
-  EXPECT_EQ(device.cycle(), channel::bell_bit(0) | channel::bell_bit(2));
-  EXPECT_EQ(device.cycle(), 0U) << "it was told; it has not even woken up";
+  EXPECT_EQ(device.cycle(), channel::wake_bit(0) | channel::wake_bit(2));
+  EXPECT_EQ(device.cycle(), 0U) << "it was rung for already, but has not yet woken up";
   EXPECT_EQ(device.blocks[0].cycles.load(), 1U);
   EXPECT_EQ(device.blocks[1].cycles.load(), 1U);
 }
 
-// Each side at its own speed, with the words that libtakt_process uses.
-TEST(ProcessUnit, ServesEachReleaseOnceWhateverTheProgramDoes) {
+// Both sides run at their own speed, with the memory words that libtakt_process uses.
+TEST(ProcessUnit, ServesEachReleaseOnceAtAnyProgramSpeed) {
   constexpr std::uint64_t kReleases = 20'000;
   FakeDevice device{{process(milliseconds{1})}};
   channel::ReleaseSlot& slot = device.slots[0];
@@ -96,7 +97,7 @@ TEST(ProcessUnit, ServesEachReleaseOnceWhateverTheProgramDoes) {
         const std::uint32_t rings = wake_word.rings.load();
         slot.sleeping.store(1);
         if (slot.released.load() == taken && slot.end.load() == 0)
-          os::futex_wait(wake_word.rings, rings, slot.bell_bit);
+          os::futex_wait(wake_word.rings, rings, slot.wake_bit);
         slot.sleeping.store(0);
       }
       EXPECT_EQ(slot.released.load(std::memory_order_acquire), taken + 1);

@@ -20,7 +20,7 @@ const char* hold(bool* ready) {
 
 class Sporadic : public testing::Test {
  protected:
-  /// A thread module each, beside a periodic one of 1 ms, which is module 0.
+  /// Makes one sporadic thread module for each deadline. Module 0 is periodic with 1 ms.
   void make(const std::vector<Nanoseconds>& deadlines) {
     std::vector<model::Module> modules{thread(milliseconds{1})};
     for (const Nanoseconds deadline : deadlines) modules.push_back(sporadic(kThread, deadline));
@@ -42,7 +42,7 @@ class Sporadic : public testing::Test {
   std::string ran;
 };
 
-TEST_F(Sporadic, IsNotRunWithoutItsCondition) {
+TEST_F(Sporadic, DoesNotRunWithoutItsCondition) {
   make({milliseconds{5}});
   EXPECT_EQ(device->cycle(), 0U);
   EXPECT_FALSE(device->executor->run_sporadic());
@@ -50,7 +50,7 @@ TEST_F(Sporadic, IsNotRunWithoutItsCondition) {
   EXPECT_EQ(ran, "0 ");
 }
 
-TEST_F(Sporadic, IsAskedAtTheEndOfARowAndOnlyThere) {
+TEST_F(Sporadic, IsCheckedOnlyAtTheEndOfARow) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = [this](bool* ready) {
     ran += "? ";
@@ -59,19 +59,19 @@ TEST_F(Sporadic, IsAskedAtTheEndOfARowAndOnlyThere) {
   };
   EXPECT_FALSE(device->executor->run_sporadic());
   EXPECT_EQ(device->cycle(), channel::kSporadicBit);
-  EXPECT_EQ(ran, "0 ? ") << "it is run by its own thread, not in the row";
+  EXPECT_EQ(ran, "0 ? ") << "the sporadic thread runs it, not the row";
   EXPECT_TRUE(device->executor->run_sporadic());
   EXPECT_FALSE(device->executor->run_sporadic());
   EXPECT_EQ(ran, "0 ? 1 ");
   EXPECT_EQ(device->blocks[1].cycles.load(), 1U);
 }
 
-TEST_F(Sporadic, IsToldTheRowThatReleasedIt) {
+TEST_F(Sporadic, SeesTheRowThatReleasedIt) {
   make({milliseconds{5}});
-  Cycle told;
+  Cycle seen;
   device->bodies[1].on_condition = hold;
-  device->bodies[1].on_run = [&told](const Cycle& cycle) {
-    told = cycle;
+  device->bodies[1].on_run = [&seen](const Cycle& cycle) {
+    seen = cycle;
     return nullptr;
   };
   device->cycle();
@@ -79,12 +79,12 @@ TEST_F(Sporadic, IsToldTheRowThatReleasedIt) {
   device->cycle(microseconds{10});
   device->clock.time += milliseconds{3};
   run_all();
-  EXPECT_EQ(told.number, 1U);
-  EXPECT_EQ(told.time, device->t0 + milliseconds{1});
-  EXPECT_EQ(told.period, milliseconds{1});
+  EXPECT_EQ(seen.number, 1U);
+  EXPECT_EQ(seen.time, device->t0 + milliseconds{1});
+  EXPECT_EQ(seen.period, milliseconds{1});
 }
 
-TEST_F(Sporadic, TheEarliestAbsoluteDeadlineGoesFirst) {
+TEST_F(Sporadic, RunsTheEarliestAbsoluteDeadlineFirst) {
   make({milliseconds{9}, milliseconds{3}, milliseconds{6}});
   device->bodies[1].on_condition = hold;
   device->cycle();  // 1 is due at 9 ms
@@ -101,7 +101,7 @@ TEST_F(Sporadic, TheEarliestAbsoluteDeadlineGoesFirst) {
   EXPECT_EQ(ran, "2 1 3 ");
 }
 
-TEST_F(Sporadic, EqualDeadlinesGoInTheOrderOfTheTable) {
+TEST_F(Sporadic, RunsEqualDeadlinesInTheOrderOfTheTable) {
   std::vector<model::Module> modules{thread(milliseconds{1}), sporadic(kThread, milliseconds{5}, 7),
                                      sporadic(kThread, milliseconds{5}, 3),
                                      sporadic(kThread, milliseconds{5}, 7)};
@@ -117,14 +117,14 @@ TEST_F(Sporadic, EqualDeadlinesGoInTheOrderOfTheTable) {
   fake.cycle();
   while (fake.executor->run_sporadic()) {
   }
-  EXPECT_EQ(ran, "2 1 3 ") << "by priority, then by the place in the file";
+  EXPECT_EQ(ran, "2 1 3 ") << "by priority, then by position in the file";
 }
 
-TEST_F(Sporadic, ThatIsReadyIsNotAskedAgain) {
+TEST_F(Sporadic, IsNotCheckedAgainWhileReady) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   EXPECT_EQ(device->cycle(), channel::kSporadicBit);
-  EXPECT_EQ(device->cycle(), 0U) << "the wake_word is rung once";
+  EXPECT_EQ(device->cycle(), 0U) << "the wake word is rung once";
   device->cycle();
   EXPECT_EQ(device->bodies[1].asked, 1);
   run_all();
@@ -133,7 +133,7 @@ TEST_F(Sporadic, ThatIsReadyIsNotAskedAgain) {
   EXPECT_EQ(device->blocks[1].cycles.load(), 1U);
 }
 
-TEST_F(Sporadic, ThatRunsIsNotAskedByTheRowThatPreemptsIt) {
+TEST_F(Sporadic, IsNotCheckedByARowThatPreemptsIt) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   device->bodies[1].on_run = [this](const Cycle&) {
@@ -148,7 +148,7 @@ TEST_F(Sporadic, ThatRunsIsNotAskedByTheRowThatPreemptsIt) {
   EXPECT_EQ(device->block->sporadic.module.load(), 0U);
 }
 
-TEST_F(Sporadic, PastItsDeadlineCountsAnOverrun) {
+TEST_F(Sporadic, CountsAnOverrunPastItsDeadline) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   Nanoseconds takes = milliseconds{5} - microseconds{20};
@@ -168,7 +168,7 @@ TEST_F(Sporadic, PastItsDeadlineCountsAnOverrun) {
   EXPECT_EQ(device->blocks[1].errors.load(), 0U);
 }
 
-TEST_F(Sporadic, AnErrorInItsConditionTakesItOutOfTheTables) {
+TEST_F(Sporadic, IsTakenOutAfterAnErrorInItsCondition) {
   make({milliseconds{5}, milliseconds{5}});
   device->bodies[1].on_condition = [](bool* ready) {
     *ready = true;
@@ -188,16 +188,16 @@ TEST_F(Sporadic, AnErrorInItsConditionTakesItOutOfTheTables) {
   EXPECT_EQ(block.errors.load(), 1U);
 }
 
-TEST_F(Sporadic, IsNotRunWhenItWasTakenFromTheTablesInBetween) {
+TEST_F(Sporadic, DoesNotRunAfterItWasTakenOutOfTheTables) {
   make({milliseconds{5}});
   device->bodies[1].on_condition = hold;
   device->cycle();
   device->blocks[1].in_tables.store(0);
-  EXPECT_TRUE(device->executor->run_sporadic()) << "it was ready";
+  EXPECT_TRUE(device->executor->run_sporadic()) << "it was still ready";
   EXPECT_EQ(ran, "0 ");
   EXPECT_EQ(device->blocks[1].cycles.load(), 0U);
   device->cycle();
-  EXPECT_EQ(device->bodies[1].asked, 1) << "what is out of the tables is not asked";
+  EXPECT_EQ(device->bodies[1].asked, 1) << "the condition is not checked out of the tables";
 
   device->blocks[1].in_tables.store(1);
   device->cycle();
@@ -205,7 +205,7 @@ TEST_F(Sporadic, IsNotRunWhenItWasTakenFromTheTablesInBetween) {
   EXPECT_EQ(ran, "0 0 0 1 ");
 }
 
-TEST_F(Sporadic, PastItsBudgetIsTakenOut) {
+TEST_F(Sporadic, IsTakenOutPastItsBudget) {
   model::Module module = sporadic(kThread, milliseconds{5});
   module.budget = microseconds{100};
   FakeDevice fake{{thread(milliseconds{1}), module}};
@@ -221,7 +221,7 @@ TEST_F(Sporadic, PastItsBudgetIsTakenOut) {
   EXPECT_EQ(fake.blocks[1].in_tables.load(), 0U);
 }
 
-TEST_F(Sporadic, AProgramIsReleasedEachRowThatFindsItWaiting) {
+TEST_F(Sporadic, ReleasesAProgramInEachRowThatFindsItWaiting) {
   FakeDevice fake{{sporadic(kProcess, milliseconds{10})}};
   channel::ReleaseSlot& slot = fake.slots[0];
   fake.join();

@@ -18,7 +18,7 @@ std::vector<LateStart> judged(const Made& made) {
   return late_starts(made.recording, 0, line);
 }
 
-/// A hundred good rows, one that begins 300 us late, a hundred more.
+/// A hundred rows on time, one that begins 300 us late, and a hundred more on time.
 Made one_late_row() {
   Made made;
   made.good(0, 100);
@@ -27,20 +27,20 @@ Made one_late_row() {
   return made;
 }
 
-TEST(Causes, ThereAreNoneWhereNothingIsLate) {
+TEST(Causes, FindNothingIfNothingIsLate) {
   Made made;
   made.good(0, 1000);
   EXPECT_TRUE(judged(made).empty());
 }
 
-TEST(Causes, OfNothingThereAreNone) {
+TEST(Causes, FindNothingInAnEmptyRecording) {
   EXPECT_TRUE(judged(Made{}).empty());
   Made one;
   one.good(5, 1);
   EXPECT_TRUE(judged(one).empty());
 }
 
-TEST(Causes, TheThresholdIsExact) {
+TEST(Causes, UseAnExactThreshold) {
   for (const std::int64_t late : {20 * kUs, 20 * kUs + 1}) {
     Made made;
     made.good(0, 10);
@@ -49,7 +49,7 @@ TEST(Causes, TheThresholdIsExact) {
   }
 }
 
-TEST(Causes, WhatIsUsualIsNotLate) {
+TEST(Causes, DoNotCountUsualLateness) {
   Made made;
   for (std::int64_t i = 0; i < 100; ++i) made.row(i * kMs, (15 + i % 10) * kUs, {{0, 40 * kUs}});
   made.row(100 * kMs, 190 * kUs, {{0, 40 * kUs}});
@@ -58,7 +58,7 @@ TEST(Causes, WhatIsUsualIsNotLate) {
   EXPECT_EQ(judged(made).size(), 1U);
 }
 
-TEST(Causes, OwnOverrunNamesTheModuleThatTookLonger) {
+TEST(Causes, NameTheModuleThatCausedAnOwnOverrun) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 40 * kUs}, {1, 1500 * kUs}});
@@ -74,7 +74,7 @@ TEST(Causes, OwnOverrunNamesTheModuleThatTookLonger) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "m1 ran 1.50 ms in the row before (usually 60.0 us)");
 }
 
-TEST(Causes, RowsThatWereMissedCountFromTheFirstOfThem) {
+TEST(Causes, MeasureTheDelayFromTheFirstMissedRow) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 3100 * kUs}});
@@ -86,7 +86,7 @@ TEST(Causes, RowsThatWereMissedCountFromTheFirstOfThem) {
   EXPECT_EQ(late[0].cause, Cause::own_overrun);
 }
 
-TEST(Causes, AModuleBehindALongOneIsLateByIt) {
+TEST(Causes, BlameAPredecessorThatTookTooLong) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 440 * kUs}, {1, 60 * kUs}});
@@ -100,7 +100,7 @@ TEST(Causes, AModuleBehindALongOneIsLateByIt) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "m0 ran 440 us before it (usually 40.0 us)");
 }
 
-TEST(Causes, TheBudgetIsSaidBesideTheTime) {
+TEST(Causes, ShowTheBudgetOfTheCulprit) {
   Made made;
   made.recording.modules[0].budget = 50us;
   made.good(0, 100);
@@ -109,13 +109,13 @@ TEST(Causes, TheBudgetIsSaidBesideTheTime) {
             "m0 ran 440 us before it (usually 40.0 us, budget 50.0 us)");
 }
 
-TEST(Causes, WithoutSamplesTheyAreUnknown) {
+TEST(Causes, AreUnknownWithoutSamples) {
   const auto late = judged(one_late_row());
   ASSERT_EQ(late.size(), 1U);
   EXPECT_EQ(late[0].cause, Cause::unknown);
 }
 
-TEST(Causes, SamplesOnOneSideOnlySayNothing) {
+TEST(Causes, AreUnknownWithSamplesOnOneSideOnly) {
   for (const std::int64_t at : {99 * kMs, 102 * kMs}) {
     Made made = one_late_row();
     made.sample(at);
@@ -123,14 +123,14 @@ TEST(Causes, SamplesOnOneSideOnlySayNothing) {
   }
 }
 
-TEST(Causes, AWakeUpIsLateWhereNothingElseIsSeen) {
+TEST(Causes, BlameTheWakeUpIfNothingElseIsSeen) {
   Made made = one_late_row();
   made.sample(99 * kMs);
   made.sample(102 * kMs);
   EXPECT_EQ(judged(made)[0].cause, Cause::wake_up);
 }
 
-TEST(Causes, PreemptionIsWhatItWaitedForItsProcessor) {
+TEST(Causes, BlamePreemptionForTimeSpentWaitingForACpu) {
   Made made = one_late_row();
   made.sample(99 * kMs).waited = 1ms;
   made.sample(102 * kMs).waited = 1290us;
@@ -138,16 +138,16 @@ TEST(Causes, PreemptionIsWhatItWaitedForItsProcessor) {
   made.sample(200 * kMs).waited = 1290us;
   const auto late = judged(made);
   EXPECT_EQ(late[0].cause, Cause::preemption);
-  EXPECT_EQ(in_words(late[0], made.recording.modules), "waited 290 us for a processor");
+  EXPECT_EQ(in_words(late[0], made.recording.modules), "waited 290 us for a CPU");
 }
 
-TEST(Causes, WhatWakingUpAlwaysWaitsIsNoPreemption) {
+TEST(Causes, IgnoreTheUsualWaitOfAWakeUp) {
   Made made = one_late_row();
   for (std::int64_t i = 0; i < 10; ++i) made.sample((93 + 2 * i) * kMs).waited = 290us * i;
   EXPECT_EQ(judged(made)[0].cause, Cause::wake_up);
 }
 
-TEST(Causes, AProcessThatIsStoppedIsPreempted) {
+TEST(Causes, TreatAStoppedProcessAsPreempted) {
   Made made = one_late_row();
   made.sample(99 * kMs);
   made.sample(100 * kMs + 100 * kUs).stopped = true;
@@ -155,7 +155,7 @@ TEST(Causes, AProcessThatIsStoppedIsPreempted) {
   EXPECT_EQ(judged(made)[0].cause, Cause::preemption);
 }
 
-TEST(Causes, PageFaultsCountByTheirNumber) {
+TEST(Causes, WeighPageFaultsByTheirNumber) {
   Made made = one_late_row();
   made.sample(99 * kMs).minor_faults = 1000;
   made.sample(102 * kMs).minor_faults = 1200;
@@ -164,7 +164,7 @@ TEST(Causes, PageFaultsCountByTheirNumber) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "200 page faults");
 }
 
-TEST(Causes, AFewPageFaultsDoNotMakeALongDelay) {
+TEST(Causes, DoNotBlameAFewPageFaultsForALongDelay) {
   Made made = one_late_row();
   made.sample(99 * kMs);
   made.sample(102 * kMs).minor_faults = 3;
@@ -173,7 +173,7 @@ TEST(Causes, AFewPageFaultsDoNotMakeALongDelay) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "3 page faults");
 }
 
-TEST(Causes, StealOnItsProcessorIsTheHypervisor) {
+TEST(Causes, BlameTheHypervisorForStealOnItsCpu) {
   Made made = one_late_row();
   made.sample(99 * kMs, 50ms);
   made.sample(102 * kMs, 60ms);
@@ -182,7 +182,7 @@ TEST(Causes, StealOnItsProcessorIsTheHypervisor) {
   EXPECT_EQ(in_words(late[0], made.recording.modules), "the hypervisor took 10.0 ms");
 }
 
-TEST(Causes, StealOnAnotherProcessorIsNot) {
+TEST(Causes, IgnoreStealOnAnotherCpu) {
   Made made = one_late_row();
   made.sample(99 * kMs);
   made.sample(102 * kMs);
@@ -190,7 +190,7 @@ TEST(Causes, StealOnAnotherProcessorIsNot) {
   EXPECT_EQ(judged(made)[0].cause, Cause::wake_up);
 }
 
-TEST(Causes, OfTwoInOneWindowTheGreaterIsMeantAndBothAreSaid) {
+TEST(Causes, BlameTheGreaterOfTwoAndShowBoth) {
   for (const bool steal : {false, true}) {
     Made made = one_late_row();
     made.sample(99 * kMs);
@@ -201,12 +201,12 @@ TEST(Causes, OfTwoInOneWindowTheGreaterIsMeantAndBothAreSaid) {
     const auto late = judged(made);
     EXPECT_EQ(late[0].cause, steal ? Cause::hypervisor : Cause::preemption);
     EXPECT_EQ(in_words(late[0], made.recording.modules),
-              std::string{"waited 250 us for a processor; 80 page faults"} +
+              std::string{"waited 250 us for a CPU; 80 page faults"} +
                   (steal ? "; the hypervisor took 10.0 ms" : ""));
   }
 }
 
-TEST(Causes, ARunThatWasInterruptedIsNotToBlame) {
+TEST(Causes, DoNotBlameARunThatWasInterrupted) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 1940 * kUs}, {1, 60 * kUs}});
@@ -222,7 +222,7 @@ TEST(Causes, ARunThatWasInterruptedIsNotToBlame) {
             "m0 ran 1.94 ms in the row before (usually 40.0 us); 1 row missed; 2000 page faults");
 }
 
-TEST(Causes, ARowBehindALateOneHasItsCause) {
+TEST(Causes, PassOnTheCauseToTheNextLateRow) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 950 * kUs, {{0, 40 * kUs}, {1, 60 * kUs}});
@@ -235,7 +235,7 @@ TEST(Causes, ARowBehindALateOneHasItsCause) {
   EXPECT_EQ(late[1].cause, Cause::wake_up);
 }
 
-TEST(Causes, TheRowsOfANewHostAreNotLate) {
+TEST(Causes, DoNotCountTheFirstRowsOfANewHost) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 40 * kUs}}, false);
@@ -243,7 +243,7 @@ TEST(Causes, TheRowsOfANewHostAreNotLate) {
   EXPECT_TRUE(judged(made).empty());
 }
 
-TEST(Causes, EachHasAWordOfItsOwn) {
+TEST(Causes, HaveDistinctTexts) {
   std::set<std::string> words;
   for (const Cause cause : kCauses) words.insert(to_text(cause));
   EXPECT_EQ(words.size(), kCauses.size());

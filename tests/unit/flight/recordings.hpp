@@ -1,4 +1,4 @@
-// Made-up recordings: rows that are written as an executor would.
+// Makes artificial recordings, with rows as an executor would write them.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ class Made {
         {.name = "plc", .basic_period = std::chrono::milliseconds{1}, .threads = {}});
   }
 
-  /// A row that is due at `release` and begins that much later; its runs follow each other.
+  /// Adds a row that is due at `release` and begins `late` later; its runs follow each other.
   std::int64_t row(std::int64_t release_ns, std::int64_t late_ns,
                    std::initializer_list<std::pair<std::uint32_t, std::int64_t>> runs, bool ends = true) {
     std::int64_t now = release_ns + late_ns;
@@ -37,7 +37,7 @@ class Made {
     recording.taken_ns = now;
     return now;
   }
-  /// As many rows as they should be, from the millisecond `first` on: 100 us each.
+  /// Adds `count` rows on time, from the millisecond `first` on, of 100 us each.
   void good(std::int64_t first, std::int64_t count) {
     for (std::int64_t i = first; i < first + count; ++i) row(i * kMs, 100, {{0, 40 * kUs}, {1, 60 * kUs}});
   }
@@ -46,7 +46,7 @@ class Made {
     copy.entries.push_back({time_ns, kind, module, static_cast<std::uint64_t>(value)});
     ++copy.written;
   }
-  /// What the kernel had counted by then for the thread of rows, on processor 1.
+  /// Adds a sample of the kernel's counters for the thread of rows, on CPU 1.
   os::ThreadUse& sample(std::int64_t time_ns, Nanoseconds stolen = {}) {
     Sample sample{.time_ns = time_ns, .threads = {}, .stolen = {Nanoseconds{0}, stolen}};
     sample.threads.push_back({os::ThreadUse{.cpu = 1}, std::nullopt});

@@ -15,7 +15,7 @@ Timeline read(const Made& made, std::int64_t from_ns = 0) {
   return timeline_of(made.recording.executors[0].threads[0], true, from_ns);
 }
 
-TEST(Timeline, OfNothingIsEmpty) {
+TEST(Timeline, IsEmptyForAnEmptyRecording) {
   const Timeline line = read(Made{});
   EXPECT_TRUE(line.rows.empty() && line.runs.empty() && line.marks.empty() && line.bodies.empty());
 }
@@ -36,7 +36,7 @@ TEST(Timeline, HasTheRunsOfEachRow) {
   EXPECT_TRUE(line.rows[1].ended);
 }
 
-TEST(Timeline, LeavesOutARowWhoseBeginningWasOverwritten) {
+TEST(Timeline, OmitsARowWhoseBeginningWasOverwritten) {
   Made made;
   made.add(FlightKind::run, 4 * kMs, 1, 10);
   made.add(FlightKind::write, 4 * kMs, 1, 0);
@@ -48,7 +48,7 @@ TEST(Timeline, LeavesOutARowWhoseBeginningWasOverwritten) {
   EXPECT_TRUE(line.marks.empty());
 }
 
-TEST(Timeline, BeginsWithTheFirstRowThatIsAskedFor) {
+TEST(Timeline, BeginsWithTheFirstRequestedRow) {
   Made made;
   made.good(0, 10);
   EXPECT_EQ(read(made, 5 * kMs).rows.size(), 5U);
@@ -56,7 +56,7 @@ TEST(Timeline, BeginsWithTheFirstRowThatIsAskedFor) {
   EXPECT_EQ(read(made, 50 * kMs).rows.size(), 0U);
 }
 
-TEST(Timeline, WhatARunWroteHasTheTimeOfItsBeginning) {
+TEST(Timeline, GivesSamplesTheBeginningOfTheirRun) {
   Made made;
   made.add(FlightKind::row, 5 * kMs, 0, 0);
   made.add(FlightKind::event, 1, 1, 3);
@@ -70,7 +70,7 @@ TEST(Timeline, WhatARunWroteHasTheTimeOfItsBeginning) {
   EXPECT_EQ(line.marks[1].value, 4U);
 }
 
-TEST(Timeline, ARowThatItsHostDiedInHasTheRunThatItDiedIn) {
+TEST(Timeline, KeepsTheUnfinishedRunAfterAHostCrash) {
   Made made;
   made.row(5 * kMs, 0, {{0, 40 * kUs}}, false);
   made.recording.executors[0].threads[0].open.push_back({.module = 2,
@@ -89,7 +89,7 @@ TEST(Timeline, ARowThatItsHostDiedInHasTheRunThatItDiedIn) {
   EXPECT_TRUE(line.rows[1].ended);
 }
 
-TEST(Timeline, ARunThatHasEndedMeanwhileIsNotThereTwice) {
+TEST(Timeline, DoesNotRepeatARunThatHasEndedMeanwhile) {
   Made made;
   made.row(5 * kMs, 0, {{0, 40 * kUs}, {1, 50 * kUs}}, false);
   made.recording.executors[0].threads[0].open.push_back(
@@ -97,7 +97,7 @@ TEST(Timeline, ARunThatHasEndedMeanwhileIsNotThereTwice) {
   EXPECT_EQ(read(made).runs.size(), 2U);
 }
 
-TEST(Timeline, ABodyThatTwoHostsHaveSeenIsThereOnce) {
+TEST(Timeline, ListsABodyThatTwoHostsRecordedOnce) {
   Made made;
   for (const std::int64_t ended : {3 * kMs, 3 * kMs, 4 * kMs}) {
     made.add(FlightKind::row, 5 * kMs, 0, 0);
@@ -109,7 +109,7 @@ TEST(Timeline, ABodyThatTwoHostsHaveSeenIsThereOnce) {
   EXPECT_EQ(line.bodies[1].end_ns, 4 * kMs);
 }
 
-TEST(Timeline, RunsOfSporadicModulesNeedNoRow) {
+TEST(Timeline, ListsRunsOfSporadicModulesWithoutRows) {
   Made made;
   auto& thread = made.recording.executors[0].threads[1];
   thread.copy.entries = {

@@ -20,7 +20,7 @@ constexpr std::int64_t kMs = Made::kMs;
 constexpr std::int64_t kUs = Made::kUs;
 constexpr std::size_t kPlenty = 1U << 30;
 
-/// What Chrome and Perfetto need of each event, and what is true of a thread: nothing overlaps, every run
+/// Checks what Chrome and Perfetto need in each event, and that in a thread nothing overlaps and every run
 /// lies in a row.
 void expect_sound(const json& trace) {
   struct Span {
@@ -72,7 +72,7 @@ std::vector<json> of_category(const json& trace, const std::string& category) {
   return found;
 }
 
-TEST(Trace, OfNothingIsATrace) {
+TEST(Trace, IsValidForAnEmptyRecording) {
   Made made;
   const json trace = json::parse(trace_json(made.recording, kPlenty));
   expect_sound(trace);
@@ -81,7 +81,7 @@ TEST(Trace, OfNothingIsATrace) {
   EXPECT_TRUE(of_category(trace, "row").empty());
 }
 
-TEST(Trace, HasEveryRowRunWriteAndChange) {
+TEST(Trace, ContainsEveryRowRunWriteAndChange) {
   Made made;
   made.recording.modules[1].ports = {"in", "speed"};
   made.good(0, 10);
@@ -105,7 +105,7 @@ TEST(Trace, HasEveryRowRunWriteAndChange) {
   ASSERT_EQ(of_category(trace, "write").size(), 1U);
   EXPECT_EQ(of_category(trace, "write")[0]["name"], "write m1.speed");
   EXPECT_EQ(of_category(trace, "event")[0]["name"], "event m1.port 9");
-  EXPECT_EQ(of_category(trace, "release")[0]["args"]["release"], "left out: it is still in its body");
+  EXPECT_EQ(of_category(trace, "release")[0]["args"]["release"], "dropped: the program is still in its body");
   ASSERT_EQ(of_category(trace, "swap").size(), 1U);
   EXPECT_EQ(of_category(trace, "swap")[0]["name"], "swapped m1");
   EXPECT_DOUBLE_EQ(of_category(trace, "swap")[0]["ts"], 10000);
@@ -117,7 +117,7 @@ TEST(Trace, HasEveryRowRunWriteAndChange) {
   EXPECT_DOUBLE_EQ(of_category(trace, "row")[1]["args"]["release_us"], 1000);
 }
 
-TEST(Trace, SaysTheCauseAtWhatWasLate) {
+TEST(Trace, ShowsTheCauseOfEachLateStart) {
   Made made;
   made.good(0, 100);
   made.row(100 * kMs, 100, {{0, 1540 * kUs}, {1, 60 * kUs}});
@@ -140,7 +140,7 @@ TEST(Trace, SaysTheCauseAtWhatWasLate) {
   EXPECT_EQ(trace["otherData"]["threads"][0]["late"], 2);
 }
 
-TEST(Trace, OneThatWouldBeTooLongKeepsTheNewest) {
+TEST(Trace, KeepsTheNewestPartIfItWouldBeTooLong) {
   Made made;
   made.good(0, 1000);
   made.recording.last = std::chrono::seconds{1};
@@ -155,7 +155,7 @@ TEST(Trace, OneThatWouldBeTooLongKeepsTheNewest) {
   EXPECT_NEAR(rows.back()["ts"].get<double>(), trace["otherData"]["lasts_us"].get<double>() - 100, 1);
 }
 
-TEST(Trace, CountsWhatWasLost) {
+TEST(Trace, CountsLostEntries) {
   Made made;
   made.good(0, 3);
   made.recording.executors[0].threads[0].copy.lost = 4;
@@ -165,7 +165,7 @@ TEST(Trace, CountsWhatWasLost) {
   EXPECT_EQ(trace["otherData"]["threads"][0]["older"], 6);
 }
 
-TEST(Trace, IsSoundWhateverTheRingHolds) {
+TEST(Trace, IsValidForAnyContentOfTheRing) {
   std::mt19937 random{3};
   const auto any = [&random](std::int64_t most) {
     return std::uniform_int_distribution<std::int64_t>{0, most}(random);

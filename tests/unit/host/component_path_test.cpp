@@ -24,7 +24,7 @@ class ComponentPath : public testing::Test {
     require_of_components(nullptr);
     fs::remove_all(folder_);
   }
-  [[nodiscard]] std::string wrong() const {
+  [[nodiscard]] std::string problem() const {
     const auto found = find_component("servo.so", (folder_ / "cell.xml").string());
     return found ? "" : to_text(found.problems());
   }
@@ -34,25 +34,25 @@ class ComponentPath : public testing::Test {
   std::string file_ = (folder_ / "servo.so").string();
 };
 
-TEST_F(ComponentPath, FindsWhatLiesBesideTheDescriptor) { EXPECT_EQ(wrong(), ""); }
+TEST_F(ComponentPath, FindsAFileBesideTheDescriptor) { EXPECT_EQ(problem(), ""); }
 
-TEST_F(ComponentPath, WhatEverybodyMayWriteIsRefusedWithTheCure) {
+TEST_F(ComponentPath, RejectsAFileOrFolderThatEverybodyMayWriteTo) {
   fs::permissions(file_, fs::perms::others_write, fs::perm_options::add);
-  EXPECT_THAT(wrong(), HasSubstr("everybody may write to " + file_ + "; chmod o-w " + file_));
+  EXPECT_THAT(problem(), HasSubstr("everybody may write to " + file_ + "; chmod o-w " + file_));
   fs::permissions(file_, fs::perms::others_write, fs::perm_options::remove);
   fs::permissions(folder_, fs::perms::others_write, fs::perm_options::add);
-  EXPECT_THAT(wrong(), HasSubstr("everybody may write to " + folder_.string() + "; chmod o-w"));
+  EXPECT_THAT(problem(), HasSubstr("everybody may write to " + folder_.string() + "; chmod o-w"));
 }
 
-TEST_F(ComponentPath, MoreMayBeRequired) {
+TEST_F(ComponentPath, AppliesAnAdditionalCheck) {
   require_of_components([](const std::string& path) -> Result<void> { return fail("no " + path); });
-  EXPECT_THAT(wrong(), HasSubstr("no " + file_));
+  EXPECT_THAT(problem(), HasSubstr("no " + file_));
   require_of_components([](const std::string&) -> Result<void> {
     return Problem{"signer.pem", "there is no such file", ""};
   });
-  EXPECT_THAT(wrong(), HasSubstr("signer.pem: there is no such file"));
+  EXPECT_THAT(problem(), HasSubstr("signer.pem: there is no such file"));
   require_of_components([](const std::string&) { return Result<void>{}; });
-  EXPECT_EQ(wrong(), "");
+  EXPECT_EQ(problem(), "");
 }
 
 }  // namespace

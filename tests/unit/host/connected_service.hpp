@@ -1,4 +1,4 @@
-// A client and the links to a service, as the host would make them.
+// A client and its links to a service, made as the host makes them.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace takt {
 
-/// The memory of a link, and its values where it carries some.
+/// The memory of a link, and its values if it is typed.
 class TestLink {
  public:
   TestLink(PortBase& from, PortBase& to, bool as_objects, std::uint32_t depth = 8,
@@ -25,7 +25,7 @@ class TestLink {
     channel::Link::format(start, options);
     link = channel::Link{start};
     void* values = as_objects ? from.make_values(link.buffers()) : nullptr;
-    // They are for ever, as the host's are; whoever looks for leaks is to find them.
+    // Values are never freed, like the host's. This list lets the leak checker reach them.
     static auto& kept = *new std::vector<void*>;
     kept.push_back(values);
     from.connect(link, values);
@@ -47,7 +47,7 @@ inline PortBase& port_of(const Component& component, const std::string& name) {
   TAKT_CHECK(false);
 }
 
-/// Component is left without what it must have.
+/// Implements the pure virtual functions of Component.
 struct Plain : Component {
   void run(const Cycle&) override {}
 };
@@ -57,7 +57,7 @@ struct Asking : Plain {
   Client<T, T> ask{*this, "ask"};
 };
 
-/// Ties a client's module to the service NAME of another.
+/// Connects a client module to the service NAME of another module.
 struct ConnectedService {
   ConnectedService(Component& client, Component& server, const std::string& name, bool as_objects,
                    std::uint32_t wake_bits = 0)

@@ -8,7 +8,7 @@
 namespace takt::host::description_test {
 namespace {
 
-TEST(Description, OfPropertiesIsReadFromWhatAProgramSays) {
+TEST(Description, ReadsThePropertiesThatAProgramReports) {
   const auto read = parse_properties(
       R"([{"name":"speed","type":"double","default":"0.5","range":"0 to 2","min":"0","max":"2","unit":"m/s","text":"Of \"it\"."}])");
   ASSERT_TRUE(read.ok());
@@ -17,12 +17,12 @@ TEST(Description, OfPropertiesIsReadFromWhatAProgramSays) {
   EXPECT_TRUE(parse_properties("[]").value().empty());
 }
 
-TEST(Description, OfPropertiesThatIsNoneIsRefused) {
+TEST(Description, RejectsMalformedPropertyLists) {
   for (const char* text : {"", "{}", "[1]", R"([{"type":"double"}])", "[", "[{\"name\":3}]"})
     EXPECT_FALSE(parse_properties(text)) << text;
 }
 
-TEST(Description, AsJsonHasBoundsAsNumbersAndNullWithout) {
+TEST(Description, WritesBoundsAsJsonNumbersAndMissingOnesAsNull) {
   const auto object =
       nlohmann::json::parse(to_json({.name = "n",
                                      .text = "t",
@@ -44,7 +44,7 @@ TEST(Description, AsJsonHasBoundsAsNumbersAndNullWithout) {
     EXPECT_EQ(object[member], value);
 }
 
-TEST(Description, OnlyAComponentInCppWithoutPropertiesTakesNone) {
+TEST(Description, AcceptsAnyPropertyForACModuleWithoutDeclarations) {
   EXPECT_FALSE((Description{.interface = "c++"}.takes_any_property()));
   EXPECT_TRUE((Description{.interface = "c"}.takes_any_property()));
   EXPECT_FALSE((Description{.interface = "process", .properties = {{.name = "a"}}}.takes_any_property()));

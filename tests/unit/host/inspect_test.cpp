@@ -9,7 +9,7 @@ namespace {
 using testing::ElementsAre;
 using testing::StartsWith;
 
-/// Two modules, and a connection from a port of the one to a port of the other.
+/// Two modules, and a connection from a port of the first to a port of the second.
 model::Cell cell_of(const std::string& first, const std::string& second) {
   model::Cell cell;
   cell.name = "cell";
@@ -32,7 +32,7 @@ model::Cell cell_of(const std::string& first, const std::string& second) {
   return cell;
 }
 
-std::vector<std::string> told(const model::Cell& cell) {
+std::vector<std::string> problems_of(const model::Cell& cell) {
   std::vector<std::string> lines;
   const auto components = check_components(cell);
   if (components) return lines;
@@ -40,8 +40,8 @@ std::vector<std::string> told(const model::Cell& cell) {
   return lines;
 }
 
-TEST(CheckComponents, SaysNothingOfThePortsOfAComponentThatIsRefused) {
-  EXPECT_THAT(told(cell_of(TAKT_OBJECT_WITHOUT_RUN, "no_such_file.so")),
+TEST(CheckComponents, ReportsNoPortProblemsOfARejectedComponent) {
+  EXPECT_THAT(problems_of(cell_of(TAKT_OBJECT_WITHOUT_RUN, "no_such_file.so")),
               ElementsAre(StartsWith("cell.xml:3: error: module first: " TAKT_OBJECT_WITHOUT_RUN
                                      " has no function run()"),
                           StartsWith("cell.xml:4: error: module second: there is no file no_such_file.so")));

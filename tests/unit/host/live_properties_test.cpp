@@ -1,4 +1,4 @@
-// Properties that are set while their component runs.
+// Setting properties of a component while it runs.
 #include <takt/host/live_properties.hpp>
 
 #include <takt/component.hpp>
@@ -26,31 +26,31 @@ struct Drive : Component {
   void run(const Cycle&) noexcept override {}
 };
 
-class LivePropertiesOfADrive : public testing::Test {
+class LivePropertiesTest : public testing::Test {
  protected:
   void SetUp() override { live.serve(drive.properties(), "Drive"); }
   std::string reason(const LiveProperties::Values& values) {
     const auto set = live.set(values);
     return set ? "" : to_text(set.problems());
   }
-  std::string told(const std::string& name) { return live.get(name).value(); }
+  std::string value_of(const std::string& name) { return live.get(name).value(); }
 
   Drive drive;
   LiveProperties live;
 };
 
-TEST_F(LivePropertiesOfADrive, AreSeenFromTheNextCallOnAndNoSooner) {
+TEST_F(LivePropertiesTest, TakeEffectAtTheNextCallAndNotBefore) {
   ASSERT_EQ(reason({{"gain", "2.5"}}), "");
-  EXPECT_EQ(drive.gain, 1.5) << "a call may be going on";
-  EXPECT_EQ(told("gain"), "2.5");
+  EXPECT_EQ(drive.gain, 1.5) << "a call may be in progress";
+  EXPECT_EQ(value_of("gain"), "2.5");
   live.take_over();
   EXPECT_EQ(drive.gain, 2.5);
-  EXPECT_EQ(told("gain"), "2.5");
+  EXPECT_EQ(value_of("gain"), "2.5");
   live.take_over();
-  EXPECT_EQ(drive.gain, 2.5) << "it is taken over once";
+  EXPECT_EQ(drive.gain, 2.5) << "a value is taken over only once";
 }
 
-TEST_F(LivePropertiesOfADrive, OfSeveralSetBeforeACallAreAllSeenByItAndTheLastOfEach) {
+TEST_F(LivePropertiesTest, TakeEffectTogetherWithTheLastValueOfEach) {
   ASSERT_EQ(reason({{"gain", "2"}}), "");
   ASSERT_EQ(reason({{"label", "first"}}), "");
   ASSERT_EQ(reason({{"label", "second"}, {"low", "-4"}}), "");
@@ -60,34 +60,34 @@ TEST_F(LivePropertiesOfADrive, OfSeveralSetBeforeACallAreAllSeenByItAndTheLastOf
   EXPECT_EQ(drive.low, -4);
 }
 
-TEST_F(LivePropertiesOfADrive, AreRefusedWithTheirRangeAndWhatWaitsStays) {
+TEST_F(LivePropertiesTest, RejectAValueOutOfRangeAndKeepTheWaitingOne) {
   ASSERT_EQ(reason({{"gain", "2"}}), "");
   EXPECT_EQ(reason({{"gain", "100.5"}}),
             "error: property 'gain' cannot be '100.5'; it takes a number, 0 to 100, in 1/s");
-  EXPECT_EQ(told("gain"), "2");
+  EXPECT_EQ(value_of("gain"), "2");
   live.take_over();
   EXPECT_EQ(drive.gain, 2);
 }
 
-TEST_F(LivePropertiesOfADrive, OfOneRequestAreAllSetOrNone) {
+TEST_F(LivePropertiesTest, AreSetAllOrNoneForOneRequest) {
   EXPECT_EQ(reason({{"gain", "3"}, {"high", "0"}, {"speed", "1"}, {"low", "7"}}),
             "error: property 'high' cannot be '0'; it takes a whole number, at least 1\n"
             "error: component Drive has no property 'speed'; it can be low, high, gain or label");
   live.take_over();
   EXPECT_EQ(drive.gain, 1.5);
   EXPECT_EQ(drive.low, 0);
-  EXPECT_EQ(told("gain"), "1.5");
+  EXPECT_EQ(value_of("gain"), "1.5");
 }
 
-TEST_F(LivePropertiesOfADrive, AreToldByNameAndAnotherIsNone) {
-  EXPECT_EQ(told("low"), "0");
+TEST_F(LivePropertiesTest, AreReadByNameAndRejectAnUnknownName) {
+  EXPECT_EQ(value_of("low"), "0");
   const auto none = live.get("Gain\n");
   ASSERT_FALSE(none);
   EXPECT_EQ(to_text(none.problems()),
             R"(error: component Drive has no property 'Gain\n'; did you mean gain?)");
 }
 
-TEST_F(LivePropertiesOfADrive, OfAComponentThatIsLoadedAfreshWaitForNobody) {
+TEST_F(LivePropertiesTest, DropWaitingValuesWhenTheComponentIsReloaded) {
   ASSERT_EQ(reason({{"gain", "9"}}), "");
   Drive fresh;
   live.serve(fresh.properties(), "Drive");
@@ -96,15 +96,15 @@ TEST_F(LivePropertiesOfADrive, OfAComponentThatIsLoadedAfreshWaitForNobody) {
   EXPECT_EQ(drive.gain, 1.5);
 }
 
-// One thread sets as fast as it can, sometimes before the last values were taken over; the other calls.
-TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
-  std::vector<std::unique_ptr<Property<std::string>>> more;  // so that to take over takes a while
+// One thread sets as fast as it can, sometimes before the last values are taken over. The other thread calls.
+TEST_F(LivePropertiesTest, NeverChangeDuringACallAndAlwaysChangeTogether) {
+  std::vector<std::unique_ptr<Property<std::string>>> more;  // so that a takeover takes a while
   for (int i = 0; i < 30; ++i)
     more.push_back(std::make_unique<Property<std::string>>(drive, "more" + std::to_string(i), "0"));
   live.serve(drive.properties(), "Drive");
   const std::int64_t requests = full_form() && !kSanitized ? 20'000 : 2'000;
   const auto text_of = [](std::int64_t n) {
-    std::string text(static_cast<std::size_t>(n % 60), 'x');  // some have memory of their own
+    std::string text(static_cast<std::size_t>(n % 60), 'x');  // the long ones are on the heap
     return text + std::to_string(n);
   };
   std::atomic<bool> end{false};
@@ -133,11 +133,11 @@ TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
         {"low", std::to_string(n)}, {"high", std::to_string(n + 1)}, {"label", text_of(n)}};
     for (const auto& each : more) values.emplace_back(each->name(), text_of(n));
     ASSERT_TRUE(live.set(values).ok());
-    // Soon enough to meet the others half taken over.
+    // Soon enough to happen in the middle of the previous takeover.
     if (random() % 2 == 0) {
       ASSERT_TRUE(live.set({{"gain", std::to_string(n % 100)}}).ok());
     }
-    ASSERT_EQ(told("label"), text_of(n));
+    ASSERT_EQ(value_of("label"), text_of(n));
     if (random() % 2 == 0) {
       while (seen.load() != n) std::this_thread::yield();
     }
@@ -146,7 +146,7 @@ TEST_F(LivePropertiesOfADrive, ChangeInTheMiddleOfNoCallAndTogether) {
   caller.join();
   EXPECT_EQ(wrong, 0U);
   EXPECT_GE(changes, static_cast<std::uint64_t>(requests) / 3);
-  EXPECT_EQ(drive.low, requests) << "the last is not lost";
+  EXPECT_EQ(drive.low, requests) << "the last value is not lost";
 }
 
 }  // namespace

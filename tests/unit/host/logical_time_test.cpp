@@ -1,4 +1,4 @@
-// timing="let" on virtual time: what modules compute does not depend on when within their periods they run,
+// timing="let" on virtual time: the results of modules depend neither on when they run within their periods,
 // nor on how many of them run at once.
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using ::samples::Count;
 
-/// One connection, and its memory.
+/// One connection and its memory.
 struct Way {
   Way(OutPort<Count>& from, InPort<Count>& to, std::uint32_t depth, bool queue) {
     const channel::Link::Options options{
@@ -34,7 +34,7 @@ struct Way {
   std::vector<Line> memory;
 };
 
-/// A module that mixes what it reads into what it writes.
+/// A module that mixes its inputs into its output.
 struct Mixer {
   explicit Mixer(std::int64_t p) : period(p) { out.serve(context); }
   InPort<Count>& input() {
@@ -70,8 +70,8 @@ struct Mixer {
 constexpr std::int64_t kUnit = 1'000'000;
 constexpr std::int64_t kStart = 1'000'000'000;
 
-/// The states of all modules after 300 units of time. What is connected to what depends on `cell`, when
-/// modules run in their periods on `times`.
+/// The states of all modules after 300 units of time. `cell` selects the connections, `times` the times at
+/// which modules run within their periods.
 std::vector<std::uint64_t> run(std::uint64_t cell, std::uint64_t times, bool logical) {
   std::mt19937_64 draw{cell};
   std::vector<std::unique_ptr<Mixer>> modules;
@@ -119,7 +119,7 @@ std::vector<std::uint64_t> run(std::uint64_t cell, std::uint64_t times, bool log
   return states;
 }
 
-TEST(LogicalTime, MakesWhatIsComputedIndependentOfRunTimes) {
+TEST(LogicalTime, MakesResultsIndependentOfRunTimes) {
   int others = 0;
   for (std::uint64_t cell = 1; cell <= 40; ++cell) {
     const auto states = run(cell, 1, true);
@@ -127,10 +127,10 @@ TEST(LogicalTime, MakesWhatIsComputedIndependentOfRunTimes) {
       ASSERT_EQ(run(cell, times, true), states) << "cell " << cell;
     others += run(cell, 1, false) != run(cell, 2, false) ? 1 : 0;
   }
-  EXPECT_GT(others, 25) << "without it they would depend on them";
+  EXPECT_GT(others, 25) << "without logical time the results depend on run times";
 }
 
-TEST(LogicalTime, ShowsASampleFromTheEndOfThePeriodOn) {
+TEST(LogicalTime, ShowsASampleOnlyAtTheEndOfThePeriod) {
   OutPort<Count> out{"out"};
   InPort<Count> in{"in"};
   PortContext writer;
@@ -155,10 +155,10 @@ TEST(LogicalTime, ShowsASampleFromTheEndOfThePeriodOn) {
   EXPECT_EQ(in.value().number(), 1U);
   EXPECT_EQ(in.age(), Nanoseconds{100});
   EXPECT_FALSE(in.read());
-  EXPECT_EQ(in.value().number(), 1U) << "it stays until the next is valid";
+  EXPECT_EQ(in.value().number(), 1U) << "the value stays until the next one is valid";
   reader.start_ns = 450;
   EXPECT_TRUE(in.read());
-  EXPECT_EQ(in.value().number(), 3U) << "the newest of those that are";
+  EXPECT_EQ(in.value().number(), 3U) << "the newest valid sample";
   EXPECT_FALSE(in.has_news());
   EXPECT_EQ(in.news_at(), channel::kNever);
 }

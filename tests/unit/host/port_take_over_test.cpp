@@ -1,4 +1,4 @@
-// The ports of one instance go on where those of another have left their links, and back.
+// The ports of one instance take over from those of another, and hand back.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,7 +17,7 @@ namespace {
 
 using Sample = samples::Count;
 
-/// Two outputs and two inputs of one link; the second of each stands by. With bool: as objects.
+/// Two outputs and two inputs of one link; the second of each stands by. The parameter: samples as objects.
 class PortTakeOver : public testing::TestWithParam<bool> {
  protected:
   void connect(std::uint32_t depth, bool safe = false) {
@@ -27,7 +27,7 @@ class PortTakeOver : public testing::TestWithParam<bool> {
     memory.resize(channel::Link::layout(options).size() / sizeof(Line));
     channel::Link::format(memory[0].data(), options);
     void* values = GetParam() ? out[0].make_values(link().buffers()) : nullptr;
-    // They are for ever; whoever looks for leaks is to find them.
+    // Values are never freed. This list lets the leak checker reach them.
     static auto& kept = *new std::vector<void*>;
     kept.push_back(values);
     out[1].stand_by();
@@ -44,7 +44,7 @@ class PortTakeOver : public testing::TestWithParam<bool> {
     fill(sample, ++written);
     EXPECT_EQ(out[by].write(sample), Written::yes);
   }
-  /// The next number; 0: there is none.
+  /// The next number; 0 if there is none.
   std::uint64_t read(std::size_t by) {
     if (!in[by].read()) return 0;
     EXPECT_TRUE(is_whole(in[by].value()));
@@ -61,7 +61,7 @@ class PortTakeOver : public testing::TestWithParam<bool> {
   std::uint64_t written = 0;
 };
 
-TEST_P(PortTakeOver, LosesNothingThatWaitsAndKnowsWhatWasReadLast) {
+TEST_P(PortTakeOver, KeepsWaitingSamplesAndTheLastValue) {
   connect(4);
   for (int i = 0; i < 3; ++i) write(0);
   EXPECT_EQ(read(0), 1U);
@@ -76,13 +76,13 @@ TEST_P(PortTakeOver, LosesNothingThatWaitsAndKnowsWhatWasReadLast) {
 
   in[0].take_over(in[1]);
   out[0].take_over(out[1]);
-  EXPECT_EQ(in[0].value().number(), 4U) << "what the other one has read";
+  EXPECT_EQ(in[0].value().number(), 4U) << "the value that the other instance read";
   write(0);
   EXPECT_EQ(read(0), 5U);
   EXPECT_EQ(read(0), 0U);
 }
 
-TEST_P(PortTakeOver, ALatestValueThatComesOnceIsThereForWhoComesLater) {
+TEST_P(PortTakeOver, KeepsALatestValueThatWasSentOnce) {
   connect(1);
   write(0);
   EXPECT_EQ(read(0), 1U);
@@ -92,7 +92,7 @@ TEST_P(PortTakeOver, ALatestValueThatComesOnceIsThereForWhoComesLater) {
   EXPECT_TRUE(is_whole(in[1].value()));
 }
 
-TEST_P(PortTakeOver, BeforeTheFirstSampleThereIsNone) {
+TEST_P(PortTakeOver, HasNoValueBeforeTheFirstSample) {
   connect(1);
   in[1].take_over(in[0]);
   EXPECT_FALSE(in[1].has_value());
@@ -101,7 +101,7 @@ TEST_P(PortTakeOver, BeforeTheFirstSampleThereIsNone) {
   EXPECT_EQ(read(1), 1U);
 }
 
-TEST_P(PortTakeOver, ASafeValueHoldsOn) {
+TEST_P(PortTakeOver, KeepsASafeValue) {
   connect(1, true);
   Sample safe;
   fill(safe, 1'000'000);
@@ -112,7 +112,7 @@ TEST_P(PortTakeOver, ASafeValueHoldsOn) {
   ASSERT_TRUE(in[0].is_safe());
   in[1].take_over(in[0]);
   EXPECT_TRUE(in[1].is_safe());
-  EXPECT_FALSE(in[1].read()) << "it came when it took the place of what was there";
+  EXPECT_FALSE(in[1].read()) << "the takeover itself delivered the safe value";
   EXPECT_EQ(in[1].value().number(), 1'000'000U);
   link().trust();
   out[1].take_over(out[0]);
@@ -122,7 +122,7 @@ TEST_P(PortTakeOver, ASafeValueHoldsOn) {
   EXPECT_EQ(in[1].value().number(), 1U);
 }
 
-TEST_P(PortTakeOver, ThousandsOfTimesAtAnyMoment) {
+TEST_P(PortTakeOver, LosesNoSampleOverThousandsOfTakeovers) {
   connect(8);
   std::mt19937 random{7};
   std::size_t writer = 0;

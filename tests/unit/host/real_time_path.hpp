@@ -1,5 +1,5 @@
-// A device that runs for real, on whose real-time threads every allocation, lock and system call is counted.
-// The product knows nothing of the traps; a module's run() sets them.
+// A device that runs in real time, with every allocation, lock and system call of its real-time threads
+// counted. The product does not know the traps; a module's run() sets them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -39,12 +39,12 @@ namespace takt::host {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-/// Of the threads that are watched (watched.cpp).
+/// Counts of the watched threads (watched.cpp).
 extern std::atomic<std::uint64_t> allocations;
 extern std::atomic<std::uint64_t> frees;
 extern std::atomic<std::uint64_t> locks;
 extern std::atomic<std::uint64_t> waits;
-/// The calling thread is, from now on; false: it was already.
+/// Watches the calling thread from now on. Returns false if it was watched already.
 bool watch();
 
 class Script final : public executor::Body {
@@ -61,14 +61,14 @@ class Script final : public executor::Body {
   std::uint64_t asked = 0;
 };
 
-/// A device that runs for real and records it: three thread modules, a sporadic one, and a program that
-/// sleeps on the wake_word after each body.
+/// A device that runs in real time and records it: three thread modules, a sporadic one, and a program that
+/// sleeps on the wake word after each body.
 class RealTimePath : public testing::Test {
  protected:
   static constexpr auto kPeriod = microseconds{500};
   static constexpr std::size_t kSporadic = 3;
   static constexpr std::size_t kProgram = 4;
-  static constexpr std::uint64_t kRecorded = 256;  // fewer than are made, so that entries are overwritten
+  static constexpr std::uint64_t kRecorded = 256;  // fewer than the entries made, so some are overwritten
 
   void SetUp() override {
     if (TAKT_SANITIZED != 0)
@@ -93,7 +93,7 @@ class RealTimePath : public testing::Test {
     const auto plan = *schedule::plan(model::Cell{}, device);
     record = std::move(*channel::FlightRecord::create({kRecorded, kRecorded}));
     for (std::size_t ring = 0; ring < flight.size(); ++ring) flight[ring] = record.writer(ring);
-    slot.bell_bit = channel::bell_bit(0);
+    slot.wake_bit = channel::wake_bit(0);
     slot.phase.store(channel::ReleaseSlotPhase::ready);
     std::vector<executor::Unit> periodic;
     for (const std::uint32_t i : plan.executors[0].periodic) {
@@ -117,15 +117,15 @@ class RealTimePath : public testing::Test {
     set_at_first_run(kSporadic, *sporadic_trap);
   }
 
-  /// From the module's first run() on, its thread is watched.
+  /// Watches the module's thread from its first run() on.
   void set_at_first_run(std::size_t module, SystemCallTrap& trap) {
     bodies[module].on_run = [this, &trap](const Cycle&) {
       if (!watch()) return;
-      if (const int error = trap.arm(); error != 0) refused = error;
+      if (const int error = trap.arm(); error != 0) trap_error = error;
     };
   }
 
-  /// Runs the device until it has made this many cycles, and takes away what was seen until then.
+  /// Runs the device for this many cycles, and collects the counts up to then.
   void run(std::uint64_t cycles) {
     std::thread program{[this] { serve(); }};
     Problems problems;
@@ -133,7 +133,7 @@ class RealTimePath : public testing::Test {
     EXPECT_TRUE(begun.ok());
     for (const Problem& problem : problems) GTEST_LOG_(WARNING) << to_text(problem);
     const Instant limit = os::now() + std::chrono::seconds{60};
-    while (block->cycles.load() < cycles && refused == 0 && os::now() < limit) {
+    while (block->cycles.load() < cycles && trap_error == 0 && os::now() < limit) {
       std::this_thread::sleep_for(milliseconds{10});
     }
     row_calls = row_trap->calls();
@@ -145,9 +145,9 @@ class RealTimePath : public testing::Test {
     wake_word.rings.fetch_add(1);
     os::futex_wake(wake_word.rings, ~0U);
     program.join();
-    ASSERT_EQ(refused, 0)
-        << "seccomp user notification is refused here (" << std::strerror(refused)
-        << "), so nothing is proved; allow seccomp(SECCOMP_SET_MODE_FILTER) with a listener";
+    ASSERT_EQ(trap_error, 0)
+        << "this system denies seccomp user notification (" << std::strerror(trap_error)
+        << "), so this test proves nothing; allow seccomp(SECCOMP_SET_MODE_FILTER) with a listener";
     ASSERT_GE(block->cycles.load(), cycles);
   }
 
@@ -158,7 +158,7 @@ class RealTimePath : public testing::Test {
       const std::uint32_t rings = wake_word.rings.load();
       slot.sleeping.store(1);
       if (slot.released.load() == taken && slot.end.load() == 0)
-        os::futex_wait(wake_word.rings, rings, slot.bell_bit);
+        os::futex_wait(wake_word.rings, rings, slot.wake_bit);
       slot.sleeping.store(0);
       taken = slot.released.load();
     }
@@ -181,7 +181,7 @@ class RealTimePath : public testing::Test {
   std::unique_ptr<SystemCallTrap> row_trap;
   std::unique_ptr<SystemCallTrap> sporadic_trap;
   std::unique_ptr<ExecutorThreads> threads;  // ends before the traps of its threads do
-  std::atomic<int> refused{0};
+  std::atomic<int> trap_error{0};
   std::vector<SystemCall> row_calls;
   std::vector<SystemCall> sporadic_calls;
   std::map<std::string, std::uint64_t> seen;

@@ -1,5 +1,5 @@
-// The promise of real-time code, held to on the thread that runs it: no lock, no allocation, and no system
-// call but its sleep and one ring of the wake_word a cycle.
+// Checks the promise of the real-time code on its own threads: no lock, no allocation, and no system call
+// except its sleep and one ring of the wake word per cycle.
 #include "real_time_path.hpp"
 
 #include <takt/channel/saved_state.hpp>
@@ -14,7 +14,7 @@
 namespace takt::host::real_time_path_test {
 namespace {
 
-TEST_F(RealTimePath, MakesNoSystemCallButItsSleepAndOneRingACycle) {
+TEST_F(RealTimePath, MakesNoSystemCallExceptItsSleepAndOneRingPerCycle) {
   run(4000);
   ASSERT_FALSE(row_calls.empty());
   std::map<std::uint64_t, int> sleeps;  // by cycle
@@ -30,7 +30,7 @@ TEST_F(RealTimePath, MakesNoSystemCallButItsSleepAndOneRingACycle) {
   }
   for (const auto& [cycle, n] : sleeps) EXPECT_EQ(n, 1) << "sleeps before cycle " << cycle;
   for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
-  EXPECT_GT(rings.size(), 1000U) << "the program was to sleep";
+  EXPECT_GT(rings.size(), 1000U) << "the program should have slept";
 
   ASSERT_FALSE(sporadic_calls.empty());
   for (const SystemCall& call : sporadic_calls) {
@@ -40,19 +40,19 @@ TEST_F(RealTimePath, MakesNoSystemCallButItsSleepAndOneRingACycle) {
   }
   EXPECT_GT(blocks[kSporadic].cycles.load(), 500U);
   EXPECT_GT(blocks[kProgram].cycles.load(), 1000U);
-  EXPECT_GT(record.copy(0).written, 3 * 4000U) << "each row, and each run of it";
+  EXPECT_GT(record.copy(0).written, 3 * 4000U) << "one entry per row, and one per run";
   EXPECT_GT(record.copy(1).written, 500U);
   RecordProperty("row_calls", static_cast<int>(row_calls.size()));
 }
 
-TEST_F(RealTimePath, AllocatesAndLocksNothing) {
+TEST_F(RealTimePath, NeverAllocatesOrLocks) {
   run(2000);
   for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
   EXPECT_GT(blocks[kSporadic].cycles.load(), 200U);
 }
 
-// Texts of all lengths, so that the old one is to be freed and the new one has memory of its own.
-TEST_F(RealTimePath, TakesOverPropertiesThatAreSetWhileItRuns) {
+// Texts of all lengths, so that old ones must be freed and new ones allocated.
+TEST_F(RealTimePath, TakesOverPropertiesWithoutAllocatingOrLocking) {
   struct Named : Component {
     Property<std::string> label{*this, "label", "none"};
     Property<double> gain{*this, "gain", 0.0};
@@ -118,7 +118,7 @@ struct Connected {
   InPort<samples::Count> in{"in"};
 };
 
-TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
+TEST_F(RealTimePath, PortsNeverAllocateOrLockAndRingOncePerCycle) {
   Connected objects{true, 0};
   Connected bytes{false, channel::kSporadicBit};
   PortContext context{.start_ns = 1, .wake_word = &wake_word, .flight = flight.data(), .module = 1};
@@ -157,8 +157,8 @@ TEST_F(RealTimePath, PortsAllocateAndLockNothingAndRingOnceACycle) {
   for (const auto& [cycle, n] : rings) EXPECT_EQ(n, 1) << "rings after cycle " << cycle;
 }
 
-// A node withholds the samples and trusts them again while they come.
-TEST_F(RealTimePath, SafeValuesAllocateAndLockNothing) {
+// A node withholds the samples and trusts them again while they are being written.
+TEST_F(RealTimePath, SafeValuesNeverAllocateOrLock) {
   Connected objects{true, 0, true};
   Connected bytes{false, 0, true};
   PortContext context{.start_ns = 1, .wake_word = &wake_word, .flight = flight.data(), .module = 1};
@@ -204,7 +204,7 @@ TEST_F(RealTimePath, SafeValuesAllocateAndLockNothing) {
   EXPECT_GT(safe, 50U);
 }
 
-TEST_F(RealTimePath, SavingAllocatesAndLocksNothing) {
+TEST_F(RealTimePath, SavingNeverAllocatesOrLocks) {
   const auto place = std::make_unique<channel::SavedState>();
   std::array<std::uint64_t, channel::kMostSaved / sizeof(std::uint64_t)> kept{};
   bodies[1].on_run = [&](const Cycle& cycle) {
@@ -218,7 +218,7 @@ TEST_F(RealTimePath, SavingAllocatesAndLocksNothing) {
   EXPECT_GT(place->saved()->number, 1000U);
 }
 
-TEST_F(RealTimePath, ServicesAllocateAndLockNothingAndRingOnceACycle) {
+TEST_F(RealTimePath, ServicesNeverAllocateOrLockAndRingOncePerCycle) {
   struct Answers : Plain {
     Service<samples::Count, samples::Count> answer{*this, "answer"};
   } server;
@@ -233,14 +233,14 @@ TEST_F(RealTimePath, ServicesAllocateAndLockNothingAndRingOnceACycle) {
   samples::Count answer;
   count.few().reserve(4);
   answer.few().reserve(4);
-  std::array<std::uint64_t, 6> told{};
+  std::array<std::uint64_t, 6> counts{};
   std::uint64_t wrong = 0;
   std::uint64_t last = 0;
   bodies[1].on_run = [&](const Cycle& cycle) {
     context.start_ns = to_ns(cycle.start);
     for (auto* each : {&objects, &bytes}) {
       const CallStatus status = each->ask.poll();
-      ++told[static_cast<std::size_t>(status)];
+      ++counts[static_cast<std::size_t>(status)];
       if (status == CallStatus::pending) continue;
       if (status == CallStatus::replied &&
           (!is_whole(each->ask.reply()) || each->ask.reply().number() % 2 != 0))
@@ -262,9 +262,9 @@ TEST_F(RealTimePath, ServicesAllocateAndLockNothingAndRingOnceACycle) {
   run(2000);
   for (const auto& [what, n] : seen) EXPECT_EQ(n, 0U) << what;
   EXPECT_EQ(wrong, 0U);
-  EXPECT_GT(told[static_cast<std::size_t>(CallStatus::replied)], 100U);
-  EXPECT_GT(told[static_cast<std::size_t>(CallStatus::refused)], 10U);
-  EXPECT_GT(told[static_cast<std::size_t>(CallStatus::timed_out)], 3U);
+  EXPECT_GT(counts[static_cast<std::size_t>(CallStatus::replied)], 100U);
+  EXPECT_GT(counts[static_cast<std::size_t>(CallStatus::refused)], 10U);
+  EXPECT_GT(counts[static_cast<std::size_t>(CallStatus::timed_out)], 3U);
   std::map<std::uint64_t, int> rings;
   for (const SystemCall& call : row_calls) {
     EXPECT_EQ(call.number, SYS_futex) << "in cycle " << call.stamp;

@@ -1,5 +1,4 @@
-// Another instance takes the place of one that runs, and no real-time thread locks, allocates or waits for
-// it.
+// Swaps a running instance for another; no real-time thread locks, allocates or waits meanwhile.
 #include "real_time_path.hpp"
 
 #include <mutex>
@@ -13,13 +12,13 @@
 namespace takt::host::real_time_swap_test {
 namespace {
 
-/// Real components in the place of module 1: it counts its runs in what it saves, and writes the count.
+/// Real components in the place of module 1. Each counts its runs in its saved state and writes the count.
 class RealTimeSwap : public RealTimePath {
  protected:
   static inline const std::string kFolder = std::string{TAKT_BINARY_DIR} + "/tests/components/";
 
   void SetUp() override {
-    if (TAKT_SANITIZED != 0) GTEST_SKIP() << "see above";
+    if (TAKT_SANITIZED != 0) GTEST_SKIP() << "the sanitizer's own allocator and locks would be counted";
     const channel::Link::Options options{.depth = 256, .is_queue = true};
     memory.resize(channel::Link::layout(options).size() / sizeof(memory[0]));
     channel::Link::format(start(), options);
@@ -75,7 +74,7 @@ class RealTimeSwap : public RealTimePath {
   std::atomic<bool> end{false};
 };
 
-TEST_F(RealTimeSwap, AllocatesAndLocksNothingAndMissesNoCount) {
+TEST_F(RealTimeSwap, NeverAllocatesOrLocksAndLosesNoSample) {
   std::uint64_t last = 0;
   std::uint64_t wrong = 0;
   bodies[2].on_run = [&](const Cycle&) {
@@ -89,7 +88,7 @@ TEST_F(RealTimeSwap, AllocatesAndLocksNothingAndMissesNoCount) {
   std::string failure;
   std::thread swapper{[&] {
     while (!end && failure.empty()) {
-      const bool other = kept % 3 == 0;  // both what is copied and what is translated
+      const bool other = kept % 3 == 0;  // covers both state that is copied and state that is translated
       const Swapped swapped = swap(other ? "ticks_more.so" : "ticks.so");
       if (swapped.kept) {
         ++kept;

@@ -1,4 +1,4 @@
-// The traps work: what a module must not do is seen.
+// Tests the traps themselves: they detect what a module must not do on a real-time thread.
 #include "real_time_path.hpp"
 
 #include <unistd.h>
@@ -10,16 +10,16 @@
 namespace takt::host::real_time_traps_test {
 namespace {
 
-/// What is done once, in the hundredth cycle or, where that row is lost, in the next one.
-std::function<void(const Cycle&)> once(std::function<void()> what) {
-  return [what = std::move(what), done = false](const Cycle& cycle) mutable {
+/// Calls `action` once: in the hundredth cycle, or in the next one if that row is missed.
+std::function<void(const Cycle&)> once(std::function<void()> action) {
+  return [action = std::move(action), done = false](const Cycle& cycle) mutable {
     if (done || cycle.number < 100) return;
     done = true;
-    what();
+    action();
   };
 }
 
-TEST_F(RealTimePath, AModuleThatMakesASystemCallIsSeen) {
+TEST_F(RealTimePath, DetectsASystemCallOfAModule) {
   bodies[1].on_run = once([] { static_cast<void>(::syscall(SYS_getpid)); });
   run(200);
   const auto others = std::count_if(row_calls.begin(), row_calls.end(),
@@ -30,7 +30,7 @@ TEST_F(RealTimePath, AModuleThatMakesASystemCallIsSeen) {
             1);
 }
 
-TEST_F(RealTimePath, ASporadicModuleThatMakesASystemCallIsSeen) {
+TEST_F(RealTimePath, DetectsASystemCallOfASporadicModule) {
   bodies[kSporadic].on_run = [this, next = bodies[kSporadic].on_run](const Cycle& cycle) {
     next(cycle);
     if (blocks[kSporadic].cycles.load() == 20) static_cast<void>(::syscall(SYS_getpid));
@@ -41,7 +41,7 @@ TEST_F(RealTimePath, ASporadicModuleThatMakesASystemCallIsSeen) {
             1);
 }
 
-TEST_F(RealTimePath, AModuleThatAllocatesIsSeen) {
+TEST_F(RealTimePath, DetectsAnAllocationOfAModule) {
   bodies[1].on_run = once([] {
     const std::string text(100, 'x');
     asm volatile("" : : "r"(text.data()) : "memory");
@@ -51,14 +51,14 @@ TEST_F(RealTimePath, AModuleThatAllocatesIsSeen) {
   EXPECT_EQ(seen["frees"], 1U);
 }
 
-TEST_F(RealTimePath, AModuleThatLocksIsSeen) {
+TEST_F(RealTimePath, DetectsALockOfAModule) {
   std::mutex mutex;
   bodies[1].on_run = once([&mutex] { const std::lock_guard lock{mutex}; });
   run(200);
   EXPECT_EQ(seen["locks"], 2U);
 }
 
-TEST_F(RealTimePath, AModuleThatWaitsForAConditionIsSeen) {
+TEST_F(RealTimePath, DetectsAConditionVariableWaitOfAModule) {
   std::mutex mutex;
   std::condition_variable condition;
   bodies[1].on_run = once([&] {
@@ -70,24 +70,25 @@ TEST_F(RealTimePath, AModuleThatWaitsForAConditionIsSeen) {
 }
 
 TEST(Clock, MakesNoSystemCall) {
-  if (TAKT_SANITIZED != 0) GTEST_SKIP() << "the sanitizer makes system calls of its own";
+  if (TAKT_SANITIZED != 0) GTEST_SKIP() << "the sanitizer makes its own system calls";
   SystemCallTrap trap;
   std::vector<SystemCall> calls;
-  int refused = 0;
+  int failed = 0;
   os::MonotonicClock clock;
   std::thread reader{[&] {
-    refused = trap.arm();
+    failed = trap.arm();
     Instant last{};
     for (int i = 0; i < 10'000; ++i) {
       const Instant now = clock.now();
-      if (now < last) refused = -1;
+      if (now < last) failed = -1;
       last = now;
     }
     calls = trap.calls();
   }};
   reader.join();
-  ASSERT_EQ(refused, 0) << std::strerror(refused);
-  EXPECT_TRUE(calls.empty()) << "system call " << calls.front().number << ": the clock source is no TSC, see "
+  ASSERT_EQ(failed, 0) << std::strerror(failed);
+  EXPECT_TRUE(calls.empty()) << "system call " << calls.front().number
+                             << ": the clock source is not the TSC, see "
                              << "/sys/devices/system/clocksource/clocksource0/current_clocksource";
 }
 

@@ -37,7 +37,7 @@ struct Handled : Plain {
   Service<Count, Count> answer;
 };
 
-/// Claims are held for values in the host's memory and for bytes.
+/// Each test runs with values in the host's memory and with bytes.
 class ServiceTest : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
@@ -59,7 +59,7 @@ class ServiceTest : public testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(Ways, ServiceTest, testing::Bool(),
                          [](const auto& way) { return way.param ? "Objects" : "Bytes"; });
 
-TEST_P(ServiceTest, ARequestIsAnswered) {
+TEST_P(ServiceTest, AnswersARequest) {
   const ConnectedService link{client, server, "answer", GetParam()};
   EXPECT_EQ(client.ask.poll(), CallStatus::idle);
   EXPECT_FALSE(server.answer.take());
@@ -75,7 +75,7 @@ TEST_P(ServiceTest, ARequestIsAnswered) {
   EXPECT_TRUE(is_whole(client.ask.reply()));
   EXPECT_EQ(client.ask.reply().number(), 42U);
   pass(1h);
-  EXPECT_EQ(client.ask.poll(), CallStatus::replied) << "it is said again";
+  EXPECT_EQ(client.ask.poll(), CallStatus::replied) << "the reply stays";
   EXPECT_FALSE(server.answer.take());
 }
 
@@ -93,11 +93,12 @@ TEST_P(ServiceTest, EachClientGetsItsOwnReply) {
     EXPECT_EQ(client.ask.reply().number(), 2 * i);
     EXPECT_EQ(other.ask.reply().number(), 2 * (1000 + i));
   }
-  EXPECT_EQ(first.replies.link.block().written.load(), 100U) << "and no other's";
+  EXPECT_EQ(first.replies.link.block().written.load(), 100U)
+      << "a client's link carries no replies to others";
   EXPECT_EQ(client.ask.late() + other.ask.late(), 0U);
 }
 
-TEST_P(ServiceTest, ARefusalSaysWhy) {
+TEST_P(ServiceTest, ReportsTheReasonOfARejection) {
   const ConnectedService link{client, server, "answer", GetParam()};
   client.ask.call(count_of(1), 1s);
   ASSERT_TRUE(server.answer.take());
@@ -108,17 +109,17 @@ TEST_P(ServiceTest, ARefusalSaysWhy) {
   EXPECT_STREQ(client.ask.reason(), "");
 }
 
-TEST_P(ServiceTest, NobodyIsToldAtOnce) {
+TEST_P(ServiceTest, ReportsAtOnceThatNobodyServes) {
   EXPECT_EQ(client.ask.call(count_of(1), 1s), CallStatus::nobody);
   const ConnectedService link{client, server, "answer", GetParam()};
-  link.requests.link.block().enabled = 0;  // as the node does while the other device is not there
+  link.requests.link.block().enabled = 0;  // the node does this while the other device is away
   EXPECT_EQ(client.ask.call(count_of(1), 1s), CallStatus::nobody);
   EXPECT_FALSE(client.ask.connected());
   link.requests.link.block().enabled = 1;
   EXPECT_EQ(client.ask.call(count_of(1), 1s), CallStatus::pending);
 }
 
-TEST_P(ServiceTest, TimeRunsOutOnTheTimeOfTheCycleAndALateReplyIsDropped) {
+TEST_P(ServiceTest, TimesOutByCycleTimeAndDropsALateReply) {
   const ConnectedService link{client, server, "answer", GetParam()};
   client.ask.call(count_of(1), 10ms);
   ASSERT_TRUE(server.answer.take());
@@ -130,7 +131,7 @@ TEST_P(ServiceTest, TimeRunsOutOnTheTimeOfTheCycleAndALateReplyIsDropped) {
   EXPECT_EQ(client.ask.poll(), CallStatus::timed_out);
   EXPECT_EQ(client.ask.late(), 1U);
   EXPECT_EQ(link.replies.link.block().late.load(), 1U);
-  // Nor is it taken for the answer to the next question.
+  // Nor does a late reply count as the answer to the next call.
   client.ask.call(count_of(3), 10ms);
   ASSERT_TRUE(server.answer.take());
   pass(10ms);
@@ -141,7 +142,7 @@ TEST_P(ServiceTest, TimeRunsOutOnTheTimeOfTheCycleAndALateReplyIsDropped) {
   EXPECT_EQ(client.ask.late(), 2U);
 }
 
-TEST_P(ServiceTest, ARequestThatIsOlderThanItsTimeOutIsNotTaken) {
+TEST_P(ServiceTest, RejectsARequestOlderThanItsTimeout) {
   const ConnectedService link{client, server, "answer", GetParam()};
   client.ask.call(count_of(1), 10ms);
   at_server.start_ns += 10'000'001;
@@ -152,12 +153,12 @@ TEST_P(ServiceTest, ARequestThatIsOlderThanItsTimeOutIsNotTaken) {
   EXPECT_EQ(link.requests.link.block().late.load(), 1U);
 }
 
-TEST_P(ServiceTest, AReplyToAFormerLifeOfTheClientIsNotTaken) {
-  if (GetParam()) return;  // values would need the same memory; that links go on is host_links' matter
+TEST_P(ServiceTest, IgnoresAReplyToAFormerInstanceOfTheClient) {
+  if (GetParam()) return;  // values would need the same memory, which HostLinks provides
   const ConnectedService link{client, server, "answer", false};
   client.ask.call(count_of(1), 1s);
   ASSERT_TRUE(server.answer.take());
-  Asking<Count> again;  // the module was loaded afresh
+  Asking<Count> again;  // the module was reloaded
   pass(1ms);
   serve_all(again, at_client);
   auto* out = &port_of(again, "ask/request");
@@ -169,7 +170,7 @@ TEST_P(ServiceTest, AReplyToAFormerLifeOfTheClientIsNotTaken) {
   EXPECT_EQ(again.ask.poll(), CallStatus::pending) << "both calls have the number 1";
 }
 
-TEST_P(ServiceTest, WhatIsBeyondItsBoundIsRefused) {
+TEST_P(ServiceTest, RejectsARequestOrReplyThatIsTooLarge) {
   const ConnectedService link{client, server, "answer", GetParam()};
   Count large;
   large.few().resize(5);
@@ -181,7 +182,7 @@ TEST_P(ServiceTest, WhatIsBeyondItsBoundIsRefused) {
   EXPECT_EQ(client.ask.poll(), CallStatus::refused);
 }
 
-TEST(ServiceHandler, IsCalledByHandleAndItsFailuresAreRefusals) {
+TEST(ServiceHandler, TurnsHandlerFailuresIntoRejections) {
   Handled server{[](const Count& request) -> Result<Count> {
     if (request.number() == 1) return fail("one", "say two");
     if (request.number() == 2) throw std::runtime_error("two");
@@ -196,16 +197,16 @@ TEST(ServiceHandler, IsCalledByHandleAndItsFailuresAreRefusals) {
   ASSERT_EQ(server.services().size(), 1U);
   ServiceBase& service = *server.services()[0];
   EXPECT_FALSE(service.handle(nullptr));
-  const auto asked = [&](std::uint64_t number, const char* refusal) {
+  const auto asked = [&](std::uint64_t number, const char* rejection) {
     client.ask.call(count_of(number), 1s);
     EXPECT_TRUE(service.has_request());
-    EXPECT_TRUE(service.handle(refusal));
+    EXPECT_TRUE(service.handle(rejection));
     return client.ask.poll();
   };
   EXPECT_EQ(asked(1, nullptr), CallStatus::refused);
   EXPECT_STREQ(client.ask.reason(), "one; say two");
   EXPECT_EQ(asked(2, nullptr), CallStatus::refused);
-  EXPECT_STREQ(client.ask.reason(), "its handler threw: two");
+  EXPECT_STREQ(client.ask.reason(), "the handler threw: two");
   EXPECT_EQ(asked(3, nullptr), CallStatus::refused);
   EXPECT_EQ(asked(4, nullptr), CallStatus::replied);
   EXPECT_EQ(client.ask.reply().number(), 8U);
@@ -213,22 +214,22 @@ TEST(ServiceHandler, IsCalledByHandleAndItsFailuresAreRefusals) {
   EXPECT_STREQ(client.ask.reason(), "not now");
 }
 
-TEST(ServiceHandler, WakesNoSporadicModule) {
+TEST(ServiceHandler, DoesNotWakeASporadicModule) {
   Handled handled{[](const Count& count) { return count; }};
   EXPECT_EQ(port_of(handled, "answer/request").direction(), PortDirection::in);
   Polled polled;
   EXPECT_EQ(port_of(polled, "answer/request").direction(), PortDirection::event);
 }
 
-// What is said of the types must hold for who was not compiled with them.
-TEST(ServiceType, IsDescribedAsItIsEncoded) {
+// Programs that were not compiled with a type rely on its description.
+TEST(ServiceType, IsEncodedAsDescribed) {
   const auto check = [](const TypeInfo& info, const std::byte* bytes, std::uint32_t size) {
     const auto type = model::parse_type(info.description);
     ASSERT_TRUE(type.ok()) << to_text(type.problems());
     EXPECT_EQ(type->name, info.name);
     EXPECT_EQ(model::max_size(*type), info.max_size);
     EXPECT_TRUE(model::is_sample(*type, bytes, size));
-    // Whole again from its fields.
+    // Encodes the sample again from its fields.
     const auto again = model::sample_bytes(*type, model::sample_json(*type, bytes, size));
     ASSERT_TRUE(again.ok()) << to_text(again.problems());
     EXPECT_EQ(*again, std::vector<std::byte>(bytes, bytes + size));
@@ -254,7 +255,7 @@ TEST(ServiceType, IsDescribedAsItIsEncoded) {
   reply.reason.back() = '\0';
   using Reply = PortType<ServiceReply<Count>>;
   size = Reply::encode(reply, bytes.data(), Reply::info.max_size);
-  EXPECT_EQ(size, Reply::info.max_size) << "of a reply that is as long as can be";
+  EXPECT_EQ(size, Reply::info.max_size) << "this reply has the maximum size";
   check(Reply::info, bytes.data(), size);
   ServiceReply<Count> answer;
   Reply::reserve(answer);
@@ -271,7 +272,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Of one module, as the host makes it.
+/// The service thread of one module, made as the host makes it.
 class ServiceThreadTest : public testing::Test {
  protected:
   void start(std::function<bool()> serve) {
@@ -294,7 +295,7 @@ class ServiceThreadTest : public testing::Test {
   std::unique_ptr<ServiceThread> thread;
 };
 
-TEST_F(ServiceThreadTest, ServesWhatWaitsAndSaysSo) {
+TEST_F(ServiceThreadTest, ServesWaitingRequestsAndShowsItsActivity) {
   std::atomic<std::uint32_t> seen{0};
   start([&] {
     seen = activity.module.load();
@@ -308,7 +309,7 @@ TEST_F(ServiceThreadTest, ServesWhatWaitsAndSaysSo) {
   until([&] { return activity.module.load() == 0; });
 }
 
-TEST_F(ServiceThreadTest, NoHandlerIsCalledWhileItIsExcluded) {
+TEST_F(ServiceThreadTest, CallsNoHandlerWhileExcluded) {
   start([&] {
     --waiting;
     ++served;
@@ -323,8 +324,8 @@ TEST_F(ServiceThreadTest, NoHandlerIsCalledWhileItIsExcluded) {
   until([&] { return served == 1; });
 }
 
-// run() of two clients on this thread, the handler on its own, and values in one memory.
-TEST_F(ServiceThreadTest, AnswersWhileClientsGoOn) {
+// Two clients run on this thread, the handler on its own thread.
+TEST_F(ServiceThreadTest, AnswersWhileClientsKeepRunning) {
   struct Server : Plain {
     Service<samples::Count, samples::Count> answer{*this, "answer", [](const samples::Count& request) {
                                                      samples::Count reply;
@@ -373,7 +374,7 @@ TEST_F(ServiceThreadTest, AnswersWhileClientsGoOn) {
   EXPECT_GE(replied[1], 500U);
 }
 
-TEST_F(ServiceThreadTest, AHandlerThatNeverReturnsCanBeLeft) {
+TEST_F(ServiceThreadTest, GivesUpAHandlerThatNeverReturns) {
   EXPECT_FALSE([&] {
     start([&] {
       --waiting;
@@ -382,14 +383,14 @@ TEST_F(ServiceThreadTest, AHandlerThatNeverReturnsCanBeLeft) {
       return true;
     });
     return thread->give_up();
-  }()) << "it is in none";
+  }()) << "the thread is in no handler";
   waiting = 1;
   until([&] { return activity.module.load() == 5; });
   EXPECT_TRUE(thread->give_up());
   EXPECT_EQ(activity.module.load(), 0U);
   thread.reset();  // does not wait
   EXPECT_EQ(served, 0);
-  activity.begin(6, channel::Doing::serve, 0);  // of somebody else by now
+  activity.begin(6, channel::Doing::serve, 0);  // another thread uses the activity by now
   let_go = true;
   until([&] { return served == 1; });
   std::this_thread::sleep_for(50ms);

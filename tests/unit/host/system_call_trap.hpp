@@ -1,5 +1,5 @@
-// Sees every system call that one thread makes: a seccomp filter hands each to a thread that writes it down
-// and lets it go on.
+// Records every system call of one thread: a seccomp filter passes each call to another thread, which records
+// it and lets it continue.
 #pragma once
 
 #include <linux/filter.h>
@@ -26,12 +26,12 @@ namespace takt::host {
 struct SystemCall {
   int number = 0;
   std::array<std::uint64_t, 6> arguments{};
-  std::uint64_t stamp = 0;  ///< what the stamp said while the thread stood still in the call
+  std::uint64_t stamp = 0;  ///< the value of the stamp function while the thread was stopped in the call
 };
 
 class SystemCallTrap {
  public:
-  /// `stamp` is asked at each call, on the trap's thread.
+  /// The trap's thread calls `stamp` at each system call.
   explicit SystemCallTrap(std::function<std::uint64_t()> stamp = [] { return std::uint64_t{0}; })
       : calls_(kRoom), stamp_(std::move(stamp)) {
     auto started = os::Thread::start(
@@ -45,8 +45,8 @@ class SystemCallTrap {
     if (const int fd = listener_.load(); fd >= 0) ::close(fd);
   }
 
-  /// On the thread to be seen. There is no way back; it must have ended before the trap does. 0, or why the
-  /// kernel refuses.
+  /// Call it on the thread to be watched. It cannot be undone; that thread must end before the trap does.
+  /// Returns 0, or the kernel's error number.
   int arm() noexcept {
     constexpr auto kNumber = static_cast<std::uint32_t>(offsetof(seccomp_data, nr));
     std::array<sock_filter, 5> program{{
@@ -65,7 +65,7 @@ class SystemCallTrap {
     return 0;
   }
 
-  /// What was seen so far.
+  /// The system calls so far.
   [[nodiscard]] std::vector<SystemCall> calls() const {
     return {calls_.begin(),
             calls_.begin() + static_cast<std::ptrdiff_t>(count_.load(std::memory_order_acquire))};

@@ -1,4 +1,4 @@
-// Stands in front of the C library's allocation and locks, and counts what watched threads call.
+// Replaces the C library's allocation and lock functions, and counts the calls of watched threads.
 #include <pthread.h>
 
 #include <cerrno>
@@ -30,7 +30,7 @@ bool watch() { return !std::exchange(watched, true); }
 
 using namespace takt::host;
 
-// In front of the C library's. operator new and delete come here too.
+// These replace the C library's functions. operator new and delete end up here too.
 extern "C" {
 void* __libc_malloc(std::size_t size) noexcept;
 void* __libc_calloc(std::size_t n, std::size_t size) noexcept;

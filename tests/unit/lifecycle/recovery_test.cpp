@@ -22,13 +22,13 @@ TEST(Recovery, WaitsTheBackoffThenTriesThenGivesUp) {
   EXPECT_EQ(recovery.next(at(1s + 200ms)), Step::give_up);
 }
 
-TEST(Recovery, GivesUpAtOnceWithoutAttempts) {
+TEST(Recovery, GivesUpAtOnceIfNoAttemptsAreAllowed) {
   Recovery recovery{{.attempts = 0, .backoff = 100ms}};
   recovery.failed(at(0s));
   EXPECT_EQ(recovery.next(at(0s)), Step::give_up);
 }
 
-TEST(Recovery, CountsOnWhenASuccessDoesNotLast) {
+TEST(Recovery, KeepsCountingIfASuccessDoesNotLast) {
   Recovery recovery{{.attempts = 3, .backoff = 10ms}};
   Nanoseconds now = 5s;
   for (int i = 0; i < 3; ++i) {
@@ -42,7 +42,7 @@ TEST(Recovery, CountsOnWhenASuccessDoesNotLast) {
   EXPECT_EQ(recovery.next(at(now + 1h)), Step::give_up);
 }
 
-TEST(Recovery, ForgetsAfterALastingSuccess) {
+TEST(Recovery, ClearsTheCountAfterALastingSuccess) {
   Recovery recovery{{.attempts = 1, .backoff = 10ms}};
   Nanoseconds now = 5s;
   for (int i = 0; i < 10; ++i) {
@@ -54,7 +54,7 @@ TEST(Recovery, ForgetsAfterALastingSuccess) {
   }
 }
 
-TEST(Recovery, TimeThatItHungIsNoLastingSuccess) {
+TEST(Recovery, TimeInAHangDoesNotCountAsLastingSuccess) {
   Recovery recovery{{.attempts = 1, .backoff = 10ms}};
   recovery.failed(at(5s));
   ASSERT_EQ(recovery.next(at(6s)), Step::attempt);

@@ -11,7 +11,7 @@
 namespace takt::lifecycle::table_test {
 namespace {
 
-// The table of the design written a second time, by hand, as words. What is not here is refused.
+// The table of the design, written a second time by hand. Every event that is not listed is rejected.
 const std::map<std::tuple<std::string, std::string>, std::string> kExpected{
     {{"IDLE", "initialize"}, "INITIALIZE"},   {{"INITIALIZE", "start"}, "START"},
     {{"START", "run"}, "EXECUTING"},          {{"EXECUTING", "stop"}, "START"},
@@ -23,7 +23,7 @@ const std::map<std::tuple<std::string, std::string>, std::string> kExpected{
     {{"DESTRUCT", "reset"}, "IDLE"},
 };
 
-TEST(LifecycleTable, HoldsForEveryStateAndEvent) {
+TEST(LifecycleTable, MatchesTheDesignForEveryStateAndEvent) {
   for (State before : kStates) {
     for (State state : kStates) {
       for (Event event : kEvents) {
@@ -40,7 +40,7 @@ TEST(LifecycleTable, HoldsForEveryStateAndEvent) {
   }
 }
 
-TEST(LifecycleMachine, GoesBackToWhereTheErrorMetIt) {
+TEST(LifecycleMachine, RecoversToTheStateInWhichTheErrorOccurred) {
   for (bool running : {false, true}) {
     Machine machine;
     ASSERT_TRUE(machine.apply(Event::initialize));
@@ -56,7 +56,7 @@ TEST(LifecycleMachine, GoesBackToWhereTheErrorMetIt) {
   }
 }
 
-TEST(LifecycleMachine, IsStartedWhenAFailedStartRecovers) {
+TEST(LifecycleMachine, IsInStartAfterRecoveryFromAFailedStart) {
   Machine machine;
   ASSERT_TRUE(machine.apply(Event::initialize));
   ASSERT_TRUE(machine.apply(Event::error));
@@ -64,12 +64,12 @@ TEST(LifecycleMachine, IsStartedWhenAFailedStartRecovers) {
   EXPECT_EQ(machine.state(), State::start);
 }
 
-TEST(LifecycleMachine, RefusesWithTheStateItMetAndChangesNothing) {
+TEST(LifecycleMachine, RejectsAnEventThatItsStateDoesNotAllowAndChangesNothing) {
   Machine machine;
-  const auto refused = machine.apply(Event::start);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.problems()[0].what, "start is refused in state IDLE");
-  EXPECT_EQ(refused.problems()[0].fix, "it is allowed in INITIALIZE");
+  const auto rejected = machine.apply(Event::start);
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(rejected.problems()[0].what, "start is not allowed in state IDLE");
+  EXPECT_EQ(rejected.problems()[0].fix, "it is allowed in INITIALIZE");
   EXPECT_EQ(machine.state(), State::idle);
   EXPECT_EQ(machine.sequence(), 0U);
 }

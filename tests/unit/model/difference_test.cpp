@@ -46,7 +46,7 @@ Cell cell() {
 
 using Edit = std::function<void(Cell&)>;
 
-/// What the devices robot and line are to be told after this.
+/// The differences of the devices robot and line after an edit of the cell.
 std::vector<DeviceDifference> after(const Edit& edit) {
   Cell changed = cell();
   edit(changed);
@@ -61,7 +61,7 @@ DeviceDifference robot_after(const Edit& edit) {
 }
 Module& arm(Cell& cell) { return cell.devices[0].modules[0]; }
 
-TEST(Difference, OfACellToItselfIsNone) {
+TEST(Difference, IsNoneBetweenEqualCells) {
   const auto all = after([](Cell&) {});
   ASSERT_THAT(all, SizeIs(2));
   for (const DeviceDifference& one : all) {
@@ -70,7 +70,7 @@ TEST(Difference, OfACellToItselfIsNone) {
   }
 }
 
-TEST(Difference, WhereSomethingStandsIsNone) {
+TEST(Difference, IgnoresFileLinesAndTheOrderOfProperties) {
   const auto all = after([](Cell& changed) {
     changed.file = "other.xml";
     changed.line = 7;
@@ -83,7 +83,7 @@ TEST(Difference, WhereSomethingStandsIsNone) {
   for (const DeviceDifference& one : all) EXPECT_EQ(one.change, Change::none) << one.device;
 }
 
-TEST(Difference, APropertyOfAThreadModuleIsSetInPlace) {
+TEST(Difference, SetsAPropertyOfAThreadModuleInPlace) {
   const auto robot = robot_after([](Cell& changed) { arm(changed).properties[0].value = "0.7"; });
   EXPECT_EQ(robot.change, Change::in_place);
   ASSERT_THAT(robot.in_place, SizeIs(1));
@@ -93,19 +93,18 @@ TEST(Difference, APropertyOfAThreadModuleIsSetInPlace) {
   EXPECT_THAT(in_words(robot), ElementsAre("robot.arm: gain: 0.5 -> 0.7"));
 }
 
-TEST(Difference, APropertyThatIsNewlyGivenIsSetInPlace) {
+TEST(Difference, SetsAnAddedPropertyInPlace) {
   const auto robot = robot_after([](Cell& changed) { arm(changed).properties.push_back({"limit", "3"}); });
-  EXPECT_THAT(in_words(robot), ElementsAre("robot.arm: limit: not given -> 3"));
+  EXPECT_THAT(in_words(robot), ElementsAre("robot.arm: limit: not set -> 3"));
 }
 
-TEST(Difference, TheDefaultOfAPropertyThatIsNotGivenAnyMoreIsKnownToAFreshModuleAlone) {
+TEST(Difference, RestartsTheDeviceIfAPropertyIsNoLongerSet) {
   const auto robot = robot_after([](Cell& changed) { arm(changed).properties.pop_back(); });
   EXPECT_EQ(robot.change, Change::anew);
-  EXPECT_THAT(in_words(robot),
-              ElementsAre("robot is brought up anew: module arm: label is not given any more"));
+  EXPECT_THAT(in_words(robot), ElementsAre("robot is restarted: module arm: label is no longer set"));
 }
 
-TEST(Difference, AFileOfAPeriodicThreadModuleIsSwappedInPlaceAfterItsPropertiesAreSet) {
+TEST(Difference, SwapsAPeriodicThreadModuleInPlaceAfterSettingItsProperties) {
   const auto robot = robot_after([](Cell& changed) {
     arm(changed).filename = "arm2.so";
     arm(changed).properties[1].value = "b";
@@ -119,7 +118,7 @@ TEST(Difference, AFileOfAPeriodicThreadModuleIsSwappedInPlaceAfterItsPropertiesA
                                            "robot.hand: file: hand.so -> hand2.so"));
 }
 
-TEST(Difference, WhatCannotBeSwappedOrSetIsBroughtUpAnewWithAllThatDiffers) {
+TEST(Difference, RestartsTheDeviceIfAChangeCannotBeMadeInPlace) {
   Cell before = cell();
   arm(before).operation = Operation::sporadic;
   arm(before).period.reset();
@@ -141,7 +140,7 @@ TEST(Difference, WhatCannotBeSwappedOrSetIsBroughtUpAnewWithAllThatDiffers) {
               ElementsAre("module arm: gain: 0.5 -> 1", "module arm: file: arm.so -> arm2.so"));
 }
 
-TEST(Difference, EachMemberOfAModuleIsOne) {
+TEST(Difference, CoversEveryMemberOfAModule) {
   const std::vector<std::pair<Edit, std::string>> cases{
       {[](Cell& c) { arm(c).type = ModuleType::process; }, "moduletype: thread -> process"},
       {[](Cell& c) { arm(c).operation = Operation::non_real; }, "operationtype: periodic -> non-real"},
@@ -155,7 +154,7 @@ TEST(Difference, EachMemberOfAModuleIsOne) {
       {[](Cell& c) { arm(c).executor = "fast"; }, "executor: main -> fast"},
       {[](Cell& c) { arm(c).budget = 100us; }, "budget: none -> 100 us"},
       {[](Cell& c) { arm(c).tolerance.times = 2; },
-       "budget's tolerance: times none, in a row none -> times 2, in a row none"},
+       "budget tolerance: times none, in a row none -> times 2, in a row none"},
       {[](Cell& c) {
          arm(c).overrun = OverrunContract{Overrun::catch_up, 4};
        },
@@ -175,7 +174,7 @@ TEST(Difference, EachMemberOfAModuleIsOne) {
   }
 }
 
-TEST(Difference, EachMemberOfAnExecutorIsOne) {
+TEST(Difference, CoversEveryMemberOfAnExecutor) {
   const auto main = [](Cell& c) -> Executor& { return c.devices[0].executors[0]; };
   const std::vector<std::pair<Edit, std::string>> cases{
       {[&](Cell& c) { main(c).cpu = 1; }, "cpu: none -> 1"},
@@ -186,25 +185,25 @@ TEST(Difference, EachMemberOfAnExecutorIsOne) {
       {[&](Cell& c) { main(c).overrun.what = Overrun::error; }, "overrun: skip -> error"},
       {[&](Cell& c) { main(c).offsets = Offsets::automatic; }, "offsets: given -> auto"},
       {[&](Cell& c) { main(c).timing = Timing::let; }, "timing: direct -> let"},
-      {[&](Cell& c) { main(c).own_host = true; }, "host of its own: no -> yes"},
+      {[&](Cell& c) { main(c).own_host = true; }, "own host: no -> yes"},
   };
   for (const auto& [edit, words] : cases)
     EXPECT_THAT(robot_after(edit).reasons, ElementsAre("executor main: " + words));
 }
 
-TEST(Difference, WhatIsNewGoneOrInAnotherOrderIsTold) {
+TEST(Difference, ReportsAddedRemovedAndReorderedParts) {
   EXPECT_THAT(robot_after([](Cell& c) { c.devices[0].modules.push_back(module("eye")); }).reasons,
               ElementsAre("module eye is new"));
   EXPECT_THAT(robot_after([](Cell& c) { c.devices[0].modules.pop_back(); }).reasons,
-              ElementsAre("module hand is gone"));
+              ElementsAre("module hand is removed"));
   EXPECT_THAT(
       robot_after([](Cell& c) { std::swap(c.devices[0].modules[0], c.devices[0].modules[1]); }).reasons,
-      ElementsAre("the modules are in another order"));
+      ElementsAre("the order of the modules has changed"));
   EXPECT_THAT(robot_after([](Cell& c) { c.devices[0].executors.emplace_back().name = "slow"; }).reasons,
               ElementsAre("executor slow is new"));
 }
 
-TEST(Difference, AConnectionIsOneOfBothItsDevices) {
+TEST(Difference, AChangedConnectionConcernsTheDevicesAtBothEnds) {
   const auto both = [](const Edit& edit, const std::string& reason) {
     for (const DeviceDifference& one : after(edit)) {
       EXPECT_EQ(one.change, Change::anew) << one.device;
@@ -221,12 +220,12 @@ TEST(Difference, AConnectionIsOneOfBothItsDevices) {
   both([&](Cell& c) { only(c).stale = Stale::error; }, ": stale: hold -> error");
   both([&](Cell& c) { only(c).topic = "t"; }, ": topic: none -> t");
   both([&](Cell& c) { only(c).domain = 3; }, ": domain: none -> 3");
-  both([](Cell& c) { c.connections.clear(); }, " is gone");
-  // Its reader has the safe value, too.
+  both([](Cell& c) { c.connections.clear(); }, " is removed");
+  // The reader of the connection has the safe value, too.
   both([](Cell& c) { c.devices[1].modules[0].safe = {{"out", {{"x", "1"}}}}; }, ": safe: none -> out {x: 1}");
 }
 
-TEST(Difference, OfDevicesThatComeAndGo) {
+TEST(Difference, ReportsAddedAndRemovedDevices) {
   const auto all = after([](Cell& c) {
     c.devices[1].name = "belt";
     c.connections.clear();
@@ -235,10 +234,10 @@ TEST(Difference, OfDevicesThatComeAndGo) {
   EXPECT_EQ(all[1].change, Change::added);
   EXPECT_THAT(in_words(all[1]), ElementsAre("belt is new"));
   EXPECT_EQ(all[2].change, Change::removed);
-  EXPECT_THAT(in_words(all[2]), ElementsAre("line is taken down: the cell does not have it any more"));
+  EXPECT_THAT(in_words(all[2]), ElementsAre("line is stopped: it is no longer in the cell"));
 }
 
-TEST(Difference, OfTheWholeCellIsRefusedWithItsLine) {
+TEST(Difference, RejectsChangesOfTheWholeCell) {
   const std::vector<std::pair<Edit, std::string>> cases{
       {[](Cell& c) { c.name = "other"; }, "name: cell -> other"},
       {[](Cell& c) { c.domain_given = true; }, "domain: none -> 0"},
@@ -247,7 +246,7 @@ TEST(Difference, OfTheWholeCellIsRefusedWithItsLine) {
          c.discovery.peers = {"10.0.0.1"};
        },
        "discovery: multicast -> peers 10.0.0.1"},
-      {[](Cell& c) { c.server_device = "line"; }, "discovery server's device: none -> line"},
+      {[](Cell& c) { c.server_device = "line"; }, "discovery server device: none -> line"},
       {[](Cell& c) { c.security_required = true; }, "required security: no -> yes"},
   };
   for (const auto& [edit, words] : cases) {
@@ -262,13 +261,12 @@ TEST(Difference, OfTheWholeCellIsRefusedWithItsLine) {
   }
 }
 
-TEST(Difference, WhatTurnsOutNotToBePossibleInPlaceIsToldFirst) {
+TEST(Difference, MakeAnewPutsItsReasonFirst) {
   auto robot = robot_after([](Cell& changed) { arm(changed).properties[0].value = "0.7"; });
   robot.make_anew("module arm reads gain in initialize() alone");
   EXPECT_EQ(robot.change, Change::anew);
-  EXPECT_THAT(in_words(robot),
-              ElementsAre("robot is brought up anew: module arm reads gain in initialize() alone; "
-                          "module arm: gain: 0.5 -> 0.7"));
+  EXPECT_THAT(in_words(robot), ElementsAre("robot is restarted: module arm reads gain in initialize() alone; "
+                                           "module arm: gain: 0.5 -> 0.7"));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ Fault fault(std::uint64_t sequence, FaultKind kind = FaultKind::error, const std
           .cycle = 17};
 }
 
-TEST(Fault, GoesToJsonAndBack) {
+TEST(Fault, SurvivesARoundTripThroughJson) {
   EXPECT_EQ(fault_from(parse_json(json_text(to_json(fault(3))))), fault(3));
   const Fault least{
       .sequence = 1, .time_ns = 1, .cell = "-", .device = "robot", .kind = FaultKind::node_start};
@@ -38,7 +38,7 @@ TEST(Fault, GoesToJsonAndBack) {
   EXPECT_TRUE(to_json(least).at("cycle").is_null());
 }
 
-TEST(Fault, WhatIsNoEventIsNone) {
+TEST(Fault, RejectsJsonThatIsNotAnEvent) {
   for (const char* text : {"{}", "[]", "1", R"({"kind": "error"})", "what"})
     EXPECT_EQ(fault_from(parse_json(text)), std::nullopt) << text;
   auto value = to_json(fault(1));
@@ -46,7 +46,7 @@ TEST(Fault, WhatIsNoEventIsNone) {
   EXPECT_EQ(fault_from(value), std::nullopt);
 }
 
-TEST(FaultKind, EachHasAWordOfItsOwnAndASeverity) {
+TEST(FaultKind, EachKindHasItsOwnWord) {
   const auto words = fault_words();
   ASSERT_THAT(words, SizeIs(kFaultKinds));
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -58,7 +58,7 @@ TEST(FaultKind, EachHasAWordOfItsOwnAndASeverity) {
   EXPECT_EQ(fault_kind("?"), std::nullopt);
 }
 
-TEST(FaultFilter, TakesWhatItNames) {
+TEST(FaultFilter, SelectsMatchingEvents) {
   const std::vector<Fault> all{fault(1), fault(2, FaultKind::overrun), fault(3, FaultKind::overrun, "arm"),
                                fault(4, FaultKind::node_end, "")};
   const auto numbers = [&all](const FaultFilter& filter) {
@@ -77,7 +77,7 @@ TEST(FaultFilter, TakesWhatItNames) {
   EXPECT_THAT(numbers({.last = 9}), SizeIs(4));
 }
 
-TEST(FaultFilter, GoesToJsonAndBack) {
+TEST(FaultFilter, SurvivesARoundTripThroughJson) {
   const FaultFilter filter{
       .module = "servo", .kinds = {FaultKind::missed_rows}, .after = 7, .since_ns = 8, .last = 0};
   const auto read = filter_from(json_text(to_json(filter)));
@@ -87,30 +87,30 @@ TEST(FaultFilter, GoesToJsonAndBack) {
   EXPECT_TRUE(filter_from("{}").ok());
 }
 
-TEST(FaultFilter, SaysWhatIsWrongInIt) {
+TEST(FaultFilter, ReportsTheMistakeInAFilter) {
   const auto why = [](const char* text) { return in_words(filter_from(text).problems()); };
-  EXPECT_THAT(why("[]"), HasSubstr("no JSON object"));
+  EXPECT_THAT(why("[]"), HasSubstr("not a JSON object"));
   EXPECT_THAT(why(R"({"kind": 1})"), HasSubstr("did you mean kinds"));
   EXPECT_THAT(why(R"({"kinds": ["overun"]})"), HasSubstr("did you mean overrun"));
   EXPECT_THAT(why(R"({"last": "many"})"), HasSubstr("cannot be read"));
   for (const char* number : {"-1", "1.5", "1e300", "-1e300", "18446744073709551616"}) {
-    EXPECT_THAT(why(("{\"last\": " + std::string{number} + "}").c_str()), HasSubstr("no whole number"))
+    EXPECT_THAT(why(("{\"last\": " + std::string{number} + "}").c_str()), HasSubstr("not a whole number"))
         << number;
-    EXPECT_THAT(why(("{\"after\": " + std::string{number} + "}").c_str()), HasSubstr("no whole number"))
+    EXPECT_THAT(why(("{\"after\": " + std::string{number} + "}").c_str()), HasSubstr("not a whole number"))
         << number;
   }
-  EXPECT_THAT(why(R"({"since_ns": 1e300})"), HasSubstr("no whole number"));
-  EXPECT_THAT(why(R"({"since_ns": 9223372036854775808})"), HasSubstr("no whole number"));
+  EXPECT_THAT(why(R"({"since_ns": 1e300})"), HasSubstr("not a whole number"));
+  EXPECT_THAT(why(R"({"since_ns": 9223372036854775808})"), HasSubstr("not a whole number"));
   EXPECT_EQ(filter_from(R"({"since_ns": -5})")->since_ns, -5);
 }
 
-TEST(FaultFilter, HasEachKindOnce) {
+TEST(FaultFilter, KeepsEachKindOnce) {
   std::string many = R"({"kinds": ["error")";
   for (int i = 0; i < 1000; ++i) many += R"(, "overrun", "error")";
   EXPECT_THAT(filter_from(many + "]}")->kinds, ElementsAre(FaultKind::error, FaultKind::overrun));
 }
 
-TEST(FaultKinds, AreReadFromAList) {
+TEST(FaultKinds, ReadsAListOfKinds) {
   EXPECT_THAT(*kinds_from("error,missed-rows"), ElementsAre(FaultKind::error, FaultKind::missed_rows));
   for (const char* text : {"", "error,", ",error", "errors", "error,, overrun"})
     EXPECT_FALSE(kinds_from(text).ok()) << text;

@@ -30,18 +30,19 @@ std::string json(const std::vector<std::string>& words) {
   return result ? *result : "error: " + to_text(result.problems());
 }
 
-TEST(FieldValues, AreWrittenAsInJsonTextWithoutQuotes) {
+TEST(FieldValues, TextsAndEnumeratorsNeedNoQuotes) {
   EXPECT_EQ(json({}), "{}");
   EXPECT_EQ(json({"force=2.5", "kind=box", "mode=ON", "pose.x=1", "pose.y=-2", "way=[1,2]", "hold=true"}),
             R"({"force":2.5,"kind":"box","mode":"ON","pose":{"x":1,"y":-2},"way":[1,2],"hold":true})");
   EXPECT_EQ(json({R"(kind="a=b")"}), R"({"kind":"a=b"})");
-  EXPECT_EQ(json({"kind=12"}), R"({"kind":"12"})") << "a text that looks like a number";
+  EXPECT_EQ(json({"kind=12"}), R"({"kind":"12"})")
+      << "a string field that looks like a number stays a string";
   EXPECT_EQ(json({"kind="}), R"({"kind":""})");
   EXPECT_EQ(json({"force=NaN"}), R"({"force":"NaN"})");
   EXPECT_EQ(json({R"(pose={"x":1})"}), R"({"pose":{"x":1}})");
 }
 
-TEST(FieldValues, OfWhatAWordSaysTheBytesAreMade) {
+TEST(FieldValues, BecomeTheBytesOfASample) {
   for (const auto& words : {std::vector<std::string>{"force=2.5", "mode=ON", "way=[1,2]"},
                             std::vector<std::string>{R"({"force":2.5,"mode":"ON","way":[1,2]})"}}) {
     const auto bytes = sample_bytes(grip(), json(words));
@@ -52,23 +53,22 @@ TEST(FieldValues, OfWhatAWordSaysTheBytesAreMade) {
   }
 }
 
-TEST(FieldValues, AnObjectOfJsonIsTakenAsItIs) { EXPECT_EQ(json({R"( {"force": 1})"}), R"( {"force": 1})"); }
+TEST(FieldValues, KeepAJsonObjectUnchanged) { EXPECT_EQ(json({R"( {"force": 1})"}), R"( {"force": 1})"); }
 
-TEST(FieldValues, WhatIsWrongIsSaidWithWhatWouldBeRight) {
+TEST(FieldValues, ReportEachMistakeWithAFix) {
   EXPECT_EQ(json({"forse=1"}), "error: t::Grip: error: has no field 'forse'; did you mean force?");
   EXPECT_EQ(json({"pose.z=1"}), "error: t::Grip.pose: error: has no field 'z'; it can be x or y");
   EXPECT_EQ(json({"force"}),
-            "error: t::Grip: error: 'force' is no field with a value; write field=value, or one object "
+            "error: t::Grip: error: 'force' is not a field with a value; write field=value, or one object "
             "{\"field\": value}");
-  EXPECT_EQ(json({"=1"}).find("error: t::Grip: error: '=1' is no field"), 0U);
+  EXPECT_EQ(json({"=1"}).find("error: t::Grip: error: '=1' is not a field"), 0U);
   EXPECT_EQ(json({"force=1", "force=2"}), "error: t::Grip.force: error: is given twice; give it one value");
   EXPECT_EQ(json({"pose=1", "pose.x=2"}),
             "error: t::Grip.pose: error: is given twice; give it one value, in JSON");
   EXPECT_EQ(json({"pose.x=2", "pose=1"}), "error: t::Grip.pose: error: is given twice; give it one value");
   EXPECT_EQ(json({"force.x=1"}),
-            "error: t::Grip.force: error: has no fields that could be named; give it one value, in JSON");
-  EXPECT_EQ(json({"way.x=1"}),
-            "error: t::Grip.way: error: has no fields that could be named; give it one value, in JSON");
+            "error: t::Grip.force: error: has no named fields; give it one value, in JSON");
+  EXPECT_EQ(json({"way.x=1"}), "error: t::Grip.way: error: has no named fields; give it one value, in JSON");
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ Device device_of(std::vector<Executor> executors, std::vector<Module> modules) {
   return device;
 }
 
-TEST(Hosts, OneIsSharedByWhoeverHasNoneOfItsOwn) {
+TEST(Hosts, ExecutorsWithoutTheirOwnHostShareOne) {
   const auto hosts =
       hosts_of(device_of({executor("fast"), executor("slow")},
                          {thread("a", "fast"), program("b", "slow"), thread("c", ""), program("d", "")}));
@@ -50,7 +50,7 @@ TEST(Hosts, OneIsSharedByWhoeverHasNoneOfItsOwn) {
   EXPECT_THAT(hosts[0].programs, ElementsAre(1));
 }
 
-TEST(Hosts, AnExecutorMayHaveOneToItself) {
+TEST(Hosts, AnExecutorCanHaveItsOwnHost) {
   const auto hosts =
       hosts_of(device_of({executor("fast", true), executor("slow")},
                          {thread("a", "fast"), program("b", "fast"), thread("c", "slow"), thread("d", "")}));
@@ -64,7 +64,7 @@ TEST(Hosts, AnExecutorMayHaveOneToItself) {
   EXPECT_THAT(hosts[1].programs, ElementsAre(1));
 }
 
-TEST(Hosts, NoneIsSharedWhereNobodyIsLeft) {
+TEST(Hosts, ThereIsNoSharedHostIfItWouldBeEmpty) {
   const auto hosts = hosts_of(device_of({executor("fast", true), executor("slow", true)},
                                         {thread("a", "fast"), thread("b", "slow")}));
   ASSERT_EQ(hosts.size(), 2U);
@@ -73,7 +73,7 @@ TEST(Hosts, NoneIsSharedWhereNobodyIsLeft) {
   EXPECT_THAT(hosts[1].modules, ElementsAre(1));
 }
 
-TEST(Hosts, ADeviceOfNothingHasOne) {
+TEST(Hosts, AnEmptyDeviceHasASharedHost) {
   const auto hosts = hosts_of(device_of({executor("main")}, {}));
   ASSERT_EQ(hosts.size(), 1U);
   EXPECT_THAT(hosts[0].modules, IsEmpty());

@@ -7,7 +7,7 @@
 namespace takt::model::names_test {
 namespace {
 
-TEST(Name, IsRefusedForEachOtherForm) {
+TEST(Name, RejectsAllOtherForms) {
   for (const char* name :
        {"", "7axis", "-a", "a.b", "a b", " a", "a ", "a/b", "gr\u00f6\u00dfe", "a\n", "a:b", "a+"}) {
     EXPECT_FALSE(is_valid_name(name)) << name;
@@ -16,13 +16,13 @@ TEST(Name, IsRefusedForEachOtherForm) {
   EXPECT_FALSE(is_valid_name(std::string_view{"a\0", 2}));
 }
 
-TEST(Name, IsLetterOrUnderscoreThenAlsoDigitsAndDashes) {
+TEST(Name, AcceptsALetterOrUnderscoreThenAlsoDigitsAndDashes) {
   for (const char* name : {"a", "Z", "_", "a7", "_7", "a-b", "trajectory_2", "A-"})
     EXPECT_TRUE(is_valid_name(name)) << name;
   EXPECT_TRUE(is_valid_name(std::string(63, 'a')));
 }
 
-TEST(FileStem, IsTheFileWithoutFolderAndEnding) {
+TEST(FileStem, IsTheFileNameWithoutFolderAndExtension) {
   EXPECT_EQ(file_stem("build/controller1.so"), "controller1");
   EXPECT_EQ(file_stem("./control2.so"), "control2");
   EXPECT_EQ(file_stem("vision.exe"), "vision");
@@ -46,7 +46,7 @@ TEST(Topic, IsPrintableAndHasNoSpace) {
   EXPECT_FALSE(is_valid_topic(std::string(kMaxTopic + 1, 'x')));
 }
 
-TEST(Host, IsAnAddressOrAName) {
+TEST(Host, IsAnIPv4AddressOrAHostName) {
   for (const std::string host : {"10.0.0.1", "0.0.0.0", "255.255.255.255", "localhost", "robot-1", "a.b.c",
                                  "3com", "1a.2", "my_host", "10.0.0.1.example"}) {
     EXPECT_TRUE(is_valid_host(host)) << host;
@@ -74,7 +74,7 @@ TEST(Server, IsAHostAndAPort) {
   }
 }
 
-TEST(TopicOf, IsTheConnectionsOwnOrThatOfItsWriter) {
+TEST(TopicOf, IsGivenByTheConnectionOrNamedAfterItsWriter) {
   Cell cell;
   cell.name = "cell";
   Connection connection;

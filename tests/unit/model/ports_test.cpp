@@ -53,64 +53,65 @@ class Connections : public testing::Test {
   CellPorts ports;
 };
 
-TEST_F(Connections, OfPortsThatFitAreRight) {
+TEST_F(Connections, AcceptMatchingPorts) {
   EXPECT_EQ(check({"robot", "a", "state"}, {"line", "b", "joint"}), Problems{});
   EXPECT_EQ(check({"robot", "a", "pick"}, {"robot", "b", "moved"}), Problems{});
 }
 
-TEST_F(Connections, NameAPortThatIsNotThereWithTheOneThatWasMeant) {
+TEST_F(Connections, SuggestAPortForAnUnknownOne) {
   EXPECT_EQ(text(check({"robot", "a", "sate"}, {"line", "b", "joint"})),
             "cell.xml:12: error: module robot.a has no port 'sate'; did you mean state?");
   EXPECT_EQ(text(check({"robot", "a", "state"}, {"line", "b", "zzz"})),
             "cell.xml:12: error: module line.b has no port 'zzz'; it can be joint or moved");
 }
 
-TEST_F(Connections, TellBothEndsThatAreWrong) {
+TEST_F(Connections, ReportBothWrongEnds) {
   EXPECT_EQ(check({"robot", "a", "x"}, {"line", "b", "y"}).size(), 2U);
 }
 
-TEST_F(Connections, GoFromAnOutputToAnInput) {
+TEST_F(Connections, MustGoFromAnOutputToAnInput) {
   EXPECT_THAT(text(check({"robot", "a", "joint"}, {"line", "b", "joint"})),
               testing::StartsWith("cell.xml:12: error: port robot.a.joint is an input;"));
   EXPECT_THAT(text(check({"robot", "a", "state"}, {"line", "b", "pick"})),
               testing::StartsWith("cell.xml:12: error: port line.b.pick is an output;"));
 }
 
-TEST_F(Connections, NameBothTypes) {
+TEST_F(Connections, RejectPortsOfDifferentTypes) {
   EXPECT_EQ(text(check({"robot", "a", "state"}, {"line", "b", "moved"})),
-            "cell.xml:12: error: port robot.a.state is of type motion::Joint and port line.b.moved of type "
-            "motion::Pick; connect ports of one type");
+            "cell.xml:12: error: port robot.a.state has type motion::Joint, but port line.b.moved has type "
+            "motion::Pick; connect ports of the same type");
 }
 
-TEST_F(Connections, NameTheFieldInWhichTwoTypesOfOneNameDiffer) {
+TEST_F(Connections, NameTheFieldInWhichTwoVersionsOfATypeDiffer) {
   (*ports[1][1])[0].type = joint(7);
   EXPECT_THAT(text(check({"robot", "a", "state"}, {"line", "b", "joint"})),
               testing::HasSubstr("position is double[6] in the first and double[7] in the second"));
 }
 
-TEST_F(Connections, OfAComponentThatIsNotHereAreNotJudged) {
+TEST_F(Connections, AreNotCheckedIfThePortsAreNotKnown) {
   ports[1][1].reset();
   EXPECT_EQ(check({"robot", "a", "state"}, {"line", "b", "anything"}), Problems{});
 }
 
-TEST_F(Connections, WithOneEndAreHeldAgainstThatEnd) {
+TEST_F(Connections, AreCheckedEvenWithASingleEnd) {
   EXPECT_EQ(check({"robot", "a", "state"}, {}), Problems{});
   EXPECT_EQ(check({}, {"robot", "a", "state"}).size(), 1U);
 }
 
-TEST_F(Connections, AModuleDispatchedAtOnceNeedsAnEventThatCanCome) {
+TEST_F(Connections, ImmediateDispatchNeedsAConnectedEventPort) {
   cell.devices[0].modules[0].dispatch = Dispatch::immediate;
   cell.devices[0].modules[0].lines.dispatch = 5;
   EXPECT_EQ(check({"robot", "b", "pick"}, {"robot", "a", "moved"}), Problems{});
   EXPECT_THAT(
       text(check({"robot", "b", "state"}, {"robot", "a", "joint"})),
-      testing::HasSubstr("cell.xml:5: error: module a is dispatched at once, but none of its event ports"));
+      testing::HasSubstr(
+          "cell.xml:5: error: module a has <dispatch>immediate</dispatch>, but none of its event ports"));
   (*ports[0][0]).erase((*ports[0][0]).begin() + 1);
   EXPECT_THAT(text(check({"robot", "b", "state"}, {"robot", "a", "joint"})),
               testing::HasSubstr("has no event port"));
 }
 
-TEST(PortsJson, IsReadBackAsItWasWritten) {
+TEST(PortsJson, SurvivesARoundTrip) {
   const std::vector<Port> ports{{"joint", Direction::in, joint(), "Where it is."},
                                 {"moved", Direction::event, pick(), ""},
                                 {"state", Direction::out, joint(), "\"quoted\"\n"}};
@@ -119,7 +120,7 @@ TEST(PortsJson, IsReadBackAsItWasWritten) {
   EXPECT_EQ(*read, ports);
 }
 
-TEST(PortsJson, OfNonsenseIsRefused) {
+TEST(PortsJson, RejectsTextThatIsNotAListOfPorts) {
   for (const char* text :
        {"", "[]", "{}", "{\"ports\": 5}", "{\"ports\": [5]}", "{\"ports\": [{\"name\": \"a\"}]}",
         "{\"ports\": [{\"name\": \"a\", \"direction\": \"up\", \"description\": \"{}\"}]}",
@@ -128,7 +129,7 @@ TEST(PortsJson, OfNonsenseIsRefused) {
   }
 }
 
-TEST(Difference, IsTheFirstOne) {
+TEST(TypeDifference, NamesTheFirstDifferingField) {
   Type first = joint();
   EXPECT_EQ(difference(first, first), "");
   Type second = first;
@@ -143,7 +144,8 @@ TEST(Difference, IsTheFirstOne) {
   EXPECT_EQ(difference(first, second), "position is double[6] in the first and float[6] in the second");
 }
 
-/// robot.a serves "grip", line.b is a client "ask" of the same, line.a one of something else.
+/// robot.a has the service "grip". Module line.b has a matching client "ask"; the clients of line.a and
+/// robot.b have other types.
 class Services : public Connections {
  protected:
   static Type around(const char* suffix, const char* field, const Type& inner) {
@@ -175,50 +177,48 @@ class Services : public Connections {
   }
 };
 
-TEST_F(Services, OfTypesThatFitAreRight) {
+TEST_F(Services, AcceptMatchingTypes) {
   EXPECT_EQ(check_service({"line", "b", "ask"}, {"robot", "a", "grip"}), "");
 }
 
-TEST_F(Services, OfOtherTypesAreRefusedWithTheTypes) {
+TEST_F(Services, RejectDifferentTypesAndNameThem) {
   EXPECT_EQ(check_service({"line", "a", "ask"}, {"robot", "a", "grip"}),
-            "cell.xml:9: error: client line.a.ask has requests of type motion::Joint and service "
+            "cell.xml:9: error: client line.a.ask has requests of type motion::Joint, but service "
             "robot.a.grip of type "
-            "motion::Pick; connect a client and a service of the same types");
+            "motion::Pick; connect a client and a service with the same types");
   EXPECT_EQ(
       check_service({"robot", "b", "ask"}, {"robot", "a", "grip"}),
-      "cell.xml:9: error: client robot.b.ask and service robot.a.grip know different types motion::Joint: "
+      "cell.xml:9: error: client robot.b.ask and service robot.a.grip have different versions of type "
+      "motion::Joint: "
       "position is double[7] in the first and double[6] in the second; build both components from the same "
       "IDL");
 }
 
-TEST_F(Services, ThatAreNoneAreRefusedWithTheOneThatWasMeant) {
+TEST_F(Services, RejectEndsThatAreNotAServiceOrClient) {
   EXPECT_EQ(check_service({"line", "b", "ask"}, {"robot", "a", "gripp"}),
             "cell.xml:9: error: module robot.a has no service 'gripp'; did you mean grip?");
   EXPECT_EQ(
       check_service({"line", "b", "ask"}, {"robot", "a", "moved"}),
-      "cell.xml:9: error: 'moved' of module robot.a is a port and no service; connect it with <connection "
+      "cell.xml:9: error: 'moved' of module robot.a is a port, not a service; connect it with <connection "
       "from=\"...\" to=\"...\"/>");
   EXPECT_EQ(
       check_service({"robot", "a", "grip"}, {"line", "b", "ask"}),
-      "cell.xml:9: error: 'grip' of module robot.a is a service and stands for the client; client=\"...\" "
-      "asks "
-      "and server=\"...\" answers\n"
-      "cell.xml:9: error: 'ask' of module line.b is a client and stands for the service; client=\"...\" asks "
-      "and server=\"...\" answers");
+      "cell.xml:9: error: 'grip' of module robot.a is a service, not a client; client=\"...\" "
+      "names the client and server=\"...\" names the service\n"
+      "cell.xml:9: error: 'ask' of module line.b is a client, not a service; client=\"...\" names the client "
+      "and server=\"...\" names the service");
 }
 
-TEST_F(Services, AreNotToBeConnectedAsPorts) {
+TEST_F(Services, CannotBeConnectedAsPorts) {
   EXPECT_EQ(text(check({"robot", "a", "state"}, {"robot", "a", "grip"})),
-            "cell.xml:12: error: module robot.a has the service 'grip' and no port 'grip'; say <service "
-            "client=\"...\" "
-            "server=\"...\"/>");
+            "cell.xml:12: error: 'grip' of module robot.a is a service, not a port; connect it with <service "
+            "client=\"...\" server=\"...\"/>");
   EXPECT_EQ(text(check({"robot", "a", "state"}, {"robot", "a", "grip/request"}))
-                .find("cell.xml:12: error: module robot.a "
-                      "has the service 'grip'"),
+                .find("cell.xml:12: error: 'grip' of module robot.a is a service"),
             0U);
 }
 
-TEST(PortsJson, KeepsWhatAPortIsThereFor) {
+TEST(PortsJson, KeepsTheRoleOfAPort) {
   std::vector<Port> all{{"s/request", Direction::in, pick(), "t", true, Role::handler},
                         {"p", Direction::out, pick(), "", false, Role::plain}};
   const auto again = parse_ports(ports_json(all));

@@ -34,7 +34,7 @@ auto problem(const std::string& where, const std::string& what, const std::strin
                Field(&Problem::fix, HasSubstr(fix)));
 }
 
-TEST(ProfileJson, IsReadBackAsItWasWritten) {
+TEST(ProfileJson, SurvivesARoundTrip) {
   const auto read = parse_profile(profile_json(profile(), {{"kernel", "6.1"}}), "p.json");
   ASSERT_TRUE(read);
   EXPECT_EQ(read->cell, "cell");
@@ -46,34 +46,35 @@ TEST(ProfileJson, IsReadBackAsItWasWritten) {
   EXPECT_EQ(read->modules.at("robot.never").runs, 0U);
 }
 
-TEST(ProfileJson, SaysWhereItWasMeasured) {
+TEST(ProfileJson, ContainsTheMeasuredMachine) {
   EXPECT_THAT(profile_json(profile(), {{"kernel", "6.1"}}), HasSubstr("\"kernel\": \"6.1\""));
 }
 
-TEST(ProfileJson, ThatIsNoJsonIsRefusedAtItsLine) {
+TEST(ProfileJson, RejectsTextThatIsNotJsonWithItsLine) {
   EXPECT_THAT(problems_of("{\"cell\": \"c\",\n\n oops"),
-              ElementsAre(problem("p.json:3", "no JSON", "takt run --profile")));
-  EXPECT_THAT(problems_of(""), ElementsAre(problem("p.json:1", "no JSON", "")));
-  EXPECT_THAT(problems_of("[]"), ElementsAre(problem("p.json:1", "no profile", "")));
+              ElementsAre(problem("p.json:3", "not JSON", "takt run --profile")));
+  EXPECT_THAT(problems_of(""), ElementsAre(problem("p.json:1", "not JSON", "")));
+  EXPECT_THAT(problems_of("[]"), ElementsAre(problem("p.json:1", "not a profile", "")));
 }
 
-TEST(ProfileJson, WithoutCellAndModulesSaysBoth) {
-  EXPECT_THAT(problems_of("{}"), ElementsAre(problem("p.json:1", "of which cell", "\"cell\": \"NAME\""),
-                                             problem("p.json:1", "no modules", "")));
+TEST(ProfileJson, ReportsMissingCellAndModules) {
+  EXPECT_THAT(problems_of("{}"),
+              ElementsAre(problem("p.json:1", "does not name its cell", "\"cell\": \"NAME\""),
+                          problem("p.json:1", "no modules", "")));
 }
 
-TEST(ProfileJson, WithAnUnknownKeyGuessesWhatWasMeant) {
+TEST(ProfileJson, SuggestsAKeyForAnUnknownOne) {
   EXPECT_THAT(problems_of(R"({"cell": "c", "module": {}, "modules": {}})"),
               ElementsAre(problem("p.json:1", "'module'", "did you mean modules?")));
 }
 
-TEST(ProfileJson, NamesEachTimeThatIsMissing) {
+TEST(ProfileJson, NamesEachMissingTime) {
   EXPECT_THAT(problems_of(of_module(R"("runs": 1, "min_ns": 1, "p50_ns": 1, "p99_ns": 1)")),
               ElementsAre(problem("p.json:2", "'d.m' has no \"p999_ns\"", ""),
                           problem("p.json:2", "'d.m' has no \"max_ns\"", "")));
 }
 
-TEST(ProfileJson, RefusesWhatIsNoTime) {
+TEST(ProfileJson, RejectsValuesThatAreNotTimes) {
   for (const char* bad : {"-1", "1.5", "\"5\"", "null", "9223372036854775808"}) {
     const std::string entries =
         R"("runs": 1, "min_ns": 0, "p50_ns": 0, "p99_ns": 0, "p999_ns": 0, "max_ns": )" + std::string{bad};
@@ -83,18 +84,19 @@ TEST(ProfileJson, RefusesWhatIsNoTime) {
   }
 }
 
-TEST(ProfileJson, RefusesTimesThatAreOutOfOrder) {
+TEST(ProfileJson, RejectsTimesOutOfOrder) {
   EXPECT_THAT(
       problems_of(
           of_module(R"("runs": 1, "min_ns": 2, "p50_ns": 2, "p99_ns": 9, "p999_ns": 3, "max_ns": 4)")),
-      ElementsAre(problem("p.json:2", "\"p99_ns\" of 'd.m' is larger than \"p999_ns\"", "do not fall")));
+      ElementsAre(problem("p.json:2", "\"p99_ns\" of 'd.m' is larger than \"p999_ns\"", "do not decrease")));
 }
 
-TEST(ProfileJson, RefusesANameThatIsNoModules) {
+TEST(ProfileJson, RejectsNamesThatAreNotDeviceAndModule) {
   for (const char* name : {"m", ".m", "d.", "a.b.c"}) {
     const std::string text = R"({"cell": "c", "modules": {")" + std::string{name} + R"(": 1}})";
-    EXPECT_THAT(problems_of(text), ElementsAre(problem("p.json:1", "names no module", "device.module"),
-                                               problem("p.json:1", "no run times", "an object")));
+    EXPECT_THAT(problems_of(text),
+                ElementsAre(problem("p.json:1", "is not the name of a module", "device.module"),
+                            problem("p.json:1", "no run times", "an object")));
   }
 }
 

@@ -35,20 +35,20 @@ class Safe : public testing::Test {
   CellPorts ports;
 };
 
-TEST_F(Safe, NobodySaysAnythingAndThereIsNone) {
+TEST_F(Safe, IsEmptyIfNothingDefinesIt) {
   EXPECT_EQ(value(), "");
   EXPECT_TRUE(safe_bytes(servo(), effort()).empty());
   EXPECT_TRUE(safe_outputs(cell, ports).empty());
 }
 
-TEST_F(Safe, WhatTheComponentSaysHoldsForFieldsThatAreNotGiven) {
+TEST_F(Safe, FieldsNotInTheDescriptorKeepTheComponentsValue) {
   effort().safe = R"({"torque":[1.0,2.0],"mode":"HOLD"})";
   EXPECT_EQ(value(), R"({"torque":[1.0,2.0],"mode":"HOLD"})");
   servo().safe = {{"effort", {{"torque", "[3, 4]"}}}};
   EXPECT_EQ(value(), R"({"torque": [3, 4], "mode": "HOLD"})");
 }
 
-TEST_F(Safe, AFieldThatNobodyGivesIsZero) {
+TEST_F(Safe, UndefinedFieldsAreZero) {
   servo().safe = {{"effort", {}}};
   EXPECT_EQ(value(), R"({"torque": [0, 0], "mode": "OFF"})");
   servo().safe = {{"effort", {{"mode", "HOLD"}}}};
@@ -56,7 +56,7 @@ TEST_F(Safe, AFieldThatNobodyGivesIsZero) {
   EXPECT_EQ(problems(), "");
 }
 
-TEST_F(Safe, EachMistakeHasItsLine) {
+TEST_F(Safe, ReportsEachMistakeWithItsLine) {
   servo().safe = {
       {"effort", {{"torqe", "1", 7}, {"torque", "[1]", 8}, {"mode", "hold", 9}, {"mode", "OFF", 10}}, 6},
       {"measured", {}, 11},
@@ -72,12 +72,12 @@ TEST_F(Safe, EachMistakeHasItsLine) {
       "you mean HOLD?\n"
       "cell.xml:10: error: the safe value of port 'effort': motion::Effort.mode is given twice; give it "
       "one value\n"
-      "cell.xml:11: error: port robot.servo.measured is an input; a safe value is an output's; it must be "
+      "cell.xml:11: error: port robot.servo.measured is an input and cannot have a safe value; it must be "
       "effort\n"
       "cell.xml:12: error: module robot.servo has no output 'efort'; did you mean effort?");
 }
 
-TEST_F(Safe, ValuesOfAllOutputsTravelAsText) {
+TEST_F(Safe, OutputsSurviveARoundTripThroughJson) {
   servo().safe = {{"effort", {{"mode", "HOLD"}}}};
   const auto outputs = safe_outputs(cell, ports);
   ASSERT_EQ(outputs.size(), 1U);
@@ -87,7 +87,7 @@ TEST_F(Safe, ValuesOfAllOutputsTravelAsText) {
   EXPECT_TRUE(parse_safe("[1]")[0].json.empty());
 }
 
-TEST_F(Safe, AComponentsBytesAreReadInHexAndAfterwardsAsJson) {
+TEST_F(Safe, ReadsTheComponentsValueFromHexAndFromJson) {
   servo().safe = {{"effort", {{"mode", "HOLD"}}}};
   std::string hex;
   for (const std::byte byte : safe_bytes(servo(), effort())) {
@@ -104,7 +104,7 @@ TEST_F(Safe, AComponentsBytesAreReadInHexAndAfterwardsAsJson) {
   EXPECT_EQ(read_safe({}, (*again)[0]).json, R"({"torque":[0,0],"mode":"HOLD"})");
 }
 
-TEST_F(Safe, QueuesEventsAndOtherProgramsHaveNone) {
+TEST_F(Safe, QueuesEventsAndExternalWritersHaveNone) {
   Connection connection;
   connection.from = {"robot", "servo", "effort"};
   connection.to = {"robot", "servo", "measured"};

@@ -23,7 +23,7 @@ const std::string kPlan =
     R"({"name":"way","type":"double","array":[2,6],"sequence":8,"elements":[3]},)"
     R"({"name":"start","type":"struct","of":"motion::Pose","fields":[{"name":"x","type":"long"}]}]})";
 
-/// What is wrong with a type of these fields, or of this text.
+/// The problems of a type with this description.
 std::vector<std::string> problems_of(const std::string& text) {
   const auto type = parse_type(text);
   std::vector<std::string> lines;
@@ -38,7 +38,7 @@ Type type_of(const std::string& fields) {
   return parse_type(R"({"name":"T","fields":[)" + fields + "]}").value();
 }
 
-TEST(Type, IsReadFromItsDescription) {
+TEST(Type, ReadsADescription) {
   const auto type = parse_type(kPlan);
   ASSERT_TRUE(type.ok()) << to_text(type.problems());
   EXPECT_EQ(type->name, "motion::Plan");
@@ -57,9 +57,9 @@ TEST(Type, IsReadFromItsDescription) {
   EXPECT_EQ(type->fields[3].fields.at(0).name, "x");
 }
 
-TEST(Type, IsWrittenAsItWasRead) { EXPECT_EQ(to_text(*parse_type(kPlan)), kPlan); }
+TEST(Type, WritesTheDescriptionUnchanged) { EXPECT_EQ(to_text(*parse_type(kPlan)), kPlan); }
 
-TEST(Type, DiffersWhereverItsDescriptionDiffers) {
+TEST(Type, DiffersIfAnyPartOfTheDescriptionDiffers) {
   const Type plan = *parse_type(kPlan);
   for (const auto& [was, is] :
        std::vector<std::pair<std::string, std::string>>{{"motion::Plan", "motion::Plam"},
@@ -81,7 +81,7 @@ TEST(Type, DiffersWhereverItsDescriptionDiffers) {
   }
 }
 
-TEST(Type, HasAWordForEachScalar) {
+TEST(Type, HasAKeywordForEachScalar) {
   for (const auto* word : {"boolean", "octet", "char", "int8", "short", "unsigned short", "long",
                            "unsigned long", "long long", "unsigned long long", "float", "double"}) {
     const Type type = type_of(R"({"name":"x","type":")" + std::string{word} + "\"}");
@@ -92,9 +92,9 @@ TEST(Type, HasAWordForEachScalar) {
   EXPECT_STREQ(to_text(Scalar::structure), "struct");
 }
 
-// What no port can have
+// Types that no port can have
 
-TEST(Type, IsRefusedWithoutABoundOfAString) {
+TEST(Type, RejectsAStringWithoutABound) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"string"})"),
               ElementsAre("T.x is a string without a bound"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"string","bound":0})"),
@@ -105,7 +105,7 @@ TEST(Type, IsRefusedWithoutABoundOfAString) {
               ElementsAre("T.x is a string without a bound"));
 }
 
-TEST(Type, IsRefusedWithoutABoundOfASequence) {
+TEST(Type, RejectsASequenceWithoutABound) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","sequence":0})"),
               ElementsAre("T.x is a sequence without a bound"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","sequence":1.5})"),
@@ -113,10 +113,10 @@ TEST(Type, IsRefusedWithoutABoundOfASequence) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","array":[3,0]})"),
               ElementsAre("T.x is an array without a size"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","elements":[3]})"),
-              ElementsAre("T.x has elements and is no sequence"));
+              ElementsAre("T.x has \"elements\" but is not a sequence"));
 }
 
-TEST(Type, IsRefusedWithASequenceWithinASequence) {
+TEST(Type, RejectsASequenceWithinASequence) {
   const std::string inner = R"({"name":"in","type":"long","sequence":2})";
   const auto around = [](const std::string& fields, const std::string& more) {
     return R"({"name":"out","type":"struct","of":"U",)" + more + R"("fields":[)" + fields + "]}";
@@ -127,28 +127,27 @@ TEST(Type, IsRefusedWithASequenceWithinASequence) {
               ElementsAre("T.out.in is a sequence within a sequence"));
   EXPECT_THAT(problems_with(around(around(inner, ""), R"("sequence":3,)")),
               ElementsAre("T.out.out.in is a sequence within a sequence"));
-  // After it there may be another.
+  // One sequence after another is allowed.
   EXPECT_THAT(problems_with(around(R"({"name":"a","type":"long"})", R"("sequence":3,)") + "," + inner),
               ElementsAre());
 }
 
-TEST(Type, IsRefusedWithAKey) {
+TEST(Type, RejectsAKey) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","key":true})"), ElementsAre("T.x is a key"));
 }
 
-TEST(Type, IsRefusedWithWhatIsNotKnown) {
-  EXPECT_THAT(problems_with(R"({"name":"x","type":"wstring"})"),
-              ElementsAre("T.x has no type that is known here"));
-  EXPECT_THAT(problems_with(R"({"name":"x","type":7})"), ElementsAre("T.x has no type that is known here"));
+TEST(Type, RejectsUnknownTypesAndMembers) {
+  EXPECT_THAT(problems_with(R"({"name":"x","type":"wstring"})"), ElementsAre("T.x has no known type"));
+  EXPECT_THAT(problems_with(R"({"name":"x","type":7})"), ElementsAre("T.x has no known type"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","bound":7})"),
-              ElementsAre("T.x has the member 'bound'"));
+              ElementsAre("T.x has the unknown member 'bound'"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long","optional":true})"),
-              ElementsAre("T.x has the member 'optional'"));
+              ElementsAre("T.x has the unknown member 'optional'"));
   EXPECT_THAT(problems_of(R"({"name":"T","keys":["x"],"fields":[{"name":"x","type":"long"}]})"),
-              ElementsAre("T has the member 'keys'"));
+              ElementsAre("T has the unknown member 'keys'"));
 }
 
-TEST(Type, IsRefusedWithoutNames) {
+TEST(Type, RejectsMissingAndDuplicateNames) {
   EXPECT_THAT(problems_with(R"({"type":"long"})"), ElementsAre("T has no name"));
   EXPECT_THAT(problems_with(R"({"name":"a.b","type":"long"})"), ElementsAre("T has no name"));
   EXPECT_THAT(problems_with(R"({"name":"","type":"long"})"), ElementsAre("T has no name"));
@@ -162,22 +161,22 @@ TEST(Type, IsRefusedWithoutNames) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"enum","of":"E","enumerators":[]})"),
               ElementsAre("T.x has no enumerators"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"enum","of":"E","enumerators":["A","A"]})"),
-              ElementsAre("T.x has an enumerator without a name of its own"));
+              ElementsAre("T.x has an enumerator without a unique name"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"struct","of":"S","fields":[]})"),
               ElementsAre("T.x has no fields"));
   EXPECT_THAT(problems_with(R"({"name":"x","type":"long"},{"name":"x","type":"long"})"),
-              ElementsAre("T.x is there twice"));
+              ElementsAre("T.x appears twice"));
 }
 
-TEST(Type, IsRefusedWithAllThatIsWrong) {
+TEST(Type, ReportsAllMistakesAtOnce) {
   EXPECT_THAT(
       problems_with(
           R"({"name":"a","type":"string"},{"name":"b","type":"any"},{"name":"c","type":"long","key":1},7)"),
-      ElementsAre("T.a is a string without a bound", "T.b has no type that is known here", "T.c is a key",
-                  "T has a field that is no object"));
+      ElementsAre("T.a is a string without a bound", "T.b has no known type", "T.c is a key",
+                  "T has a field that is not an object"));
 }
 
-TEST(Type, IsRefusedWhenTheTextIsNone) {
+TEST(Type, RejectsTextThatIsNotADescription) {
   for (const auto* text :
        {"", "{", "7", "[]", "null", "\"T\"", "{\"name\":\"T\"}", "{\"name\":\"T\",\"fields\":{}}",
         "{\"name\":\"T\",\"fields\":[]}", "\xff", "{\"fields\":[{\"name\":\"x\",\"type\":\"long\"}]}"}) {
@@ -188,7 +187,7 @@ TEST(Type, IsRefusedWhenTheTextIsNone) {
               ElementsAre(HasSubstr("its description has 1048577 bytes")));
 }
 
-// Bounds of the whole
+// Limits of the whole type
 
 std::string nested(std::size_t structs) {
   std::string fields = R"({"name":"x","type":"long"})";
@@ -197,23 +196,23 @@ std::string nested(std::size_t structs) {
   return fields;
 }
 
-TEST(Type, HasABoundOfNesting) {
+TEST(Type, LimitsTheNestingOfStructs) {
   EXPECT_THAT(problems_with(nested(kMaxNesting)), ElementsAre());
   EXPECT_THAT(problems_with(nested(kMaxNesting + 1)),
-              ElementsAre(HasSubstr("is a struct too deep within others")));
+              ElementsAre(HasSubstr("is a struct that is nested too deep")));
   EXPECT_FALSE(problems_with(nested(10'000)).empty());
 }
 
-TEST(Type, HasABoundOfFields) {
+TEST(Type, LimitsTheNumberOfFields) {
   std::string fields;
   for (std::size_t i = 0; i < kMaxFields; ++i)
     fields += R"({"name":"f)" + std::to_string(i) + R"(","type":"octet"},)";
   EXPECT_THAT(problems_with(fields.substr(0, fields.size() - 1)), ElementsAre());
   EXPECT_THAT(problems_with(fields + R"({"name":"x","type":"octet"})"),
-              ElementsAre("T is beyond the most fields of a type"));
+              ElementsAre("T has too many fields for one type"));
 }
 
-TEST(Type, HasABoundOfItsSample) {
+TEST(Type, LimitsTheSizeOfASample) {
   EXPECT_THAT(problems_with(R"({"name":"x","type":"octet","array":[67108860]})"), ElementsAre());
   EXPECT_THAT(problems_with(R"({"name":"x","type":"octet","array":[67108861]})"),
               ElementsAre("T a sample has more than 67108864 bytes"));
@@ -222,9 +221,9 @@ TEST(Type, HasABoundOfItsSample) {
               ElementsAre("T a sample has more than 67108864 bytes"));
 }
 
-// Sizes: bytes after the encapsulation, which is 4; then whole words.
+// Sizes: 4 bytes of encapsulation, then the fields, padded to whole words.
 
-TEST(MaxSize, CountsPaddingWhereAValueBegins) {
+TEST(MaxSize, IncludesPadding) {
   EXPECT_EQ(max_size(type_of(R"({"name":"a","type":"octet"})")), 8U);
   EXPECT_EQ(max_size(type_of(R"({"name":"a","type":"octet"},{"name":"b","type":"double"})")), 4 + 16U);
   EXPECT_EQ(max_size(type_of(R"({"name":"b","type":"double"},{"name":"a","type":"octet"})")), 4 + 12U);
@@ -235,8 +234,8 @@ TEST(MaxSize, CountsPaddingWhereAValueBegins) {
   EXPECT_EQ(max_size(type_of(R"({"name":"a","type":"double","array":[2],"sequence":2})")), 4 + 2 * (8 + 16U));
 }
 
-TEST(MaxSize, OfAnArrayIsThatOfItsElementsOneByOne) {
-  // 9 bytes and padding, which falls differently each time.
+TEST(MaxSize, OfAnArrayEqualsThatOfItsElements) {
+  // Each element has an odd size, so the padding differs from element to element.
   const std::string odd = R"({"name":"n","type":"long"},{"name":"o","type":"string","bound":2})";
   for (std::size_t n = 1; n < 40; ++n) {
     std::string each;
@@ -250,8 +249,8 @@ TEST(MaxSize, OfAnArrayIsThatOfItsElementsOneByOne) {
   }
 }
 
-// Samples of {octet kind; string<3> label; sequence<Mode, 2> modes}: 8 of encapsulation and kind, label's
-// length at 8
+// Samples of {octet kind; string<3> label; sequence<Mode, 2> modes}: 8 bytes of encapsulation and kind, then
+// the length of label at byte 8
 
 class Sample : public testing::Test {
  protected:
@@ -270,7 +269,7 @@ class Sample : public testing::Test {
   }
 };
 
-TEST_F(Sample, IsWholeAndWithinItsBounds) {
+TEST_F(Sample, MustBeCompleteAndWithinItsBounds) {
   ASSERT_TRUE(is(right));
   EXPECT_FALSE(is({}));
   for (std::size_t size = 0; size < right.size(); ++size)
@@ -286,29 +285,29 @@ TEST_F(Sample, IsWholeAndWithinItsBounds) {
   EXPECT_FALSE(with(13, 0));  // a zero before its end
   EXPECT_FALSE(with(14, 'c'));
   EXPECT_FALSE(with(16, 3));  // length of modes
-  EXPECT_FALSE(with(16, 1));  // a whole mode is left over
+  EXPECT_FALSE(with(16, 1));  // leaves a whole mode behind the sequence
   EXPECT_FALSE(with(20, 2));  // a mode
   EXPECT_FALSE(with(27, 1));
 }
 
-TEST_F(Sample, IsOneInBigEndianToo) {
+TEST_F(Sample, MayBeBigEndian) {
   EXPECT_TRUE(is({0, 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 3, 'a', 'b', 0, 0, 0, 0, 0, 1, 0, 0, 0, 1}));
   EXPECT_FALSE(is({0, 0, 0, 0, 7, 0, 0, 0, 3, 0, 0, 0, 'a', 'b', 0, 0, 0, 0, 0, 1, 0, 0, 0, 1}));
 }
 
-TEST_F(Sample, IsPrintedByField) {
+TEST_F(Sample, IsPrintedFieldByField) {
   EXPECT_EQ(sample_json(type, reinterpret_cast<const std::byte*>(right.data()), right.size()),
             R"({"kind": 7, "label": "ab", "modes": ["ON", "OFF"]})");
 }
 
-TEST_F(Sample, IsMadeOfJson) {
+TEST_F(Sample, IsBuiltFromJson) {
   const auto bytes = sample_bytes(type, R"({"modes": ["ON", "OFF"], "kind": 7, "label": "ab"})");
   ASSERT_TRUE(bytes.ok());
   EXPECT_TRUE(std::equal(bytes->begin(), bytes->end(), right.begin(), right.end(),
                          [](std::byte a, std::uint8_t b) { return a == std::byte{b}; }));
 }
 
-TEST_F(Sample, HasZeroForWhatIsMissing) {
+TEST_F(Sample, HasZeroForMissingFields) {
   for (const auto* text : {"{}", "null", R"({"label": null})"}) {
     const auto bytes = sample_bytes(type, text);
     ASSERT_TRUE(bytes.ok());
@@ -317,7 +316,8 @@ TEST_F(Sample, HasZeroForWhatIsMissing) {
   }
 }
 
-/// One value of a type: what it is printed as when it is made of this JSON, or the first problem.
+/// Builds a sample with one field from this JSON and prints it again; returns the value, or the first
+/// problem.
 std::string through(const std::string& field, const std::string& json) {
   const Type type = type_of(R"({"name":"x",)" + field + "}");
   const auto bytes = sample_bytes(type, R"({"x": )" + json + "}");
@@ -355,7 +355,7 @@ TEST(SampleJson, KeepsEveryCharacter) {
   EXPECT_EQ(through(R"("type":"string","bound":9)", R"("\"\\\nä€")"), R"("\"\\\nä€")");
 }
 
-TEST(SampleJson, ReplacesWhatIsNoUtf8) {
+TEST(SampleJson, ReplacesInvalidUtf8) {
   const Type type = type_of(R"({"name":"x","type":"string","bound":3})");
   const std::array<std::uint8_t, 11> bytes{0, 1, 0, 0, 3, 0, 0, 0, 'a', 0xFF, 0};
   EXPECT_EQ(sample_json(type, reinterpret_cast<const std::byte*>(bytes.data()), bytes.size()),
@@ -371,7 +371,7 @@ TEST(SampleJson, HasAListForEachDimension) {
             R"([{"y": 1}, {"y": 0}])");
 }
 
-TEST(SampleBytes, SayWhichFieldDoesNotFit) {
+TEST(SampleBytes, NameTheFieldThatDoesNotFit) {
   EXPECT_EQ(through(R"("type":"octet")", "256"), "T.x cannot be 256; write a whole number from 0 to 255");
   EXPECT_EQ(through(R"("type":"octet")", "-1"), "T.x cannot be -1; write a whole number from 0 to 255");
   EXPECT_EQ(through(R"("type":"long")", "1.5"),
@@ -389,9 +389,9 @@ TEST(SampleBytes, SayWhichFieldDoesNotFit) {
   EXPECT_EQ(through(R"("type":"char")", "\"ab\""),
             "T.x cannot be \"ab\"; write one character of Latin-1 in a string");
   EXPECT_EQ(through(R"("type":"string","bound":2)", "\"abc\""),
-            "T.x cannot be \"abc\"; write a string of at most 2 bytes, none of them zero");
+            "T.x cannot be \"abc\"; write a string of at most 2 bytes without a zero byte");
   EXPECT_EQ(through(R"("type":"string","bound":2)", "\"\\u0000\""),
-            "T.x cannot be \"\\u0000\"; write a string of at most 2 bytes, none of them zero");
+            "T.x cannot be \"\\u0000\"; write a string of at most 2 bytes without a zero byte");
   EXPECT_EQ(through(R"("type":"enum","of":"E","enumerators":["OFF","ON"])", "\"On\""),
             "T.x cannot be \"On\"; did you mean ON?");
   EXPECT_EQ(through(R"("type":"enum","of":"E","enumerators":["OFF","ON"])", "1"),
@@ -407,7 +407,7 @@ TEST(SampleBytes, SayWhichFieldDoesNotFit) {
             "T.x cannot be 3; write an object, {\"field\": value}");
 }
 
-TEST(SampleBytes, SayAllThatDoesNotFit) {
+TEST(SampleBytes, ReportAllFieldsThatDoNotFit) {
   const Type type = type_of(R"({"name":"a","type":"octet"},{"name":"b","type":"octet","array":[3]})");
   const auto bytes = sample_bytes(type, R"({"a": 300, "b": [1, -1, true], "c": 0})");
   ASSERT_FALSE(bytes.ok());
@@ -416,15 +416,15 @@ TEST(SampleBytes, SayAllThatDoesNotFit) {
   EXPECT_THAT(where, ElementsAre("T", "T.a", "T.b[1]", "T.b[2]"));
 }
 
-TEST(SampleBytes, AreNoneOfWhatIsNoJson) {
+TEST(SampleBytes, CannotBeBuiltFromTextThatIsNotJson) {
   const Type type = type_of(R"({"name":"a","type":"octet"})");
   for (const std::string& text :
        {std::string{}, std::string{"{"}, std::string{"{'a': 1}"}, std::string(100'000, '[')}) {
     const auto bytes = sample_bytes(type, text);
     ASSERT_FALSE(bytes.ok());
-    EXPECT_THAT(bytes.problems()[0].what, StartsWith("this is no JSON"));
+    EXPECT_THAT(bytes.problems()[0].what, StartsWith("the sample is not JSON"));
   }
-  // Deep, and right as JSON.
+  // Deeply nested, but valid JSON.
   EXPECT_FALSE(sample_bytes(type, std::string(100'000, '[') + std::string(100'000, ']')).ok());
 }
 

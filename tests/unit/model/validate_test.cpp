@@ -1,5 +1,4 @@
-// What a cell made by a program can be wrong about. What a descriptor can be wrong about lies in
-// tests/unit/descriptor/cases.
+// The rules for cells that a program builds. tests/unit/descriptor/cases has the mistakes of descriptors.
 #include <takt/model/validate.hpp>
 
 #include <gmock/gmock.h>
@@ -16,7 +15,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-auto said(const std::string& where, const std::string& what) {
+auto problem(const std::string& where, const std::string& what) {
   return AllOf(Field(&Problem::where, where), Field(&Problem::what, HasSubstr(what)),
                Field(&Problem::fix, Not(IsEmpty())));
 }
@@ -61,48 +60,49 @@ Problems problems_after(Break change) {
   return validate(broken);
 }
 
-TEST(Validate, HasNothingToSayOfAGoodCell) { EXPECT_THAT(validate(cell()), IsEmpty()); }
+TEST(Validate, AcceptsAValidCell) { EXPECT_THAT(validate(cell()), IsEmpty()); }
 
-TEST(Validate, RefusesNumbersOutOfTheirRange) {
+TEST(Validate, RejectsNumbersOutOfRange) {
   const auto device = [](auto change) { return problems_after([&](Cell& c) { change(c.devices[0]); }); };
-  EXPECT_THAT(problems_after([](Cell& c) { c.domain = 233; }), ElementsAre(said("c.xml:1", "domain 233")));
-  EXPECT_THAT(problems_after([](Cell& c) { c.domain = -1; }), ElementsAre(said("c.xml:1", "domain -1")));
+  EXPECT_THAT(problems_after([](Cell& c) { c.domain = 233; }), ElementsAre(problem("c.xml:1", "domain 233")));
+  EXPECT_THAT(problems_after([](Cell& c) { c.domain = -1; }), ElementsAre(problem("c.xml:1", "domain -1")));
   EXPECT_THAT(device([](Device& d) { d.executors[0].priority = 1; }),
-              ElementsAre(said("c.xml:2", "priority 1")));
+              ElementsAre(problem("c.xml:2", "priority 1")));
   EXPECT_THAT(device([](Device& d) { d.executors[0].priority = 99; }),
-              ElementsAre(said("c.xml:2", "priority 99")));
-  EXPECT_THAT(device([](Device& d) { d.executors[0].cpu = -1; }), ElementsAre(said("c.xml:2", "cpu -1")));
-  EXPECT_THAT(device([](Device& d) { d.executors[0].cpu = 1024; }), ElementsAre(said("c.xml:2", "cpu 1024")));
+              ElementsAre(problem("c.xml:2", "priority 99")));
+  EXPECT_THAT(device([](Device& d) { d.executors[0].cpu = -1; }), ElementsAre(problem("c.xml:2", "cpu -1")));
+  EXPECT_THAT(device([](Device& d) { d.executors[0].cpu = 1024; }),
+              ElementsAre(problem("c.xml:2", "cpu 1024")));
   EXPECT_THAT(device([](Device& d) { d.modules[0].period = 0ns; }),
-              ElementsAre(said("c.xml:3", "period of 0 ns")));
+              ElementsAre(problem("c.xml:3", "period of 0 ns")));
   EXPECT_THAT(device([](Device& d) { d.modules[0].budget = -1ns; }),
-              ElementsAre(said("c.xml:3", "budget of -1 ns")));
+              ElementsAre(problem("c.xml:3", "budget of -1 ns")));
   EXPECT_THAT(device([](Device& d) { d.modules[1].recovery.attempts = 1001; }),
-              ElementsAre(said("c.xml:5", "1001 times")));
+              ElementsAre(problem("c.xml:5", "1001 recovery attempts")));
   EXPECT_THAT(device([](Device& d) { d.modules[1].recovery.backoff = 1h + 1ns; }),
-              ElementsAre(said("c.xml:5", "waits")));
+              ElementsAre(problem("c.xml:5", "has a backoff of")));
   EXPECT_THAT(device([](Device& d) { d.modules[1].filename = ""; }),
-              ElementsAre(said("c.xml:5", "empty filename")));
+              ElementsAre(problem("c.xml:5", "empty filename")));
   EXPECT_THAT(device([](Device& d) { d.modules[1].filename = std::string(4097, 'x'); }),
-              ElementsAre(said("c.xml:5", "too long")));
+              ElementsAre(problem("c.xml:5", "too long")));
   EXPECT_THAT(device([](Device& d) { d.modules[1].filename += '\0'; }),
-              ElementsAre(said("c.xml:5", "zero byte")));
+              ElementsAre(problem("c.xml:5", "zero byte")));
 }
 
-TEST(Validate, RefusesTimesOnTheWrongKindOfModule) {
+TEST(Validate, RejectsTimesThatTheOperationTypeDoesNotAllow) {
   const auto of_a = [](auto change) {
     return problems_after([&](Cell& c) { change(c.devices[0].modules[0]); });
   };
-  EXPECT_THAT(of_a([](Module& m) { m.period.reset(); }), ElementsAre(said("c.xml:3", "has no <period>")));
+  EXPECT_THAT(of_a([](Module& m) { m.period.reset(); }), ElementsAre(problem("c.xml:3", "has no <period>")));
   EXPECT_THAT(of_a([](Module& m) {
                 m.deadline = 1ms;
                 m.lines.deadline = 4;
               }),
-              ElementsAre(said("c.xml:4", "has a <deadline>")));
+              ElementsAre(problem("c.xml:4", "has a <deadline>")));
   EXPECT_THAT(of_a([](Module& m) { m.operation = Operation::sporadic; }),
-              ElementsAre(said("c.xml:3", "has no <deadline>"), said("c.xml:3", "has a <period>")));
+              ElementsAre(problem("c.xml:3", "has no <deadline>"), problem("c.xml:3", "has a <period>")));
   EXPECT_THAT(of_a([](Module& m) { m.operation = Operation::non_real; }),
-              ElementsAre(said("c.xml:3", "has an <executor>")));
+              ElementsAre(problem("c.xml:3", "has an <executor>")));
   EXPECT_THAT(of_a([](Module& m) {
                 m.operation = Operation::non_real;
                 m.type = ModuleType::process;
@@ -110,11 +110,11 @@ TEST(Validate, RefusesTimesOnTheWrongKindOfModule) {
                 m.budget = 1us;
                 m.deadline = 1us;
               }),
-              ElementsAre(said("c.xml:3", "is a process and has a <period>"),
-                          said("c.xml:3", "has a <deadline>"), said("c.xml:3", "has a <budget>")));
+              ElementsAre(problem("c.xml:3", "is a process and has a <period>"),
+                          problem("c.xml:3", "has a <deadline>"), problem("c.xml:3", "has a <budget>")));
 }
 
-TEST(Validate, RefusesMoreThanTheBounds) {
+TEST(Validate, LimitsTheNumberOfExecutorsModulesAndDevices) {
   const auto many = [](std::size_t executors, std::size_t modules, std::size_t devices) {
     Cell large = cell();
     Device& device = large.devices[0];
@@ -130,17 +130,18 @@ TEST(Validate, RefusesMoreThanTheBounds) {
     return validate(large);
   };
   EXPECT_THAT(many(kMaxExecutors, kMaxModules, kMaxDevices), IsEmpty());
-  EXPECT_THAT(many(kMaxExecutors + 1, 2, 1), ElementsAre(said("c.xml:2", "65 executors")));
-  EXPECT_THAT(many(1, kMaxModules + 1, 1), ElementsAre(said("c.xml:2", "10001 modules")));
-  EXPECT_THAT(many(1, 2, kMaxDevices + 1), ElementsAre(said("c.xml:1", "1001 devices")));
-  EXPECT_THAT(problems_after([](Cell& c) { c.devices.clear(); }), ElementsAre(said("c.xml:1", "no device")));
+  EXPECT_THAT(many(kMaxExecutors + 1, 2, 1), ElementsAre(problem("c.xml:2", "65 executors")));
+  EXPECT_THAT(many(1, kMaxModules + 1, 1), ElementsAre(problem("c.xml:2", "10001 modules")));
+  EXPECT_THAT(many(1, 2, kMaxDevices + 1), ElementsAre(problem("c.xml:1", "1001 devices")));
+  EXPECT_THAT(problems_after([](Cell& c) { c.devices.clear(); }),
+              ElementsAre(problem("c.xml:1", "no device")));
   EXPECT_THAT(problems_after([](Cell& c) { c.devices[0].modules.clear(); }),
-              ElementsAre(said("c.xml:2", "no module")));
+              ElementsAre(problem("c.xml:2", "no module")));
   EXPECT_THAT(problems_after([](Cell& c) { c.devices[0].executors.clear(); }),
-              ElementsAre(said("c.xml:2", "no executor")));
+              ElementsAre(problem("c.xml:2", "no executor")));
 }
 
-TEST(Validate, RefusesConnectionsThatCannotBe) {
+TEST(Validate, RejectsInvalidConnections) {
   const auto with = [](auto... connections) {
     return problems_after([&](Cell& c) { c.connections = {connections...}; });
   };
@@ -149,32 +150,32 @@ TEST(Validate, RefusesConnectionsThatCannotBe) {
   queue.depth = kMaxDepth;
   Connection other = connection("other", "in", 9);
   EXPECT_THAT(with(queue), IsEmpty());
-  EXPECT_THAT(with(queue, other), ElementsAre(said("c.xml:9", "two writers of 'robot.b.in'")));
-  EXPECT_THAT(with(queue, queue), ElementsAre(said("c.xml:8", "duplicate connection")));
+  EXPECT_THAT(with(queue, other), ElementsAre(problem("c.xml:9", "two writers of 'robot.b.in'")));
+  EXPECT_THAT(with(queue, queue), ElementsAre(problem("c.xml:8", "duplicate connection")));
   other.kind = ConnectionKind::queue;
   EXPECT_THAT(with(queue, other), IsEmpty());
   queue.depth = 0;
-  EXPECT_THAT(with(queue), ElementsAre(said("c.xml:8", "depth 0")));
+  EXPECT_THAT(with(queue), ElementsAre(problem("c.xml:8", "depth 0")));
   queue.depth = kMaxDepth + 1;
-  EXPECT_THAT(with(queue), ElementsAre(said("c.xml:8", "depth 65537")));
+  EXPECT_THAT(with(queue), ElementsAre(problem("c.xml:8", "depth 65537")));
   Connection latest = connection("out", "in", 8);
   latest.depth = 2;
-  EXPECT_THAT(with(latest), ElementsAre(said("c.xml:8", "kind latest has a depth")));
+  EXPECT_THAT(with(latest), ElementsAre(problem("c.xml:8", "kind latest has a depth")));
   latest.depth = 1;
   latest.deadline = 0ns;
-  EXPECT_THAT(with(latest), ElementsAre(said("c.xml:8", "deadline of 0 ns")));
+  EXPECT_THAT(with(latest), ElementsAre(problem("c.xml:8", "deadline of 0 ns")));
   latest.deadline.reset();
   latest.stale = Stale::error;
-  EXPECT_THAT(with(latest), ElementsAre(said("c.xml:8", "no deadline")));
+  EXPECT_THAT(with(latest), ElementsAre(problem("c.xml:8", "no deadline")));
   latest.stale = Stale::hold;
   latest.lifespan = -1ns;
-  EXPECT_THAT(with(latest), ElementsAre(said("c.xml:8", "lifespan of -1 ns")));
+  EXPECT_THAT(with(latest), ElementsAre(problem("c.xml:8", "lifespan of -1 ns")));
   Connection itself = connection("x", "x", 8);
   itself.to.module = "a";
-  EXPECT_THAT(with(itself), ElementsAre(said("c.xml:8", "connected to itself")));
+  EXPECT_THAT(with(itself), ElementsAre(problem("c.xml:8", "connected to itself")));
 }
 
-TEST(Validate, RefusesModulesThatWouldWaitForEachOtherForEver) {
+TEST(Validate, RejectsModulesThatWaitForEachOtherForever) {
   const auto stale = [](const std::string& from, const std::string& to, int line) {
     Connection made = connection("out" + std::to_string(line), "in" + std::to_string(line), line);
     made.from.module = from;
@@ -195,16 +196,16 @@ TEST(Validate, RefusesModulesThatWouldWaitForEachOtherForEver) {
   };
   EXPECT_THAT(with({stale("a", "b", 8), stale("b", "c", 9), stale("a", "c", 10)}), IsEmpty());
   EXPECT_THAT(with({stale("a", "b", 8), stale("b", "a", 9)}),
-              ElementsAre(said("c.xml:8", "modules robot.a, robot.b would each be in error without")));
+              ElementsAre(problem("c.xml:8", "modules robot.a, robot.b each wait for a value of the next")));
   EXPECT_THAT(with({stale("a", "b", 8), stale("b", "c", 9), stale("c", "a", 10), stale("c", "d", 11)}),
-              ElementsAre(said("c.xml:8", "would each be in error without")));
-  EXPECT_THAT(with({stale("a", "a", 8)}), ElementsAre(said("c.xml:8", "that it writes itself")));
+              ElementsAre(problem("c.xml:8", "each wait for a value of the next")));
+  EXPECT_THAT(with({stale("a", "a", 8)}), ElementsAre(problem("c.xml:8", "that it writes itself")));
   auto holds = stale("b", "a", 9);
   holds.stale = Stale::hold;
   EXPECT_THAT(with({stale("a", "b", 8), holds}), IsEmpty());
 }
 
-/// As connection(), with one end and a topic.
+/// As connection(), but with only one end and a topic.
 Connection from_topic(const std::string& topic, const std::string& to, int line) {
   Connection outside = connection("", to, line);
   outside.from = {};
@@ -218,32 +219,32 @@ Connection to_topic(const std::string& from, const std::string& topic, int line)
   return outside;
 }
 
-TEST(Validate, AllowsOneEndWithATopicOnly) {
+TEST(Validate, AllowsASingleEndOnlyWithATopic) {
   const auto with = [](auto... connections) {
     return problems_after([&](Cell& c) { c.connections = {connections...}; });
   };
   EXPECT_THAT(with(from_topic("t", "in", 8), to_topic("out", "u", 9)), IsEmpty());
-  EXPECT_THAT(with(from_topic("", "in", 8)), ElementsAre(said("c.xml:8", "has no from")));
-  EXPECT_THAT(with(to_topic("out", "", 8)), ElementsAre(said("c.xml:8", "has no to")));
+  EXPECT_THAT(with(from_topic("", "in", 8)), ElementsAre(problem("c.xml:8", "has no from")));
+  EXPECT_THAT(with(to_topic("out", "", 8)), ElementsAre(problem("c.xml:8", "has no to")));
   Connection nothing;
   nothing.topic = "t";
   nothing.line = 8;
-  EXPECT_THAT(with(nothing), ElementsAre(said("c.xml:8", "neither from nor to")));
+  EXPECT_THAT(with(nothing), ElementsAre(problem("c.xml:8", "neither from nor to")));
   Connection stale = to_topic("out", "t", 8);
   stale.deadline = 1ms;
   EXPECT_THAT(with(stale), IsEmpty());
   stale.stale = Stale::error;
-  EXPECT_THAT(with(stale), ElementsAre(said("c.xml:8", "without a to has stale=\"error\"")));
-  // Half an end is not one that was left out.
+  EXPECT_THAT(with(stale), ElementsAre(problem("c.xml:8", "has stale=\"error\" but no to")));
+  // An incomplete end does not count as an end that was left out.
   Connection half = from_topic("t", "in", 8);
   half.from.port = "out";
-  EXPECT_THAT(with(half), ElementsAre(said("c.xml:8", "from is '..out'")));
+  EXPECT_THAT(with(half), ElementsAre(problem("c.xml:8", "from is not valid: '..out'")));
   half = to_topic("out", "t", 8);
   half.to.device = "robot";
-  EXPECT_THAT(with(half), ElementsAre(said("c.xml:8", "to is 'robot'")));
+  EXPECT_THAT(with(half), ElementsAre(problem("c.xml:8", "to is not valid: 'robot'")));
 }
 
-TEST(Validate, RefusesTopicsThatCannotBe) {
+TEST(Validate, RejectsInvalidTopics) {
   const auto with = [](const std::string& topic, std::optional<int> domain = {}) {
     return problems_after([&](Cell& c) {
       c.connections = {connection("out", "in", 8)};
@@ -257,34 +258,34 @@ TEST(Validate, RefusesTopicsThatCannotBe) {
   EXPECT_THAT(with(std::string(255, 'x')), IsEmpty());
   EXPECT_THAT(with("t", 0), IsEmpty());
   EXPECT_THAT(with("t", 232), IsEmpty());
-  EXPECT_THAT(with(std::string(256, 'x')), ElementsAre(said("c.xml:8", "not a valid topic")));
-  EXPECT_THAT(with("a b"), ElementsAre(said("c.xml:8", "not a valid topic")));
-  EXPECT_THAT(with("takt/x"), ElementsAre(said("c.xml:8", "begins with takt/")));
-  EXPECT_THAT(with("t", 233), ElementsAre(said("c.xml:8", "domain 233")));
-  EXPECT_THAT(with("t", -1), ElementsAre(said("c.xml:8", "domain -1")));
-  EXPECT_THAT(with("", 3), ElementsAre(said("c.xml:8", "a domain and no topic")));
+  EXPECT_THAT(with(std::string(256, 'x')), ElementsAre(problem("c.xml:8", "not a valid topic")));
+  EXPECT_THAT(with("a b"), ElementsAre(problem("c.xml:8", "not a valid topic")));
+  EXPECT_THAT(with("takt/x"), ElementsAre(problem("c.xml:8", "begins with takt/")));
+  EXPECT_THAT(with("t", 233), ElementsAre(problem("c.xml:8", "domain 233")));
+  EXPECT_THAT(with("t", -1), ElementsAre(problem("c.xml:8", "domain -1")));
+  EXPECT_THAT(with("", 3), ElementsAre(problem("c.xml:8", "a domain but no topic")));
 }
 
-TEST(Validate, CountsWritersOutsideOfTheCell) {
+TEST(Validate, CountsWritersOutsideTheCell) {
   const auto with = [](auto... connections) {
     return problems_after([&](Cell& c) { c.connections = {connections...}; });
   };
   const auto two = [](int line) {
-    return ElementsAre(said("c.xml:" + std::to_string(line), "two writers of 'robot.b.in'"));
+    return ElementsAre(problem("c.xml:" + std::to_string(line), "two writers of 'robot.b.in'"));
   };
   EXPECT_THAT(with(connection("out", "in", 8), from_topic("t", "in", 9)), two(9));
   EXPECT_THAT(with(from_topic("t", "in", 8), connection("out", "in", 9)), two(9));
   EXPECT_THAT(with(from_topic("t", "in", 8), from_topic("u", "in", 9)), two(9));
   EXPECT_THAT(with(from_topic("t", "in", 8), from_topic("t", "other", 9)), IsEmpty());
 
-  // By the topic, whatever the reader's connection names.
+  // Writers are counted by topic, even if the reader's connection names only one of them.
   Connection named = connection("out", "in", 8);
   named.topic = "t";
   Connection other = to_topic("other", "t", 9);
   EXPECT_THAT(with(named, other), two(8));
   EXPECT_THAT(with(to_topic("out", "t", 7), other, from_topic("t", "in", 8)), two(8));
   EXPECT_THAT(with(to_topic("out", "t", 7), from_topic("t", "in", 8)), IsEmpty());
-  EXPECT_THAT(with(named, to_topic("out", "t", 9)), IsEmpty()) << "the same writer";
+  EXPECT_THAT(with(named, to_topic("out", "t", 9)), IsEmpty()) << "both connections have the same writer";
   other.domain = 5;
   EXPECT_THAT(with(named, other), IsEmpty());
   named.domain = 5;
@@ -303,7 +304,7 @@ TEST(Validate, CountsWritersOutsideOfTheCell) {
   EXPECT_THAT(with(named, other), IsEmpty());
 }
 
-TEST(Validate, RefusesTheSameConnectionTwice) {
+TEST(Validate, RejectsDuplicateConnections) {
   const auto with = [](auto... connections) {
     return problems_after([&](Cell& c) { c.connections = {connections...}; });
   };
@@ -312,17 +313,17 @@ TEST(Validate, RefusesTheSameConnectionTwice) {
   Connection again = queue;
   again.line = 9;
   EXPECT_THAT(with(queue, again),
-              ElementsAre(said("c.xml:9", "duplicate connection to 'robot.b.in', topic 't'")));
+              ElementsAre(problem("c.xml:9", "duplicate connection to 'robot.b.in', topic 't'")));
   again.domain = 0;
-  EXPECT_THAT(with(queue, again), ElementsAre(said("c.xml:9", "duplicate connection")));
+  EXPECT_THAT(with(queue, again), ElementsAre(problem("c.xml:9", "duplicate connection")));
   again.domain = 1;
   EXPECT_THAT(with(queue, again), IsEmpty());
   EXPECT_THAT(with(to_topic("out", "t", 8), to_topic("out", "t", 9)),
-              ElementsAre(said("c.xml:9", "duplicate connection from 'robot.a.out', topic 't'")));
+              ElementsAre(problem("c.xml:9", "duplicate connection from 'robot.a.out', topic 't'")));
   EXPECT_THAT(with(to_topic("out", "t", 8), to_topic("out", "u", 9)), IsEmpty());
 }
 
-TEST(Validate, RefusesATopicOfItsOwnThatIsTooLong) {
+TEST(Validate, RejectsADefaultTopicThatIsTooLong) {
   const auto of = [](std::size_t length, bool between_devices) {
     return problems_after([&](Cell& c) {
       c.name = std::string(length - 192 - 5, 'c');  // takt/, and three names of 63 with a / before each
@@ -336,11 +337,11 @@ TEST(Validate, RefusesATopicOfItsOwnThatIsTooLong) {
     });
   };
   EXPECT_THAT(of(255, true), IsEmpty());
-  EXPECT_THAT(of(256, true), ElementsAre(said("c.xml:8", "would have 256 characters")));
-  EXPECT_THAT(of(256, false), IsEmpty()) << "there is no topic on one device";
+  EXPECT_THAT(of(256, true), ElementsAre(problem("c.xml:8", "would have 256 characters")));
+  EXPECT_THAT(of(256, false), IsEmpty()) << "a connection within one device has no topic";
 }
 
-TEST(Validate, RefusesWhatOnlyASporadicModuleMaySay) {
+TEST(Validate, RejectsElementsOfSporadicModulesOnOthers) {
   const auto of_a = [](auto change) {
     return problems_after([&](Cell& c) { change(c.devices[0].modules[0]); });
   };
@@ -361,25 +362,26 @@ TEST(Validate, RefusesWhatOnlyASporadicModuleMaySay) {
                 m.interarrival = 0ns;
                 m.lines.interarrival = 4;
               }),
-              ElementsAre(said("c.xml:4", "interarrival of 0 ns")));
+              ElementsAre(problem("c.xml:4", "interarrival of 0 ns")));
   EXPECT_THAT(of_a([](Module& m) { m.dispatch = Dispatch::immediate; }),
-              ElementsAre(said("c.xml:3", "periodic module 'a' has a <dispatch>")));
+              ElementsAre(problem("c.xml:3", "periodic module 'a' has a <dispatch>")));
   EXPECT_THAT(of_a([](Module& m) { m.lines.dispatch = 4; }),
-              ElementsAre(said("c.xml:4", "has a <dispatch>")));
+              ElementsAre(problem("c.xml:4", "has a <dispatch>")));
   EXPECT_THAT(of_a([](Module& m) { m.interarrival = 1ms; }),
-              ElementsAre(said("c.xml:3", "has an <interarrival>")));
-  EXPECT_THAT(of_a([](Module& m) { m.miss = Miss::error; }), ElementsAre(said("c.xml:3", "missed deadline")));
+              ElementsAre(problem("c.xml:3", "has an <interarrival>")));
+  EXPECT_THAT(of_a([](Module& m) { m.miss = Miss::error; }),
+              ElementsAre(problem("c.xml:3", "missed deadline")));
   EXPECT_THAT(of_a([](Module& m) {
                 m.operation = Operation::non_real;
                 m.executor.clear();
                 m.dispatch = Dispatch::immediate;
                 m.interarrival = 1ms;
               }),
-              ElementsAre(said("c.xml:3", "non-real module 'a' has a <dispatch>"),
-                          said("c.xml:3", "has an <interarrival>")));
+              ElementsAre(problem("c.xml:3", "non-real module 'a' has a <dispatch>"),
+                          problem("c.xml:3", "has an <interarrival>")));
 }
 
-TEST(Validate, RefusesADiscoveryThatCannotBe) {
+TEST(Validate, RejectsInvalidDiscovery) {
   using Kind = Discovery::Kind;
   const auto with = [](Discovery discovery, const std::string& server_device = "") {
     return problems_after([&](Cell& c) {
@@ -391,30 +393,31 @@ TEST(Validate, RefusesADiscoveryThatCannotBe) {
     return with({Kind::peers, std::move(names), {}, {}});
   };
   EXPECT_THAT(peers({"10.0.0.1", "line.local"}), IsEmpty());
-  EXPECT_THAT(peers({}), ElementsAre(said("c.xml:1", "without peers")));
-  EXPECT_THAT(peers({"a", "a"}), ElementsAre(said("c.xml:1", "duplicate peer 'a'")));
-  EXPECT_THAT(peers({"a:1", ""}), ElementsAre(said("c.xml:1", "'a:1' is not a valid peer"),
-                                              said("c.xml:1", "'' is not a valid peer")));
+  EXPECT_THAT(peers({}), ElementsAre(problem("c.xml:1", "requires peers")));
+  EXPECT_THAT(peers({"a", "a"}), ElementsAre(problem("c.xml:1", "duplicate peer 'a'")));
+  EXPECT_THAT(peers({"a:1", ""}), ElementsAre(problem("c.xml:1", "'a:1' is not a valid peer"),
+                                              problem("c.xml:1", "'' is not a valid peer")));
   std::vector<std::string> many;
   for (std::size_t i = 0; i < kMaxPeers; ++i) many.push_back("p" + std::to_string(i));
   EXPECT_THAT(peers(many), IsEmpty());
   many.emplace_back("one.more");
-  EXPECT_THAT(peers(many), ElementsAre(said("c.xml:1", "more than 256 peers")));
-  EXPECT_THAT(with({Kind::multicast, {"a"}, {}, {}}), ElementsAre(said("c.xml:1", "no discovery=\"peers\"")));
+  EXPECT_THAT(peers(many), ElementsAre(problem("c.xml:1", "more than 256 peers")));
+  EXPECT_THAT(with({Kind::multicast, {"a"}, {}, {}}),
+              ElementsAre(problem("c.xml:1", "not discovery=\"peers\"")));
 
   EXPECT_THAT(with({Kind::server, {}, "h:1", {}}), IsEmpty());
   EXPECT_THAT(with({Kind::server, {}, "h:1", {}}, "robot"), IsEmpty());
-  EXPECT_THAT(with({Kind::server, {}, "", {}}), ElementsAre(said("c.xml:1", "without a server")));
+  EXPECT_THAT(with({Kind::server, {}, "", {}}), ElementsAre(problem("c.xml:1", "requires a server")));
   EXPECT_THAT(with({Kind::server, {}, "h", {}}),
-              ElementsAre(said("c.xml:1", "'h' is not a valid discovery server")));
+              ElementsAre(problem("c.xml:1", "'h' is not a valid discovery server")));
   EXPECT_THAT(with({Kind::server, {}, "h:1", {}}, "robt"),
-              ElementsAre(said("c.xml:1", "unknown device 'robt'")));
-  EXPECT_THAT(
-      with({Kind::peers, {"a"}, "h:1", {}}, "robot"),
-      ElementsAre(said("c.xml:1", "no discovery=\"server\""), said("c.xml:1", "no discovery=\"server\"")));
+              ElementsAre(problem("c.xml:1", "unknown device 'robt'")));
+  EXPECT_THAT(with({Kind::peers, {"a"}, "h:1", {}}, "robot"),
+              ElementsAre(problem("c.xml:1", "not discovery=\"server\""),
+                          problem("c.xml:1", "not discovery=\"server\"")));
 }
 
-TEST(Validate, RefusesMoreConnectionsThanTheBound) {
+TEST(Validate, LimitsTheNumberOfConnections) {
   const auto many = [](std::size_t number) {
     return problems_after([&](Cell& c) {
       for (std::size_t i = 0; i < number; ++i) {
@@ -423,16 +426,16 @@ TEST(Validate, RefusesMoreConnectionsThanTheBound) {
     });
   };
   EXPECT_THAT(many(kMaxConnections), IsEmpty());
-  EXPECT_THAT(many(kMaxConnections + 1), ElementsAre(said("c.xml:1", "more than 100000 connections")));
+  EXPECT_THAT(many(kMaxConnections + 1), ElementsAre(problem("c.xml:1", "more than 100000 connections")));
 }
 
-TEST(Validate, NamesTheFirstOfADuplicate) {
+TEST(Validate, NamesTheLineOfTheFirstDuplicate) {
   const Problems problems = problems_after([](Cell& c) { c.devices[0].modules[1].name = "a"; });
-  ASSERT_THAT(problems, ElementsAre(said("c.xml:5", "duplicate module 'a'")));
+  ASSERT_THAT(problems, ElementsAre(problem("c.xml:5", "duplicate module 'a'")));
   EXPECT_THAT(problems[0].fix, HasSubstr("line 3"));
 }
 
-TEST(Validate, KnowsTheModulesOfEveryDeviceOfOneName) {
+TEST(Validate, KnowsTheModulesOfDevicesWithTheSameName) {
   const auto problems = [](const std::string& module) {
     return problems_after([&](Cell& c) {
       Device second = c.devices[0];
@@ -443,14 +446,14 @@ TEST(Validate, KnowsTheModulesOfEveryDeviceOfOneName) {
       c.connections[0].to.module = module;
     });
   };
-  EXPECT_THAT(problems("gauge"), ElementsAre(said("c.xml:6", "duplicate device 'robot'")));
+  EXPECT_THAT(problems("gauge"), ElementsAre(problem("c.xml:6", "duplicate device 'robot'")));
   const Problems unknown = problems("xyz");
-  ASSERT_THAT(unknown, ElementsAre(said("c.xml:6", "duplicate device 'robot'"),
-                                   said("c.xml:9", "unknown module 'xyz' of device 'robot'")));
+  ASSERT_THAT(unknown, ElementsAre(problem("c.xml:6", "duplicate device 'robot'"),
+                                   problem("c.xml:9", "unknown module 'xyz' of device 'robot'")));
   EXPECT_EQ(unknown[1].fix, "it can be a, b or gauge");
 }
 
-TEST(Validate, SaysNothingThatFollowsFromAGap) {
+TEST(Validate, ReportsNothingThatOnlyFollowsFromAGap) {
   Cell broken = cell();
   broken.connections = {connection("out", "in", 8)};
   broken.connections[0].to.module = "unread";
@@ -466,25 +469,25 @@ TEST(Validate, SaysNothingThatFollowsFromAGap) {
   EXPECT_THAT(validate(broken, {.devices = true, .of_device = {}, .without_ends = {}}), IsEmpty());
 }
 
-TEST(Validate, TellsProblemsByLineAndNotMoreThanTheMost) {
+TEST(Validate, SortsProblemsByLineAndLimitsTheirNumber) {
   Problems problems = problems_after([](Cell& c) {
     c.devices[0].modules[0].line = 7;
     for (Module& module : c.devices[0].modules) module.period.reset();
   });
-  EXPECT_THAT(problems, ElementsAre(said("c.xml:5", "<period>"), said("c.xml:7", "<period>")));
+  EXPECT_THAT(problems, ElementsAre(problem("c.xml:5", "<period>"), problem("c.xml:7", "<period>")));
   problems = problems_after([](Cell& c) {
     for (int i = 0; i < 2000; ++i) c.devices[0].modules.push_back(servo("a", 9));
   });
   EXPECT_EQ(problems.size(), kMaxProblems);
 }
 
-TEST(Validate, NamesTheCellWhereThereIsNoFile) {
+TEST(Validate, NamesTheCellIfThereIsNoFile) {
   Cell made;
   made.name = "made";
-  EXPECT_THAT(validate(made), ElementsAre(said("cell made", "no device")));
+  EXPECT_THAT(validate(made), ElementsAre(problem("cell made", "no device")));
 }
 
-TEST(Validate, FindsWhatAServiceWasMadeOfAsRightAsTheService) {
+TEST(Validate, AcceptsTheConnectionsOfAService) {
   Cell cell = validate_test::cell();
   cell.services = {{.client = {"robot", "a", "ask"}, .server = {"robot", "b", "grip"}, .line = 7}};
   EXPECT_THAT(validate(cell), IsEmpty());

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 
 #include "fake_device.hpp"
 
@@ -11,55 +11,56 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(AgentCommands, DescribesItsComponentsOnceForAllWhoAsk) {
+TEST(AgentCommands, InspectsOnceForAllDescribeCommands) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
-  device.hear(device.command(COMMAND_DESCRIBE));
-  device.hear(device.command(COMMAND_DESCRIBE));
-  EXPECT_TRUE(device.said.replies.empty());
+  device.receive(device.command(COMMAND_DESCRIBE));
+  device.receive(device.command(COMMAND_DESCRIBE));
+  EXPECT_TRUE(device.published.replies.empty());
   device.work.inspected = Inspected{.paths = {"", ""}, .description = R"({"device":"robot"})"};
   device.agent.step();
-  device.hear(device.command(COMMAND_DESCRIBE));
-  ASSERT_EQ(device.said.replies.size(), 3U);
-  for (const dds::WholeReply& reply : device.said.replies) EXPECT_EQ(reply.data, R"({"device":"robot"})");
+  device.receive(device.command(COMMAND_DESCRIBE));
+  ASSERT_EQ(device.published.replies.size(), 3U);
+  for (const wire::WholeReply& reply : device.published.replies)
+    EXPECT_EQ(reply.data, R"({"device":"robot"})");
   EXPECT_EQ(device.work.inspections.size(), 2U);
   EXPECT_TRUE(device.work.inspections[1].describe);
 }
 
-TEST(AgentCommands, WhoLooksOnIsGivenTheDescriptorThatWasDeployed) {
+TEST(AgentCommands, ReturnsTheDeployedDescriptor) {
   FakeDevice device;
-  device.hear(device.command(COMMAND_DESCRIPTOR));
+  device.receive(device.command(COMMAND_DESCRIPTOR));
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_EQ(device.text(), "device robot has no deployment");
   device.become_running();
-  device.hear(device.command(COMMAND_DESCRIPTOR));
+  device.receive(device.command(COMMAND_DESCRIPTOR));
   EXPECT_EQ(device.reply().code(), REPLY_OK);
-  EXPECT_EQ(device.said.replies.back().data, FakeDevice::kCell);
+  EXPECT_EQ(device.published.replies.back().data, FakeDevice::kCell);
   EXPECT_EQ(device.reply().value().to_string(), "cell.xml");
 }
 
-TEST(AgentCommands, AnOrderGoesToItsModuleAndItsAnswerBack) {
+TEST(AgentCommands, ForwardsACommandToItsModuleAndReturnsTheOutcome) {
   FakeDevice device;
   device.become_running();
-  dds::WholeCommand stop = device.command(COMMAND_STOP);
+  wire::WholeCommand stop = device.command(COMMAND_STOP);
   stop.head.module_name("arm");
-  device.hear(stop);
-  EXPECT_TRUE(device.said.replies.empty());
-  ASSERT_EQ(device.work.orders.size(), 1U);
-  EXPECT_EQ(device.work.orders[0], (std::pair{1U, Verb::stop}));
+  device.receive(stop);
+  EXPECT_TRUE(device.published.replies.empty());
+  ASSERT_EQ(device.work.commands.size(), 1U);
+  EXPECT_EQ(device.work.commands[0], (std::pair{1U, Verb::stop}));
   device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::start, .text = {}});
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.reply().state(), STATE_START);
   EXPECT_EQ(device.reply().module_name(), "arm");
 }
 
-TEST(AgentCommands, AnOrderThatFailsNamesItsModule) {
+TEST(AgentCommands, NamesTheModuleOfAFailedCommand) {
   FakeDevice device;
   device.become_running();
-  dds::WholeCommand start = device.command(COMMAND_START);
+  wire::WholeCommand start = device.command(COMMAND_START);
   start.head.module_name("arm");
-  device.hear(start);
+  device.receive(start);
   ASSERT_EQ(device.work.done.size(), 1U);
   device.work.done[0](
       {.code = REPLY_FAILED, .state = lifecycle::State::recover, .text = "it went to RECOVER"});
@@ -68,29 +69,29 @@ TEST(AgentCommands, AnOrderThatFailsNamesItsModule) {
   EXPECT_EQ(device.data()[0]["what"], "it went to RECOVER");
 }
 
-TEST(AgentCommands, AModuleThatIsNotThereIsNamedWithWhatIs) {
+TEST(AgentCommands, SuggestsAModuleForAnUnknownName) {
   FakeDevice device;
   device.become_running();
-  dds::WholeCommand stop = device.command(COMMAND_STOP);
+  wire::WholeCommand stop = device.command(COMMAND_STOP);
   stop.head.module_name("serv");
-  device.hear(stop);
+  device.receive(stop);
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_THAT(device.text(), HasSubstr("no module 'serv'"));
   EXPECT_THAT(device.text(), HasSubstr("servo"));
 }
 
-TEST(AgentCommands, APropertyIsAskedForAndSetAtItsModule) {
+TEST(AgentCommands, ReadsAndSetsAPropertyOfAModule) {
   FakeDevice device;
   device.become_running();
-  dds::WholeCommand get = device.command(COMMAND_GET);
+  wire::WholeCommand get = device.command(COMMAND_GET);
   get.head.module_name("arm");
   get.head.property("gain");
-  device.hear(get);
-  dds::WholeCommand set = device.command(COMMAND_SET);
+  device.receive(get);
+  wire::WholeCommand set = device.command(COMMAND_SET);
   set.head.module_name("arm");
   set.head.property("gain");
   set.head.value("2.5");
-  device.hear(set);
+  device.receive(set);
   EXPECT_EQ(device.work.properties, (std::vector<std::string>{"1 gain", "1 gain = 2.5"}));
 
   device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::executing, .text = "", .value = "1.5"});
@@ -104,31 +105,31 @@ TEST(AgentCommands, APropertyIsAskedForAndSetAtItsModule) {
   EXPECT_EQ(device.text(), "0 to 2");
 }
 
-TEST(AgentCommands, APropertyOfNoModuleIsRefused) {
+TEST(AgentCommands, RejectsAPropertyOfAnUnknownModule) {
   FakeDevice device;
-  dds::WholeCommand get = device.command(COMMAND_GET);
+  wire::WholeCommand get = device.command(COMMAND_GET);
   get.head.module_name("arn");
   get.head.property("gain");
-  device.hear(get);
+  device.receive(get);
   EXPECT_EQ(device.text(), "device robot has no deployment");
   device.become_running();
-  dds::WholeCommand again = device.command(COMMAND_GET);
+  wire::WholeCommand again = device.command(COMMAND_GET);
   again.head.module_name("arn");
-  device.hear(again);
+  device.receive(again);
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_EQ(device.text(), "device robot has no module 'arn'; did you mean arm?");
-  dds::WholeCommand none = device.command(COMMAND_SET);
-  device.hear(none);
+  wire::WholeCommand none = device.command(COMMAND_SET);
+  device.receive(none);
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << "a device as a whole has no properties";
   EXPECT_TRUE(device.work.properties.empty());
 }
 
-TEST(AgentCommands, ATraceIsMadeOfADeploymentAndOfAsMuchAsIsAskedFor) {
+TEST(AgentCommands, TracesTheRequestedTimeOfADeployment) {
   FakeDevice device;
   const auto ask = [&device](const char* value) {
-    dds::WholeCommand trace = device.command(COMMAND_TRACE);
+    wire::WholeCommand trace = device.command(COMMAND_TRACE);
     trace.head.value(value);
-    device.hear(trace);
+    device.receive(trace);
     return device.reply().code();
   };
   EXPECT_EQ(ask("5000000000"), REPLY_REFUSED);
@@ -136,56 +137,56 @@ TEST(AgentCommands, ATraceIsMadeOfADeploymentAndOfAsMuchAsIsAskedFor) {
   device.become_running();
   for (const char* value : {"", "0", "-1", "5s", "99999999999999999999"}) {
     EXPECT_EQ(ask(value), REPLY_REFUSED) << value;
-    EXPECT_EQ(device.text(), "'" + std::string{value} + "' is no number of nanoseconds");
+    EXPECT_EQ(device.text(), "'" + std::string{value} + "' is not a number of nanoseconds above 0");
   }
   EXPECT_EQ(ask("5000000000"), REPLY_OK);
-  EXPECT_EQ(device.said.replies.back().data, "5000000000 of " + std::to_string(dds::kMaxData));
+  EXPECT_EQ(device.published.replies.back().data, "5000000000 of " + std::to_string(wire::kMaxData));
 }
 
-dds::WholeCommand swap_of(FakeDevice& device, const char* module, const char* file) {
-  dds::WholeCommand swap = device.command(COMMAND_SWAP);
+wire::WholeCommand swap_of(FakeDevice& device, const char* module, const char* file) {
+  wire::WholeCommand swap = device.command(COMMAND_SWAP);
   swap.head.module_name(module);
   swap.head.value(file);
   return swap;
 }
 
-TEST(AgentCommands, AFileWithAPathIsNotTakenForOneOfItsName) {
+TEST(AgentCommands, RejectsASwapToAFileWithAPath) {
   FakeDevice device;
   device.become_running();
   for (const char* file : {"new/arm2.so", "./arm2.so", "/nowhere/arm2.so"}) {
-    device.hear(swap_of(device, "arm", file));
+    device.receive(swap_of(device, "arm", file));
     EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
     EXPECT_THAT(device.text(),
-                HasSubstr("file " + std::string{file} + ": it has a path, and device robot looks"));
-    EXPECT_THAT(device.text(), HasSubstr("copy it there, and takt swap robot.arm arm2.so"));
+                HasSubstr("file " + std::string{file} + ": it has a path, but device robot searches"));
+    EXPECT_THAT(device.text(), HasSubstr("copy the file there, then: takt swap robot.arm arm2.so"));
   }
-  EXPECT_EQ(device.work.inspections.size(), 1U) << "that of the deployment";
+  EXPECT_EQ(device.work.inspections.size(), 1U) << "only the inspection of the deployment";
 }
 
-TEST(AgentCommands, WhatIsWrongWithAFileIsToldOfTheFile) {
+TEST(AgentCommands, ReportsAWrongSwapFileByItsName) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
-  device.hear(swap_of(device, "arm", "arm2.so"));
+  device.receive(swap_of(device, "arm", "arm2.so"));
   device.work.inspected = Problem{"cell.xml:8", "module arm: it has no property 'slope'", ""};
   device.agent.step();
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_EQ(device.text(), "file arm2.so: module arm: it has no property 'slope'");
 }
 
-TEST(AgentCommands, AFileIsLookedAtBeforeItIsSwappedInAndDescribedAfterwards) {
+TEST(AgentCommands, InspectsASwapFileFirstAndDescribesItAfterwards) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
-  device.hear(swap_of(device, "arm", "arm2.so"));
+  device.receive(swap_of(device, "arm", "arm2.so"));
   ASSERT_EQ(device.work.inspections.size(), 2U);
   EXPECT_EQ(device.work.inspections[1].only, "arm");
   EXPECT_EQ(device.work.inspections[1].swapped.at("arm"), "arm2.so");
   EXPECT_TRUE(device.work.swaps.empty());
 
-  device.hear(swap_of(device, "servo", "servo.so"));
+  device.receive(swap_of(device, "servo", "servo.so"));
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_EQ(device.text(), "device robot is still swapping arm; ask again");
+  EXPECT_EQ(device.text(), "device robot is still swapping arm; try again later");
 
   device.work.inspected = Inspected{.paths = {"/components/arm2.so"}};
   device.agent.step();
@@ -194,57 +195,58 @@ TEST(AgentCommands, AFileIsLookedAtBeforeItIsSwappedInAndDescribedAfterwards) {
   device.work.done.back()({.code = REPLY_OK, .state = lifecycle::State::executing, .text = "from row 5 on"});
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.reply().value().to_string(), "/components/arm2.so");
-  EXPECT_EQ(device.said.faults.back().cause().to_string(), "swap to arm2.so was carried out");
+  EXPECT_EQ(device.published.faults.back().cause().to_string(), "swap to arm2.so was carried out");
 
-  device.hear(device.command(COMMAND_DESCRIBE));
+  device.receive(device.command(COMMAND_DESCRIBE));
   EXPECT_EQ(device.work.inspections.back().swapped.at("arm"), "/components/arm2.so");
   EXPECT_EQ(device.work.inspections.back().only, "");
 }
 
-TEST(AgentCommands, ASwapThatCannotBeIsRefusedWithTheReason) {
+TEST(AgentCommands, RejectsAnImpossibleSwapWithTheReason) {
   FakeDevice device;
-  device.hear(swap_of(device, "arm", "arm.so"));
+  device.receive(swap_of(device, "arm", "arm.so"));
   EXPECT_EQ(device.text(), "device robot has no deployment");
   device.become_running();
-  device.hear(swap_of(device, "arn", "arm.so"));
+  device.receive(swap_of(device, "arn", "arm.so"));
   EXPECT_EQ(device.text(), "device robot has no module 'arn'; did you mean arm?");
   device.work.may_swap = fail("it is in START", "start it");
-  device.hear(swap_of(device, "arm", "arm.so"));
+  device.receive(swap_of(device, "arm", "arm.so"));
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_EQ(device.text(), "it is in START; start it");
-  EXPECT_EQ(device.work.inspections.size(), 1U) << "nothing was looked at";
+  EXPECT_EQ(device.work.inspections.size(), 1U) << "no file was inspected";
 
   device.work.may_swap = {};
   device.work.inspected = Result<Inspected>{fail("there is no file arm3.so", "build it")};
-  device.hear(swap_of(device, "arm", "arm3.so"));
+  device.receive(swap_of(device, "arm", "arm3.so"));
   EXPECT_EQ(device.text(), "file arm3.so: there is no file arm3.so; build it");
-  EXPECT_EQ(device.said.faults.back().kind(), FAULT_REFUSED_COMMAND);
+  EXPECT_EQ(device.published.faults.back().kind(), FAULT_REFUSED_COMMAND);
 
   device.work.inspected.reset();
-  device.hear(swap_of(device, "arm", "arm4.so"));
+  device.receive(swap_of(device, "arm", "arm4.so"));
   device.undeploy();
   device.end();
-  const auto& replies = device.said.replies;
-  EXPECT_TRUE(std::any_of(replies.begin(), replies.end(),
-                          [](const auto& one) { return one.head.text().to_string() == "the device ends"; }));
+  const auto& replies = device.published.replies;
+  EXPECT_TRUE(std::any_of(replies.begin(), replies.end(), [](const auto& one) {
+    return one.head.text().to_string() == "the device is shutting down";
+  }));
   EXPECT_TRUE(device.work.swaps.empty());
 }
 
-TEST(AgentCommands, AnOrderToTheDeviceIsAnsweredWhenEveryModuleHasAnswered) {
+TEST(AgentCommands, AnswersADeviceCommandWhenEveryModuleHasAnswered) {
   FakeDevice device;
   device.become_running();
-  device.hear(device.command(COMMAND_STOP));
-  ASSERT_EQ(device.work.orders.size(), 2U);
+  device.receive(device.command(COMMAND_STOP));
+  ASSERT_EQ(device.work.commands.size(), 2U);
   device.work.done[0]({.code = REPLY_OK, .state = lifecycle::State::start, .text = {}});
-  EXPECT_TRUE(device.said.replies.empty());
+  EXPECT_TRUE(device.published.replies.empty());
   device.work.done[1](
-      {.code = REPLY_REFUSED, .state = lifecycle::State::idle, .text = "stop is refused in state IDLE"});
-  ASSERT_EQ(device.said.replies.size(), 1U);
+      {.code = REPLY_REFUSED, .state = lifecycle::State::idle, .text = "stop is not allowed in state IDLE"});
+  ASSERT_EQ(device.published.replies.size(), 1U);
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
   EXPECT_EQ(device.data()[0]["module"], "servo");
   EXPECT_EQ(device.data()[0]["state"], "START");
   EXPECT_EQ(device.data()[1]["ok"], false);
-  EXPECT_EQ(device.data()[1]["text"], "stop is refused in state IDLE");
+  EXPECT_EQ(device.data()[1]["text"], "stop is not allowed in state IDLE");
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 
 #include "fake_device.hpp"
 
@@ -13,24 +13,24 @@ using testing::HasSubstr;
 
 DeviceStatus other(const std::string& device, const std::string& node) {
   DeviceStatus status;
-  dds::set(status.path(), "-/" + device);
-  dds::set(status.cell(), dds::kNoCell);
-  dds::set(status.device(), device);
-  dds::set(status.node(), node);
-  dds::set(status.host_name(), "elsewhere");
+  wire::set(status.path(), "-/" + device);
+  wire::set(status.cell(), wire::kNoCell);
+  wire::set(status.device(), device);
+  wire::set(status.node(), node);
+  wire::set(status.host_name(), "elsewhere");
   status.process_id(42);
   return status;
 }
 
-TEST(AgentAndOthers, TwoNodesOfOneNameSaySoAndTakeNothing) {
+TEST(AgentAndOthers, RejectsDeploymentsWhileAnotherNodeHasItsName) {
   FakeDevice device;
   device.agent.others().heard(other("robot", "there"), 1);
   device.agent.step();
   EXPECT_EQ(device.status().health(), HEALTH_DEGRADED);
-  EXPECT_EQ(device.status().text(), "another node of the name robot is on domain 7: process 42 on elsewhere");
+  EXPECT_EQ(device.status().text(), "another node named robot is on domain 7: process 42 on elsewhere");
   device.prepare();
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("another node of the name robot"));
+  EXPECT_THAT(device.text(), HasSubstr("another node named robot"));
   device.agent.others().lost(1);
   device.agent.step();
   EXPECT_EQ(device.status().health(), HEALTH_OK);
@@ -38,7 +38,7 @@ TEST(AgentAndOthers, TwoNodesOfOneNameSaySoAndTakeNothing) {
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
 }
 
-TEST(AgentAndOthers, ItselfAndOtherDevicesAreNoOthersOfItsName) {
+TEST(AgentAndOthers, ReportsNoNameClashWithItselfOrOtherDevices) {
   FakeDevice device;
   device.agent.others().heard(other("robot", "here"), 1);
   device.agent.others().heard(other("line", "there"), 2);
@@ -46,52 +46,52 @@ TEST(AgentAndOthers, ItselfAndOtherDevicesAreNoOthersOfItsName) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
-TEST(AgentAndOthers, NamesTheLiveNodesThatItHearsInItsReport) {
+TEST(AgentAndOthers, ListsTheLiveNodesThatItReceivesInItsReport) {
   FakeDevice device;
   device.agent.others().heard(other("robot", "here"), 1);
   device.agent.others().heard(other("line", "there"), 2);
   device.agent.others().heard(other("line", "twin"), 3);
-  device.hear(device.command(COMMAND_REPORT));
+  device.receive(device.command(COMMAND_REPORT));
   EXPECT_EQ(device.data()["heard"], (nlohmann::ordered_json{"there", "twin", "here"}));
   device.agent.others().lost(2);
-  device.hear(device.command(COMMAND_REPORT));
+  device.receive(device.command(COMMAND_REPORT));
   EXPECT_EQ(device.data()["heard"], (nlohmann::ordered_json{"twin", "here"}));
 }
 
-TEST(AgentAndOthers, SaysForASecondThatItMayNotKnowTheOthersYet) {
+TEST(AgentAndOthers, ReportsThatItIsSearchingDuringTheFirstSecond) {
   FakeDevice device;
-  device.hear(device.command(COMMAND_REPORT));
+  device.receive(device.command(COMMAND_REPORT));
   EXPECT_EQ(device.data()["searching"], true);
   device.now += std::chrono::milliseconds{1001};
-  device.hear(device.command(COMMAND_REPORT));
+  device.receive(device.command(COMMAND_REPORT));
   EXPECT_EQ(device.data()["searching"], false);
 }
 
-TEST(AgentAndOthers, LostDevicesOfItsCellAreInItsReport) {
+TEST(AgentAndOthers, ListsLostDevicesOfItsCellInItsReport) {
   FakeDevice device;
   device.become_running();
   DeviceStatus line = other("line", "there");
-  dds::set(line.path(), "cell/line");
-  dds::set(line.cell(), "cell");
+  wire::set(line.path(), "cell/line");
+  wire::set(line.cell(), "cell");
   device.agent.others().heard(line, 3);
   LifecycleStatus belt;
-  dds::set(belt.path(), "cell/line/belt");
-  dds::set(belt.cell(), "cell");
-  dds::set(belt.device(), "line");
-  dds::set(belt.name(), "belt");
+  wire::set(belt.path(), "cell/line/belt");
+  wire::set(belt.cell(), "cell");
+  wire::set(belt.device(), "line");
+  wire::set(belt.name(), "belt");
   belt.state(STATE_EXECUTING);
   device.agent.others().heard(belt);
-  device.hear(device.command(COMMAND_REPORT));
+  device.receive(device.command(COMMAND_REPORT));
   EXPECT_EQ(device.data()["lost"].size(), 0U);
   EXPECT_EQ(device.data()["devices"].size(), 2U);
   device.agent.others().lost(3);
-  device.hear(device.command(COMMAND_REPORT));
+  device.receive(device.command(COMMAND_REPORT));
   ASSERT_EQ(device.data()["lost"].size(), 1U);
   EXPECT_EQ(device.data()["lost"][0]["name"], "line");
   EXPECT_EQ(device.data()["lost"][0]["modules"][0]["state"], "EXECUTING");
 }
 
-// A cell in which a fault of the line, or of the robot, is everybody's.
+// A cell in which a failure of this module stops the cell.
 std::string cell_stopped_by(const std::string& module) {
   std::string text = FakeDevice::kCell;
   const std::size_t at = text.find("</priority>", text.find("<name>" + module + "<"));
@@ -100,45 +100,45 @@ std::string cell_stopped_by(const std::string& module) {
 
 DeviceStatus runs_with_us(const std::string& device, const std::string& node) {
   DeviceStatus status = other(device, node);
-  dds::set(status.path(), "cell/" + device);
-  dds::set(status.cell(), "cell");
-  dds::set(status.deployment(), "d1");
+  wire::set(status.path(), "cell/" + device);
+  wire::set(status.cell(), "cell");
+  wire::set(status.deployment(), "d1");
   status.state(DEVICE_RUNNING);
   return status;
 }
 
-TEST(AgentAndOthers, StopsWithItsCellWhenAnotherDeviceSaysSo) {
+TEST(AgentAndOthers, StopsWhenAnotherDeviceStopsTheCell) {
   FakeDevice device;
   device.become_running();
   DeviceStatus line = runs_with_us("line", "there");
   device.agent.others().heard(line, 3);
   device.agent.step();
-  EXPECT_FALSE(device.work.told_to_stop);
+  EXPECT_FALSE(device.work.stop_called);
   line.state(DEVICE_STOPPING);
   line.health(HEALTH_FAILED);
   line.stops_cell(true);
-  dds::set(line.text(), "module line.belt: error: was given up");
+  wire::set(line.text(), "module line.belt: error: was given up");
   device.agent.others().heard(line, 3);
   device.agent.step();
-  EXPECT_TRUE(device.work.told_to_stop);
+  EXPECT_TRUE(device.work.stop_called);
   ASSERT_EQ(device.work.failures.size(), 1U);
   EXPECT_EQ(device.work.failures[0].where, "device robot");
   EXPECT_EQ(device.work.failures[0].what, "stops with its cell: module line.belt: error: was given up");
-  EXPECT_TRUE(device.status().stops_cell()) << "for who does not hear the line";
+  EXPECT_TRUE(device.status().stops_cell()) << "for devices that do not receive the status of line";
 }
 
-TEST(AgentAndOthers, TheCellOfAnotherDeploymentIsNotItsOwn) {
+TEST(AgentAndOthers, IgnoresAStoppedCellOfAnotherDeployment) {
   FakeDevice device;
   device.become_running();
   DeviceStatus line = runs_with_us("line", "there");
-  dds::set(line.deployment(), "d0");
+  wire::set(line.deployment(), "d0");
   line.stops_cell(true);
   device.agent.others().heard(line, 3);
   device.agent.step();
-  EXPECT_FALSE(device.work.told_to_stop);
+  EXPECT_FALSE(device.work.stop_called);
 }
 
-TEST(AgentAndOthers, StopsWhenADeviceWhoseFaultIsTheCellsIsLost) {
+TEST(AgentAndOthers, StopsWhenADeviceWithAStopCellModuleIsLost) {
   for (const bool vital : {false, true}) {
     FakeDevice device;
     device.become_running(vital ? cell_stopped_by("belt") : FakeDevice::kCell);
@@ -146,28 +146,28 @@ TEST(AgentAndOthers, StopsWhenADeviceWhoseFaultIsTheCellsIsLost) {
     device.agent.step();
     device.agent.others().lost(3);
     device.agent.step();
-    EXPECT_EQ(device.work.told_to_stop, vital);
+    EXPECT_EQ(device.work.stop_called, vital);
   }
 }
 
-TEST(AgentAndOthers, AnOrderlyEndOfAnotherDeviceIsNoFault) {
+TEST(AgentAndOthers, KeepsRunningWhenAnotherDeviceShutsDownCleanly) {
   FakeDevice device;
   device.become_running(cell_stopped_by("belt"));
   DeviceStatus line = runs_with_us("line", "there");
   device.agent.others().heard(line, 3);
   line.state(DEVICE_STOPPING);
   device.agent.others().heard(line, 3);
-  device.agent.others().lost(3);  // it was quicker than what it took back
+  device.agent.others().lost(3);  // the loss is seen before the withdrawal of its status
   device.agent.step();
-  EXPECT_FALSE(device.work.told_to_stop);
+  EXPECT_FALSE(device.work.stop_called);
   device.agent.others().heard(runs_with_us("line", "again"), 4);
   device.agent.others().gone(runs_with_us("line", "again"), 4);
   device.agent.others().lost(4);
   device.agent.step();
-  EXPECT_FALSE(device.work.told_to_stop);
+  EXPECT_FALSE(device.work.stop_called);
 }
 
-TEST(AgentAndOthers, StopsWhenItsOwnFaultCouldNotBeToldToAnybody) {
+TEST(AgentAndOthers, StopsWithAStopCellModuleWhenAllOtherDevicesAreLost) {
   for (const bool vital : {false, true}) {
     FakeDevice device;
     device.become_running(vital ? cell_stopped_by("servo") : FakeDevice::kCell);
@@ -175,13 +175,13 @@ TEST(AgentAndOthers, StopsWhenItsOwnFaultCouldNotBeToldToAnybody) {
     device.agent.others().heard(runs_with_us("station", "there too"), 4);
     device.agent.others().lost(3);
     device.agent.step();
-    EXPECT_FALSE(device.work.told_to_stop) << "the station is there to hear it";
+    EXPECT_FALSE(device.work.stop_called) << "the station is still there";
     device.agent.others().lost(4);
     device.agent.step();
-    EXPECT_EQ(device.work.told_to_stop, vital);
+    EXPECT_EQ(device.work.stop_called, vital);
     if (!vital) continue;
     EXPECT_EQ(device.work.failures[0].what,
-              "has lost line, station, and has a module whose fault stops the cell");
+              "has lost line, station, and one of its modules stops the cell when it fails");
   }
 }
 

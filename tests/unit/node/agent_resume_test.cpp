@@ -26,10 +26,10 @@ class Resuming : public testing::Test {
   DeploymentFile file_{folder_, "robot", 7};
 };
 
-TEST_F(Resuming, ARunningDeploymentIsKeptUntilItIsUndeployed) {
+TEST_F(Resuming, SavesARunningDeploymentUntilItIsUndeployed) {
   FakeDevice device{file_};
   device.become_ready();
-  EXPECT_FALSE(file_.kept()->has_value()) << "it does not run yet";
+  EXPECT_FALSE(file_.kept()->has_value()) << "the deployment does not run yet";
   device.run(milliseconds{500});
   const auto kept = file_.kept();
   ASSERT_TRUE(kept.ok() && *kept);
@@ -41,7 +41,7 @@ TEST_F(Resuming, ARunningDeploymentIsKeptUntilItIsUndeployed) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(Resuming, ItIsTakenUpOnTheSameGrid) {
+TEST_F(Resuming, RestoresADeploymentOnTheSameGrid) {
   std::int64_t t0 = 0;
   {
     FakeDevice device{file_};
@@ -62,10 +62,10 @@ TEST_F(Resuming, ItIsTakenUpOnTheSameGrid) {
   EXPECT_EQ(device.work.t0, device.now + Nanoseconds{t0 - device.wall()});
   EXPECT_LT(*device.work.t0, device.now);
   EXPECT_EQ((*file_.kept())->t0_ns, t0);
-  EXPECT_TRUE(device.said.replies.empty()) << "nobody asked";
+  EXPECT_TRUE(device.published.replies.empty()) << "no command was sent";
 }
 
-TEST_F(Resuming, AWallClockThatWasSetDoesNotMoveTheGridUntilTheMachineIsStartedAgain) {
+TEST_F(Resuming, KeepsTheGridWhenTheWallClockIsSetBeforeTheNextBoot) {
   Instant t0{};
   {
     FakeDevice device{file_};
@@ -94,29 +94,30 @@ TEST_F(Resuming, AWallClockThatWasSetDoesNotMoveTheGridUntilTheMachineIsStartedA
   EXPECT_THAT(device.status().text().to_string(), HasSubstr("set the clock of device robot"));
 }
 
-TEST_F(Resuming, WhatCannotBeKeptIsSaidOnceAndKeptWhenThereIsRoom) {
+TEST_F(Resuming, ReportsAFailedSaveOnceAndSavesWhenThereIsSpace) {
   std::ofstream{folder_} << "a file where a folder should be";
   FakeDevice device{file_};
   device.become_running();
-  const auto said = [&device] {
-    return std::count_if(device.said.faults.begin(), device.said.faults.end(), [](const FaultEvent& event) {
-      return event.cause().to_string().find("not kept for a restart: ") != std::string::npos;
-    });
+  const auto reports = [&device] {
+    return std::count_if(
+        device.published.faults.begin(), device.published.faults.end(), [](const FaultEvent& event) {
+          return event.cause().to_string().find("could not be saved for --resume: ") != std::string::npos;
+        });
   };
   for (int i = 0; i < 100; ++i) device.pass(seconds{1});
-  EXPECT_EQ(said(), 1);
+  EXPECT_EQ(reports(), 1);
   std::filesystem::remove(folder_);
   for (int i = 0; i < 10; ++i) device.pass(seconds{1});
   ASSERT_TRUE(file_.kept().ok() && *file_.kept());
   EXPECT_EQ((*file_.kept())->id, "d1");
-  EXPECT_EQ(said(), 1);
+  EXPECT_EQ(reports(), 1);
   device.undeploy();
   device.end();
   for (int i = 0; i < 10; ++i) device.pass(seconds{1});
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(Resuming, WhatCannotBeTakenUpIsSaidAndKept) {
+TEST_F(Resuming, ReportsAFailedRestoreAndKeepsTheSavedDeployment) {
   {
     FakeDevice device{file_};
     device.become_running();
@@ -134,7 +135,7 @@ TEST_F(Resuming, WhatCannotBeTakenUpIsSaidAndKept) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(Resuming, OfAnInstantFarAheadIsRefusedAndNotWaitedFor) {
+TEST_F(Resuming, RejectsASavedDeploymentThatStartsFarAhead) {
   {
     FakeDevice device{file_};
     device.become_running();
@@ -156,7 +157,7 @@ TEST_F(Resuming, OfAnInstantFarAheadIsRefusedAndNotWaitedFor) {
   }
 }
 
-TEST_F(Resuming, ADamagedFileIsSaidToAllUntilThereIsAnotherDeployment) {
+TEST_F(Resuming, ReportsADamagedFileUntilTheNextDeployment) {
   {
     FakeDevice device{file_};
     device.become_running();
@@ -173,7 +174,7 @@ TEST_F(Resuming, ADamagedFileIsSaidToAllUntilThereIsAnotherDeployment) {
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
-TEST_F(Resuming, WithoutAFileItWaits) {
+TEST_F(Resuming, WaitsWithoutASavedDeployment) {
   FakeDevice device{file_};
   device.agent.resume();
   device.agent.step();

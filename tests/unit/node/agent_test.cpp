@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 
 #include "fake_device.hpp"
 
@@ -17,107 +17,107 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using Phase = Supervised::Phase;
 
-TEST(Agent, WaitsAndSaysSo) {
+TEST(Agent, PublishesThatItWaitsForADeployment) {
   FakeDevice device;
-  ASSERT_EQ(device.said.devices.size(), 1U);
+  ASSERT_EQ(device.published.devices.size(), 1U);
   EXPECT_EQ(device.status().path(), "-/robot");
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().node(), "here");
   device.pass(seconds{1});
-  EXPECT_EQ(device.said.devices.size(), 1U) << "nothing has changed";
-  device.hear(device.command(COMMAND_REPORT));
+  EXPECT_EQ(device.published.devices.size(), 1U) << "nothing has changed";
+  device.receive(device.command(COMMAND_REPORT));
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.data()["modules"].size(), 0U);
 }
 
-TEST(Agent, RefusesWhatMakesNoSenseWithoutADeployment) {
+TEST(Agent, RejectsCommandsThatNeedADeployment) {
   FakeDevice device;
   for (const CommandKind kind : {COMMAND_RUN, COMMAND_DESCRIBE, COMMAND_START, COMMAND_STOP, COMMAND_RECOVER,
                                  COMMAND_RESET, COMMAND_DESTRUCT, COMMAND_INITIALIZE}) {
-    device.hear(device.command(kind));
+    device.receive(device.command(kind));
     EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << to_text(kind);
     EXPECT_THAT(device.text(), HasSubstr("robot")) << to_text(kind);
   }
-  device.hear(device.command(static_cast<CommandKind>(77)));
+  device.receive(device.command(static_cast<CommandKind>(77)));
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
   EXPECT_THAT(device.text(), HasSubstr("77"));
   device.undeploy();
-  EXPECT_EQ(device.reply().code(), REPLY_OK) << "it is as it was asked for";
+  EXPECT_EQ(device.reply().code(), REPLY_OK) << "there is nothing to undeploy, as requested";
 }
 
-TEST(Agent, DoesNotBeginWhatIsPastItsDeadline) {
+TEST(Agent, RejectsACommandAfterItsDeadline) {
   FakeDevice device;
-  dds::WholeCommand late = device.command(COMMAND_PREPARE);
+  wire::WholeCommand late = device.command(COMMAND_PREPARE);
   late.data = FakeDevice::kCell;
   late.head.deadline_ns(device.wall() - 20'000'000);
-  device.hear(late);
+  device.receive(late);
   EXPECT_EQ(device.reply().code(), REPLY_LATE);
   EXPECT_THAT(device.text(), HasSubstr("20 ms after its deadline"));
   EXPECT_TRUE(device.work.inspections.empty());
-  late.head.deadline_ns(0);  // none
-  device.hear(late);
+  late.head.deadline_ns(0);  // no deadline
+  device.receive(late);
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
-TEST(Agent, AnswersAQuestionHoweverLate) {
+TEST(Agent, AnswersAQuestionAfterItsDeadline) {
   FakeDevice device;
   device.become_running();
   for (const CommandKind kind :
        {COMMAND_REPORT, COMMAND_DESCRIBE, COMMAND_GET, COMMAND_TAP, COMMAND_LOG, COMMAND_TRACE}) {
-    dds::WholeCommand late = device.command(kind);
+    wire::WholeCommand late = device.command(kind);
     late.head.module_name("servo");
     late.head.value("1");
     late.head.deadline_ns(device.wall() - 3'600'000'000'000);
-    device.hear(late);
-    for (const dds::WholeReply& reply : device.said.replies)
+    device.receive(late);
+    for (const wire::WholeReply& reply : device.published.replies)
       EXPECT_NE(reply.head.code(), REPLY_LATE) << to_text(kind);
   }
 }
 
-TEST(Agent, TakesTimesOfWhateverSize) {
+TEST(Agent, AcceptsTimesOfAnySize) {
   constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   FakeDevice device;
   device.become_ready();
   for (const std::int64_t time : {kMin, std::int64_t{-1}, std::int64_t{1}, kMax}) {
-    dds::WholeCommand run = device.command(COMMAND_RUN);
+    wire::WholeCommand run = device.command(COMMAND_RUN);
     run.head.time_ns(time);
-    device.hear(run);
+    device.receive(run);
     EXPECT_EQ(device.reply().code(), REPLY_REFUSED) << time;
-    dds::WholeCommand undeploy = device.command(COMMAND_UNDEPLOY);
+    wire::WholeCommand undeploy = device.command(COMMAND_UNDEPLOY);
     undeploy.head.deployment("another");
     undeploy.head.deadline_ns(time);
-    device.hear(undeploy);
+    device.receive(undeploy);
     EXPECT_EQ(device.reply().code(), time == kMax ? REPLY_REFUSED : REPLY_LATE) << time;
   }
   device.run();
   for (const std::int64_t time : {kMin, std::int64_t{0}, kMax}) {
-    dds::WholeCommand tap = device.command(COMMAND_TAP);
+    wire::WholeCommand tap = device.command(COMMAND_TAP);
     tap.head.module_name("servo");
     tap.head.time_ns(time);
-    device.hear(tap);
+    device.receive(tap);
     EXPECT_EQ(device.reply().code(), REPLY_OK) << time;
   }
 }
 
-TEST(Agent, WhoAskedForADescriptionIsAnsweredWhenTheDeploymentEndsBefore) {
+TEST(Agent, AnswersDescribeCommandsWhenTheDeploymentEnds) {
   FakeDevice device;
   device.become_running();
   device.work.inspected.reset();
-  device.hear(device.command(COMMAND_DESCRIBE));
-  device.hear(device.command(COMMAND_DESCRIBE));
-  EXPECT_TRUE(device.said.replies.empty());
+  device.receive(device.command(COMMAND_DESCRIBE));
+  device.receive(device.command(COMMAND_DESCRIBE));
+  EXPECT_TRUE(device.published.replies.empty());
   device.undeploy();
   device.end();
-  ASSERT_EQ(device.said.replies.size(), 3U);
-  EXPECT_EQ(device.said.replies[0].head.code(), REPLY_FAILED);
-  EXPECT_THAT(device.said.replies[0].head.text().to_string(), HasSubstr("before it was described"));
+  ASSERT_EQ(device.published.replies.size(), 3U);
+  EXPECT_EQ(device.published.replies[0].head.code(), REPLY_FAILED);
+  EXPECT_THAT(device.published.replies[0].head.text().to_string(), HasSubstr("before it was described"));
 }
 
-TEST(Agent, ADeploymentIsReadyWhenEveryModuleIsAndRunsWhenItIsTold) {
+TEST(Agent, PreparesADeploymentAndRunsItOnCommand) {
   FakeDevice device;
   device.prepare();
-  EXPECT_TRUE(device.said.replies.empty()) << "answered when it is ready";
+  EXPECT_TRUE(device.published.replies.empty()) << "it answers when the deployment is ready";
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
   EXPECT_EQ(device.status().path(), "cell/robot");
   EXPECT_EQ(device.status().modules(), 2U);
@@ -126,10 +126,10 @@ TEST(Agent, ADeploymentIsReadyWhenEveryModuleIsAndRunsWhenItIsTold) {
 
   device.work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
   device.agent.step();
-  EXPECT_TRUE(device.said.replies.empty());
+  EXPECT_TRUE(device.published.replies.empty());
   device.work.phase = Phase::ready;
   device.agent.step();
-  ASSERT_EQ(device.said.replies.size(), 1U);
+  ASSERT_EQ(device.published.replies.size(), 1U);
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.data()["modules"][1]["name"], "arm");
   EXPECT_EQ(device.status().state(), DEVICE_READY);
@@ -137,17 +137,17 @@ TEST(Agent, ADeploymentIsReadyWhenEveryModuleIsAndRunsWhenItIsTold) {
 
   device.run(milliseconds{300});
   EXPECT_EQ(device.reply().code(), REPLY_OK);
-  EXPECT_EQ(device.work.t0, device.now + milliseconds{300}) << "of the monotonic clock";
+  EXPECT_EQ(device.work.t0, device.now + milliseconds{300}) << "on the monotonic clock";
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
 }
 
-TEST(Agent, TellsOfEveryStepOfAModuleWithItsNumber) {
+TEST(Agent, PublishesEveryStepOfAModuleWithItsNumber) {
   FakeDevice device;
   device.become_running();
-  ASSERT_EQ(device.said.steps.size(), 2U);
-  EXPECT_EQ(device.said.steps[0].path(), "cell/robot/servo");
-  EXPECT_EQ(device.said.steps[0].event(), EVENT_NONE);
-  EXPECT_EQ(device.said.steps[0].sequence_number(), 0U);
+  ASSERT_EQ(device.published.steps.size(), 2U);
+  EXPECT_EQ(device.published.steps[0].path(), "cell/robot/servo");
+  EXPECT_EQ(device.published.steps[0].event(), EVENT_NONE);
+  EXPECT_EQ(device.published.steps[0].sequence_number(), 0U);
   device.work.stepped({.module = 1,
                        .transition = {.from = lifecycle::State::executing,
                                       .to = lifecycle::State::recover,
@@ -155,7 +155,7 @@ TEST(Agent, TellsOfEveryStepOfAModuleWithItsNumber) {
                                       .sequence = 4},
                        .error = ErrorType::budget,
                        .text = "it took too long"});
-  const LifecycleStatus& step = device.said.steps.back();
+  const LifecycleStatus& step = device.published.steps.back();
   EXPECT_EQ(step.path(), "cell/robot/arm");
   EXPECT_EQ(step.previous_state(), STATE_EXECUTING);
   EXPECT_EQ(step.state(), STATE_RECOVER);
@@ -166,24 +166,24 @@ TEST(Agent, TellsOfEveryStepOfAModuleWithItsNumber) {
   EXPECT_EQ(step.time_ns(), device.wall());
 }
 
-TEST(Agent, EveryEventAndErrorHasItsEnumeratorOnTheWire) {
+TEST(Agent, PublishesEveryEventStateAndErrorWithItsEnumerator) {
   FakeDevice device;
   device.become_running();
   for (const lifecycle::Event event : lifecycle::kEvents) {
     device.work.stepped({.module = 0, .transition = {.event = event}});
-    EXPECT_STREQ(to_text(device.said.steps.back().event()), lifecycle::to_text(event));
+    EXPECT_STREQ(to_text(device.published.steps.back().event()), lifecycle::to_text(event));
   }
   for (const lifecycle::State state : lifecycle::kStates) {
     device.work.stepped({.module = 0, .transition = {.to = state}});
-    EXPECT_STREQ(to_text(device.said.steps.back().state()), lifecycle::to_text(state));
+    EXPECT_STREQ(to_text(device.published.steps.back().state()), lifecycle::to_text(state));
   }
   for (int type = 1; type <= 5; ++type) {
     device.work.stepped({.module = 0, .transition = {}, .error = static_cast<ErrorType>(type)});
-    EXPECT_STREQ(to_text(device.said.steps.back().error()), to_text(static_cast<ErrorType>(type)));
+    EXPECT_STREQ(to_text(device.published.steps.back().error()), to_text(static_cast<ErrorType>(type)));
   }
 }
 
-TEST(Agent, ADescriptorThatIsWrongIsRefusedWithEveryReason) {
+TEST(Agent, RejectsAnInvalidDescriptorWithEveryReason) {
   FakeDevice device;
   device.prepare("d1", "<cell name=\"cell\"><device name=\"robot\"><module/></device></cell>");
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
@@ -193,7 +193,7 @@ TEST(Agent, ADescriptorThatIsWrongIsRefusedWithEveryReason) {
   EXPECT_TRUE(device.work.inspections.empty());
 }
 
-TEST(Agent, ACellWithoutThisDeviceIsRefused) {
+TEST(Agent, RejectsACellWithoutThisDevice) {
   FakeDevice device;
   std::string text = FakeDevice::kCell;
   text.replace(text.find("robot"), 5, "robot2");
@@ -202,21 +202,21 @@ TEST(Agent, ACellWithoutThisDeviceIsRefused) {
   EXPECT_THAT(device.text(), HasSubstr("cell cell has no device robot"));
 }
 
-TEST(Agent, ACellThatRequiresSecurityIsRefusedWithout) {
+TEST(Agent, RejectsACellThatRequiresSecurityWithoutAnIdentity) {
   std::string text = FakeDevice::kCell;
   text.replace(text.find(">"), 1, " security=\"required\">");
   FakeDevice without;
   without.prepare("d1", text);
   EXPECT_EQ(without.reply().code(), REPLY_FAILED);
   EXPECT_THAT(without.text(),
-              HasSubstr("cell cell requires security, and the node of device robot runs without"));
+              HasSubstr("cell cell requires security, but the node of device robot runs without"));
   EXPECT_EQ(without.status().state(), DEVICE_WAITING);
   FakeDevice with{{}, false, {}, "cell"};
   with.prepare("d1", text);
-  EXPECT_TRUE(with.said.replies.empty());
+  EXPECT_TRUE(with.published.replies.empty());
 }
 
-TEST(Agent, AnIdentityIsForItsOwnCell) {
+TEST(Agent, RejectsACellThatItsIdentityIsNotFor) {
   FakeDevice device{{}, false, {}, "another"};
   device.prepare();
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
@@ -224,7 +224,7 @@ TEST(Agent, AnIdentityIsForItsOwnCell) {
               HasSubstr("the identity of device robot is for cell another, not for cell cell"));
 }
 
-TEST(Agent, ComponentsThatAreNotInOrderRefuseTheDeployment) {
+TEST(Agent, RejectsADeploymentWithMissingComponents) {
   FakeDevice device;
   device.prepare();
   device.work.inspected =
@@ -234,30 +234,30 @@ TEST(Agent, ComponentsThatAreNotInOrderRefuseTheDeployment) {
   ASSERT_EQ(device.data().size(), 2U);
   EXPECT_EQ(device.data()[1]["what"], "no file arm.so");
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
-  EXPECT_TRUE(device.said.taken_back.empty()) << "no module was ever told of";
+  EXPECT_TRUE(device.published.withdrawn.empty()) << "no module was published";
 }
 
-TEST(Agent, ADeviceThatFailsToBecomeReadyIsAnsweredForWhenAllIsUndone) {
+TEST(Agent, AnswersAFailedPreparationWhenEverythingIsUndone) {
   FakeDevice device;
   device.prepare();
   device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
-  device.work.failures = {{"module robot.servo", "initialize() failed: no power", "mend the module"}};
+  device.work.failures = {{"module robot.servo", "initialize() failed: no power", "correct the module"}};
   device.work.phase = Phase::stopping;
   device.agent.step();
-  EXPECT_TRUE(device.said.replies.empty());
+  EXPECT_TRUE(device.published.replies.empty());
   device.end();
-  ASSERT_EQ(device.said.replies.size(), 1U);
+  ASSERT_EQ(device.published.replies.size(), 1U);
   EXPECT_EQ(device.reply().code(), REPLY_FAILED);
   EXPECT_EQ(device.data()[0]["where"], "module robot.servo");
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
-  EXPECT_THAT(device.said.taken_back, ElementsAre("cell/robot/servo", "cell/robot/arm"));
+  EXPECT_THAT(device.published.withdrawn, ElementsAre("cell/robot/servo", "cell/robot/arm"));
   EXPECT_EQ(device.work.supervised, 0);
   device.undeploy("d1");
-  EXPECT_EQ(device.data()["report"]["name"], "robot") << "its report can still be had";
+  EXPECT_EQ(device.data()["report"]["name"], "robot") << "its final report is still available";
 }
 
-TEST(Agent, ADeviceThatCannotBeBroughtUpAtAllIsRefused) {
+TEST(Agent, RejectsADeploymentThatCannotBeBroughtUp) {
   FakeDevice device;
   device.work.prepared = fail("no shared memory");
   device.prepare();
@@ -267,47 +267,47 @@ TEST(Agent, ADeviceThatCannotBeBroughtUpAtAllIsRefused) {
   EXPECT_EQ(device.work.supervised, 0);
 }
 
-TEST(Agent, OneDeploymentAtATime) {
+TEST(Agent, RejectsASecondDeployment) {
   FakeDevice device;
   device.prepare("d1");
   device.prepare("d2");
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("device robot already prepares cell cell"));
+  EXPECT_THAT(device.text(), HasSubstr("device robot is already preparing cell cell"));
   device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
   device.work.phase = Phase::ready;
   device.agent.step();
   device.run();
   device.prepare("d2");
-  EXPECT_THAT(device.text(), HasSubstr("device robot already runs cell cell, undeploy it first"));
+  EXPECT_THAT(device.text(), HasSubstr("device robot already runs cell cell; undeploy it first"));
   EXPECT_EQ(device.status().state(), DEVICE_RUNNING);
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
-TEST(Agent, TheSameDeploymentAgainIsNoOther) {
+TEST(Agent, AnswersARepeatedPrepareCommand) {
   FakeDevice device;
   device.prepare("d1");
   device.prepare("d1");
-  EXPECT_TRUE(device.said.replies.empty());
+  EXPECT_TRUE(device.published.replies.empty());
   device.work.inspected = Inspected{.paths = {"", ""}};
   device.agent.step();
   device.work.phase = Phase::ready;
   device.agent.step();
-  ASSERT_EQ(device.said.replies.size(), 2U);
-  EXPECT_EQ(device.said.replies[0].head.code(), REPLY_OK);
-  EXPECT_EQ(device.said.replies[1].head.code(), REPLY_OK);
-  EXPECT_EQ(device.said.replies[1].head.id(), "c2");
+  ASSERT_EQ(device.published.replies.size(), 2U);
+  EXPECT_EQ(device.published.replies[0].head.code(), REPLY_OK);
+  EXPECT_EQ(device.published.replies[1].head.code(), REPLY_OK);
+  EXPECT_EQ(device.published.replies[1].head.id(), "c2");
   device.prepare("d1");
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.work.inspections.size(), 1U);
 }
 
-TEST(Agent, RefusesToRunInThePastOrFarAhead) {
+TEST(Agent, RejectsAStartTimeInThePastOrFarAhead) {
   FakeDevice device;
   device.become_ready();
   device.run(milliseconds{-30});
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("30 ms past"));
+  EXPECT_THAT(device.text(), HasSubstr("passed 30 ms ago"));
   EXPECT_THAT(device.text(), HasSubstr("synchronise the clocks"));
   device.run(seconds{3600});
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
@@ -316,52 +316,52 @@ TEST(Agent, RefusesToRunInThePastOrFarAhead) {
   EXPECT_FALSE(device.work.t0);
 }
 
-TEST(Agent, WhatIsPreparedAndNeverRunIsUndone) {
+TEST(Agent, UndoesAPreparedDeploymentThatIsNeverRun) {
   FakeDevice device;
   device.become_ready();
   device.pass(seconds{20});
-  EXPECT_FALSE(device.work.told_to_stop);
+  EXPECT_FALSE(device.work.stop_called);
   device.pass(milliseconds{1});
-  EXPECT_TRUE(device.work.told_to_stop);
+  EXPECT_TRUE(device.work.stop_called);
   device.end();
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   EXPECT_EQ(device.status().health(), HEALTH_OK);
   device.run();
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  EXPECT_THAT(device.text(), HasSubstr("nothing prepared"));
+  EXPECT_THAT(device.text(), HasSubstr("has not prepared a deployment"));
 }
 
-TEST(Agent, WhatRunsIsNotUndone) {
+TEST(Agent, DoesNotUndoARunningDeployment) {
   FakeDevice device;
   device.become_running();
   device.pass(seconds{100});
-  EXPECT_FALSE(device.work.told_to_stop);
+  EXPECT_FALSE(device.work.stop_called);
 }
 
-TEST(Agent, UndeployEndsARunningDeviceAndCarriesItsReport) {
+TEST(Agent, UndeploysARunningDeviceAndReturnsItsReport) {
   FakeDevice device;
   device.become_running();
   device.undeploy("another");
   EXPECT_EQ(device.reply().code(), REPLY_REFUSED);
-  device.said.replies.clear();
+  device.published.replies.clear();
   device.undeploy("d1");
-  EXPECT_TRUE(device.said.replies.empty());
-  EXPECT_TRUE(device.work.told_to_stop);
+  EXPECT_TRUE(device.published.replies.empty());
+  EXPECT_TRUE(device.work.stop_called);
   EXPECT_EQ(device.status().state(), DEVICE_STOPPING);
   device.work.failures = {{"module robot.arm", "was given up", ""}};
   device.end();
-  ASSERT_EQ(device.said.replies.size(), 1U);
+  ASSERT_EQ(device.published.replies.size(), 1U);
   EXPECT_EQ(device.reply().code(), REPLY_OK);
   EXPECT_EQ(device.data()["report"]["name"], "robot");
   EXPECT_EQ(device.data()["failures"][0], "module robot.arm: error: was given up");
   EXPECT_EQ(device.status().path(), "-/robot");
-  EXPECT_EQ(device.said.taken_back.size(), 2U);
+  EXPECT_EQ(device.published.withdrawn.size(), 2U);
   device.work.inspected.reset();
   device.prepare("d2");
   EXPECT_EQ(device.status().state(), DEVICE_PREPARING);
 }
 
-TEST(Agent, UndeployEndsAPreparationWhereverItIs) {
+TEST(Agent, UndeploysDuringAnyStageOfPreparation) {
   for (const bool inspected : {false, true}) {
     FakeDevice device;
     device.prepare();
@@ -371,15 +371,15 @@ TEST(Agent, UndeployEndsAPreparationWhereverItIs) {
     }
     device.undeploy("d1");
     if (inspected) device.end();
-    ASSERT_EQ(device.said.replies.size(), 2U);
-    EXPECT_EQ(device.said.replies[0].head.id(), "c1");
-    EXPECT_EQ(device.said.replies[0].head.code(), REPLY_FAILED);
-    EXPECT_EQ(device.said.replies[1].head.code(), REPLY_OK);
+    ASSERT_EQ(device.published.replies.size(), 2U);
+    EXPECT_EQ(device.published.replies[0].head.id(), "c1");
+    EXPECT_EQ(device.published.replies[0].head.code(), REPLY_FAILED);
+    EXPECT_EQ(device.published.replies[1].head.code(), REPLY_OK);
     EXPECT_EQ(device.status().state(), DEVICE_WAITING);
   }
 }
 
-TEST(Agent, ADeviceThatFailedIsKeptToBeLookedAt) {
+TEST(Agent, KeepsAFailedDeploymentUntilItIsUndeployed) {
   FakeDevice device;
   device.become_running();
   device.work.failures = {{"module robot.arm", "was given up: it broke", ""}};
@@ -399,46 +399,46 @@ TEST(Agent, ADeviceThatFailedIsKeptToBeLookedAt) {
   EXPECT_EQ(device.status().state(), DEVICE_WAITING);
 }
 
-TEST(Agent, AModuleThatIsAstrayDegradesTheDevice) {
+TEST(Agent, IsDegradedWhileAModuleIsFaulty) {
   FakeDevice device;
   device.become_running();
-  device.work.standing.astray = "module arm is in RECOVER";
+  device.work.standing.faulty = "module arm is in RECOVER";
   device.agent.step();
   EXPECT_EQ(device.status().health(), HEALTH_DEGRADED);
   EXPECT_EQ(device.status().text(), "module arm is in RECOVER");
-  device.work.standing.astray.clear();
+  device.work.standing.faulty.clear();
   device.agent.step();
   EXPECT_EQ(device.status().health(), HEALTH_OK);
 }
 
-TEST(Agent, NumbersAreToldOnceASecondWhileThereIsADeployment) {
+TEST(Agent, PublishesStatisticsOnceASecondDuringADeployment) {
   FakeDevice device;
   device.pass(seconds{5});
-  EXPECT_EQ(device.said.measures, 0);
+  EXPECT_EQ(device.published.measures, 0);
   device.become_running();
-  const int before = device.said.measures;
+  const int before = device.published.measures;
   for (int i = 0; i < 200; ++i) device.pass(milliseconds{50});
-  EXPECT_EQ(device.said.measures - before, 10);
+  EXPECT_EQ(device.published.measures - before, 10);
 }
 
-TEST(Agent, GivesTheSafeValuesOfTheCellBeforeItRuns) {
+TEST(Agent, SetsTheSafeValuesOfTheCellBeforeItRuns) {
   FakeDevice device;
   device.become_ready();
   const model::SafeOutput output{{"line", "belt", "state"}, R"({"speed": 0})"};
-  dds::WholeCommand run = device.command(COMMAND_RUN);
+  wire::WholeCommand run = device.command(COMMAND_RUN);
   run.head.deployment("d1");
   run.head.time_ns(device.wall() + 1'000'000);
   run.data = model::safe_json({output});
-  device.hear(run);
+  device.receive(run);
   EXPECT_TRUE(device.work.t0);
   EXPECT_EQ(device.work.safe, (std::vector<model::SafeOutput>{output}));
 }
 
-TEST(Agent, EndsItsDeviceBeforeItself) {
+TEST(Agent, StopsItsDeploymentBeforeItEnds) {
   FakeDevice device;
   device.become_running();
   device.agent.end(false);
-  EXPECT_TRUE(device.work.told_to_stop);
+  EXPECT_TRUE(device.work.stop_called);
   device.agent.step();
   EXPECT_FALSE(device.agent.ended());
   device.end();
@@ -449,7 +449,7 @@ TEST(Agent, EndsItsDeviceBeforeItself) {
   EXPECT_TRUE(waiting.agent.ended());
 }
 
-TEST(Agent, OneThatWasLentWaitsALittleForItsReportToBeFetched) {
+TEST(Agent, WaitsForItsFinalReportToBeFetchedIfTaktRunStartedIt) {
   FakeDevice device{{}, true};
   device.become_running();
   EXPECT_TRUE(device.work.inspections[0].as_written);
@@ -475,13 +475,13 @@ TEST(Agent, OneThatWasLentWaitsALittleForItsReportToBeFetched) {
   EXPECT_TRUE(orphan.agent.ended());
 }
 
-TEST(Agent, WhatIsReadyWaitsForAsLongAsSomebodyPreparesTheRest) {
+TEST(Agent, StaysReadyWhileTheClientSendsKeepAlives) {
   FakeDevice device;
   device.become_ready();
   const auto ask = [&device](const std::string& id) {
-    dds::WholeCommand c = device.command(COMMAND_REPORT);
+    wire::WholeCommand c = device.command(COMMAND_REPORT);
     c.head.deployment(id);
-    device.hear(c);
+    device.receive(c);
   };
   for (int i = 0; i < 4; ++i) {
     device.pass(seconds{15});
@@ -493,10 +493,10 @@ TEST(Agent, WhatIsReadyWaitsForAsLongAsSomebodyPreparesTheRest) {
   device.pass(seconds{15});
   ask("");
   device.pass(seconds{6});
-  EXPECT_EQ(device.work.phase, Phase::stopping) << "nobody but who prepares it keeps it";
+  EXPECT_EQ(device.work.phase, Phase::stopping) << "only keep-alives for this deployment count";
 }
 
-TEST(Agent, EndingDuringThePreparationAnswersWhoAskedForIt) {
+TEST(Agent, AnswersThePrepareCommandWhenItEndsDuringPreparation) {
   FakeDevice device;
   device.prepare();
   device.agent.end(false);

@@ -33,12 +33,12 @@ std::vector<std::string> warnings(const model::Device& of, const Conditions& con
   return warnings_for(of, *schedule::plan(model::Cell{}, of), conditions);
 }
 
-TEST(Conditions, ThatAreGoodAreNotSpokenOf) {
+TEST(Conditions, GivesNoWarningForGoodConditions) {
   EXPECT_THAT(warnings(device(model::Wakeup::hybrid, milliseconds{1}), {}), IsEmpty());
   EXPECT_THAT(warnings(device(model::Wakeup::spin, milliseconds{1}), {}), IsEmpty());
 }
 
-TEST(Conditions, AnExecutorThatSpinsIsThrottled) {
+TEST(Conditions, WarnsThatASpinningExecutorIsThrottled) {
   const auto spins = device(model::Wakeup::spin, milliseconds{1});
   EXPECT_THAT(warnings(spins, {.throttling = kOld}),
               ElementsAre(AllOf(HasSubstr("executor main never sleeps"), HasSubstr("50 ms of each second"),
@@ -46,11 +46,11 @@ TEST(Conditions, AnExecutorThatSpinsIsThrottled) {
   EXPECT_THAT(warnings(spins, {.throttling = kServer}), ElementsAre(HasSubstr("fair_server")));
   EXPECT_THAT(warnings(spins, {.throttling = os::Throttling{}}), IsEmpty());
   EXPECT_THAT(warnings(spins, {.throttling = kOld, .prioritised = false}), IsEmpty())
-      << "it is no real-time thread";
+      << "only real-time threads are throttled";
   EXPECT_THAT(warnings(device(model::Wakeup::hybrid, milliseconds{1}), {.throttling = kOld}), IsEmpty());
 }
 
-TEST(Conditions, TimersMustBeFinerThanThePeriod) {
+TEST(Conditions, WarnsOfTimersCoarserThanThePeriod) {
   const Conditions ticks{.timer_resolution = milliseconds{4}};
   EXPECT_THAT(warnings(device(model::Wakeup::hybrid, milliseconds{4}), ticks),
               ElementsAre(HasSubstr("no high resolution")));
@@ -58,13 +58,13 @@ TEST(Conditions, TimersMustBeFinerThanThePeriod) {
   EXPECT_THAT(warnings(device(model::Wakeup::spin, milliseconds{1}), ticks), IsEmpty());
 }
 
-TEST(Conditions, RowsOfNanosecondsAreNobodysToWalk) {
+TEST(Conditions, WarnsOfABasicPeriodOfNanoseconds) {
   EXPECT_THAT(warnings(device(model::Wakeup::hybrid, Nanoseconds{1}), {}),
               ElementsAre(AllOf(HasSubstr("basic period of 1 ns"), HasSubstr("in common"))));
   EXPECT_THAT(warnings(device(model::Wakeup::hybrid, microseconds{1}), {}), IsEmpty());
 }
 
-TEST(Conditions, TheWakeUpMustFitItsMargin) {
+TEST(Conditions, WarnsOfWakeUpsLaterThanTheMargin) {
   const Conditions slow{.wake_ups = {20, microseconds{41}, microseconds{90}, microseconds{90}}};
   EXPECT_THAT(warnings(device(model::Wakeup::hybrid, microseconds{100}), slow),
               ElementsAre(AllOf(HasSubstr("41 us late"), HasSubstr("period of 100 us"),
@@ -75,14 +75,14 @@ TEST(Conditions, TheWakeUpMustFitItsMargin) {
   EXPECT_THAT(warnings(device(model::Wakeup::spin, microseconds{50}), slow), IsEmpty());
 }
 
-TEST(Conditions, SwapSpoilsARunWhoseMemoryIsNotLocked) {
+TEST(Conditions, WarnsOfSwapWithoutLockedMemory) {
   const auto any = device(model::Wakeup::hybrid, milliseconds{1});
   EXPECT_THAT(warnings(any, {.memory_locked = false, .swap_bytes = 1}), ElementsAre(HasSubstr("swapoff")));
   EXPECT_THAT(warnings(any, {.memory_locked = true, .swap_bytes = 1}), IsEmpty());
   EXPECT_THAT(warnings(any, {.memory_locked = false, .swap_bytes = 0}), IsEmpty());
 }
 
-TEST(Throttled, IsAGapOfAboutWhatTheKernelKeeps) {
+TEST(Throttled, IsAGapAboutAsLongAsTheKernelsThrottling) {
   model::Executor spins;
   spins.wakeup = model::Wakeup::spin;
   EXPECT_FALSE(throttled(spins, milliseconds{1}, kOld).has_value());

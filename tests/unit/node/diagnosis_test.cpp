@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 using testing::HasSubstr;
 using testing::Not;
 
-// A machine that was set up for it.
+// A machine that is set up for real time.
 os::Machine good_machine() {
   os::Machine machine;
   machine.kernel = "6.1.0-31-rt-amd64";
@@ -61,14 +61,14 @@ Finding finding(const std::string& name, const os::Machine& machine, const os::T
   return {};
 }
 
-TEST(Diagnosis, OfAGoodMachineIsGoodThroughout) {
+TEST(Diagnosis, FindsNothingOnAGoodMachine) {
   for (const Finding& each : diagnose(good_machine(), good_trial())) {
     EXPECT_EQ(each.severity, Severity::good) << each.name << ": " << each.found;
     EXPECT_EQ(each.cure, "") << each.name;
   }
 }
 
-TEST(Diagnosis, OfAMachineThatNothingIsKnownOfSaysSomethingInEachCheck) {
+TEST(Diagnosis, HasATextInEachCheckOfAnUnknownMachine) {
   std::set<std::string> names;
   for (const Finding& each : diagnose({}, {})) {
     EXPECT_NE(each.found, "") << each.name;
@@ -78,7 +78,7 @@ TEST(Diagnosis, OfAMachineThatNothingIsKnownOfSaysSomethingInEachCheck) {
   EXPECT_EQ(names.size(), 19U);
 }
 
-TEST(Diagnosis, WhateverIsNotGoodHasACure) {
+TEST(Diagnosis, HasACureForEveryProblem) {
   os::Machine machine = good_machine();
   machine.preemption = os::Preemption::none;
   machine.throttling = os::Throttling{.kept = milliseconds{50}};
@@ -105,7 +105,7 @@ TEST(Diagnosis, WhateverIsNotGoodHasACure) {
   }
 }
 
-TEST(Diagnosis, AKernelThatIsHardlyPreemptedSpoilsAndOneWithoutRtIsANote) {
+TEST(Diagnosis, RatesTheKernelByItsPreemptionMode) {
   os::Machine machine = good_machine();
   const auto severity = [&](os::Preemption preemption) {
     machine.preemption = preemption;
@@ -118,10 +118,10 @@ TEST(Diagnosis, AKernelThatIsHardlyPreemptedSpoilsAndOneWithoutRtIsANote) {
   EXPECT_EQ(severity(os::Preemption::real_time), Severity::good);
   machine.preemption.reset();
   EXPECT_EQ(finding("preemption", machine).severity, Severity::note)
-      << "what cannot be seen is not held against it";
+      << "an unknown mode does not count as a problem";
 }
 
-TEST(Diagnosis, WhatTheSystemRefusesSpoils) {
+TEST(Diagnosis, RatesDeniedPriorityAndMemoryAsSpoiling) {
   os::Trial trial = good_trial();
   trial.priority = fail("SCHED_FIFO 1 is refused: Operation not permitted");
   trial.locking = fail("mlockall is refused beyond 64 KiB");
@@ -133,7 +133,7 @@ TEST(Diagnosis, WhatTheSystemRefusesSpoils) {
   EXPECT_THAT(finding("memory", machine, trial).cure, HasSubstr("memlock"));
 }
 
-TEST(Diagnosis, SwapSpoilsOnlyWhereMemoryIsNotLocked) {
+TEST(Diagnosis, RatesSwapAsSpoilingOnlyWithoutLockedMemory) {
   os::Machine machine = good_machine();
   machine.swap_bytes = 1 << 30;
   EXPECT_EQ(finding("swap", machine).severity, Severity::note);
@@ -142,7 +142,7 @@ TEST(Diagnosis, SwapSpoilsOnlyWhereMemoryIsNotLocked) {
   EXPECT_EQ(finding("swap", machine, trial).severity, Severity::spoils);
 }
 
-TEST(Diagnosis, TheCureOfThrottlingIsThatOfTheKernel) {
+TEST(Diagnosis, GivesTheCureForTheKernelsKindOfThrottling) {
   os::Machine machine = good_machine();
   machine.throttling = os::Throttling{.kept = milliseconds{50}};
   EXPECT_THAT(finding("throttling", machine).cure, HasSubstr("kernel.sched_rt_runtime_us=-1"));
@@ -151,12 +151,12 @@ TEST(Diagnosis, TheCureOfThrottlingIsThatOfTheKernel) {
   EXPECT_THAT(finding("throttling", machine).cure, Not(HasSubstr("sched_rt_runtime_us")));
 }
 
-TEST(Diagnosis, InterruptsCountWhereExecutorsRun) {
+TEST(Diagnosis, ReportsInterruptsOnTheCpusOfExecutors) {
   os::Machine machine = good_machine();
   machine.interrupts[0].cpus = {3};
   EXPECT_THAT(finding("interrupts", machine).found, HasSubstr("16 (eth0)"));
   EXPECT_THAT(finding("interrupts", machine).cure, HasSubstr("echo 0-2 >"));
-  machine.isolated.clear();  // the highest is an executor's
+  machine.isolated.clear();  // executors then get the highest CPU
   EXPECT_EQ(finding("interrupts", machine).severity, Severity::note);
   machine.interrupts[0].cpus = {2};
   EXPECT_EQ(finding("interrupts", machine).severity, Severity::good);
@@ -164,7 +164,7 @@ TEST(Diagnosis, InterruptsCountWhereExecutorsRun) {
   EXPECT_THAT(finding("interrupts", machine).cure, HasSubstr("irqbalance"));
 }
 
-TEST(Diagnosis, IdleStatesThatTaktHoldsOffAreNoHarm) {
+TEST(Diagnosis, AcceptsIdleStatesThatTaktPrevents) {
   os::Machine machine = good_machine();
   machine.processors[0].idle_states.push_back({"C6", microseconds{133}});
   EXPECT_EQ(finding("idle states", machine).severity, Severity::good);
@@ -175,11 +175,11 @@ TEST(Diagnosis, IdleStatesThatTaktHoldsOffAreNoHarm) {
   EXPECT_EQ(finding("idle states", machine, trial).severity, Severity::good);
 }
 
-TEST(Diagnosis, TimeThatIsStolenSpoilsByWhatItWasAllAlong) {
+TEST(Diagnosis, RatesStolenTimeByItsShareSinceBoot) {
   os::Machine machine = good_machine();
   os::Trial trial = good_trial();
   trial.stolen_share = 0.02;
-  EXPECT_EQ(finding("stolen time", machine, trial).severity, Severity::note) << "the next second may be another";
+  EXPECT_EQ(finding("stolen time", machine, trial).severity, Severity::note) << "the next second may differ";
   EXPECT_THAT(finding("stolen time", machine, trial).mend_on, HasSubstr("host"));
   machine.time = os::ProcessorTime{100000, 200};
   EXPECT_EQ(finding("stolen time", machine).severity, Severity::note);
@@ -187,7 +187,7 @@ TEST(Diagnosis, TimeThatIsStolenSpoilsByWhatItWasAllAlong) {
   EXPECT_EQ(finding("stolen time", machine).severity, Severity::spoils);
 }
 
-TEST(Diagnosis, WakeUpsAreJudgedByTheirSize) {
+TEST(Diagnosis, RatesWakeUpsByTheirDelay) {
   os::Trial trial = good_trial();
   trial.wake_ups = {500, microseconds{30}, microseconds{101}, microseconds{300}};
   EXPECT_EQ(finding("wake-up", good_machine(), trial).severity, Severity::note);
@@ -197,7 +197,7 @@ TEST(Diagnosis, WakeUpsAreJudgedByTheirSize) {
   EXPECT_EQ(finding("wake-up", good_machine(), trial).severity, Severity::spoils);
 }
 
-TEST(Diagnosis, AContainerThatMayTellTheKernelNothingIsMendedFromOutside) {
+TEST(Diagnosis, NamesTheMachineOutsideASealedContainer) {
   os::Machine machine = good_machine();
   machine.huge_pages = "always";
   machine.container = "/.dockerenv";
@@ -206,7 +206,7 @@ TEST(Diagnosis, AContainerThatMayTellTheKernelNothingIsMendedFromOutside) {
   EXPECT_THAT(finding("huge pages", machine).mend_on, HasSubstr("container"));
   os::Trial trial = good_trial();
   trial.priority = fail("refused");
-  EXPECT_EQ(finding("priority", machine, trial).mend_on, "") << "that is granted to a container";
+  EXPECT_EQ(finding("priority", machine, trial).mend_on, "") << "a container can be granted priority";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// An agent without DDS, processes and clocks: what it says is read along, what it sets to work does as it is
-// told.
+// An agent with fakes in place of DDS, processes and clocks. Tests read what it publishes and decide what its
+// deployment does.
 #pragma once
 
 #include <memory>
@@ -14,42 +14,42 @@
 
 namespace takt::node {
 
-class ReadAlong final : public Publisher {
+class RecordingPublisher final : public Publisher {
  public:
-  void reply(const dds::WholeReply& reply) override { replies.push_back(reply); }
-  void say(const LifecycleStatus& status) override { steps.push_back(status); }
-  void say(const DeviceStatus& status) override { devices.push_back(status); }
-  void say(const Measures&) override { ++measures; }
-  void say(const FaultEvent& event) override { faults.push_back(event); }
-  void take_back(const std::vector<LifecycleStatus>& modules, const Measures&) override {
-    for (const LifecycleStatus& module : modules) taken_back.push_back(module.path().to_string());
+  void reply(const wire::WholeReply& reply) override { replies.push_back(reply); }
+  void publish(const LifecycleStatus& status) override { steps.push_back(status); }
+  void publish(const DeviceStatus& status) override { devices.push_back(status); }
+  void publish(const Measures&) override { ++measures; }
+  void publish(const FaultEvent& event) override { faults.push_back(event); }
+  void withdraw(const std::vector<LifecycleStatus>& modules, const Measures&) override {
+    for (const LifecycleStatus& module : modules) withdrawn.push_back(module.path().to_string());
   }
 
-  std::vector<dds::WholeReply> replies;
+  std::vector<wire::WholeReply> replies;
   std::vector<LifecycleStatus> steps;
   std::vector<DeviceStatus> devices;
   std::vector<FaultEvent> faults;
-  std::vector<std::string> taken_back;
+  std::vector<std::string> withdrawn;
   int measures = 0;
 };
 
-/// What the workshop was asked for, and how it is going.
+/// The calls that the fakes received, and the results that they give.
 struct Work {
   std::vector<InspectionRequest> inspections;
-  std::optional<Result<Inspected>> inspected;  ///< none: it is not done
+  std::optional<Result<Inspected>> inspected;  ///< none: the inspection is not finished
   Result<void> prepared{};
   Supervised::Phase phase = Supervised::Phase::preparing;
   Problems failures;
   std::optional<Instant> t0;
   bool stops_cell = false;
   std::vector<model::SafeOutput> safe;
-  bool told_to_stop = false;
-  int supervised = 0;  ///< alive
-  model::Cell cell;    ///< of the newest
+  bool stop_called = false;
+  int supervised = 0;  ///< number of FakeSupervised objects that exist
+  model::Cell cell;    ///< of the newest one
   host::ComponentPaths paths;
   std::function<void(const Step&)> stepped;
   std::function<void(model::Fault, const std::string&)> noted;
-  std::vector<std::pair<std::uint32_t, Verb>> orders;
+  std::vector<std::pair<std::uint32_t, Verb>> commands;
   std::vector<std::string> properties;  ///< "0 gain", "0 gain = 2"
   Result<void> may_swap{};
   std::vector<std::pair<std::uint32_t, std::string>> swaps;
@@ -86,7 +86,7 @@ class FakeSupervised final : public Supervised {
     work_.phase = Phase::running;
   }
   void stop() override {
-    work_.told_to_stop = true;
+    work_.stop_called = true;
     work_.phase = Phase::stopping;
   }
   void stop_for(Problem problem) override {
@@ -97,8 +97,8 @@ class FakeSupervised final : public Supervised {
   void give_safe(const std::vector<model::SafeOutput>& outputs) override { work_.safe = outputs; }
   void step() override {}
   std::vector<const os::Fd*> wait_on() override { return {}; }
-  void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override {
-    work_.orders.emplace_back(module, verb);
+  void command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override {
+    work_.commands.emplace_back(module, verb);
     work_.done.push_back(std::move(done));
   }
   Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant) override {
@@ -135,7 +135,7 @@ class FakeSupervised final : public Supervised {
   Work& work_;
 };
 
-/// One agent of the device `robot`, and the hands to move it.
+/// The agent of device `robot`, with functions to send it commands and to advance its time.
 class FakeDevice {
  public:
   static constexpr const char* kCell = R"(<cell name="cell">
@@ -151,13 +151,13 @@ class FakeDevice {
   </device>
 </cell>)";
 
-  explicit FakeDevice(std::optional<DeploymentFile> file = {}, bool lent = false,
+  explicit FakeDevice(std::optional<DeploymentFile> file = {}, bool temporary = false,
                       std::shared_ptr<FaultRecord> record = {}, const std::string& cell_of_identity = {})
       : agent({.device = "robot",
                .node = "here",
                .domain = 7,
                .cell = cell_of_identity,
-               .lent = lent,
+               .temporary = temporary,
                .file = std::move(file),
                .boot = "since today",
                .record = std::move(record),
@@ -171,7 +171,7 @@ class FakeDevice {
                .supervise = [this](Supervisor::Options options) -> std::unique_ptr<Supervised> {
                  return std::make_unique<FakeSupervised>(work, options);
                }},
-              said) {
+              published) {
     log_nothing();
     agent.step();
   }
@@ -182,37 +182,37 @@ class FakeDevice {
     agent.step();
   }
 
-  dds::WholeCommand command(CommandKind kind) {
-    dds::WholeCommand c;
+  wire::WholeCommand command(CommandKind kind) {
+    wire::WholeCommand c;
     c.head.id("c" + std::to_string(++asked));
     c.head.device("robot");
     c.head.kind(kind);
     c.head.deadline_ns(wall() + 1'000'000'000);
     return c;
   }
-  void hear(const dds::WholeCommand& c) {
-    agent.hear(c);
+  void receive(const wire::WholeCommand& c) {
+    agent.receive(c);
     agent.step();
   }
   void prepare(const std::string& id = "d1", const std::string& text = kCell) {
-    dds::WholeCommand c = command(COMMAND_PREPARE);
+    wire::WholeCommand c = command(COMMAND_PREPARE);
     c.head.deployment(id);
     c.head.value("cell.xml");
     c.data = text;
-    hear(c);
+    receive(c);
   }
   void run(Nanoseconds ahead = std::chrono::milliseconds{500}, const std::string& id = "d1") {
-    dds::WholeCommand c = command(COMMAND_RUN);
+    wire::WholeCommand c = command(COMMAND_RUN);
     c.head.deployment(id);
     c.head.time_ns(wall() + ahead.count());
-    hear(c);
+    receive(c);
   }
   void undeploy(const std::string& id = "") {
-    dds::WholeCommand c = command(COMMAND_UNDEPLOY);
+    wire::WholeCommand c = command(COMMAND_UNDEPLOY);
     c.head.deployment(id);
-    hear(c);
+    receive(c);
   }
-  /// To where every module is in START.
+  /// Prepares a deployment until every module is in START.
   void become_ready(const std::string& text = kCell) {
     prepare("d1", text);
     work.inspected = Inspected{.paths = {"/servo.so", "/arm.so"}};
@@ -223,25 +223,25 @@ class FakeDevice {
   void become_running(const std::string& text = kCell) {
     become_ready(text);
     run();
-    said.replies.clear();
+    published.replies.clear();
   }
   void end() {
     work.phase = Supervised::Phase::ended;
     agent.step();
   }
 
-  [[nodiscard]] const DeviceStatus& status() const { return said.devices.back(); }
-  [[nodiscard]] const Reply& reply() const { return said.replies.back().head; }
+  [[nodiscard]] const DeviceStatus& status() const { return published.devices.back(); }
+  [[nodiscard]] const Reply& reply() const { return published.replies.back().head; }
   [[nodiscard]] std::string text() const { return reply().text().to_string(); }
   [[nodiscard]] nlohmann::ordered_json data() const {
-    return nlohmann::ordered_json::parse(said.replies.back().data);
+    return nlohmann::ordered_json::parse(published.replies.back().data);
   }
 
   Instant now = from_ns(5'000'000'000);
   Nanoseconds set{0};  ///< by how much the wall clock was set
   int asked = 0;
   Work work;
-  ReadAlong said;
+  RecordingPublisher published;
   Agent agent;
 };
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <tuple>
 
-namespace takt::node::fault_sieve_test {
+namespace takt::node::fault_rate_limiter_test {
 namespace {
 
 using model::Fault;
@@ -14,7 +14,7 @@ using std::chrono::milliseconds;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-class FaultSieveTest : public testing::Test {
+class FaultRateLimiterTest : public testing::Test {
  protected:
   void put(const std::string& module, FaultKind kind, std::uint64_t count = 1, const std::string& cause = {},
            const std::string& origin = {}) {
@@ -35,13 +35,13 @@ class FaultSieveTest : public testing::Test {
   FaultRateLimiter filter_{[this](Fault fault) { through_.push_back(std::move(fault)); }};
 };
 
-TEST_F(FaultSieveTest, TheFirstGoesThroughAtOnce) {
+TEST_F(FaultRateLimiterTest, EmitsTheFirstEventAtOnce) {
   put("servo", FaultKind::overrun, 3);
   ASSERT_THAT(through_, SizeIs(1));
   EXPECT_EQ(through_[0].count, 3U);
 }
 
-TEST_F(FaultSieveTest, AfterItOneASecondWithTheCountSince) {
+TEST_F(FaultRateLimiterTest, MergesLaterEventsIntoOneASecond) {
   for (int i = 0; i < 2500; ++i) {
     put("servo", FaultKind::overrun, 1, "number " + std::to_string(i));
     pass(milliseconds{1});
@@ -49,13 +49,13 @@ TEST_F(FaultSieveTest, AfterItOneASecondWithTheCountSince) {
   ASSERT_THAT(through_, SizeIs(3));
   EXPECT_EQ(through_[0].count, 1U);
   EXPECT_EQ(through_[1].count, 999U);
-  EXPECT_EQ(through_[1].cause, "number 999") << "the newest's";
+  EXPECT_EQ(through_[1].cause, "number 999") << "the cause of the newest event";
   EXPECT_EQ(through_[2].count, 1000U);
   filter_.flush();
   EXPECT_EQ(sum(), 2500U);
 }
 
-TEST_F(FaultSieveTest, WhatWaitsComesByItself) {
+TEST_F(FaultRateLimiterTest, EmitsMergedEventsAfterASecond) {
   put("servo", FaultKind::overrun);
   put("servo", FaultKind::overrun);
   pass(milliseconds{999});
@@ -66,7 +66,7 @@ TEST_F(FaultSieveTest, WhatWaitsComesByItself) {
   EXPECT_THAT(through_, SizeIs(2));
 }
 
-TEST_F(FaultSieveTest, EachModuleKindErrorAndOriginIsOfItsOwn) {
+TEST_F(FaultRateLimiterTest, LimitsEachModuleKindErrorAndOriginSeparately) {
   put("servo", FaultKind::overrun);
   put("arm", FaultKind::overrun);
   put("servo", FaultKind::stale_input, 1, {}, "target");
@@ -76,7 +76,7 @@ TEST_F(FaultSieveTest, EachModuleKindErrorAndOriginIsOfItsOwn) {
   EXPECT_THAT(through_, SizeIs(6));
 }
 
-TEST_F(FaultSieveTest, WhatIsDoneOnceAlwaysGoesThrough) {
+TEST_F(FaultRateLimiterTest, AlwaysEmitsSingleActions) {
   for (const FaultKind kind : {FaultKind::host_restart, FaultKind::command, FaultKind::deployed,
                                FaultKind::undeployed, FaultKind::given_up, FaultKind::node_restart}) {
     through_.clear();
@@ -85,14 +85,14 @@ TEST_F(FaultSieveTest, WhatIsDoneOnceAlwaysGoesThrough) {
   }
 }
 
-TEST_F(FaultSieveTest, WhoeverAsksUnderEverNewNamesFillsNothing) {
+TEST_F(FaultRateLimiterTest, BoundsItsMemoryForEverNewOrigins) {
   for (int i = 0; i < 10'000; ++i) put("", FaultKind::refused_command, 1, "no", std::to_string(i));
   EXPECT_LE(through_.size(), FaultRateLimiter::kMost + 1);
   filter_.flush();
   EXPECT_EQ(sum(), 10'000U);
 }
 
-TEST_F(FaultSieveTest, LosesNoCountHoweverTheyCome) {
+TEST_F(FaultRateLimiterTest, LosesNoCountInAnyOrderOfEvents) {
   std::mt19937 random{7};
   const std::vector<std::string> modules{"servo", "arm", "belt"};
   std::map<std::pair<std::string, FaultKind>, std::uint64_t> counters;
@@ -107,8 +107,8 @@ TEST_F(FaultSieveTest, LosesNoCountHoweverTheyCome) {
   filter_.flush();
   for (const Fault& fault : through_) counters[{fault.module, fault.kind}] -= fault.count;
   for (const auto& [key, left] : counters) EXPECT_EQ(left, 0U) << key.first;
-  EXPECT_LT(through_.size(), 6U * 210U) << "in some 190 s";
+  EXPECT_LT(through_.size(), 6U * 210U) << "in about 190 s";
 }
 
 }  // namespace
-}  // namespace takt::node::fault_sieve_test
+}  // namespace takt::node::fault_rate_limiter_test

@@ -37,7 +37,7 @@ std::vector<std::uint64_t> numbers(const std::vector<Fault>& events) {
   return numbers;
 }
 
-/// Files of this process end here, as on a disk that is full.
+/// Limits the size of this process's files, like a full disk.
 class ShortFiles {
  public:
   explicit ShortFiles(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -87,7 +87,7 @@ class FaultRecordTest : public testing::Test {
   int appended_ = 0;
 };
 
-TEST_F(FaultRecordTest, AnEventIsInItsFileAsItIs) {
+TEST_F(FaultRecordTest, WritesAnEventToItsFile) {
   FaultRecord record = open();
   EXPECT_THAT(record.problems(), IsEmpty());
   EXPECT_EQ(record.file(), path_);
@@ -101,7 +101,7 @@ TEST_F(FaultRecordTest, AnEventIsInItsFileAsItIs) {
   EXPECT_EQ(read->damaged + read->overwritten, 0U);
 }
 
-TEST_F(FaultRecordTest, HoldsWhatFitsAndThenTheNewest) {
+TEST_F(FaultRecordTest, KeepsTheNewestEventsWhenItIsFull) {
   FaultRecord record = open();
   append(record, kSlots);
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 3, 4));
@@ -118,7 +118,7 @@ TEST_F(FaultRecordTest, HoldsWhatFitsAndThenTheNewest) {
   EXPECT_EQ(read->overwritten, 10U);
 }
 
-TEST_F(FaultRecordTest, NumbersGoOnOverRestarts) {
+TEST_F(FaultRecordTest, ContinuesTheNumbersAfterARestart) {
   for (int restart = 0; restart < 4; ++restart) {
     FaultRecord record = open();
     append(record, 3);
@@ -127,7 +127,7 @@ TEST_F(FaultRecordTest, NumbersGoOnOverRestarts) {
   EXPECT_EQ(open().overwritten(), 8U);
 }
 
-TEST_F(FaultRecordTest, TakesItsRoomAtOnce) {
+TEST_F(FaultRecordTest, CreatesTheFileWithItsFullSize) {
   open();
   const std::string at_first = content();
   EXPECT_EQ(at_first.size(), 4096 + kSlots * kSlotBytes);
@@ -136,7 +136,7 @@ TEST_F(FaultRecordTest, TakesItsRoomAtOnce) {
   EXPECT_EQ(content().size(), at_first.size());
 }
 
-TEST_F(FaultRecordTest, ASlotWithAnyByteDamagedIsNoEvent) {
+TEST_F(FaultRecordTest, RejectsASlotWithAnyDamagedByte) {
   Fault fault = event("run() threw");
   fault.sequence = 5;
   const std::string slot = encode_slot(fault);
@@ -150,7 +150,7 @@ TEST_F(FaultRecordTest, ASlotWithAnyByteDamagedIsNoEvent) {
   }
 }
 
-TEST_F(FaultRecordTest, AForgedNumberIsNotTheLastThatThereCanBe) {
+TEST_F(FaultRecordTest, IgnoresAForgedLastNumber) {
   {
     FaultRecord record = open();
     append(record, 2);
@@ -165,7 +165,7 @@ TEST_F(FaultRecordTest, AForgedNumberIsNotTheLastThatThereCanBe) {
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 3, 4));
 }
 
-TEST_F(FaultRecordTest, WhatWasToBeOverwrittenIsNotInItWhateverBecameOfWhatOverwrote) {
+TEST_F(FaultRecordTest, DropsOverwrittenEventsEvenIfTheNewerOnesAreMissing) {
   {
     FaultRecord record = open();
     append(record, 3);
@@ -180,15 +180,15 @@ TEST_F(FaultRecordTest, WhatWasToBeOverwrittenIsNotInItWhateverBecameOfWhatOverw
   EXPECT_EQ(read_record_file(path_)->events, record.events());
 }
 
-TEST_F(FaultRecordTest, AWriteThatWasCutAnywhereCostsOneEvent) {
+TEST_F(FaultRecordTest, LosesOneEventByAWriteCutAnywhere) {
   {
     FaultRecord record = open();
     append(record, 3);
   }
   const std::string before = content();
-  Fault next = event("the fourth, in the slot where nothing was");
+  Fault next = event("the fourth, in an empty slot");
   next.sequence = 4;
-  Fault over = event("the fifth, in the place of the first");
+  Fault over = event("the fifth, in the slot of the first");
   over.sequence = 5;
   for (const Fault& torn : {next, over}) {
     const std::string slot = encode_slot(torn);
@@ -214,7 +214,7 @@ TEST_F(FaultRecordTest, AWriteThatWasCutAnywhereCostsOneEvent) {
   }
 }
 
-TEST_F(FaultRecordTest, TheNumberOfATornEventIsNotGivenAgain) {
+TEST_F(FaultRecordTest, DoesNotReuseTheNumberOfATornEvent) {
   {
     FaultRecord record = open();
     append(record, 2);
@@ -228,7 +228,7 @@ TEST_F(FaultRecordTest, TheNumberOfATornEventIsNotGivenAgain) {
   EXPECT_THAT(numbers(record.events()), ElementsAre(1, 2, 4));
 }
 
-TEST_F(FaultRecordTest, AFileThatIsCutShortAnywhereIsReadAsFarAsItGoes) {
+TEST_F(FaultRecordTest, ReadsAFileCutShortAnywhere) {
   {
     FaultRecord record = open();
     append(record, 4);
@@ -246,7 +246,7 @@ TEST_F(FaultRecordTest, AFileThatIsCutShortAnywhereIsReadAsFarAsItGoes) {
   EXPECT_EQ(content().size(), whole.size());
 }
 
-TEST_F(FaultRecordTest, AnotherVersionIsSetAside) {
+TEST_F(FaultRecordTest, RenamesARecordOfAnotherVersion) {
   open();
   std::string other = content();
   other[0] = static_cast<char>(other[0] + 1);
@@ -261,7 +261,7 @@ TEST_F(FaultRecordTest, AnotherVersionIsSetAside) {
   EXPECT_TRUE(std::filesystem::exists(path_ + ".damaged"));
 }
 
-TEST_F(FaultRecordTest, WithoutAFileItIsInMemory) {
+TEST_F(FaultRecordTest, RecordsInMemoryWithoutAFile) {
   std::filesystem::create_directories(path_);  // where the file should be
   FaultRecord record = open();
   EXPECT_EQ(record.problems().size(), 1U);
@@ -273,14 +273,14 @@ TEST_F(FaultRecordTest, WithoutAFileItIsInMemory) {
   EXPECT_THAT(numbers(in_memory.events()), ElementsAre(2, 3));
 }
 
-TEST_F(FaultRecordTest, WhatIsInMemoryComesToItsFileWhenThereIsRoom) {
+TEST_F(FaultRecordTest, WritesEventsFromMemoryWhenTheFileCanBeOpened) {
   std::ofstream{folder_} << "a file where a folder should be";
   FaultRecord record = open();
   append(record, 6);
-  EXPECT_FALSE(record.take_up_again());
+  EXPECT_FALSE(record.reopen());
   std::filesystem::remove(folder_);
-  EXPECT_TRUE(record.take_up_again());
-  EXPECT_FALSE(record.take_up_again()) << "it is there";
+  EXPECT_TRUE(record.reopen());
+  EXPECT_FALSE(record.reopen()) << "the file is already open";
   EXPECT_THAT(record.problems(), IsEmpty());
   EXPECT_EQ(record.file(), path_);
   EXPECT_THAT(numbers(read_record_file(path_)->events), ElementsAre(3, 4, 5, 6));
@@ -289,46 +289,46 @@ TEST_F(FaultRecordTest, WhatIsInMemoryComesToItsFileWhenThereIsRoom) {
   EXPECT_EQ(record.overwritten(), 3U);
 }
 
-TEST_F(FaultRecordTest, WhatCouldNotBeWrittenFollowsWhatWas) {
+TEST_F(FaultRecordTest, AppendsUnwrittenEventsWhenTheFileCanBeWritten) {
   FaultRecord record = open();
   append(record, 2);
   {
     const ShortFiles limit{4096};
     append(record, 1);
     EXPECT_EQ(record.file(), "");
-    EXPECT_FALSE(record.take_up_again());
+    EXPECT_FALSE(record.reopen());
     append(record, 1);
   }
   const std::vector<Fault> all = record.events();
   EXPECT_THAT(numbers(read_record_file(path_)->events), ElementsAre(1, 2));
-  EXPECT_TRUE(record.take_up_again());
+  EXPECT_TRUE(record.reopen());
   EXPECT_EQ(record.events(), all);
   EXPECT_EQ(read_record_file(path_)->events, all);
   append(record, 1);
   EXPECT_THAT(numbers(record.events()), ElementsAre(2, 3, 4, 5));
 }
 
-TEST_F(FaultRecordTest, WhatIsInMemoryFollowsTheEventsOfAnother) {
+TEST_F(FaultRecordTest, RenumbersEventsFromMemoryAfterThoseOfAnotherRecord) {
   auto first = std::make_unique<FaultRecord>(open());
   append(*first, 2);
   FaultRecord second = open();
   append(second, 1);
   EXPECT_THAT(numbers(second.events()), ElementsAre(1));
   first.reset();
-  EXPECT_TRUE(second.take_up_again());
+  EXPECT_TRUE(second.reopen());
   EXPECT_THAT(numbers(second.events()), ElementsAre(1, 2, 3));
   EXPECT_EQ(second.events()[2].cause, "number 3");
   EXPECT_EQ(read_record_file(path_)->events, second.events());
 }
 
-TEST_F(FaultRecordTest, LeavesNothingOfAFileThatHasNoRoom) {
+TEST_F(FaultRecordTest, LeavesNoPartOfAFileWithoutSpace) {
   const ShortFiles limit{4096 + kSlotBytes};
   FaultRecord record = open();
   EXPECT_EQ(record.problems().size(), 1U);
   EXPECT_EQ(content(), "");
 }
 
-TEST_F(FaultRecordTest, AFileThatAnotherHasOpenIsNotShared) {
+TEST_F(FaultRecordTest, RejectsAFileThatAnotherRecordHasOpen) {
   FaultRecord first = open();
   FaultRecord second = open();
   EXPECT_THAT(to_text(second.problems()), HasSubstr("in use"));
@@ -337,7 +337,7 @@ TEST_F(FaultRecordTest, AFileThatAnotherHasOpenIsNotShared) {
   EXPECT_EQ(read_record_file(path_)->events.size(), 1U);
 }
 
-TEST_F(FaultRecordTest, ATextThatIsTooLongIsCut) {
+TEST_F(FaultRecordTest, CutsATextThatIsTooLong) {
   FaultRecord record = open();
   Fault fault = event(std::string(2000, 'x'));
   record.append(fault);
@@ -345,7 +345,7 @@ TEST_F(FaultRecordTest, ATextThatIsTooLongIsCut) {
   EXPECT_EQ(read_record_file(path_)->events, record.events());
 }
 
-TEST(ReadRecord, RefusesWhatIsNone) {
+TEST(ReadRecord, RejectsContentThatIsNotARecord) {
   for (const std::string& content : {std::string{}, std::string(10, 'x'), std::string(5000, '\0')})
     EXPECT_FALSE(read_record(content).ok());
   EXPECT_THAT(to_text(read_record_file("/nowhere/robot.0.faults").problems()),

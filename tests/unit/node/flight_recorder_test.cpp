@@ -18,9 +18,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// It shares locks with the node's thread, those of the heap among them. One that a thread in the background
-// holds is waited for as long as others keep the processors.
-TEST(FlightRecorder, MakesTracesOnAThreadThatIsAsUrgentAsTheNode) {
+// The worker shares locks with the node's thread, such as those of the heap. If a background thread held one,
+// the node would wait for as long as other threads use the CPUs.
+TEST(FlightRecorder, WritesTracesOnAThreadWithTheNodesPriority) {
   model::Device device;
   device.executors.emplace_back();
   const auto plan = schedule::plan(model::Cell{}, device);
@@ -41,8 +41,8 @@ TEST(FlightRecorder, MakesTracesOnAThreadThatIsAsUrgentAsTheNode) {
   }
 }
 
-// Those that are named after a later time were written before the clock was set back.
-TEST(FlightRecorder, WritesATraceWhereTheOthersAreOfALaterTime) {
+// Traces named after a later time were written before the clock was set back.
+TEST(FlightRecorder, KeepsANewTraceBesideTracesOfALaterTime) {
   namespace fs = std::filesystem;
   const fs::path folder = testing::TempDir() + "takt-traces-" + std::to_string(os::process_id());
   fs::create_directories(folder);
@@ -68,8 +68,8 @@ TEST(FlightRecorder, WritesATraceWhereTheOthersAreOfALaterTime) {
   fs::remove_all(folder);
   std::sort(names.begin(), names.end());
   ASSERT_EQ(names.size(), 8U);
-  EXPECT_LT(names[0], "robot.0.2999") << "the new one is there";
-  EXPECT_EQ(names[1].substr(0, 16), "robot.0.29990101") << "the oldest is gone";
+  EXPECT_LT(names[0], "robot.0.2999") << "the new trace is kept";
+  EXPECT_EQ(names[1].substr(0, 16), "robot.0.29990101") << "the oldest trace is removed";
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 
 namespace takt::node::heartbeat_test {
 namespace {
@@ -15,94 +15,95 @@ using std::chrono::seconds;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-class Line final : public DeviceLine {
+class FakeSink final : public DeviceSink {
  public:
   void write(const DeviceStatus& status) override {
-    said.push_back(status.path().to_string());
+    written.push_back(status.path().to_string());
     last = status;
   }
-  void dispose(const DeviceStatus& key) override { said.push_back("no " + key.path().to_string()); }
+  void dispose(const DeviceStatus& key) override { written.push_back("no " + key.path().to_string()); }
 
-  std::vector<std::string> said;
+  std::vector<std::string> written;
   DeviceStatus last;
 };
 
 DeviceStatus status(const std::string& path) {
   DeviceStatus s;
-  dds::set(s.path(), path);
+  wire::set(s.path(), path);
   return s;
 }
 
 constexpr Instant kStart = from_ns(1'000'000'000);
 
-TEST(Heartbeat, SaysNothingBeforeThereIsSomethingToSay) {
+TEST(Heartbeat, PublishesNothingWithoutAStatus) {
   Heartbeat heartbeat;
-  Line line;
-  heartbeat.beat(line, kStart, 1);
-  heartbeat.leave(line);
-  EXPECT_TRUE(line.said.empty());
+  FakeSink sink;
+  heartbeat.beat(sink, kStart, 1);
+  heartbeat.leave(sink);
+  EXPECT_TRUE(sink.written.empty());
 }
 
-TEST(Heartbeat, SaysTheSameAgainWithItsOwnNumberAndTime) {
+TEST(Heartbeat, RepeatsTheStatusWithANewNumberAndTime) {
   Heartbeat heartbeat;
-  Line line;
-  heartbeat.sign(kStart);
+  FakeSink sink;
+  heartbeat.kick(kStart);
   heartbeat.set(status("-/robot"));
-  heartbeat.beat(line, kStart, 10);
-  heartbeat.beat(line, kStart + milliseconds{100}, 20);
-  EXPECT_THAT(line.said, ElementsAre("-/robot", "-/robot"));
-  EXPECT_EQ(line.last.sequence_number(), 2U);
-  EXPECT_EQ(line.last.time_ns(), 20);
+  heartbeat.beat(sink, kStart, 10);
+  heartbeat.beat(sink, kStart + milliseconds{100}, 20);
+  EXPECT_THAT(sink.written, ElementsAre("-/robot", "-/robot"));
+  EXPECT_EQ(sink.last.sequence_number(), 2U);
+  EXPECT_EQ(sink.last.time_ns(), 20);
 }
 
-TEST(Heartbeat, TakesBackTheOldKeyAfterItSaidTheNew) {
+TEST(Heartbeat, WithdrawsTheOldKeyAfterPublishingTheNewOne) {
   Heartbeat heartbeat;
-  Line line;
+  FakeSink sink;
   heartbeat.set(status("-/robot"));
-  heartbeat.beat(line, kStart, 1);
+  heartbeat.beat(sink, kStart, 1);
   heartbeat.set(status("cell/robot"));
-  heartbeat.beat(line, kStart, 2);
-  heartbeat.beat(line, kStart, 3);
-  heartbeat.leave(line);
-  heartbeat.leave(line);
-  EXPECT_THAT(line.said, ElementsAre("-/robot", "cell/robot", "no -/robot", "cell/robot", "no cell/robot"));
+  heartbeat.beat(sink, kStart, 2);
+  heartbeat.beat(sink, kStart, 3);
+  heartbeat.leave(sink);
+  heartbeat.leave(sink);
+  EXPECT_THAT(sink.written,
+              ElementsAre("-/robot", "cell/robot", "no -/robot", "cell/robot", "no cell/robot"));
 }
 
-TEST(Heartbeat, TellsOfAMainLoopThatHangs) {
+TEST(Heartbeat, ReportsAMainLoopThatHangs) {
   Heartbeat heartbeat;
-  Line line;
-  heartbeat.sign(kStart);
+  FakeSink sink;
+  heartbeat.kick(kStart);
   heartbeat.set(status("-/robot"));
-  heartbeat.beat(line, kStart + Heartbeat::kHangs, 1);
-  EXPECT_EQ(line.last.health(), HEALTH_OK);
-  heartbeat.beat(line, kStart + seconds{3} + milliseconds{1}, 1);
-  EXPECT_EQ(line.last.health(), HEALTH_DEGRADED);
-  EXPECT_THAT(line.last.text().to_string(), HasSubstr("hanging for 3 s"));
-  heartbeat.sign(kStart + seconds{3});
-  heartbeat.beat(line, kStart + seconds{3} + milliseconds{2}, 1);
-  EXPECT_EQ(line.last.health(), HEALTH_OK);
-  EXPECT_EQ(line.last.text().to_string(), "");
+  heartbeat.beat(sink, kStart + Heartbeat::kHangs, 1);
+  EXPECT_EQ(sink.last.health(), HEALTH_OK);
+  heartbeat.beat(sink, kStart + seconds{3} + milliseconds{1}, 1);
+  EXPECT_EQ(sink.last.health(), HEALTH_DEGRADED);
+  EXPECT_THAT(sink.last.text().to_string(), HasSubstr("hanging for 3 s"));
+  heartbeat.kick(kStart + seconds{3});
+  heartbeat.beat(sink, kStart + seconds{3} + milliseconds{2}, 1);
+  EXPECT_EQ(sink.last.health(), HEALTH_OK);
+  EXPECT_EQ(sink.last.text().to_string(), "");
 }
 
-TEST(Heartbeat, ADeviceThatHasFailedDoesNotLookBetterForHanging) {
+TEST(Heartbeat, KeepsTheFailedHealthOfADeviceThatHangs) {
   Heartbeat heartbeat;
-  Line line;
+  FakeSink sink;
   DeviceStatus failed = status("cell/robot");
   failed.health(HEALTH_FAILED);
-  heartbeat.sign(kStart);
+  heartbeat.kick(kStart);
   heartbeat.set(failed);
-  heartbeat.beat(line, kStart + seconds{10}, 1);
-  EXPECT_EQ(line.last.health(), HEALTH_FAILED);
+  heartbeat.beat(sink, kStart + seconds{10}, 1);
+  EXPECT_EQ(sink.last.health(), HEALTH_FAILED);
 }
 
-TEST(Heartbeat, AChangeIsSaidAtOnce) {
+TEST(Heartbeat, PublishesAChangeAtOnce) {
   Heartbeat heartbeat;
-  Line line;
+  FakeSink sink;
   heartbeat.set(status("-/robot"));
-  heartbeat.serve(line);
-  EXPECT_THAT(line.said, ElementsAre("-/robot"));
-  heartbeat.serve(line);  // the next beat
-  EXPECT_THAT(line.said, ElementsAre("-/robot", "-/robot"));
+  heartbeat.serve(sink);
+  EXPECT_THAT(sink.written, ElementsAre("-/robot"));
+  heartbeat.serve(sink);  // the next beat
+  EXPECT_THAT(sink.written, ElementsAre("-/robot", "-/robot"));
 }
 
 }  // namespace

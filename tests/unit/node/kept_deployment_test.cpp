@@ -38,14 +38,14 @@ class Kept : public testing::Test {
                              .t0_monotonic_ns = 123'456'789};
 };
 
-TEST_F(Kept, NothingIsKeptAtFirst) {
+TEST_F(Kept, HasNoDeploymentAtFirst) {
   const auto kept = file_.kept();
   ASSERT_TRUE(kept.ok());
   EXPECT_FALSE(kept->has_value());
   EXPECT_TRUE(file_.forget().ok());
 }
 
-TEST_F(Kept, WhatWasKeptIsReadBackUntilItIsForgotten) {
+TEST_F(Kept, ReadsBackADeploymentUntilItIsForgotten) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   EXPECT_EQ(**file_.kept(), deployment_);
   deployment_.id = "a2";
@@ -55,7 +55,7 @@ TEST_F(Kept, WhatWasKeptIsReadBackUntilItIsForgotten) {
   EXPECT_FALSE(file_.kept()->has_value());
 }
 
-TEST_F(Kept, EveryPartOfAFileIsADamagedFile) {
+TEST_F(Kept, DetectsATruncatedFile) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   const std::string whole = content();
   for (std::size_t length = 0; length < whole.size(); ++length) {
@@ -66,7 +66,7 @@ TEST_F(Kept, EveryPartOfAFileIsADamagedFile) {
   }
 }
 
-TEST_F(Kept, AChangedByteIsNoticedWhereverItIs) {
+TEST_F(Kept, DetectsAnyChangedByte) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   const std::string whole = content();
   for (std::size_t at = 0; at < whole.size(); ++at) {
@@ -77,12 +77,13 @@ TEST_F(Kept, AChangedByteIsNoticedWhereverItIs) {
   }
 }
 
-TEST_F(Kept, AnInstantThatIsNoneIsADamagedFile) {
+TEST_F(Kept, RejectsAnInvalidTime) {
   for (const char* other : {"-1", "1.5", "1e300", "9223372036854775808", "\"1\"", "null"}) {
     const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":)";
     for (const std::string& rest : {other + R"(,"boot":"3f1c","t0_monotonic_ns":1,"safe":""})"s,
                                     R"(1,"boot":"3f1c","t0_monotonic_ns":)"s + other + R"(,"safe":""})"s}) {
-      if (rest.find("t0_monotonic_ns\":-1") != std::string::npos) continue;  // before it was switched on
+      if (rest.find("t0_monotonic_ns\":-1") != std::string::npos)
+        continue;  // valid: before the machine was booted
       ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body + rest).ok());
       const auto kept = file_.kept();
       ASSERT_FALSE(kept.ok()) << rest;
@@ -91,7 +92,7 @@ TEST_F(Kept, AnInstantThatIsNoneIsADamagedFile) {
   }
 }
 
-TEST_F(Kept, OneOfAVersionThatKnewNoMonotonicClockIsReadToo) {
+TEST_F(Kept, ReadsAFileWithoutAMonotonicTime) {
   const std::string body = R"({"id":"a","file":"f","text":"","require_real_time":false,"t0_ns":7,"safe":""})";
   ASSERT_TRUE(write_whole(file_.path(), "takt deployment 2", body).ok());
   const auto kept = file_.kept();
@@ -100,20 +101,20 @@ TEST_F(Kept, OneOfAVersionThatKnewNoMonotonicClockIsReadToo) {
   EXPECT_EQ((*kept)->boot, "");
 }
 
-TEST_F(Kept, EachDeviceOfEachDomainHasItsOwn) {
+TEST_F(Kept, UsesOneFilePerDeviceAndDomain) {
   ASSERT_TRUE(file_.keep(deployment_).ok());
   EXPECT_FALSE((DeploymentFile{folder_, "robot", 8}).kept()->has_value());
   EXPECT_FALSE((DeploymentFile{folder_, "line", 7}).kept()->has_value());
 }
 
-TEST_F(Kept, AFolderThatCannotBeWrittenIsSaid) {
+TEST_F(Kept, ReportsAFolderThatCannotBeWritten) {
   const DeploymentFile nowhere{"/proc/takt", "robot", 0};
   const auto kept = nowhere.keep(deployment_);
   ASSERT_FALSE(kept.ok());
   EXPECT_THAT(to_text(kept.problems()), HasSubstr("/proc/takt"));
 }
 
-TEST(StateFolder, IsTheOneThatTheEnvironmentNames) {
+TEST(StateFolder, IsTheFolderThatTheEnvironmentNames) {
   ::setenv("TAKT_STATE_DIR", "/somewhere", 1);
   EXPECT_EQ(default_state_folder(), "/somewhere");
   ::unsetenv("TAKT_STATE_DIR");

@@ -11,20 +11,20 @@ namespace {
 using std::chrono::milliseconds;
 using testing::ElementsAre;
 
-/// Writes down what is done with it.
-class Line final : public LifecycleLine {
+/// Records the calls that it receives.
+class FakeSink final : public LifecycleSink {
  public:
   bool write(const LifecycleStatus& status) override {
-    said.push_back(status.path().to_string() + std::to_string(status.sequence_number()));
+    written.push_back(status.path().to_string() + std::to_string(status.sequence_number()));
     return true;
   }
-  void dispose(const LifecycleStatus& key) override { said.push_back("no " + key.path().to_string()); }
+  void dispose(const LifecycleStatus& key) override { written.push_back("no " + key.path().to_string()); }
   bool wait_acknowledged(milliseconds limit) override {
-    said.push_back("wait " + std::to_string(limit.count()));
+    written.push_back("wait " + std::to_string(limit.count()));
     return acknowledges;
   }
 
-  std::vector<std::string> said;
+  std::vector<std::string> written;
   bool acknowledges = true;
 };
 
@@ -38,60 +38,60 @@ LifecycleStatus status(const std::string& path, std::uint64_t sequence) {
 const std::string kPatientWait = "wait " + std::to_string(Outbox::kPatient.count());
 const std::string kImpatientWait = "wait " + std::to_string(Outbox::kImpatient.count());
 
-TEST(Outbox, SendsNothingWhenThereIsNothing) {
+TEST(Outbox, SendsNothingWhenItIsEmpty) {
   Outbox outbox;
-  Line line;
-  EXPECT_FALSE(outbox.serve(line, milliseconds{0}));
-  EXPECT_TRUE(line.said.empty());
+  FakeSink sink;
+  EXPECT_FALSE(outbox.serve(sink, milliseconds{0}));
+  EXPECT_TRUE(sink.written.empty());
 }
 
-TEST(Outbox, SendsInOrderAndWaitsForNothingWhileModulesDiffer) {
+TEST(Outbox, SendsStatesOfDifferentModulesInOrderWithoutWaiting) {
   Outbox outbox;
-  Line line;
+  FakeSink sink;
   for (const char* path : {"b", "a", "c"}) outbox.put(status(path, 1));
-  while (outbox.serve(line, milliseconds{0})) {
+  while (outbox.serve(sink, milliseconds{0})) {
   }
-  EXPECT_THAT(line.said, ElementsAre("b1", "a1", "c1"));
+  EXPECT_THAT(sink.written, ElementsAre("b1", "a1", "c1"));
 }
 
-TEST(Outbox, ASecondStateOfAModuleWaitsForTheFirst) {
+TEST(Outbox, SendsASecondStateOfAModuleAfterTheFirstIsAcknowledged) {
   Outbox outbox;
-  Line line;
+  FakeSink sink;
   outbox.put(status("a", 1));
   outbox.put(status("b", 1));
   outbox.put(status("a", 2));
   outbox.put(status("b", 2));  // acknowledged with the first of a
   outbox.put_disposal(status("a", 0));
-  while (outbox.serve(line, milliseconds{0})) {
+  while (outbox.serve(sink, milliseconds{0})) {
   }
-  EXPECT_THAT(line.said, ElementsAre("a1", "b1", kPatientWait, "a2", "b2", kPatientWait, "no a"));
+  EXPECT_THAT(sink.written, ElementsAre("a1", "b1", kPatientWait, "a2", "b2", kPatientWait, "no a"));
 }
 
-TEST(Outbox, IsNotHeldUpForLongByAReaderThatIsGone) {
+TEST(Outbox, WaitsOnlyBrieflyForAReaderThatIsGone) {
   Outbox outbox;
-  Line line;
-  line.acknowledges = false;
+  FakeSink sink;
+  sink.acknowledges = false;
   for (std::uint64_t i = 1; i <= 3; ++i) outbox.put(status("a", i));
-  while (outbox.serve(line, milliseconds{0})) {
+  while (outbox.serve(sink, milliseconds{0})) {
   }
-  EXPECT_THAT(line.said, ElementsAre("a1", kPatientWait, "a2", kImpatientWait, "a3"));
-  line.acknowledges = true;
+  EXPECT_THAT(sink.written, ElementsAre("a1", kPatientWait, "a2", kImpatientWait, "a3"));
+  sink.acknowledges = true;
   for (std::uint64_t i = 4; i <= 5; ++i) outbox.put(status("a", i));
-  while (outbox.serve(line, milliseconds{0})) {
+  while (outbox.serve(sink, milliseconds{0})) {
   }
-  EXPECT_EQ(line.said.back(), "a5");
-  EXPECT_EQ(line.said[line.said.size() - 2], kPatientWait) << "it is patient again";
+  EXPECT_EQ(sink.written.back(), "a5");
+  EXPECT_EQ(sink.written[sink.written.size() - 2], kPatientWait) << "the wait is long again";
 }
 
-TEST(Outbox, WhatIsPutWhileItWaitsGoesOut) {
+TEST(Outbox, SendsAnEntryThatArrivesWhileItWaits) {
   Outbox outbox;
-  Line line;
+  FakeSink sink;
   std::thread other{[&] { outbox.put(status("a", 1)); }};
-  EXPECT_TRUE(outbox.serve(line, milliseconds{60'000}));
+  EXPECT_TRUE(outbox.serve(sink, milliseconds{60'000}));
   other.join();
-  EXPECT_THAT(line.said, ElementsAre("a1"));
+  EXPECT_THAT(sink.written, ElementsAre("a1"));
   std::thread third{[&] { outbox.wake(); }};
-  EXPECT_FALSE(outbox.serve(line, milliseconds{60'000}));
+  EXPECT_FALSE(outbox.serve(sink, milliseconds{60'000}));
   third.join();
 }
 

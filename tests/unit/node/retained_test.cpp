@@ -43,7 +43,7 @@ class Retain : public testing::Test {
   std::unique_ptr<channel::SavedState> state = std::make_unique<channel::SavedState>();
 };
 
-TEST_F(Retain, AFileHoldsWhatWasSavedWithItsVersion) {
+TEST_F(Retain, WritesTheSavedStateWithItsVersion) {
   const std::string bytes{"\0\xff\x10 end", 7};
   save(bytes, 42);
   ASSERT_TRUE(file_.write(*state->saved()).ok());
@@ -54,9 +54,9 @@ TEST_F(Retain, AFileHoldsWhatWasSavedWithItsVersion) {
   EXPECT_EQ(other->saved()->version, 42U);
 }
 
-TEST_F(Retain, NoFileIsNothing) { EXPECT_EQ(read_back(), "nothing"); }
+TEST_F(Retain, ReadsNothingWithoutAFile) { EXPECT_EQ(read_back(), "nothing"); }
 
-TEST_F(Retain, EveryByteThatADiskChangesIsSeen) {
+TEST_F(Retain, DetectsEveryDamagedByte) {
   save("some state");
   ASSERT_TRUE(file_.write(*state->saved()).ok());
   std::ifstream in{file_.path()};
@@ -71,7 +71,7 @@ TEST_F(Retain, EveryByteThatADiskChangesIsSeen) {
   }
 }
 
-TEST_F(Retain, AVersionThatIsNoneIsADamagedFile) {
+TEST_F(Retain, RejectsAnInvalidVersion) {
   for (const char* version : {"-1", "1.5", "1e300", "4294967296"}) {
     const std::string body = "{\"version\":" + std::string{version} + R"(,"bytes":"00"})";
     ASSERT_TRUE(write_whole(file_.path(), "takt saved 1", body).ok());
@@ -79,7 +79,7 @@ TEST_F(Retain, AVersionThatIsNoneIsADamagedFile) {
   }
 }
 
-TEST_F(Retain, TheLastIsOnDiskAtTheEndAndWhatWasClearedIsNot) {
+TEST_F(Retain, WritesTheLastStateAtTheEndAndRemovesAClearedOne) {
   {
     auto retained = Retained::start({{.file = file_, .state = state.get()}}, [](const std::string&) {});
     ASSERT_TRUE(retained.ok());
@@ -95,13 +95,13 @@ TEST_F(Retain, TheLastIsOnDiskAtTheEndAndWhatWasClearedIsNot) {
   EXPECT_EQ(read_back(), "nothing");
 }
 
-TEST_F(Retain, WhatCannotBeWrittenIsSaidOnceAndWhenItCanBeAgain) {
+TEST_F(Retain, ReportsAFailedWriteAndItsRecoveryOnce) {
   std::ofstream{folder_} << "a file where a folder should be";
   std::mutex mutex;
-  std::vector<std::string> said;
-  const auto has_said = [&](std::size_t count) {
+  std::vector<std::string> reports;
+  const auto has_reports = [&](std::size_t count) {
     const std::lock_guard lock{mutex};
-    return said.size() >= count;
+    return reports.size() >= count;
   };
   save("some");
   {
@@ -109,20 +109,20 @@ TEST_F(Retain, WhatCannotBeWrittenIsSaidOnceAndWhenItCanBeAgain) {
         {{.file = file_, .state = state.get()}},
         [&](const std::string& text) {
           const std::lock_guard lock{mutex};
-          said.push_back(text);
+          reports.push_back(text);
         },
         std::chrono::microseconds{1});
-    while (!has_said(1)) std::this_thread::yield();
+    while (!has_reports(1)) std::this_thread::yield();
     for (int i = 0; i < 100; ++i) {
       save("more");
       std::this_thread::yield();
     }
     std::filesystem::remove(folder_);
-    while (!has_said(2)) std::this_thread::yield();
+    while (!has_reports(2)) std::this_thread::yield();
   }
-  ASSERT_EQ(said.size(), 2U);
-  EXPECT_THAT(said[0], HasSubstr("not on disk: " + folder_));
-  EXPECT_THAT(said[1], HasSubstr("on disk again: " + file_.path()));
+  ASSERT_EQ(reports.size(), 2U);
+  EXPECT_THAT(reports[0], HasSubstr("not on disk: " + folder_));
+  EXPECT_THAT(reports[1], HasSubstr("on disk again: " + file_.path()));
   EXPECT_EQ(read_back(), "more");
 }
 

@@ -5,7 +5,7 @@
 namespace takt::node::violations_test {
 namespace {
 
-TEST(Violations, ASentenceNamesTheModulesOwnCalls) {
+TEST(Violations, NamesTheModulesOwnCalls) {
   const SeenViolation write{
       .module = 0,
       .hook = "run()",
@@ -15,7 +15,7 @@ TEST(Violations, ASentenceNamesTheModulesOwnCalls) {
   EXPECT_EQ(sentence_of(write), "write, a system call, in show at x.cpp:3 in x.so");
 }
 
-TEST(Violations, ASentenceIsNoLongerThanItsInnermostCalls) {
+TEST(Violations, NamesOnlyTheInnermostCalls) {
   const SeenViolation deep{.hook = "run()",
                            .kind = "allocation",
                            .what = "malloc",
@@ -25,7 +25,7 @@ TEST(Violations, ASentenceIsNoLongerThanItsInnermostCalls) {
             "x.so, ...");
 }
 
-TEST(Violations, WhatHasNoPlaceIsSaidAllTheSame) {
+TEST(Violations, DescribesAViolationWithoutAPlace) {
   EXPECT_EQ(sentence_of({.hook = "run()", .kind = "page fault", .what = ""}), "a page fault");
 }
 

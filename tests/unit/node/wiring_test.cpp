@@ -12,7 +12,8 @@ namespace {
 using model::Direction;
 using std::chrono::milliseconds;
 
-/// Device "here" with modules a (C++), b (C++), c (C), p (program, sporadic, at once), and device "there".
+/// Device "here" has modules a (C++), b (C++), c (C) and p (a sporadic program with immediate dispatch).
+/// Device "there" is another one.
 class WiringPlanned : public testing::Test {
  protected:
   WiringPlanned() {
@@ -64,20 +65,20 @@ class WiringPlanned : public testing::Test {
   std::vector<model::ModulePorts> ports;
 };
 
-TEST_F(WiringPlanned, EveryOutputCanBeLookedAt) {
+TEST_F(WiringPlanned, GivesEveryOutputAFlowForTaps) {
   const WiringPlan plan = this->plan();
   ASSERT_EQ(plan.flows.size(), 4U);
   for (const PlannedFlow& flow : plan.flows) {
     EXPECT_TRUE(flow.outgoing);
     EXPECT_FALSE(flow.connected);
     const PlannedLink& link = plan.links.at(flow.links.at(0));
-    EXPECT_FALSE(link.options.enabled) << "nothing is written while nobody looks";
+    EXPECT_FALSE(link.options.enabled) << "nothing is written without observers";
     EXPECT_EQ(link.options.wake_bits, channel::kGatewayBit);
   }
   EXPECT_EQ(flow(plan, "takt/cell/here/a/out").links.size(), 1U);
 }
 
-TEST_F(WiringPlanned, ObjectsGoBetweenModulesInCppAndBytesElsewhere) {
+TEST_F(WiringPlanned, PassesObjectsBetweenCppModulesAndBytesElsewhere) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   connect(end("here", "a", "out"), end("here", "c", "in"));
   const auto links = local(plan());
@@ -89,7 +90,7 @@ TEST_F(WiringPlanned, ObjectsGoBetweenModulesInCppAndBytesElsewhere) {
   EXPECT_EQ(links[1].to, (LinkEnd{2, "in"}));
 }
 
-TEST_F(WiringPlanned, BytesGoFromOneHostToAnother) {
+TEST_F(WiringPlanned, PassesBytesBetweenHosts) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   model::Device& device = cell.devices[0];
   model::Executor& alone = device.executors.emplace_back();
@@ -102,7 +103,7 @@ TEST_F(WiringPlanned, BytesGoFromOneHostToAnother) {
   EXPECT_EQ(link.options.payload, model::max_size((*ports[0])[2].type));
 }
 
-TEST_F(WiringPlanned, BytesGoWithinAHostOfItsOwnBecauseTheyOutliveIt) {
+TEST_F(WiringPlanned, PassesBytesWithinAnOwnHost) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   model::Device& device = cell.devices[0];
   model::Executor& alone = device.executors.emplace_back();
@@ -115,7 +116,7 @@ TEST_F(WiringPlanned, BytesGoWithinAHostOfItsOwnBecauseTheyOutliveIt) {
   EXPECT_FALSE(local(plan()).at(0).typed);
 }
 
-TEST_F(WiringPlanned, TheQualityOfAConnectionIsThatOfItsLink) {
+TEST_F(WiringPlanned, GivesALinkTheQualityOfItsConnection) {
   auto& connection = connect(end("here", "a", "out"), end("here", "b", "in"));
   connection.kind = model::ConnectionKind::queue;
   connection.depth = 7;
@@ -128,19 +129,19 @@ TEST_F(WiringPlanned, TheQualityOfAConnectionIsThatOfItsLink) {
   EXPECT_EQ(link.stale, model::Stale::error);
 }
 
-TEST_F(WiringPlanned, OnlyAnEventOfAModuleThatRunsAtOnceWakesIt) {
+TEST_F(WiringPlanned, WakesAModuleOnlyByEventsWithImmediateDispatch) {
   connect(end("here", "a", "out"), end("here", "p", "event"));
   connect(end("here", "a", "out"), end("here", "p", "in"));
   connect(end("here", "a", "out"), end("here", "b", "event"));
   auto links = local(plan());
-  EXPECT_EQ(links.at(0).options.wake_bits, channel::bell_bit(3));
+  EXPECT_EQ(links.at(0).options.wake_bits, channel::wake_bit(3));
   EXPECT_EQ(links.at(1).options.wake_bits, 0U);
   EXPECT_EQ(links.at(2).options.wake_bits, 0U);
   cell.devices[0].modules[1].dispatch = model::Dispatch::immediate;
   EXPECT_EQ(local(plan()).at(2).options.wake_bits, channel::kSporadicBit);
 }
 
-TEST_F(WiringPlanned, AnOutputServesAllOtherDevicesByOneFlow) {
+TEST_F(WiringPlanned, ServesAllOtherDevicesByOneFlowOfAnOutput) {
   auto& first = connect(end("here", "a", "out"), end("there", "x", "in"));
   first.deadline = milliseconds{30};
   first.lifespan = milliseconds{5};
@@ -165,22 +166,22 @@ TEST_F(WiringPlanned, AnOutputServesAllOtherDevicesByOneFlow) {
   EXPECT_TRUE(link.options.is_queue);
 }
 
-TEST_F(WiringPlanned, WhoListensInHearsWhatIsWrittenWhileTheNodeWaitsForAProcessor) {
+TEST_F(WiringPlanned, GivesATappedOutputADeepQueue) {
   const auto kept = [this] {
     const WiringPlan plan = this->plan();
     const PlannedFlow& flow = this->flow(plan, "takt/cell/here/a/out");
     EXPECT_FALSE(flow.connected);
-    EXPECT_EQ(flow.depth, 1U) << "of DDS there is no need for more";
+    EXPECT_EQ(flow.depth, 1U) << "DDS itself needs no depth";
     return plan.links[flow.links.at(0)].options;
   };
   EXPECT_EQ(kept().depth, 64U);
-  EXPECT_TRUE(kept().is_queue) << "so that what does not fit is counted";
+  EXPECT_TRUE(kept().is_queue) << "so that samples that do not fit are counted";
   EXPECT_FALSE(kept().enabled);
   for (model::Port& port : *ports[0]) port.type.fields[0].dimensions = {1000};
-  EXPECT_EQ(kept().depth, 2U) << "of 8 kB each, 16 kB";
+  EXPECT_EQ(kept().depth, 2U) << "two samples of 8 kB in 16 kB";
 }
 
-TEST_F(WiringPlanned, InputsOfOneQualityShareAFlow) {
+TEST_F(WiringPlanned, SharesAFlowBetweenInputsOfOneQuality) {
   connect(end("there", "x", "out"), end("here", "a", "in"));
   connect(end("there", "x", "out"), end("here", "b", "in"));
   connect(end("there", "x", "out"), end("here", "c", "in")).deadline = milliseconds{10};
@@ -194,7 +195,7 @@ TEST_F(WiringPlanned, InputsOfOneQualityShareAFlow) {
   EXPECT_EQ(readers, (std::vector<std::size_t>{2, 1}));
 }
 
-TEST_F(WiringPlanned, ATopicOfItsOwnHasAFlowOfItsOwn) {
+TEST_F(WiringPlanned, PlansASeparateFlowForAnExplicitTopic) {
   auto& out = connect(end("here", "a", "out"), {});
   out.topic = "rt/out";
   auto& in = connect({}, end("here", "b", "in"));
@@ -208,7 +209,7 @@ TEST_F(WiringPlanned, ATopicOfItsOwnHasAFlowOfItsOwn) {
   EXPECT_EQ(flow(plan, "rt/in").domain, 5);
 }
 
-TEST_F(WiringPlanned, WhoLooksOnIsNoConnectionOfAPort) {
+TEST_F(WiringPlanned, DoesNotCountObserversAsConnections) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   auto& other = connect(end("here", "c", "out"), {});
   other.topic = "rt/out";
@@ -221,18 +222,19 @@ TEST_F(WiringPlanned, WhoLooksOnIsNoConnectionOfAPort) {
       return std::optional{flow};
     });
   };
-  for (const Wiring::Wire& wire : wiring->wires()) wire.link.block().enabled.store(1);  // all are looked at
+  for (const Wiring::Wire& wire : wiring->wires())
+    wire.link.block().enabled.store(1);  // as if all were tapped
   for (const std::uint32_t readers : {0U, 1U}) {
     EXPECT_EQ(health_of(0, readers).connections, 1U);
     EXPECT_EQ(health_of(0, readers).matched, 1U);
-    EXPECT_EQ(health_of(1, readers).connections, 0U) << "nobody is connected";
+    EXPECT_EQ(health_of(1, readers).connections, 0U) << "the output has no connection";
     EXPECT_EQ(health_of(1, readers).matched, 0U);
-    EXPECT_EQ(health_of(2, readers).connections, 1U) << "to a topic of its own";
+    EXPECT_EQ(health_of(2, readers).connections, 1U) << "to an explicit topic";
     EXPECT_EQ(health_of(2, readers).matched, readers);
   }
 }
 
-TEST_F(WiringPlanned, ARequestThatNobodyWouldAnswerIsAConnectionWithNobodyAtItsOtherEnd) {
+TEST_F(WiringPlanned, CountsARequestWithoutAServiceAsUnmatched) {
   auto wiring = [&] {
     connect(end("here", "a", "out"), end("there", "x", "in")).carries = model::Carries::requests;
     return Wiring::create(plan());
@@ -244,7 +246,7 @@ TEST_F(WiringPlanned, ARequestThatNobodyWouldAnswerIsAConnectionWithNobodyAtItsO
   EXPECT_EQ(health.matched, 0U);
 }
 
-TEST_F(WiringPlanned, AWriterThatIsAheadHasRoomForThat) {
+TEST_F(WiringPlanned, DeepensTheLinkOfAWriterThatIsAhead) {
   model::Device& here = cell.devices[0];
   here.executors[0].timing = model::Timing::let;
   for (model::Module& module : here.modules) {
@@ -261,14 +263,14 @@ TEST_F(WiringPlanned, AWriterThatIsAheadHasRoomForThat) {
   connect(end("here", "p", "out"), end("here", "a", "event"));
   const auto links = local(plan());
   ASSERT_EQ(links.size(), 4U);
-  EXPECT_EQ(links[0].options.depth, 7U) << "three of a's periods in one of b's, and some";
+  EXPECT_EQ(links[0].options.depth, 7U) << "b's period covers more than three of a's";
   EXPECT_EQ(links[1].options.depth, 4U);
   EXPECT_EQ(links[2].options.depth, 11U);
-  EXPECT_EQ(links[3].options.depth, 1U) << "a sporadic module is not ahead";
+  EXPECT_EQ(links[3].options.depth, 1U) << "a sporadic module never writes ahead";
 }
 
-/// a serves by a handler, b is a client of it, and so is "there".
-TEST_F(WiringPlanned, AServiceHasAWayForEachClientInOneOrder) {
+/// Module a serves with a handler. Its clients are b and device "there".
+TEST_F(WiringPlanned, ConnectsEachClientOfAServiceInTheSameOrder) {
   const model::Type type{"t::T", {{.name = "x", .scalar = model::Scalar::float64}}};
   const auto add = [&](std::size_t module, Direction request, Direction reply, model::Role role) {
     ports[module]->push_back({"s/request", request, type, "", true, role});
@@ -291,7 +293,7 @@ TEST_F(WiringPlanned, AServiceHasAWayForEachClientInOneOrder) {
     }
     if (link.from == LinkEnd{0, "s/reply"}) answered.push_back(link.to);
   }
-  // The far client, the near one, and at the end whoever else asks.
+  // The remote client, the local one, and last any caller from outside the cell.
   ASSERT_EQ(asked.size(), 3U);
   EXPECT_EQ(asked, (std::vector<LinkEnd>{{}, {1, "s/request"}, {}}));
   EXPECT_EQ(answered, (std::vector<LinkEnd>{{}, {1, "s/reply"}, {}}));
@@ -307,18 +309,18 @@ TEST_F(WiringPlanned, AServiceHasAWayForEachClientInOneOrder) {
 
   const PlannedFlow& asks_there = flow(plan, "takt/cell/here/b/s/request");
   EXPECT_TRUE(asks_there.outgoing && asks_there.connected);
-  EXPECT_FALSE(plan.links.at(asks_there.links.at(0)).options.enabled) << "until somebody is there to answer";
+  EXPECT_FALSE(plan.links.at(asks_there.links.at(0)).options.enabled) << "until a service is there";
   const PlannedFlow& answers_here = flow(plan, "takt/cell/here/b/s/reply");
   EXPECT_FALSE(answers_here.outgoing);
 }
 
-TEST_F(WiringPlanned, WhatIsNotKnownHasNoLink) {
+TEST_F(WiringPlanned, PlansNoLinkForUnknownPorts) {
   ports[1].reset();
   connect(end("here", "a", "out"), end("here", "b", "in"));
   EXPECT_TRUE(local(plan()).empty());
 }
 
-TEST_F(WiringPlanned, ALinkIsHandedToBothItsEnds) {
+TEST_F(WiringPlanned, PassesALinkToBothItsEnds) {
   connect(end("here", "a", "out"), end("here", "b", "in"));
   connect(end("here", "a", "out"), end("here", "p", "event"));
   auto wiring = Wiring::create(plan());
@@ -330,10 +332,10 @@ TEST_F(WiringPlanned, ALinkIsHandedToBothItsEnds) {
   EXPECT_TRUE(program.starts_with("event=")) << program;
   std::vector<const os::Fd*> fds;
   wiring->inherit(fds, 3);
-  EXPECT_EQ(fds.size(), 2U) << "its event, and its output's to the gateway";
+  EXPECT_EQ(fds.size(), 2U) << "the link of its event, and that of its output to the gateway";
 }
 
-TEST_F(WiringPlanned, AReaderOfTheLatestValueHasThePlaceOfASafeOne) {
+TEST_F(WiringPlanned, GivesReadersOfTheLatestValueASafeValue) {
   (*ports[0])[2].safe = R"({"x": 7})";
   connect(end("here", "a", "out"), end("here", "b", "in"));
   connect(end("here", "b", "out"), end("here", "c", "in"));
@@ -344,14 +346,14 @@ TEST_F(WiringPlanned, AReaderOfTheLatestValueHasThePlaceOfASafeOne) {
   EXPECT_EQ(links[0].writer, end("here", "a", "out"));
   EXPECT_EQ(links[0].safe.size(), 12U);
   EXPECT_EQ(links[0].options.safe, 12U);
-  EXPECT_TRUE(links[0].typed) << "the value lies there as bytes all the same";
+  EXPECT_TRUE(links[0].typed) << "although the safe value is stored as bytes";
   for (const std::size_t without : {1U, 2U, 3U}) {
     EXPECT_FALSE(links[without].writer.given()) << without;
     EXPECT_EQ(links[without].options.safe, 0U) << without;
   }
 }
 
-TEST_F(WiringPlanned, TheDescriptorsSafeValueGoesBeforeTheComponents) {
+TEST_F(WiringPlanned, PrefersTheDescriptorsSafeValueToTheComponents) {
   (*ports[0])[2].safe = R"({"x": 7})";
   cell.devices[0].modules[0].safe = {{"out", {{"x", "2.5"}}}};
   cell.devices[0].modules[1].safe = {{"out", {}}};
@@ -363,7 +365,7 @@ TEST_F(WiringPlanned, TheDescriptorsSafeValueGoesBeforeTheComponents) {
   EXPECT_EQ(model::sample_json(type, links[1].safe.data(), links[1].safe.size()), R"({"x": 0})");
 }
 
-TEST_F(WiringPlanned, TheSafeValueOfAnotherDeviceComesLater) {
+TEST_F(WiringPlanned, AcceptsTheSafeValueOfAnotherDeviceLater) {
   connect(end("there", "x", "out"), end("here", "a", "in"));
   auto wiring = Wiring::create(plan());
   ASSERT_TRUE(wiring);

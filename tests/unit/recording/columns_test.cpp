@@ -63,7 +63,7 @@ TEST(Columns, PutsEachValueIntoItsPlace) {
                           "18446744073709551615"));
 }
 
-TEST(Columns, FindsAFieldWhatIsInItAndItsElements) {
+TEST(Columns, FindsAFieldWithItsSubfieldsAndElements) {
   const Columns columns{type_of(kAll)};
   EXPECT_THAT(columns.named("mode"), ElementsAre(0));
   EXPECT_THAT(columns.named("grid"), ElementsAre(2, 3, 4, 5));
@@ -74,7 +74,7 @@ TEST(Columns, FindsAFieldWhatIsInItAndItsElements) {
   EXPECT_EQ(14U, columns.named("").size());
 }
 
-TEST(Columns, AreNumbersForACurve) {
+TEST(Columns, GiveNumbersForACurve) {
   const auto type = type_of(kAll);
   const Columns columns{type};
   const auto bytes = model::sample_bytes(type, R"({"mode":"ON","grid":[[0.5,0],[0,0]],"label":"x"})");
@@ -87,7 +87,7 @@ TEST(Columns, AreNumbersForACurve) {
   EXPECT_TRUE(std::isnan(values[6].number(false)));
 }
 
-TEST(Columns, AreNoMoreThanTheirBound) {
+TEST(Columns, AreLimitedInNumber) {
   const auto type =
       type_of(R"({"name":"picture","type":"octet","sequence":1000000},{"name":"b","type":"octet"})");
   const Columns columns{type};
@@ -96,7 +96,7 @@ TEST(Columns, AreNoMoreThanTheirBound) {
   EXPECT_EQ("7", texts(columns, type, R"({"picture":[1,7],"b":9})")[1]);
 }
 
-TEST(Csv, QuotesWhatWouldBreakTheLine) {
+TEST(Csv, QuotesFieldsThatWouldBreakTheLine) {
   EXPECT_EQ("a", csv_field("a"));
   EXPECT_EQ("\"a,b\"", csv_field("a,b"));
   EXPECT_EQ("\"say \"\"no\"\"\"", csv_field("say \"no\""));
@@ -104,7 +104,7 @@ TEST(Csv, QuotesWhatWouldBreakTheLine) {
   EXPECT_EQ("a,,\"b,c\"\r\n", csv_line({"a", "", "b,c"}));
 }
 
-TEST(Patterns, AStarStandsForAnything) {
+TEST(Patterns, AStarMatchesAnything) {
   EXPECT_TRUE(client::matches("line.*", "line.conveyor.state"));
   EXPECT_TRUE(client::matches("*.state", "line.conveyor.state"));
   EXPECT_TRUE(client::matches("l*e.*.s*", "line.conveyor.state"));
@@ -118,7 +118,7 @@ TEST(Patterns, AStarStandsForAnything) {
   EXPECT_FALSE(client::may_match("r*", "line"));
 }
 
-TEST(Patterns, APortHasThreeNames) {
+TEST(Patterns, APortHasThreeParts) {
   ASSERT_TRUE(client::parse_port("a.b.c"));
   EXPECT_EQ("b", client::parse_port("a.b.c")->module);
   for (const char* wrong : {"", "a", "a.b", "a.b.", ".b.c", "a..c", "a.b.c.d"})

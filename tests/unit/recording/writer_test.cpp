@@ -45,7 +45,7 @@ class RecordingFile : public testing::Test {
     const auto bytes = number(value);
     writer.add(port, time_ns, bytes.data(), bytes.size());
   }
-  /// Waits until the writer has looked at what was added.
+  /// Waits until the writer has handled everything that was added.
   static void settle(const RecordingWriter& writer, std::uint64_t samples) {
     while (writer.health().samples + writer.health().lost < samples && !writer.health().full)
       std::this_thread::sleep_for(std::chrono::milliseconds{1});
@@ -68,7 +68,7 @@ class RecordingFile : public testing::Test {
   std::uintmax_t on_disk() const {
     std::uintmax_t bytes = 0;
     for (const auto& entry : std::filesystem::directory_iterator{folder_}) {
-      // The index of the log is in memory that a file stands for; 32 kB whatever the recording's size.
+      // Ignores the index of the log, which is in memory and always 32 kB.
       if (entry.path().extension() != ".takt-shm") bytes += entry.file_size();
     }
     return bytes;
@@ -83,7 +83,7 @@ RecordingOptions quick(const std::string& file) {
   return options;
 }
 
-TEST_F(RecordingFile, HoldsWhatWasAddedInItsOrder) {
+TEST_F(RecordingFile, KeepsSamplesInOrder) {
   auto writer = RecordingWriter::create(quick(file()));
   ASSERT_TRUE(writer) << to_text(writer.problems());
   const auto one = (*writer)->add_port(number_port("d.m.one"), "cell");
@@ -111,7 +111,7 @@ TEST_F(RecordingFile, HoldsWhatWasAddedInItsOrder) {
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(i, values[static_cast<std::size_t>(i)]);
 }
 
-TEST_F(RecordingFile, AFileThatIsThereIsRefusedUnlessItIsAppendedTo) {
+TEST_F(RecordingFile, RejectsAnExistingFileWithoutAppend) {
   {
     auto writer = RecordingWriter::create(quick(file()));
     ASSERT_TRUE(writer);
@@ -119,7 +119,7 @@ TEST_F(RecordingFile, AFileThatIsThereIsRefusedUnlessItIsAppendedTo) {
   }
   const auto refused = RecordingWriter::create(quick(file()));
   ASSERT_FALSE(refused);
-  EXPECT_THAT(to_text(refused.problems()), HasSubstr("is there already"));
+  EXPECT_THAT(to_text(refused.problems()), HasSubstr("exists already"));
 
   auto options = quick(file());
   options.append = true;
@@ -137,7 +137,7 @@ TEST_F(RecordingFile, AFileThatIsThereIsRefusedUnlessItIsAppendedTo) {
   EXPECT_EQ("basic::Other", recording->ports()[1].type.name);
 }
 
-TEST_F(RecordingFile, AnEmptyFileIsAppendedTo) {
+TEST_F(RecordingFile, AppendsToAnEmptyFile) {
   std::ofstream{file()}.flush();
   auto options = quick(file());
   options.append = true;
@@ -151,20 +151,20 @@ TEST_F(RecordingFile, AnEmptyFileIsAppendedTo) {
   EXPECT_EQ(1U, recording->samples());
 }
 
-TEST_F(RecordingFile, WhatIsNoRecordingIsSaid) {
+TEST_F(RecordingFile, ReportsAFileThatIsNotARecording) {
   std::ofstream{file()} << "this is a text of some length, and no database of any kind at all; long enough";
   auto options = quick(file());
   options.append = true;
-  EXPECT_THAT(to_text(RecordingWriter::create(options).problems()), HasSubstr("is no recording"));
-  EXPECT_THAT(to_text(Recording::open(file()).problems()), HasSubstr("is no recording"));
-  EXPECT_THAT(to_text(Recording::open(file("none.takt")).problems()), HasSubstr("is not there"));
+  EXPECT_THAT(to_text(RecordingWriter::create(options).problems()), HasSubstr("is not a recording"));
+  EXPECT_THAT(to_text(Recording::open(file()).problems()), HasSubstr("is not a recording"));
+  EXPECT_THAT(to_text(Recording::open(file("none.takt")).problems()), HasSubstr("does not exist"));
   EXPECT_THAT(to_text(RecordingWriter::create(quick(file("no/folder.takt"))).problems()),
               HasSubstr("cannot be opened"));
   options.max_bytes = 1000;
-  EXPECT_THAT(to_text(RecordingWriter::create(options).problems()), HasSubstr("1 MB is the least"));
+  EXPECT_THAT(to_text(RecordingWriter::create(options).problems()), HasSubstr("use at least 1 MB"));
 }
 
-TEST_F(RecordingFile, StopsAtItsBound) {
+TEST_F(RecordingFile, StopsAtItsSizeLimit) {
   auto options = quick(file());
   options.max_bytes = kLeastRecording;
   auto writer = RecordingWriter::create(options);
@@ -190,8 +190,8 @@ TEST_F(RecordingFile, StopsAtItsBound) {
   EXPECT_EQ(static_cast<double>(values.size() - 1), values.back());
 }
 
-TEST_F(RecordingFile, DropsTheOldestAtItsBoundAndUsesTheirRoom) {
-  constexpr int kSamples = 200'000;  // some times what it has room for
+TEST_F(RecordingFile, DropsTheOldestSamplesAtItsSizeLimit) {
+  constexpr int kSamples = 200'000;  // several times what fits
   auto options = quick(file());
   options.max_bytes = kLeastRecording;
   options.full = Full::oldest;
@@ -219,11 +219,11 @@ TEST_F(RecordingFile, DropsTheOldestAtItsBoundAndUsesTheirRoom) {
   EXPECT_EQ(health.samples - health.dropped, values.size());
   EXPECT_EQ(kSamples - 1, values.back());
   EXPECT_EQ(static_cast<double>(kSamples) - static_cast<double>(values.size()), values.front());
-  // Not only a few are left.
+  // Many samples must remain.
   EXPECT_GT(values.size() * 30, kLeastRecording / 3);
 }
 
-TEST_F(RecordingFile, AFileWithASmallerBoundThanBeforeGivesRoomBack) {
+TEST_F(RecordingFile, ShrinksToASmallerSizeLimit) {
   {
     auto writer = RecordingWriter::create(quick(file()));
     ASSERT_TRUE(writer);
@@ -247,7 +247,7 @@ TEST_F(RecordingFile, AFileWithASmallerBoundThanBeforeGivesRoomBack) {
   EXPECT_LE(on_disk(), kLeastRecording);
 }
 
-TEST_F(RecordingFile, AFullQueueLosesSamplesAndCountsThem) {
+TEST_F(RecordingFile, CountsSamplesLostByAFullQueue) {
   auto options = quick(file());
   options.flush = std::chrono::hours{1};
   options.queue_bytes = 1000;
@@ -263,7 +263,7 @@ TEST_F(RecordingFile, AFullQueueLosesSamplesAndCountsThem) {
   EXPECT_EQ(1U, (*writer)->health().lost);
 }
 
-TEST_F(RecordingFile, ADiskThatTakesNothingLosesNothingElse) {
+TEST_F(RecordingFile, LosesNothingWhileTheFileIsLocked) {
   auto options = quick(file());
   auto writer = RecordingWriter::create(options);
   ASSERT_TRUE(writer);
@@ -271,7 +271,7 @@ TEST_F(RecordingFile, ADiskThatTakesNothingLosesNothingElse) {
   add(**writer, port, 1, 1);
   settle(**writer, 1);
   {
-    // Somebody holds the file.
+    // Another program locks the file.
     auto other = Database::open(file(), Access::append);
     ASSERT_TRUE(other);
     ASSERT_TRUE(other->run("BEGIN IMMEDIATE"));
@@ -286,7 +286,7 @@ TEST_F(RecordingFile, ADiskThatTakesNothingLosesNothingElse) {
   EXPECT_EQ(0U, (*writer)->health().lost);
 }
 
-TEST_F(RecordingFile, SamplesThatAreNoneAndDamageAreSaid) {
+TEST_F(RecordingFile, ReportsInvalidSamplesAndDamage) {
   {
     auto writer = RecordingWriter::create(quick(file()));
     ASSERT_TRUE(writer);
@@ -316,7 +316,7 @@ TEST_F(RecordingFile, SamplesThatAreNoneAndDamageAreSaid) {
   EXPECT_THAT(to_text(damaged ? read.problems() : damaged.problems()), HasSubstr("is damaged"));
 }
 
-TEST_F(RecordingFile, AnotherProgramReadsItWhileItIsWritten) {
+TEST_F(RecordingFile, CanBeReadWhileItIsWritten) {
   auto writer = RecordingWriter::create(quick(file()));
   ASSERT_TRUE(writer);
   const auto port = (*writer)->add_port(number_port());
@@ -327,7 +327,7 @@ TEST_F(RecordingFile, AnotherProgramReadsItWhileItIsWritten) {
   EXPECT_EQ(100U, all(*recording).size());
 }
 
-TEST_F(RecordingFile, ATimeAndPortsAreChosen) {
+TEST_F(RecordingFile, SelectsByTimeAndPort) {
   {
     auto writer = RecordingWriter::create(quick(file()));
     ASSERT_TRUE(writer);

@@ -1,4 +1,4 @@
-// Cells to report on, built by hand.
+// Cells for the tests of reports, built by hand.
 #pragma once
 
 #include <string>
@@ -117,7 +117,7 @@ inline model::Module not_before(model::Module module, Nanoseconds interarrival) 
   return module;
 }
 
-/// Of "device.module.port"; none of "".
+/// The endpoint "device.module.port"; "" is no endpoint.
 inline model::Endpoint end(const std::string& text) {
   if (text.empty()) return {};
   const std::size_t first = text.find('.');

@@ -15,7 +15,7 @@ namespace takt::tool::check_report_test {
 namespace {
 
 using namespace cells;
-using namespace pictures;
+using namespace drawings;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -37,7 +37,7 @@ std::size_t widest(const std::string& text) {
 
 std::string long_name(char letter) { return std::string(63, letter); }
 
-/// All that is long at once: names, times, priorities, tables, lists.
+/// A cell in which everything is long: names, times, priorities, tables, lists.
 model::Cell widest_cell() {
   const Nanoseconds odd{6'000'000'000'000'000'001};
   std::vector<model::Module> modules{process(periodic(long_name('p'), odd, -2'147'483'647)),
@@ -62,9 +62,9 @@ model::Cell widest_cell() {
   return all;
 }
 
-// ---- for a person
+// ---- as text
 
-TEST(CheckText, ShowsFigure3WithEqualRowsInOneLine) {
+TEST(CheckText, ShowsFigure3WithEqualRowsOnOneLine) {
   EXPECT_THAT(text(figure1()), HasSubstr(R"(
     basic period 100 us, macro period 600 us, 6 rows, 15 entries
 
@@ -76,7 +76,7 @@ TEST(CheckText, ShowsFigure3WithEqualRowsInOneLine) {
 )"));
 }
 
-TEST(CheckText, KeepsRowsApartThatOnlyHaveAsManyModules) {
+TEST(CheckText, DoesNotMergeRowsWithDifferentModules) {
   EXPECT_THAT(text(cell("c", {device("d", {periodic("a", 2ms), periodic("b", 3ms)})})),
               HasSubstr("    2    2 ms    a\n    3    3 ms    b\n    4    4 ms    a\n    5    5 ms    -\n"));
 }
@@ -89,7 +89,7 @@ TEST(CheckText, ShowsFigure4WithDeadlines) {
 )"));
 }
 
-TEST(CheckText, NamesWhatIsNotRealTimeAndTheExecutor) {
+TEST(CheckText, NamesExecutorsAndNonRealTimeModules) {
   EXPECT_THAT(text(figure1()), AllOf(HasSubstr("cell module: 1 device, 7 modules"),
                                      HasSubstr("executor main: any cpu, priority 80, wakeup hybrid"),
                                      HasSubstr("not real-time: monitoring (process)")));
@@ -104,7 +104,7 @@ TEST(CheckText, PredictsTheLoadFromBudgets) {
                  Not(HasSubstr("without a budget"))));
 }
 
-TEST(CheckText, ShowsEachRowBeforeAndAfterItWasShifted) {
+TEST(CheckText, ShowsEachRowWithAndWithoutOffsets) {
   model::Cell shifted = figure1();
   shifted.devices[0].executors[0].offsets = model::Offsets::automatic;
   EXPECT_THAT(text(shifted),
@@ -125,7 +125,7 @@ TEST(CheckText, ShowsEachRowBeforeAndAfterItWasShifted) {
                     HasSubstr("row  offset  load  before  modules"), HasSubstr("155 %"), HasSubstr("5 %")));
 }
 
-TEST(CheckText, SaysWhichModulesMakeTheLoadUncertain) {
+TEST(CheckText, NamesModulesWithoutABudget) {
   const std::string some = text(cell("c", {device("d", {with_budget(periodic("a", 1ms), 300us),
                                                         periodic("b", 2ms), process(periodic("p", 1ms))})}));
   EXPECT_THAT(some, AllOf(HasSubstr("predicted load, at least:"), HasSubstr(">= 30 %"),
@@ -134,13 +134,13 @@ TEST(CheckText, SaysWhichModulesMakeTheLoadUncertain) {
   EXPECT_THAT(none, AllOf(HasSubstr("load not predicted, without a budget: a\n"), Not(HasSubstr(" % "))));
 }
 
-TEST(CheckText, WarnsOfADeadlineThatPassesBetweenTwoLooks) {
+TEST(CheckText, WarnsOfADeadlineShorterThanTheBasicPeriod) {
   const std::string late = text(cell("c", {device("d", {periodic("a", 10ms), sporadic("alarm", 1ms)})}));
-  EXPECT_THAT(late, HasSubstr("late by design, looked at only once in 10 ms:\n      alarm\n"));
+  EXPECT_THAT(late, HasSubstr("late by design, checked only every 10 ms:\n      alarm\n"));
   EXPECT_THAT(text(figure1()), Not(HasSubstr("late by design")));
 }
 
-TEST(CheckText, ShowsWhatSporadicModulesSayOfTheirReleases) {
+TEST(CheckText, ShowsTheReleaseSettingsOfSporadicModules) {
   auto alarm = at_once(not_before(sporadic("alarm", 10ms), 2ms));
   alarm.miss = model::Miss::error;
   EXPECT_THAT(text(cell("c", {device("d", {periodic("a", 1ms), alarm, sporadic("b", 5ms)})})), HasSubstr(R"(
@@ -153,13 +153,13 @@ TEST(CheckText, ShowsWhatSporadicModulesSayOfTheirReleases) {
       AllOf(HasSubstr("budget  interarrival\n"), Not(HasSubstr("dispatch")), Not(HasSubstr("missed"))));
 }
 
-TEST(CheckText, DoesNotWarnOfADeadlineThatRowsDoNotLookAt) {
+TEST(CheckText, DoesNotWarnOfTheDeadlineOfAnImmediateModule) {
   EXPECT_THAT(text(cell("c", {device("d", {periodic("a", 10ms), at_once(sporadic("alarm", 1ms))})})),
               Not(HasSubstr("late by design")));
 }
 
-TEST(CheckText, PredictsTheLoadOfSporadicThreadsWhereItHasABound) {
-  // A row releases a module once; what is not to come before 1.5 rows comes every two.
+TEST(CheckText, PredictsTheBoundedLoadOfSporadicThreads) {
+  // A row releases a module at most once, so an interarrival time of 1.5 rows means every second row.
   const auto of = [](std::vector<model::Module> modules) {
     modules.push_back(with_budget(periodic("a", 1ms), 300us));
     return text(cell("c", {device("d", modules)}));
@@ -184,30 +184,30 @@ TEST(CheckText, PredictsTheLoadOfSporadicThreadsWhereItHasABound) {
                 {device("d", {at_once(with_budget(not_before(sporadic("s", 1000000h), 1ns), 1000000h))})}),
            {.width = 80}),
       HasSubstr("at most 3.6e+20 %: s every 1 ns\n"));
-  // Programs run on other processors.
+  // Programs run on other CPUs.
   EXPECT_THAT(of({process(with_budget(sporadic("s", 5ms), 100us))}), Not(HasSubstr("sporadic load")));
 }
 
-TEST(CheckText, NamesTheSporadicThreadsWhoseLoadHasNoBound) {
+TEST(CheckText, NamesSporadicThreadsWithUnboundedLoad) {
   const std::string some =
       text(cell("c", {device("d", {periodic("a", 1ms), with_budget(sporadic("s", 5ms), 100us),
                                    sporadic("t", 5ms), at_once(with_budget(sporadic("u", 5ms), 100us))})}));
   EXPECT_THAT(some, AllOf(HasSubstr("    sporadic without a budget: t\n"),
-                          HasSubstr("    sporadic at once and without an interarrival: u\n")));
+                          HasSubstr("    sporadic, immediate and without interarrival: u\n")));
   EXPECT_THAT(text(figure1()), Not(HasSubstr("sporadic without")));
 }
 
-TEST(CheckText, WarnsWhereSporadicModulesMayNotGetDone) {
+TEST(CheckText, WarnsIfTheTotalLoadExceedsOneCpu) {
   const auto together = [](Nanoseconds budget) {
     return text(cell("c", {device("d", {with_budget(periodic("a", 1ms), 500us),
                                         with_budget(sporadic("s", 5ms), budget)})}));
   };
   EXPECT_THAT(together(500us), Not(HasSubstr("more than")));
   EXPECT_THAT(together(501us),
-              HasSubstr("more than a processor can do when all come as often as they may: 100.1 %\n"));
+              HasSubstr("more than one CPU can do if all occur as often as allowed: 100.1 %\n"));
 }
 
-TEST(CheckText, SaysNothingOfALoadThatOnlyProgramsMake) {
+TEST(CheckText, PredictsNoLoadForProgramsOnly) {
   EXPECT_THAT(text(cell("c", {device("d", {process(periodic("p", 1ms))})})),
               AllOf(testing::EndsWith("    0    0 ns    p (process)\n"), Not(HasSubstr("load"))));
 }
@@ -218,7 +218,7 @@ model::Cell robot_and_line(std::vector<model::Connection> connections) {
       std::move(connections));
 }
 
-TEST(CheckText, ShowsConnectionsWithWhatSomeOfThemSay) {
+TEST(CheckText, ShowsConnectionsWithTheirSettings) {
   EXPECT_THAT(text(robot_and_line(
                   {latest("robot.arm.out", "line.belt.in"), queue("line.belt.part", "robot.arm.part", 8)})),
               testing::EndsWith(R"(
@@ -241,7 +241,7 @@ connections
   EXPECT_THAT(text(robot_and_line({})), Not(HasSubstr("connections")));
 }
 
-TEST(CheckText, ShowsAConnectionOnTwoLinesWhereATableIsTooWide) {
+TEST(CheckText, ShowsAConnectionOnTwoLinesIfTheTableIsTooWide) {
   const auto connection = stale_after(
       on_topic(queue("robot.arm.out", "line.belt.in", 4), std::string(70, 't')), 20ms, model::Stale::error);
   EXPECT_THAT(text(robot_and_line({connection}), {.width = 80}), testing::EndsWith(R"(
@@ -259,18 +259,20 @@ TEST(CheckText, ShowsTheFirstOfManyConnections) {
                     HasSubstr("  ... and 50 more; takt graph --json has them all\n")));
 }
 
-// The belt writes every 100 ms; the arm, every 1 ms, last looks at a value that is 99 ms old.
-TEST(CheckText, WarnsOfAConnectionThatIsStaleBetweenTwoWrites) {
+// The belt writes every 100 ms. The arm runs every 1 ms, so its last run before a write reads a value that is
+// 99 ms old.
+TEST(CheckText, WarnsOfAConnectionThatBecomesStaleBetweenTwoWrites) {
   const auto of = [](Nanoseconds deadline) {
     return text(robot_and_line({stale_after(latest("line.belt.out", "robot.arm.in"), deadline)}));
   };
-  EXPECT_THAT(of(98ms), HasSubstr("  stale by design, older than the deadline between two writes:\n"
-                                  "    robot.arm.in, which is written every 100 ms\n"));
+  EXPECT_THAT(of(98ms), HasSubstr("  stale by design, because the value gets too old between two writes:\n"
+                                  "    robot.arm.in, which is written only every 100 ms\n"));
   EXPECT_THAT(of(99ms), Not(HasSubstr("stale by design")));
   EXPECT_THAT(text(robot_and_line({stale_after(queue("line.belt.out", "robot.arm.in", 4), 98ms)})),
               HasSubstr("stale by design"))
-      << "the newest of a queue is as old";
-  // Who looks as seldom as it is written may always see it fresh; of who looks when it comes nobody can tell.
+      << "the newest sample of a queue is as old";
+  // A reader as slow as the writer may always see a fresh value. For a sporadic reader nothing can be
+  // predicted.
   EXPECT_THAT(text(robot_and_line({stale_after(latest("robot.arm.out", "line.belt.in"), 1us)})),
               Not(HasSubstr("stale by design")));
   const auto by_events = cell("c", {device("d", {periodic("a", 100ms), sporadic("s", 1ms)})});
@@ -278,7 +280,7 @@ TEST(CheckText, WarnsOfAConnectionThatIsStaleBetweenTwoWrites) {
               Not(HasSubstr("stale by design")));
 }
 
-TEST(CheckText, ShowsHowTheNodesFindEachOther) {
+TEST(CheckText, ShowsHowNodesDiscoverEachOther) {
   auto two = robot_and_line({});
   EXPECT_THAT(text(two),
               testing::StartsWith("cell c: 2 devices, 2 modules\ndomain 0, discovery by multicast\n\n"));
@@ -293,14 +295,14 @@ TEST(CheckText, ShowsHowTheNodesFindEachOther) {
   EXPECT_THAT(text(figure1()), Not(HasSubstr("discovery")));
 }
 
-TEST(CheckText, ShowsExecutorsWithoutPeriodicModulesAndWithoutAny) {
+TEST(CheckText, ShowsExecutorsWithoutPeriodicModulesAndEmptyOnes) {
   EXPECT_THAT(text(palletizing()),
               AllOf(HasSubstr("basic period 4 ms, half the shortest deadline"),
                     HasSubstr("executor spare: any cpu, priority 80, wakeup hybrid\n    no modules\n")));
 }
 
-TEST(CheckText, ShowsTheBeginningOfALongTableAndCountsTheRest) {
-  // No two neighbours are equal: 2 ms and 3 ms modules among 7919 rows.
+TEST(CheckText, ShowsTheBeginOfALongTableAndCountsTheRest) {
+  // No two consecutive rows are equal: modules of 2 ms and 3 ms among 7919 rows.
   const std::string all = text(cell("c", {device("d", {periodic("a", 2ms), periodic("b", 7919ms)})}));
   EXPECT_THAT(all, AllOf(HasSubstr("39   39 ms"), Not(HasSubstr("\n    40 ")),
                          HasSubstr("... and 15798 rows more; --json has them all")));
@@ -315,7 +317,7 @@ TEST(CheckText, NamesTheFirstOfVeryManyModules) {
                          HasSubstr("... and 60 more")));
 }
 
-TEST(CheckText, IsNeverWiderThanItsColumns) {
+TEST(CheckText, KeepsToTheWidth) {
   for (const model::Cell& cell : {figure1(), palletizing(), widest_cell()}) {
     EXPECT_LE(widest(text(cell, {.width = 100})), 100U) << text(cell);
     EXPECT_LE(widest(text(cell, {.width = 80})), 80U) << text(cell, {.width = 80});
@@ -324,7 +326,7 @@ TEST(CheckText, IsNeverWiderThanItsColumns) {
   }
 }
 
-TEST(CheckText, HasEscapesOnlyInColourAndNothingElseChanges) {
+TEST(CheckText, UsesEscapesOnlyForColour) {
   const std::string plain = text(palletizing());
   std::string coloured = text(palletizing(), {.colour = true});
   EXPECT_EQ(plain.find('\x1b'), std::string::npos);
@@ -335,16 +337,16 @@ TEST(CheckText, HasEscapesOnlyInColourAndNothingElseChanges) {
   EXPECT_EQ(coloured, plain);
 }
 
-TEST(CheckText, LeavesNoBlanksAtTheEndsOfLines) {
+TEST(CheckText, HasNoTrailingSpaces) {
   for (const std::string& line :
        lines(text(palletizing()) + text(widest_cell()) + text(widest_cell(), {.width = 80}))) {
     EXPECT_TRUE(line.empty() || line.back() != ' ') << line;
   }
 }
 
-// ---- for a program
+// ---- as JSON
 
-TEST(CheckJson, IsTheContractForFigure1) {
+TEST(CheckJson, HasTheExpectedObjectForFigure1) {
   const auto expected = nlohmann::ordered_json::parse(R"({
     "cell": "module", "devices": [{"name": "module",
       "executors": [{"name": "main", "basic_period_ns": 100000, "macro_period_ns": 600000,
@@ -356,8 +358,8 @@ TEST(CheckJson, IsTheContractForFigure1) {
   EXPECT_EQ(check_json(cell, plans(cell)).dump(), expected.dump());
 }
 
-// What is new in a cell is for `takt graph --json`: programs read this object as it is.
-TEST(CheckJson, IsTheContractForACellWithConnectionsToo) {
+// Programs rely on this object. Connections and services are only in `takt graph --json`.
+TEST(CheckJson, HasTheSameMembersForACellWithConnections) {
   auto module = at_once(not_before(sporadic("s", 10ms), 1ms));
   module.miss = model::Miss::error;
   const model::Cell cell = connected(cells::cell("c", {device("d", {periodic("a", 1ms), module})}),
@@ -367,7 +369,7 @@ TEST(CheckJson, IsTheContractForACellWithConnectionsToo) {
             R"("macro_period_ns":1000000,"rows":[["a"]],"sporadic":["s"]}],"non_realtime":[]}]})");
 }
 
-TEST(CheckJson, HasArraysEvenWhereThereIsNothing) {
+TEST(CheckJson, HasEmptyArraysForAnEmptyCell) {
   const model::Cell cell =
       cells::cell("c", {device("d", {sporadic("s", 10ns)}, {"main", "spare"}), device("e", {})});
   const auto expected = nlohmann::ordered_json::parse(R"({
@@ -383,18 +385,18 @@ TEST(CheckJson, HasArraysEvenWhereThereIsNothing) {
 
 Proof proof_of(const model::Cell& cell, const std::vector<std::optional<Nanoseconds>>& runs) {
   Proof proof;
-  proof.processors = 2;
+  proof.cpus = 2;
   const model::Device& device = cell.devices[0];
   proof.devices = {
       schedule::worst_cases(device, plans(cell)[0], schedule::place(device.executors, {0, 1}), runs)};
   return proof;
 }
 
-TEST(CheckText, SaysHowLongEachModuleMayTake) {
+TEST(CheckText, ShowsTheWorstCaseOfEachModule) {
   const model::Cell cell =
       cells::cell("c", {device("d", {periodic("a", 1ms), sporadic("s", 1ms), non_real("n")})});
   EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, {300us, 400us, std::nullopt})), HasSubstr(R"(
-  worst case, by the budgets, on 2 processors:
+  worst case, by the budgets, on 2 CPUs:
     module  cpu  longest run  response  deadline  slack
     a       1    300 us       300 us    1 ms      700 us  kept
     s       1    400 us       800 us    1 ms      200 us  kept
@@ -404,7 +406,7 @@ TEST(CheckText, SaysHowLongEachModuleMayTake) {
 )"));
 }
 
-TEST(CheckText, LeavesOutOfALongListOnlyWhatIsKept) {
+TEST(CheckText, ALongListNeverLeavesOutAMissedDeadline) {
   std::vector<model::Module> modules;
   for (std::size_t i = 0; i < kTextRows + 10; ++i) modules.push_back(periodic("m" + std::to_string(i), 1ms));
   const model::Cell cell = cells::cell("c", {device("d", modules)});
@@ -416,7 +418,7 @@ TEST(CheckText, LeavesOutOfALongListOnlyWhatIsKept) {
   EXPECT_THAT(check_text(cell, plans(cell), {}, proof_of(cell, runs)), HasSubstr("m49 "));
 }
 
-TEST(CheckJson, SaysHowLongEachModuleMayTake) {
+TEST(CheckJson, HasTheWorstCaseOfEachModule) {
   const model::Cell cell = cells::cell("c", {device("d", {periodic("a", 1ms), at_once(sporadic("s", 1ms))})});
   auto proof = proof_of(cell, {300us, 700us});
   proof.of_profile = true;
@@ -426,7 +428,7 @@ TEST(CheckJson, SaysHowLongEachModuleMayTake) {
             R"({"name":"a","cpus":[1],"run_ns":300000,"response_ns":300000,"deadline_ns":1000000,)"
             R"("slack_ns":700000,"kept":true},)"
             R"({"name":"s","cpus":[1],"run_ns":700000,"response_ns":null,"deadline_ns":1000000,)"
-            R"("slack_ns":null,"kept":false,"why":"nothing says how soon it may be released again"}]})");
+            R"("slack_ns":null,"kept":false,"why":"the minimum time between its releases is not known"}]})");
 }
 
 TEST(CheckJson, HasEveryRowOfALongTable) {
@@ -434,7 +436,7 @@ TEST(CheckJson, HasEveryRowOfALongTable) {
   EXPECT_EQ(check_json(cell, plans(cell))["devices"][0]["executors"][0]["rows"].size(), 100'000U);
 }
 
-// ---- as a picture
+// ---- as a drawing
 
 std::string svg(const model::Cell& cell) { return check_svg(cell, plans(cell)); }
 
@@ -476,12 +478,12 @@ TEST_P(CellState, CutsNoTextOffAndPutsNoneOnAnother) { expect_readable(svg(drawn
 
 INSTANTIATE_TEST_SUITE_P(CheckSvg, CellState, testing::Range(0, 6));
 
-TEST(CheckSvg, NumbersEachReleaseByItsPlaceInTheRow) {
-  const std::string picture = svg(figure1());
-  EXPECT_EQ(occurrences(picture, R"(class="on">1</text>)"), 6U + 1);  // and one in the legend
-  EXPECT_EQ(occurrences(picture, R"(class="on">2</text>)"), 6U + 1);
-  EXPECT_EQ(occurrences(picture, R"(class="on">3</text>)"), 2U);
-  EXPECT_EQ(occurrences(picture, R"(class="on">4</text>)"), 1U);
+TEST(CheckSvg, NumbersReleasesByTheirPlaceInTheRow) {
+  const std::string drawing = svg(figure1());
+  EXPECT_EQ(occurrences(drawing, R"(class="on">1</text>)"), 6U + 1);  // plus one in the legend
+  EXPECT_EQ(occurrences(drawing, R"(class="on">2</text>)"), 6U + 1);
+  EXPECT_EQ(occurrences(drawing, R"(class="on">3</text>)"), 2U);
+  EXPECT_EQ(occurrences(drawing, R"(class="on">4</text>)"), 1U);
 }
 
 TEST(CheckSvg, ShowsPeriodsModulesAndDeadlines) {
@@ -491,19 +493,20 @@ TEST(CheckSvg, ShowsPeriodsModulesAndDeadlines) {
           HasSubstr("basic period 100 us, macro period 600 us, 6 rows; any cpu, priority 80, wakeup hybrid"),
           HasSubstr(">controller1<"), HasSubstr("thread, every 600 us, priority 3"),
           HasSubstr("process, deadline 10 ms, priority 2"), HasSubstr(">600 us<"),
-          HasSubstr("not real-time: monitoring (process)"), HasSubstr("no budgets are stated"),
+          HasSubstr("not real-time: monitoring (process)"), HasSubstr("no budgets are given"),
           HasSubstr("prefers-color-scheme: dark")));
 }
 
-TEST(CheckSvg, DrawsBudgetsToTheScaleOfTime) {
-  // One row of 240: the second thread begins where the first has used its budget, the process at the release.
-  const std::string picture = svg(cell(
+TEST(CheckSvg, DrawsBudgetsToScale) {
+  // One row is 240 wide. The second thread begins when the first has used its budget, the process at the
+  // release.
+  const std::string drawing = svg(cell(
       "c", {device("d", {with_budget(periodic("a", 1ms, 1), 250us), with_budget(periodic("b", 1ms, 2), 500us),
                          process(with_budget(periodic("p", 1ms, 3), 750us))})}));
   const std::regex bar{
       R"re(<rect x="([0-9.]+)" y="[0-9.]+" width="([0-9.]+)" height="6.0" rx="0" class="(\w+)-budget")re"};
   std::vector<std::array<double, 2>> bars;
-  for (std::sregex_iterator at{picture.begin(), picture.end(), bar}, end; at != end; ++at) {
+  for (std::sregex_iterator at{drawing.begin(), drawing.end(), bar}, end; at != end; ++at) {
     bars.push_back({std::stod((*at)[1]), std::stod((*at)[2])});
   }
   ASSERT_EQ(bars.size(), 3U);
@@ -512,10 +515,10 @@ TEST(CheckSvg, DrawsBudgetsToTheScaleOfTime) {
   EXPECT_NEAR(bars[1][1], 120, 0.2);
   EXPECT_NEAR(bars[2][0], bars[0][0], 0.2);
   EXPECT_NEAR(bars[2][1], 180, 0.2);
-  EXPECT_THAT(picture, HasSubstr(">75%<"));
+  EXPECT_THAT(drawing, HasSubstr(">75%<"));
 }
 
-TEST(CheckSvg, ALoadThatHasNoRoomForItsShareHasAScale) {
+TEST(CheckSvg, DrawsAScaleIfThereIsNoRoomForTheLoadNumbers) {
   const std::string wide = svg(cell("c", {device("d", {with_budget(periodic("a", 1ms), 250us)})}));
   EXPECT_THAT(wide, AllOf(HasSubstr(">25%<"), Not(HasSubstr(">100%<"))));
   const std::string narrow =
@@ -524,19 +527,19 @@ TEST(CheckSvg, ALoadThatHasNoRoomForItsShareHasAScale) {
   expect_readable(narrow);
 }
 
-TEST(CheckSvg, ExplainsWhatIsInThePictureAndNothingElse) {
+TEST(CheckSvg, ExplainsOnlyWhatIsDrawn) {
   const std::string plain = svg(cell("c", {device("d", {periodic("a", 1ms)})}));
   EXPECT_THAT(plain, HasSubstr("release of a thread module"));
-  for (const char* other : {"release of a process module", "budget, to the scale", "after the row",
-                            "deadline of", "load of a row"})
+  for (const char* other :
+       {"release of a process module", "budget, to scale", "after the row", "deadline of", "load of a row"})
     EXPECT_THAT(plain, Not(HasSubstr(other)));
   EXPECT_THAT(svg(figure1()), AllOf(HasSubstr("release of a process module"), HasSubstr("after the row"),
-                                    HasSubstr("deadline of"), Not(HasSubstr("budget, to the scale"))));
+                                    HasSubstr("deadline of"), Not(HasSubstr("budget, to scale"))));
   EXPECT_THAT(svg(cell("c", {device("d", {with_budget(periodic("a", 1ms), 250us)})})),
-              AllOf(HasSubstr("budget, to the scale"), HasSubstr("load of a row: up to 70%, up to 90%")));
+              AllOf(HasSubstr("budget, to scale"), HasSubstr("load of a row: up to 70%, up to 90%")));
 }
 
-TEST(CheckSvg, SaysWhatItLeavesOut) {
+TEST(CheckSvg, SaysWhatIsNotDrawn) {
   EXPECT_THAT(svg(cell("long", {device("d", {periodic("a", 2ms), periodic("b", 7919ms)})})),
               HasSubstr("only rows 0 to 63 of 15838 are drawn"));
   EXPECT_THAT(svg(crowded_cell()),
@@ -549,10 +552,10 @@ TEST(CheckSvg, EscapesNames) {
               AllOf(HasSubstr("a&lt;b&gt;&amp;&quot;c&quot;"), Not(HasSubstr("a<b>"))));
 }
 
-TEST(CheckSvg, NeedsNothingFromElsewhere) {
-  const std::string picture = svg(palletizing());
-  EXPECT_EQ(occurrences(picture, "http"), 1U) << "the namespace";
-  EXPECT_THAT(picture, AllOf(Not(HasSubstr("href")), Not(HasSubstr("@import")), Not(HasSubstr("<script"))));
+TEST(CheckSvg, HasNoExternalReferences) {
+  const std::string drawing = svg(palletizing());
+  EXPECT_EQ(occurrences(drawing, "http"), 1U) << "the namespace";
+  EXPECT_THAT(drawing, AllOf(Not(HasSubstr("href")), Not(HasSubstr("@import")), Not(HasSubstr("<script"))));
 }
 
 }  // namespace

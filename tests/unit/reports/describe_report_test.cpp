@@ -31,7 +31,7 @@ Described belt() {
            .operation = {},
            .hooks = {},
            .properties = {speed(), {"label", "string", "", "", "", "", "", ""}},
-           .ports = {port("stop", model::Direction::in, "Whether to stand."),
+           .ports = {port("stop", model::Direction::in, "Whether to stop."),
                      port("part", model::Direction::out)}}};
 }
 
@@ -53,7 +53,7 @@ std::size_t longest_line(const std::string& text) {
   return longest;
 }
 
-TEST(DescribeReport, SaysWhatAPersonNeeds) {
+TEST(DescribeReport, ShowsAllPartsOfAComponent) {
   EXPECT_EQ(describe_text(belt(), {}),
             "Belt: Moves parts & <waits>.\n"
             "  file        /c/belt.so\n"
@@ -64,13 +64,13 @@ TEST(DescribeReport, SaysWhatAPersonNeeds) {
             "    label  string  ''\n"
             "  ports\n"
             "    in     stop  line::Part\n"
-            "           Whether to stand.\n"
+            "           Whether to stop.\n"
             "           unsigned long number, double[3] at\n"
             "    out    part  line::Part\n"
             "           unsigned long number, double[3] at\n");
 }
 
-TEST(DescribeReport, NamesEnumeratorsOnce) {
+TEST(DescribeReport, ListsEnumeratorsOnce) {
   Described described = belt();
   const model::Field mode{.name = "mode",
                           .scalar = model::Scalar::enumeration,
@@ -82,7 +82,7 @@ TEST(DescribeReport, NamesEnumeratorsOnce) {
   EXPECT_THAT(describe_text(described, {}), Not(HasSubstr("RUNS\n           line::Mode:")));
 }
 
-TEST(DescribeReport, BreaksLongSentencesAndKeepsToTheWidth) {
+TEST(DescribeReport, WrapsLongSentencesToTheWidth) {
   Described described = belt();
   for (int i = 0; i < 30; ++i) described.component.properties[0].text += "word and word ";
   described.component.ports[0].text = described.component.properties[0].text;
@@ -93,13 +93,13 @@ TEST(DescribeReport, BreaksLongSentencesAndKeepsToTheWidth) {
   EXPECT_THAT(text, HasSubstr("\n                                          and word word"));
 }
 
-TEST(DescribeReport, OfAModuleOfADescriptorSaysWhatItIsGiven) {
+TEST(DescribeReport, ShowsTheValuesThatADescriptorGives) {
   const std::string text = describe_text(in_a_cell(), {});
   EXPECT_THAT(text, AllOf(HasSubstr("line.first: Moves"), HasSubstr("default  given  range"),
                           HasSubstr("0.5      1.25   0 to 2"), HasSubstr("sporadic")));
 }
 
-TEST(DescribeReport, OfAProgramThatDeclaresNothingItTakesAny) {
+TEST(DescribeReport, AProgramWithoutPropertiesAcceptsAny) {
   Described described{"/c/p.exe", {.name = "p", .interface = "process"}};
   EXPECT_THAT(describe_text(described, {}),
               AllOf(HasSubstr("any; each is an argument"), HasSubstr("ports       none")));
@@ -107,7 +107,7 @@ TEST(DescribeReport, OfAProgramThatDeclaresNothingItTakesAny) {
   EXPECT_THAT(describe_text(described, {}), Not(HasSubstr("any;")));
 }
 
-TEST(DescribeReport, IsOneObjectALineForAProgram) {
+TEST(DescribeReport, PrintsOneJsonObjectPerLine) {
   const std::string text = describe_json(in_a_cell());
   EXPECT_EQ(text.find('\n'), text.size() - 1);
   const auto object = nlohmann::json::parse(text);
@@ -118,7 +118,7 @@ TEST(DescribeReport, IsOneObjectALineForAProgram) {
   EXPECT_EQ(object["ports"][1]["direction"], "out");
 }
 
-TEST(DescribeReport, OffersAProgramAsWhatItCalls) {
+TEST(DescribeReport, ProposesTheOperationThatAProgramUses) {
   Described described{"/c/p.exe", {.name = "p", .text = "A -- b --- c", .interface = "process"}};
   EXPECT_THAT(describe_xml(described),
               AllOf(HasSubstr("<operationtype>periodic<"), HasSubstr("<!-- A - b - c -->")));
@@ -130,7 +130,7 @@ TEST(DescribeReport, OffersAProgramAsWhatItCalls) {
                                              Not(HasSubstr("<period>")), Not(HasSubstr("<priority>"))));
 }
 
-TEST(Iso22166Profile, SaysWhatIsKnownAndNothingElse) {
+TEST(Iso22166Profile, HasOnlyKnownElements) {
   EXPECT_EQ(iso22166_profile(belt(), std::nullopt),
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
             "<module>\n"
@@ -156,7 +156,7 @@ TEST(Iso22166Profile, SaysWhatIsKnownAndNothingElse) {
             "      <input>\n"
             "        <name>stop</name>\n"
             "        <type>line::Part</type>\n"
-            "        <description>Whether to stand.</description>\n"
+            "        <description>Whether to stop.</description>\n"
             "      </input>\n"
             "    </inputs>\n"
             "    <outputs>\n"
@@ -169,7 +169,7 @@ TEST(Iso22166Profile, SaysWhatIsKnownAndNothingElse) {
             "</module>\n");
 }
 
-TEST(Iso22166Profile, OfAModuleOfADescriptorHasItsValuesAndHowItIsReleased) {
+TEST(Iso22166Profile, TakesValuesAndReleaseFromTheDescriptor) {
   const Described described = in_a_cell();
   EXPECT_THAT(iso22166_profile(described, operation_of(described)),
               AllOf(HasSubstr("<exeType>EVENTDRIVEN</exeType>"), HasSubstr("<value>1.25</value>")));
@@ -177,7 +177,7 @@ TEST(Iso22166Profile, OfAModuleOfADescriptorHasItsValuesAndHowItIsReleased) {
   EXPECT_THAT(iso22166_profile(belt(), model::Operation::non_real), HasSubstr("<exeType>NONRT</exeType>"));
 }
 
-TEST(ComponentList, IsByFolderWithASentenceEach) {
+TEST(ComponentList, IsGroupedByFolder) {
   const std::vector<host::ComponentFile> files{
       {"/a/belt.so", "c++", "Moves parts."}, {"/a/counter.exe", "process", ""}, {"/b/x.so", "c", "Does."}};
   EXPECT_EQ(component_list_text(files, {}),

@@ -37,18 +37,18 @@ json report() {
                                     finding("priority", "spoils", "be root")})}};
 }
 
-TEST(DoctorReport, WhatSpoilsComesFirstAndWhatIsGoodLast) {
+TEST(DoctorReport, ListsProblemsFirstAndGoodChecksLast) {
   const std::string text = doctor_text(report(), {});
   EXPECT_LT(text.find("priority"), text.find("frequency"));
   EXPECT_LT(text.find("stolen"), text.find("clock"));
   EXPECT_THAT(text, HasSubstr("machine cell7: one thing spoils real time, 2 notes\n"));
 }
 
-TEST(DoctorReport, ACommandIsNotBroken) {
+TEST(DoctorReport, DoesNotWrapACommand) {
   EXPECT_THAT(doctor_text(report(), {.width = 80}), HasSubstr("cure: " + kCommand + "\n"));
 }
 
-TEST(DoctorReport, EverythingElseKeepsToTheWidth) {
+TEST(DoctorReport, WrapsEverythingElseToTheWidth) {
   std::istringstream lines{doctor_text(report(), {.width = 80})};
   for (std::string line; std::getline(lines, line);) {
     const bool is_cure = line.find("cure: ") != std::string::npos;
@@ -56,16 +56,16 @@ TEST(DoctorReport, EverythingElseKeepsToTheWidth) {
   }
 }
 
-TEST(DoctorReport, SaysWhereACureIsOfNoUse) {
-  EXPECT_THAT(doctor_text(report(), {}), HasSubstr("cure: not from in here; on the host: pin it\n"));
+TEST(DoctorReport, NamesTheMachineOnWhichACureMustBeApplied) {
+  EXPECT_THAT(doctor_text(report(), {}), HasSubstr("cure: not possible from here; on the host: pin it\n"));
 }
 
-TEST(DoctorReport, ColoursOnlyWhereItIsAskedTo) {
+TEST(DoctorReport, UsesColourOnlyIfAskedTo) {
   EXPECT_THAT(doctor_text(report(), {}), Not(HasSubstr("\x1b")));
   EXPECT_THAT(doctor_text(report(), {.colour = true}), HasSubstr("\x1b["));
 }
 
-TEST(DoctorReport, SaysThatItIsNotRoot) {
+TEST(DoctorReport, SaysIfItWasNotRunAsRoot) {
   json of = report();
   EXPECT_THAT(doctor_text(of, {}), Not(HasSubstr("Not run as root")));
   of["root"] = false;

@@ -16,14 +16,14 @@ namespace takt::tool::graph_report_test {
 namespace {
 
 using namespace cells;
-using namespace pictures;
+using namespace drawings;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
 std::string long_name(char letter) { return std::string(63, letter); }
 
-/// A robot, a line and a station, and a program that is not Takt's.
+/// A robot, a line and a station, and a program outside Takt.
 model::Cell three() {
   auto dispatcher = at_once(not_before(sporadic("dispatcher", 10ms), 1ms));
   auto result = connected(
@@ -60,7 +60,7 @@ std::string text(const model::Cell& cell, const CellHealth& health = {}, Style s
   return graph_text(cell, health, style);
 }
 
-// ---- for a person
+// ---- as text
 
 nlohmann::ordered_json port(const char* name, int connections, int matched) {
   return {{"name", name},       {"direction", "in"}, {"type", "t::T"},    {"connections", connections},
@@ -68,7 +68,8 @@ nlohmann::ordered_json port(const char* name, int connections, int matched) {
           {"refused", 0},       {"late", 0},         {"age_us", nullptr}, {"incompatible", nullptr}};
 }
 
-/// As `takt status --json` says it of three(): the station is lost, the line does not hear the robot.
+/// The object of `takt status --json` for three(): the station is lost, and the line has no connection to the
+/// robot.
 nlohmann::ordered_json status_of_three() {
   auto setpoint = port("setpoint", 1, 1);
   setpoint["age_us"] = 30000.5;
@@ -96,7 +97,7 @@ nlohmann::ordered_json status_of_three() {
                 {{"name", "stranger"}, {"alive", true}, {"modules", List::array()}}})}};
 }
 
-TEST(CellHealthOfStatus, IsThatOfThePortThatReads) {
+TEST(CellHealthOfStatus, TakesTheHealthFromTheReader) {
   const CellHealth health = health_of(three(), status_of_three());
   EXPECT_EQ(health.devices.size(), 3U);
   EXPECT_FALSE(health.devices.at("station").alive);
@@ -105,16 +106,16 @@ TEST(CellHealthOfStatus, IsThatOfThePortThatReads) {
   const auto& setpoint = health.connections.at(0);
   EXPECT_TRUE(setpoint.matched && setpoint.stale);
   EXPECT_EQ(setpoint.age, 30'000'500ns);
-  EXPECT_EQ(health_text(setpoint), "STALE, 30 ms old, late 2") << "as exact as is of use to a reader";
+  EXPECT_EQ(health_text(setpoint), "STALE, 30 ms old, late 2") << "rounded to a useful precision";
   EXPECT_EQ(setpoint.late, 2U);
-  EXPECT_FALSE(health.connections.contains(1)) << "the station says nothing";
+  EXPECT_FALSE(health.connections.contains(1)) << "the station has reported nothing";
   EXPECT_FALSE(health.connections.at(2).matched);
   EXPECT_EQ(health.connections.at(3).incompatible, "reliability");
-  EXPECT_TRUE(health.connections.at(4).matched) << "of a topic, the port that writes";
+  EXPECT_TRUE(health.connections.at(4).matched) << "a topic for other programs has only a writer";
   EXPECT_FALSE(health.connections.contains(5));
 }
 
-TEST(CellHealthOfStatus, OfALostDeviceNothingIsMatched) {
+TEST(CellHealthOfStatus, ConnectionsOfALostDeviceAreNotMatched) {
   for (const char* lost : {"robot", "line"}) {
     auto status = status_of_three();
     for (auto& device : status["devices"]) {
@@ -127,7 +128,7 @@ TEST(CellHealthOfStatus, OfALostDeviceNothingIsMatched) {
   }
 }
 
-TEST(CellHealthOfStatus, IsEmptyWhereTheCellDoesNotRun) {
+TEST(CellHealthOfStatus, IsEmptyIfTheCellDoesNotRun) {
   auto status = status_of_three();
   status["cell"] = "palletizing2, other";
   EXPECT_TRUE(health_of(three(), status).devices.empty());
@@ -149,7 +150,7 @@ device line
 
 device station
   module      type    operation                                           executor
-  dispatcher  thread  sporadic, deadline 10 ms, at once, not before 1 ms  main
+  dispatcher  thread  sporadic, deadline 10 ms, immediate, interarrival 1 ms  main
 
 connections
   robot.trajectory.setpoint -> robot.arm.setpoint
@@ -167,7 +168,7 @@ connections
 )");
 }
 
-TEST(GraphText, SaysHowTheCellIs) {
+TEST(GraphText, ShowsTheHealthOfARunningCell) {
   EXPECT_THAT(
       text(three(), running()),
       AllOf(HasSubstr("device robot\n  alive\n"), HasSubstr("device line\n  alive\n  belt is in RECOVER\n"),
@@ -188,7 +189,7 @@ TEST(GraphText, SaysHowTheCellIs) {
                                                 "  a.m.y  b.m.y  latest  best-effort  no value yet\n"));
 }
 
-TEST(GraphText, IsNeverWiderThanItsColumnsAndEscapesOnlyInColour) {
+TEST(GraphText, KeepsToTheWidthAndUsesEscapesOnlyForColour) {
   const auto wide = connected(
       cell(long_name('c'), {device(long_name('d'), {on(long_name('e'), periodic(long_name('m'), 1ms))})}),
       {on_topic(latest(long_name('d') + "." + long_name('m') + "." + long_name('p'), ""),
@@ -220,9 +221,9 @@ TEST(GraphText, ShowsTheFirstOfManyModules) {
                                                           HasSubstr("... and 30 more; --json has them all")));
 }
 
-// ---- for a program
+// ---- as JSON
 
-TEST(GraphJson, HasEverythingThatACellSays) {
+TEST(GraphJson, HasAllDataOfTheDescriptor) {
   auto module = at_once(not_before(with_budget(sporadic("s", 10ms, 2), 1ms), 4ms));
   module.miss = model::Miss::error;
   auto connection = on_topic(stale_after(queue("d.a.out", "d.s.in", 8), 20ms, model::Stale::error), "rt/x");
@@ -248,7 +249,7 @@ TEST(GraphJson, HasEverythingThatACellSays) {
                                             .dump());
 }
 
-TEST(GraphJson, HasTheHealthThatIsKnown) {
+TEST(GraphJson, HasTheKnownHealth) {
   const auto json = graph_json(three(), running());
   EXPECT_EQ(json["devices"][0]["alive"], true);
   EXPECT_EQ(json["devices"][2]["alive"], false);
@@ -262,44 +263,45 @@ TEST(GraphJson, HasTheHealthThatIsKnown) {
   EXPECT_FALSE(graph_json(three(), {}).dump().find("alive") != std::string::npos);
 }
 
-// ---- as a picture
+// ---- as a drawing
 
-TEST(GraphSvg, ShowsDevicesModulesPortsAndWhatTheyAre) {
-  const std::string picture = graph_svg(three(), {});
-  EXPECT_THAT(picture, AllOf(HasSubstr(">robot<"), HasSubstr(">2 modules<"), HasSubstr(">trajectory<"),
+TEST(GraphSvg, ShowsDevicesModulesAndPorts) {
+  const std::string drawing = graph_svg(three(), {});
+  EXPECT_THAT(drawing, AllOf(HasSubstr(">robot<"), HasSubstr(">2 modules<"), HasSubstr(">trajectory<"),
                              HasSubstr(">thread, periodic, every 1 ms<"), HasSubstr(">process, non-real<"),
                              HasSubstr(">setpoint<"), HasSubstr(">measured<"), HasSubstr(">queue of 8<"),
                              HasSubstr(">latest, stale after 20 ms: error<"), HasSubstr(">other programs<"),
                              HasSubstr(">rt/speed<"), HasSubstr(">topic, domain 3<"),
                              HasSubstr("prefers-color-scheme: dark")));
-  EXPECT_THAT(picture,
+  EXPECT_THAT(drawing,
               HasSubstr("<title>robot.trajectory.setpoint -&gt; robot.arm.setpoint: latest, best-effort, "
                         "deadline 20 ms, error when stale</title>"));
-  EXPECT_EQ(occurrences(picture, R"(class="wire)"), 6U + 2) << "six connections, and two kinds in the legend";
+  EXPECT_EQ(occurrences(drawing, R"(class="wire)"), 6U + 2) << "six connections, and two kinds in the legend";
 }
 
-// A state is a word and, for a connection, a kind of line; what is coloured is one of these.
-TEST(GraphSvg, TellsHealthByWordsAndLinesAndNotByColourAlone) {
-  const std::string picture = graph_svg(three(), running());
-  EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="bad-word state">LOST<)"),
+// A state is a word and, for a connection, also a line style. Only these elements are coloured.
+TEST(GraphSvg, ShowsHealthByWordsAndLineStylesNotOnlyByColour) {
+  const std::string drawing = graph_svg(three(), running());
+  EXPECT_THAT(drawing, AllOf(HasSubstr(R"(class="bad-word state">LOST<)"),
                              HasSubstr(R"(class="good-word state">alive<)"),
                              HasSubstr(R"(class="poor-word state">alive, belt is in RECOVER<)"),
                              HasSubstr(R"(class="bad-word state">RECOVER<)"),
-                             HasSubstr(R"(class="poor-word state">EXECUTING when last heard<)")));
-  EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="good-word state">ok, 1.2 ms old<)"),
+                             HasSubstr(R"(class="poor-word state">EXECUTING (last known)<)")));
+  EXPECT_THAT(drawing, AllOf(HasSubstr(R"(class="good-word state">ok, 1.2 ms old<)"),
                              HasSubstr(R"(class="poor-word state">ok, 3 ms old, lost 3, dropped 2<)"),
                              HasSubstr(R"(class="bad-word state">STALE, 900 ms old, late 1<)"),
                              HasSubstr(R"(class="bad-word state">NOT MATCHED<)"),
                              HasSubstr(R"(class="bad-word state">NOT MATCHED: reliability<)")));
-  EXPECT_THAT(picture, AllOf(HasSubstr(R"(class="wire good")"), HasSubstr(R"(class="wire queue poor")"),
+  EXPECT_THAT(drawing, AllOf(HasSubstr(R"(class="wire good")"), HasSubstr(R"(class="wire queue poor")"),
                              HasSubstr(R"(class="wire bad")"), HasSubstr(R"(class="wire queue broken")")));
-  EXPECT_EQ(occurrences(picture, "stroke-dasharray"), 3U) << "other programs, stale, not matched";
-  EXPECT_THAT(picture, AllOf(HasSubstr(">stale: the value"), HasSubstr(">not matched: nobody")));
-  EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr(">stale: the value"))) << "a legend of what is there";
+  EXPECT_EQ(occurrences(drawing, "stroke-dasharray"), 3U) << "other programs, stale, not matched";
+  EXPECT_THAT(drawing, AllOf(HasSubstr(">stale: the value"), HasSubstr(">not matched: the other end")));
+  EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr(">stale: the value")))
+      << "the legend explains only what is drawn";
 }
 
-TEST(GraphSvg, LeadsFromAWireToTheNameOfItsPortAtTheOtherSide) {
-  const auto picture = [](std::vector<model::Connection> connections) {
+TEST(GraphSvg, LinksAWireToItsPortNameOnTheOtherSide) {
+  const auto drawing = [](std::vector<model::Connection> connections) {
     return graph_svg(
         connected(cell("c", {device("a", {periodic("m", 1ms)}), device("b", {periodic("n", 1ms)}),
                              device("z", {periodic("o", 1ms)})}),
@@ -307,17 +309,17 @@ TEST(GraphSvg, LeadsFromAWireToTheNameOfItsPortAtTheOtherSide) {
         {});
   };
   const auto to_right = latest("b.n.out", "z.o.in");
-  EXPECT_EQ(occurrences(picture({to_right}), "class=\"grid\""), 0U);
-  EXPECT_EQ(occurrences(picture({to_right, latest("b.n.out", "a.m.in")}), "class=\"grid\""), 1U);
+  EXPECT_EQ(occurrences(drawing({to_right}), "class=\"grid\""), 0U);
+  EXPECT_EQ(occurrences(drawing({to_right, latest("b.n.out", "a.m.in")}), "class=\"grid\""), 1U);
 }
 
-TEST(GraphSvg, HasAMarkAtEverythingThatAPageMayFind) {
-  const std::string picture = graph_svg(three(), {});
+TEST(GraphSvg, MarksTheElementsThatAPageLooksUp) {
+  const std::string drawing = graph_svg(three(), {});
   for (const char* mark :
        {R"(data-device="station")", R"(data-module="line.belt")", R"(data-connection="5")"})
-    EXPECT_THAT(picture, HasSubstr(mark));
-  EXPECT_EQ(occurrences(picture, "data-module="), 5U);
-  EXPECT_EQ(occurrences(picture, "data-connection="), 2 * three().connections.size())
+    EXPECT_THAT(drawing, HasSubstr(mark));
+  EXPECT_EQ(occurrences(drawing, "data-module="), 5U);
+  EXPECT_EQ(occurrences(drawing, "data-connection="), 2 * three().connections.size())
       << "its line and its words";
 }
 
@@ -365,7 +367,7 @@ CellHealth health_of(const model::Cell& cell, unsigned seed) {
   return health;
 }
 
-/// Cells of every shape: none, a module without ports, one device, many.
+/// Cells of every shape: empty, a module without ports, one device, many devices.
 std::vector<std::pair<model::Cell, CellHealth>> drawn() {
   std::vector<std::pair<model::Cell, CellHealth>> all{
       {cell("none", {}), {}},
@@ -391,13 +393,13 @@ std::vector<std::pair<model::Cell, CellHealth>> drawn() {
 TEST(GraphSvg, IsWellFormedAndReadable) {
   for (const auto& [cell, health] : drawn()) {
     SCOPED_TRACE(cell.name + " of " + std::to_string(cell.connections.size()));
-    const std::string picture = graph_svg(cell, health);
-    EXPECT_TRUE(is_well_formed(picture));
-    expect_readable(picture);
+    const std::string drawing = graph_svg(cell, health);
+    EXPECT_TRUE(is_well_formed(drawing));
+    expect_readable(drawing);
   }
 }
 
-/// A straight piece of a wire, either way.
+/// A straight segment of a wire, horizontal or vertical.
 struct Piece {
   std::size_t wire = 0;
   Point from;
@@ -417,7 +419,7 @@ std::vector<Piece> pieces_of(const graph::Layout& layout) {
   return pieces;
 }
 
-TEST(GraphLayout, PutsNoLineOnAnother) {
+TEST(GraphLayout, LinesDoNotOverlap) {
   for (const auto& [cell, health] : drawn()) {
     SCOPED_TRACE(cell.name + " of " + std::to_string(cell.connections.size()));
     const auto layout = graph::lay_out(cell, health);
@@ -434,7 +436,7 @@ TEST(GraphLayout, PutsNoLineOnAnother) {
   }
 }
 
-TEST(GraphLayout, LeadsEveryWireFromBoxToBoxAndThroughNone) {
+TEST(GraphLayout, WiresGoFromBoxToBoxAndCrossNone) {
   for (const auto& [cell, health] : drawn()) {
     SCOPED_TRACE(cell.name + " of " + std::to_string(cell.connections.size()));
     const auto layout = graph::lay_out(cell, health);
@@ -458,7 +460,7 @@ TEST(GraphLayout, LeadsEveryWireFromBoxToBoxAndThroughNone) {
     }
     for (const Piece& piece : pieces_of(layout)) {
       for (const graph::Column& column : layout.columns) {
-        // Only the first and the last piece lie in a column, between its frame and a box.
+        // Only the first and the last segment are inside a column, between its frame and a box.
         const double left = column.left + graph::kInside;
         const double right = column.right() - graph::kInside;
         const auto [x1, x2] = std::minmax(piece.from.x, piece.to.x);
@@ -472,7 +474,7 @@ TEST(GraphLayout, LeadsEveryWireFromBoxToBoxAndThroughNone) {
   }
 }
 
-TEST(GraphSvg, SaysWhatItLeavesOut) {
+TEST(GraphSvg, SaysWhatIsNotDrawn) {
   EXPECT_THAT(graph_svg(crowd(60, 1, 0, 1), {}), HasSubstr("only 50 of 60 devices are drawn"));
   EXPECT_THAT(graph_svg(crowd(1, 120, 0, 1), {}), HasSubstr(">and 20 modules more<"));
   EXPECT_THAT(graph_svg(crowd(2, 2, 600, 1), {}), HasSubstr(">100 of 600 connections are not drawn"));
@@ -481,17 +483,17 @@ TEST(GraphSvg, SaysWhatItLeavesOut) {
   EXPECT_THAT(graph_svg(three(), {}), Not(HasSubstr("drawn")));
 }
 
-TEST(GraphSvg, EscapesNamesAndNeedsNothingFromElsewhere) {
+TEST(GraphSvg, EscapesNamesAndHasNoExternalReferences) {
   auto odd = cell("a<b>&\"c\"", {device("d", {periodic("m", 1ms)})});
   odd.connections = {on_topic(latest("d.m.o", ""), "<&\">")};
   CellHealth health;
   health.devices["d"] = {true, "</text><script>"};
   health.connections[0].incompatible = "<i>";
-  const std::string picture = graph_svg(odd, health);
-  EXPECT_TRUE(is_well_formed(picture));
-  EXPECT_THAT(picture, AllOf(HasSubstr("a&lt;b&gt;&amp;&quot;c&quot;"), Not(HasSubstr("<script")),
+  const std::string drawing = graph_svg(odd, health);
+  EXPECT_TRUE(is_well_formed(drawing));
+  EXPECT_THAT(drawing, AllOf(HasSubstr("a&lt;b&gt;&amp;&quot;c&quot;"), Not(HasSubstr("<script")),
                              Not(HasSubstr("<i>"))));
-  EXPECT_EQ(occurrences(picture, "http"), 1U) << "the namespace";
+  EXPECT_EQ(occurrences(drawing, "http"), 1U) << "the namespace";
 }
 
 }  // namespace

@@ -37,14 +37,14 @@ class LogReportTest : public testing::Test {
   }
 };
 
-TEST_F(LogReportTest, AnEventIsALine) {
+TEST_F(LogReportTest, PrintsOneLinePerEvent) {
   Fault brief = overrun();
   brief.count = 1;
   brief.cycle = 0;
   EXPECT_EQ(text({brief}), "2026-03-01\n12:30:05.250 ! robot.servo      overrun         it was not done\n");
 }
 
-TEST_F(LogReportTest, ALongCauseIsBelowIt) {
+TEST_F(LogReportTest, PrintsALongCauseBelowTheEvent) {
   EXPECT_EQ(text({overrun()}),
             "2026-03-01\n"
             "12:30:05.250 ! robot.servo      overrun\n"
@@ -59,7 +59,7 @@ TEST_F(LogReportTest, ALongCauseIsBelowIt) {
   EXPECT_THAT(text({crash}), HasSubstr("one line\\nonly (3 times) [cycle 1200]; see /var/core.1\n"));
 }
 
-TEST_F(LogReportTest, TheDayIsSaidOnce) {
+TEST_F(LogReportTest, PrintsTheDayOnce) {
   std::string day;
   const Style style{.colour = false, .width = 80};
   EXPECT_THAT(log_text({overrun(), overrun()}, day, style), testing::StartsWith("2026-03-01\n12"));
@@ -69,7 +69,7 @@ TEST_F(LogReportTest, TheDayIsSaidOnce) {
   EXPECT_THAT(log_text({next}, day, style), testing::StartsWith("2026-03-02\n12"));
 }
 
-TEST_F(LogReportTest, ColourIsNeverTheOnlySign) {
+TEST_F(LogReportTest, MarksTheSeverityWithoutColourToo) {
   std::string plain = text({overrun()}, true);
   EXPECT_THAT(plain, HasSubstr("\033[33moverrun\033[0m"));
   for (const char* escape : {"\033[33m", "\033[0m"})
@@ -77,7 +77,7 @@ TEST_F(LogReportTest, ColourIsNeverTheOnlySign) {
   EXPECT_EQ(plain, text({overrun()}));
 }
 
-TEST_F(LogReportTest, JsonIsOneObjectALine) {
+TEST_F(LogReportTest, PrintsOneJsonObjectPerLine) {
   EXPECT_EQ(
       log_json({overrun()}),
       R"({"sequence":7,"time_ns":1772368205250000000,"cell":"cell","device":"robot","module":"servo",)"
@@ -86,7 +86,7 @@ TEST_F(LogReportTest, JsonIsOneObjectALine) {
       "\n");
 }
 
-TEST_F(LogReportTest, SinceIsHowLongAgoOrWhen) {
+TEST_F(LogReportTest, ReadsADurationOrAPointInTime) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   EXPECT_EQ(*since_from("90s", kNow), kNow - 90 * kSecond);
   EXPECT_EQ(*since_from("10m", kNow), kNow - 600 * kSecond);

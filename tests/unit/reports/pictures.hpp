@@ -1,4 +1,4 @@
-// What a picture shows, read from its SVG.
+// Helpers for tests of drawings: read and check their SVG.
 #pragma once
 
 #include <unistd.h>
@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace takt::tool::pictures {
+namespace takt::tool::drawings {
 
 inline std::size_t occurrences(const std::string& text, const std::string& what) {
   std::size_t count = 0;
@@ -20,16 +20,16 @@ inline std::size_t occurrences(const std::string& text, const std::string& what)
   return count;
 }
 
-inline bool is_well_formed(const std::string& picture) {
+inline bool is_well_formed(const std::string& drawing) {
   const auto file =
       std::filesystem::path{testing::TempDir()} / ("takt_picture_" + std::to_string(::getpid()) + ".svg");
-  std::ofstream{file} << picture;
+  std::ofstream{file} << drawing;
   const bool right = std::system(("xmllint --noout " + file.string()).c_str()) == 0;
   std::filesystem::remove(file);
   return right;
 }
 
-/// All that a picture shows of a text: where it is and how far it reaches in a wide font.
+/// A text of a drawing: its position, and its extent in a wide font.
 struct Label {
   double left = 0;
   double right = 0;
@@ -38,11 +38,11 @@ struct Label {
   std::string words;
 };
 
-inline std::vector<Label> labels(const std::string& picture) {
+inline std::vector<Label> labels(const std::string& drawing) {
   static const std::regex kText{
       R"re(<text x="([-0-9.]+)" y="([-0-9.]+)" font-size="([0-9.]+)" text-anchor="(\w+)" class="[^"]*">([^<]*)</text>)re"};
   std::vector<Label> found;
-  for (std::sregex_iterator at{picture.begin(), picture.end(), kText}, end; at != end; ++at) {
+  for (std::sregex_iterator at{drawing.begin(), drawing.end(), kText}, end; at != end; ++at) {
     Label label{.baseline = std::stod((*at)[2]), .size = std::stod((*at)[3]), .words = (*at)[5]};
     const double width = static_cast<double>(label.words.size()) * label.size * 0.61;
     const std::string anchor = (*at)[4];
@@ -58,12 +58,12 @@ inline bool overlap(const Label& a, const Label& b) {
          b.baseline - 0.75 * b.size < a.baseline + 0.2 * a.size;
 }
 
-/// Every text is within the picture, and none lies on another.
-inline void expect_readable(const std::string& picture) {
+/// Expects that every text is within the drawing and that no two texts overlap.
+inline void expect_readable(const std::string& drawing) {
   std::smatch box;
-  ASSERT_TRUE(std::regex_search(picture, box, std::regex{R"re(viewBox="0 0 (\d+) (\d+)")re"}));
-  const auto all = labels(picture);
-  ASSERT_EQ(all.size(), occurrences(picture, "<text "));
+  ASSERT_TRUE(std::regex_search(drawing, box, std::regex{R"re(viewBox="0 0 (\d+) (\d+)")re"}));
+  const auto all = labels(drawing);
+  ASSERT_EQ(all.size(), occurrences(drawing, "<text "));
   for (std::size_t i = 0; i < all.size(); ++i) {
     EXPECT_GE(all[i].left, 0) << all[i].words;
     EXPECT_LE(all[i].right, std::stod(box[1])) << all[i].words;
@@ -74,4 +74,4 @@ inline void expect_readable(const std::string& picture) {
   }
 }
 
-}  // namespace takt::tool::pictures
+}  // namespace takt::tool::drawings

@@ -31,7 +31,7 @@ TEST(Plot, MarksAreRoundNumbers) {
       EXPECT_LE(ticks(from, to, 5).size(), 21U);
 }
 
-TEST(Plot, TimeHasTheUnitThatIsReadBest) {
+TEST(Plot, ChoosesAUnitForTheTimeAxis) {
   EXPECT_STREQ("us", unit_of_time(0.0005).name);
   EXPECT_STREQ("ms", unit_of_time(0.5).name);
   EXPECT_STREQ("s", unit_of_time(60).name);
@@ -53,7 +53,7 @@ TEST(Plot, DrawsCurvesGapsAndNames) {
     for (auto at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++n;
     return n;
   };
-  EXPECT_EQ(3U, count("class=\"curve"));  // two parts of the first, one of the second
+  EXPECT_EQ(3U, count("class=\"curve"));  // two curves of the first series, one of the second
   EXPECT_EQ(1U, count("<circle"));
   EXPECT_THAT(svg, HasSubstr("a.b.c.speed &amp; &lt;more&gt;"));
   EXPECT_THAT(svg, HasSubstr(">RUNS<"));
@@ -67,7 +67,7 @@ Plot plot_of(std::vector<PlotPoint> points) {
   return plot;
 }
 
-/// What stands at the marks of the values, from the lowest.
+/// The labels at the marks of the value axis, from the lowest.
 std::vector<std::string> value_marks(const std::string& svg) {
   static const std::regex kMark{R"re(text-anchor="end" class="faint">([^<]*)<)re"};
   std::vector<std::string> found;
@@ -76,27 +76,27 @@ std::vector<std::string> value_marks(const std::string& svg) {
   return found;
 }
 
-TEST(Plot, MarksOfLargeNumbersCanBeToldFromEachOther) {
+TEST(Plot, MarksOfLargeNumbersAreDistinguishable) {
   for (const auto& [low, high] : {std::pair{-1234568.0, -1234566.5}, {1e6, 1e6 + 2e-3}, {1e-9, 4e-9}}) {
     const std::string svg = plot_svg(plot_of({{0, low}, {10, high}}));
     const auto marks = value_marks(svg);
     EXPECT_GE(marks.size(), 3U);
     EXPECT_EQ(marks.size(), std::set(marks.begin(), marks.end()).size()) << testing::PrintToString(marks);
-    pictures::expect_readable(svg);
+    drawings::expect_readable(svg);
   }
   const double month = 30 * 86400.0;
   const std::string late = plot_svg(plot_of({{month, 1}, {month + 1e-3, 2}}));
   EXPECT_THAT(late, HasSubstr(">2592000000.2<"));
-  pictures::expect_readable(late);
+  drawings::expect_readable(late);
 }
 
-TEST(Plot, TheTimeOfASingleSampleIsRead) {
+TEST(Plot, ShowsTheTimeOfASingleSample) {
   const std::string svg = plot_svg(plot_of({{3, 1.5}}));
   EXPECT_THAT(svg, HasSubstr("time in s<"));
   EXPECT_THAT(svg, HasSubstr(">3<"));
 }
 
-TEST(Plot, CountsHaveNoMarksBetweenWholeNumbers) {
+TEST(Plot, WholeNumbersHaveNoMarksInBetween) {
   EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 1}, {5, 2}, {10, 3}}))), ElementsAre("1", "2", "3"));
   EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 7}, {10, 7}}))), ElementsAre("7"));
   EXPECT_THAT(value_marks(plot_svg(plot_of({{0, 1}, {5, 2.5}}))), testing::Contains("1.5"));
@@ -104,30 +104,30 @@ TEST(Plot, CountsHaveNoMarksBetweenWholeNumbers) {
 
 std::size_t shapes(const Plot& plot) {
   const std::string svg = plot_svg(plot);
-  pictures::expect_readable(svg);
-  return pictures::occurrences(svg, "<circle") + pictures::occurrences(svg, "z\" class=\"d");
+  drawings::expect_readable(svg);
+  return drawings::occurrences(svg, "<circle") + drawings::occurrences(svg, "z\" class=\"d");
 }
 
-TEST(Plot, CurvesDifferInMoreThanTheirColour) {
+TEST(Plot, CurvesDifferInShapeToo) {
   Plot plot = plot_of({{0, 1}, {10, 2}});
-  EXPECT_EQ(shapes(plot), 0U) << "there is no other";
+  EXPECT_EQ(shapes(plot), 0U) << "a single curve needs no shape";
   PlotSeries same = plot.panels[0].series[0];
   same.name = "t";
   same.curves.push_back({{10, 1}});
   plot.panels[0].series.insert(plot.panels[0].series.end(), {same, same});
-  // Circles, squares and triangles; of what is one sample, too, and in the legend.
+  // Circles, squares and triangles: on curves, on single samples, and in the legend.
   const std::string svg = plot_svg(plot);
-  EXPECT_EQ(pictures::occurrences(svg, "<circle"), 10U + 1U);
-  EXPECT_EQ(pictures::occurrences(svg, "z\" class=\"d2\""), 10U + 1U + 1U);
+  EXPECT_EQ(drawings::occurrences(svg, "<circle"), 10U + 1U);
+  EXPECT_EQ(drawings::occurrences(svg, "z\" class=\"d2\""), 10U + 1U + 1U);
   EXPECT_EQ(shapes(plot), 11U + 12U);
 }
 
-TEST(Plot, TheLargestOfNumbersAreWhereTheyBelong) {
+TEST(Plot, PlacesTheLargestNumbersCorrectly) {
   const auto marks = value_marks(plot_svg(plot_of({{0, 0}, {10, 1e308}})));
   EXPECT_THAT(marks, testing::Contains("1e+308"));
 }
 
-TEST(Plot, HasNoNumbersThatAreNone) {
+TEST(Plot, NeverContainsNanOrInf) {
   for (const double value : {0.0, 1e308, -1e308, 1e-320}) {
     Plot plot{.title = "t", .subtitle = "", .from = 0, .to = 0};
     plot.panels.push_back(

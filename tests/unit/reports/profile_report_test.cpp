@@ -29,7 +29,7 @@ TEST(ProfileReport, TakesTheRunTimesOfEveryModule) {
   EXPECT_EQ(servo.max, Nanoseconds{886'123});
 }
 
-TEST(ProfileReport, CountsNoRunsWhereNoneWasMeasured) {
+TEST(ProfileReport, CountsNoRunsIfNoneWasMeasured) {
   json never = module("m", 3, 0);
   for (auto& time : never["run_us"]) time = 0.0;
   const json status{{"cell", "cell"}, {"devices", {{{"name", "robot"}, {"modules", {never}}}}}};

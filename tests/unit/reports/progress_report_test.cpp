@@ -17,7 +17,7 @@ TEST(ShareText, IsABarAndANumber) {
   EXPECT_EQ(share_text(-1, "less", {}), "[....................]   0 %  less");
 }
 
-TEST(BringUp, TellsEachModuleAndDeviceOnce) {
+TEST(BringUp, ReportsEachStateOnce) {
   BringUp bring_up{2};
   std::vector<BroughtUp> devices{{.device = "robot", .state = "waiting", .modules = {}}};
   EXPECT_THAT(bring_up.news(devices), IsEmpty());
@@ -32,7 +32,7 @@ TEST(BringUp, TellsEachModuleAndDeviceOnce) {
               UnorderedElementsAre("robot: running", "robot.arm: EXECUTING", "robot.servo: EXECUTING"));
 }
 
-TEST(BringUp, SaysHowManyAreReadyAndWhatIsWaitedFor) {
+TEST(BringUp, ShowsHowManyAreReadyAndWhichIsMissing) {
   const BringUp bring_up{3};
   EXPECT_EQ(bring_up.text({}, {}), "[....................]   0 %  0 of 3 modules ready");
   EXPECT_EQ(

@@ -43,7 +43,7 @@ json cell() {
                                     {"modules", json::array({arm})}}})}};
 }
 
-TEST(RunText, HasALineForEachModuleAndEachPortThatIsConnected) {
+TEST(RunText, HasALineForEachModuleAndEachConnectedPort) {
   const std::string text = run_text(cell());
   EXPECT_THAT(text, ContainsRegex("main +999 +1 +-1.50 +0.25 +12.3 +1450 +17.5"));
   EXPECT_THAT(text, ContainsRegex("arm +EXECUTING +1000 +-1.50 +0.25 +12.3 +0.25 +1450 +2 +3"));
@@ -51,7 +51,7 @@ TEST(RunText, HasALineForEachModuleAndEachPortThatIsConnected) {
   EXPECT_THAT(text, Not(HasSubstr("unused")));
 }
 
-TEST(RunJson, HasNoMoreOfAnExecutorThanTheContract) {
+TEST(RunJson, LeavesOutTheMarginsOfExecutors) {
   const json report = json::parse(run_json(cell()));
   std::vector<std::string> keys;
   for (const auto& entry : report["devices"][0]["executors"][0].items()) keys.push_back(entry.key());
@@ -59,23 +59,23 @@ TEST(RunJson, HasNoMoreOfAnExecutorThanTheContract) {
   EXPECT_EQ(report["devices"][0]["modules"], cell()["devices"][0]["modules"]);
 }
 
-TEST(RunText, NamesWhatKeepsAPortFromMatching) {
+TEST(RunText, NamesTheQosPolicyThatPreventsMatching) {
   json status = cell();
   status["devices"][0]["modules"][0]["ports"][0]["incompatible"] = "reliability";
   status["devices"][0]["modules"][0]["ports"][0]["age_us"] = nullptr;
-  EXPECT_THAT(run_text(status), ContainsRegex("7 +-  does not match by reliability\n"));
+  EXPECT_THAT(run_text(status), ContainsRegex("7 +-  not matched: incompatible reliability\n"));
 }
 
-TEST(RunText, ShowsTheModulesOfALostDeviceAsTheyWereLastHeard) {
+TEST(RunText, ShowsTheLastKnownStatesOfALostDevice) {
   json status = cell();
   status["devices"][0]["alive"] = false;
   const std::string text = run_text(status);
   EXPECT_THAT(
-      text, AllOf(HasSubstr("device robot  LOST"), ContainsRegex("arm +EXECUTING +when it was last heard")));
+      text, AllOf(HasSubstr("device robot  LOST"), ContainsRegex("arm +EXECUTING +\\(last known state\\)")));
   EXPECT_THAT(text, Not(HasSubstr("arm.setpoint")));
 }
 
-TEST(RunText, SaysWhyAModuleOrADeviceIsNotAsItShouldBe) {
+TEST(RunText, ShowsTheReasonForABadState) {
   json status = cell();
   status["devices"][0]["state"] = "running";
   status["devices"][0]["modules"][0]["state"] = "RECOVER";
@@ -86,7 +86,7 @@ TEST(RunText, SaysWhyAModuleOrADeviceIsNotAsItShouldBe) {
   EXPECT_THAT(run_text(status), HasSubstr("device robot  ended: module arm was given up\n"));
 }
 
-TEST(RunText, HasNoTablesOfADeviceThatWaits) {
+TEST(RunText, HasNoTablesForAWaitingDevice) {
   json status = cell();
   status["devices"][0] = {{"name", "robot"},          {"alive", true},
                           {"real_time", true},        {"executors", json::array()},
@@ -94,7 +94,7 @@ TEST(RunText, HasNoTablesOfADeviceThatWaits) {
   EXPECT_THAT(run_text(status), AllOf(HasSubstr("device robot  waiting\n"), Not(HasSubstr("  executor"))));
 }
 
-TEST(RunText, SaysThatADeviceIsNotRealTime) {
+TEST(RunText, MarksADeviceWithoutRealTime) {
   json status = cell();
   status["devices"][0]["real_time"] = false;
   EXPECT_THAT(run_text(status), HasSubstr("device robot  NOT REAL-TIME"));

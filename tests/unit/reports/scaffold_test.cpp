@@ -22,7 +22,7 @@ const std::string& text_of(const std::vector<NewFile>& files, const std::string&
   throw std::out_of_range(name);
 }
 
-TEST(Scaffold, WritesAComponentWithAllThatBelongsToIt) {
+TEST(Scaffold, WritesAllFilesOfAComponent) {
   const auto files = new_component({.name = "belt_drive"});
   ASSERT_TRUE(files);
   EXPECT_THAT(names(*files),
@@ -49,7 +49,7 @@ TEST(Scaffold, LeavesNoPlaceholder) {
   ASSERT_TRUE(cell);
   for (const NewFile& file : *cell) EXPECT_THAT(file.text, Not(ContainsRegex("@[A-Za-z]+@"))) << file.name;
 }
-TEST(Scaffold, SaysWhichKindItIs) {
+TEST(Scaffold, FillsInTheKindOfModule) {
   const auto files = new_component({"pump", model::ModuleType::process, model::Operation::sporadic, true});
   ASSERT_TRUE(files);
   EXPECT_THAT(text_of(*files, "CMakeLists.txt"), HasSubstr("takt_add_process(pump pump.c TYPES pump_types)"));
@@ -57,13 +57,13 @@ TEST(Scaffold, SaysWhichKindItIs) {
   EXPECT_THAT(text_of(*files, "pump.xml"), HasSubstr("<deadline>"));
   EXPECT_THAT(text_of(*files, "pump.c"), HasSubstr("waitSporadic()"));
 }
-TEST(Scaffold, RefusesNamesThatWouldNotBuild) {
+TEST(Scaffold, RejectsNamesThatWouldNotBuild) {
   for (const char* name :
        {"", "2nd", "Pump", "belt-drive", "a b", "a__b", "a_", "../a", "test", "takt", "p\xc3\xbcmpe"})
     EXPECT_FALSE(new_component({.name = name})) << name;
   EXPECT_FALSE(new_component({.name = std::string(49, 'a')}));
   EXPECT_TRUE(new_component({.name = std::string(48, 'a')}));
-  EXPECT_TRUE(new_component({.name = "int"})) << "nothing is called int";
+  EXPECT_TRUE(new_component({.name = "int"})) << "the generated code has no identifier int";
   EXPECT_FALSE(new_cell("a b"));
   EXPECT_TRUE(new_cell("Line-1"));
 }

@@ -81,7 +81,7 @@ json trace() {
            {"late_beyond_us", 20.0}}}}}}};
 }
 
-TEST(TraceReport, HasTheWorstFirst) {
+TEST(TraceReport, ListsTheWorstStartsFirst) {
   const auto summary = summary_of(trace());
   ASSERT_TRUE(summary.ok()) << to_text(summary.problems());
   ASSERT_EQ(summary->late.size(), 2U);
@@ -93,7 +93,7 @@ TEST(TraceReport, HasTheWorstFirst) {
   EXPECT_EQ(summary->changes.at("m0: START -> EXECUTING"), 1U);
 }
 
-TEST(TraceReport, SaysEachCauseWithItsNumbers) {
+TEST(TraceReport, ShowsTheNumbersOfEachCause) {
   const json report = trace_json_report(*summary_of(trace()));
   EXPECT_EQ(report["late_starts"], 2);
   EXPECT_EQ(report["causes"].size(), 2U);
@@ -123,17 +123,17 @@ TEST(TraceReport, SaysThatNothingWasLate) {
   EXPECT_NE(trace_report(summary, {}).find("Nothing began late."), std::string::npos);
 }
 
-TEST(TraceReport, WhatIsNoTraceIsRefused) {
+TEST(TraceReport, RejectsAFileThatIsNotATrace) {
   for (const json& none : {json{}, json::object(), json::array(), json{{"otherData", {{"format", "other"}}}},
                            json{{"otherData", 5}}, json{{"traceEvents", json::array()}}}) {
     const auto summary = summary_of(none);
     ASSERT_FALSE(summary.ok()) << none;
-    EXPECT_EQ(summary.problems()[0].what, "it is no trace of takt");
+    EXPECT_EQ(summary.problems()[0].what, "is not a Takt trace");
   }
 }
 
-// Whatever member is missing or of another kind: a reason, and no crash.
-TEST(TraceReport, ADamagedTraceIsRefused) {
+// Whichever member is missing or has the wrong type, the trace is rejected with a reason.
+TEST(TraceReport, RejectsADamagedTrace) {
   const json whole = trace();
   for (const auto& [key, value] : whole["otherData"].items()) {
     json damaged = whole;
@@ -155,43 +155,43 @@ json of_thread(int thread, const char* category, const std::string& name, double
   return {{"ph", "X"}, {"tid", thread}, {"ts", at_us}, {"dur", took_us}, {"cat", category}, {"name", name}};
 }
 
-/// Where the bars of a class begin, and how wide they are.
-std::vector<std::pair<double, double>> bars(const std::string& picture, const std::string& look) {
+/// The left edge and the width of each bar of a class.
+std::vector<std::pair<double, double>> bars(const std::string& drawing, const std::string& look) {
   std::vector<std::pair<double, double>> found;
   const std::regex bar{R"re(<rect x="([0-9.]+)" y="[0-9.]+" width="([0-9.]+)"[^>]* class=")re" + look + "\""};
-  for (std::sregex_iterator at{picture.begin(), picture.end(), bar}; at != std::sregex_iterator{}; ++at)
+  for (std::sregex_iterator at{drawing.begin(), drawing.end(), bar}; at != std::sregex_iterator{}; ++at)
     found.emplace_back(std::stod((*at)[1]), std::stod((*at)[2]));
   return found;
 }
 
-TEST(TraceSvg, HasALaneForEachThatRan) {
+TEST(TraceSvg, HasALaneForEachModuleThatRan) {
   json whole = trace();
   whole["otherData"]["lasts_us"] = 9000.0;
   whole["traceEvents"].push_back(of_thread(10, "run", "m0", 4500, 900));
   whole["traceEvents"].push_back(of_thread(100'000, "body", "vision", 3000, 4500));
-  const auto picture = trace_svg(whole);
-  ASSERT_TRUE(picture);
-  pictures::expect_readable(*picture);
+  const auto drawing = trace_svg(whole);
+  ASSERT_TRUE(drawing);
+  drawings::expect_readable(*drawing);
   for (const char* word :
        {">executor plc<", ">rows<", ">m0<", ">m1<", ">programs<", ">vision<", ">time in ms<"})
-    EXPECT_THAT(*picture, testing::HasSubstr(word));
-  EXPECT_THAT(*picture, testing::Not(testing::HasSubstr(">-0<")));
-  const auto program = bars(*picture, "process");
+    EXPECT_THAT(*drawing, testing::HasSubstr(word));
+  EXPECT_THAT(*drawing, testing::Not(testing::HasSubstr(">-0<")));
+  const auto program = bars(*drawing, "process");
   ASSERT_EQ(program.size(), 1U);
   EXPECT_NEAR(program[0].second, 450, 1) << "half of 9 ms";
-  const auto threads = bars(*picture, "thread");
+  const auto threads = bars(*drawing, "thread");
   ASSERT_EQ(threads.size(), 2U);
   EXPECT_NEAR(threads[1].first - program[0].first, 150, 1) << "1.5 ms later";
   EXPECT_NEAR(threads[1].second, 90, 1);
 }
 
-TEST(TraceSvg, MarksWhatBeganLateAndSaysWhy) {
-  const auto picture = trace_svg(trace());
-  ASSERT_TRUE(picture);
-  EXPECT_THAT(*picture,
+TEST(TraceSvg, MarksLateStartsWithTheirReason) {
+  const auto drawing = trace_svg(trace());
+  ASSERT_TRUE(drawing);
+  EXPECT_THAT(*drawing,
               testing::HasSubstr("<title>rows: 640 us late: m0 ran 1.54 ms in the row before</title>"));
-  EXPECT_THAT(*picture, testing::HasSubstr("began late: 2 starts"));
-  EXPECT_THAT(*picture, testing::HasSubstr("plc.m1, 40 us late: wake-up; woken late"));
+  EXPECT_THAT(*drawing, testing::HasSubstr("began late: 2 starts"));
+  EXPECT_THAT(*drawing, testing::HasSubstr("plc.m1, 40 us late: wake-up; woken late"));
   json quiet = trace();
   for (json& event : quiet["traceEvents"]) {
     if (!event.contains("args")) continue;
@@ -202,44 +202,44 @@ TEST(TraceSvg, MarksWhatBeganLateAndSaysWhy) {
   EXPECT_THAT(*none, testing::HasSubstr("Nothing began late."));
 }
 
-TEST(TraceSvg, NoLineIsDrawnThroughATitle) {
+TEST(TraceSvg, DrawsNoLineThroughATitle) {
   json whole = trace();
   whole["traceEvents"][0]["args"]["name"] = "executor of a name longer than those of its modules";
-  const auto picture = trace_svg(whole);
-  ASSERT_TRUE(picture);
-  const auto labels = pictures::labels(*picture);
+  const auto drawing = trace_svg(whole);
+  ASSERT_TRUE(drawing);
+  const auto labels = drawings::labels(*drawing);
   const auto title = std::find_if(labels.begin(), labels.end(),
                                   [](const auto& l) { return l.words.starts_with("executor "); });
   ASSERT_NE(title, labels.end());
   const std::regex line{R"re(<line x1="([0-9.]+)" y1="([0-9.]+)" x2="[0-9.]+" y2="([0-9.]+)")re"};
   std::size_t lines = 0;
-  for (std::sregex_iterator at{picture->begin(), picture->end(), line}, end; at != end; ++at, ++lines)
+  for (std::sregex_iterator at{drawing->begin(), drawing->end(), line}, end; at != end; ++at, ++lines)
     EXPECT_FALSE(std::stod((*at)[2]) < title->baseline && std::stod((*at)[3]) > title->baseline) << at->str();
   EXPECT_GT(lines, 0U);
 }
 
-TEST(TraceSvg, OfNothingSaysSo) {
+TEST(TraceSvg, SaysThatNothingRan) {
   json whole = trace();
   whole["traceEvents"] = json::array();
-  const auto picture = trace_svg(whole);
-  ASSERT_TRUE(picture);
-  EXPECT_THAT(*picture, testing::HasSubstr(">nothing ran in this time<"));
-  pictures::expect_readable(*picture);
+  const auto drawing = trace_svg(whole);
+  ASSERT_TRUE(drawing);
+  EXPECT_THAT(*drawing, testing::HasSubstr(">nothing ran in this time<"));
+  drawings::expect_readable(*drawing);
 }
 
-TEST(TraceSvg, OfAVeryLongTraceShowsTheNewest) {
+TEST(TraceSvg, ShowsTheNewestPartOfALongTrace) {
   json whole = trace();
   for (std::size_t i = 0; i < kTraceBars; ++i)
     whole["traceEvents"].push_back(of_thread(10, "run", "m2", 4e6 + static_cast<double>(i) * 200, 50));
-  const auto picture = trace_svg(whole);
-  ASSERT_TRUE(picture);
-  EXPECT_THAT(*picture, testing::HasSubstr("1 s, the last of 5 s"));
-  EXPECT_THAT(*picture, testing::HasSubstr("at 1 ms, before what is drawn: plc, 640 us late"));
-  EXPECT_EQ(bars(*picture, "thread").size(), kTraceBars);
-  EXPECT_TRUE(bars(*picture, "row").empty()) << "they were before";
+  const auto drawing = trace_svg(whole);
+  ASSERT_TRUE(drawing);
+  EXPECT_THAT(*drawing, testing::HasSubstr("1 s, the last of 5 s"));
+  EXPECT_THAT(*drawing, testing::HasSubstr("at 1 ms (not drawn): plc, 640 us late"));
+  EXPECT_EQ(bars(*drawing, "thread").size(), kTraceBars);
+  EXPECT_TRUE(bars(*drawing, "row").empty()) << "the rows are older";
 }
 
-TEST(TraceSvg, OfWhatIsNoTraceIsRefused) {
+TEST(TraceSvg, RejectsAFileThatIsNotATrace) {
   for (json none : {json{}, json::array(), json{{"otherData", 5}}}) EXPECT_FALSE(trace_svg(none));
   json damaged = trace();
   damaged["traceEvents"][1].erase("dur");

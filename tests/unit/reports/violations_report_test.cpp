@@ -10,16 +10,16 @@ using json = nlohmann::ordered_json;
 
 json device(json violations) { return {{"name", "d"}, {"realtime_violations", std::move(violations)}}; }
 
-TEST(ViolationsReport, IsEmptyWhereNothingWasChecked) {
+TEST(ViolationsReport, IsEmptyIfNothingWasChecked) {
   EXPECT_EQ(violations_text({{"devices", json::array({{{"name", "d"}}})}}), "");
 }
 
-TEST(ViolationsReport, SaysThatThereWereNone) {
+TEST(ViolationsReport, SaysIfThereAreNone) {
   EXPECT_EQ(violations_text({{"devices", json::array({device(json::array())})}}),
-            "\nno module did what no real-time code may\n");
+            "\nno real-time violations\n");
 }
 
-TEST(ViolationsReport, NamesModulesAndExecutorsWithTheCalls) {
+TEST(ViolationsReport, ListsModulesAndExecutorsWithTheirCalls) {
   const json list = json::array({{{"module", "m"},
                                   {"hook", "run()"},
                                   {"kind", "allocation"},
@@ -34,7 +34,7 @@ TEST(ViolationsReport, NamesModulesAndExecutorsWithTheCalls) {
                                   {"count", 1},
                                   {"backtrace", json::array()}}});
   EXPECT_EQ(violations_text({{"devices", json::array({device(list)})}}),
-            "\nnot real-time:\n"
+            "\nreal-time violations:\n"
             "  d.m run(): allocation malloc, 12 times\n"
             "      f at m.cpp:3 in m.so\n"
             "      run at m.cpp:9 in m.so\n"

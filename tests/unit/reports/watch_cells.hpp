@@ -1,4 +1,4 @@
-// Cells to look at, and the screen as a person reads it.
+// Snapshots of cells for tests, and the screen as text.
 #pragma once
 
 #include <cmath>
@@ -24,13 +24,14 @@ inline Device device(const std::string& name, std::vector<Module> modules = {}) 
 }
 
 /// Two devices: "line" with one module that is in RECOVER, "robot" with `modules` named m0, m1, ...
-inline Seen cell(std::size_t modules) {
+inline Snapshot cell(std::size_t modules) {
   std::vector<Module> many;
   for (std::size_t i = 0; i < modules; ++i) many.push_back(module("m" + std::to_string(i)));
-  Seen seen{.domain = 7, .clock = "12:34:56", .devices = {device("line", {module("belt", "RECOVER")})}};
-  seen.devices[0].modules[0].text = "failure: it jams";
-  seen.devices.push_back(device("robot", many));
-  return seen;
+  Snapshot snapshot{
+      .domain = 7, .clock = "12:34:56", .devices = {device("line", {module("belt", "RECOVER")})}};
+  snapshot.devices[0].modules[0].text = "failure: it jams";
+  snapshot.devices.push_back(device("robot", many));
+  return snapshot;
 }
 
 inline std::string text_of(const Screen& screen) {
@@ -39,9 +40,9 @@ inline std::string text_of(const Screen& screen) {
   return text;
 }
 
-inline std::string drawn(const Seen& seen, View view = {}, std::size_t columns = 80, std::size_t lines = 24,
-                         ScreenStyle style = {}) {
-  return text_of(draw(seen, view, columns, lines, style));
+inline std::string drawn(const Snapshot& snapshot, View view = {}, std::size_t columns = 80,
+                         std::size_t lines = 24, ScreenStyle style = {}) {
+  return text_of(draw(snapshot, view, columns, lines, style));
 }
 
 }  // namespace takt::tool::watch

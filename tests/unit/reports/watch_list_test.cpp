@@ -13,49 +13,49 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-std::vector<std::string> targets(const Seen& seen, const View& view) {
+std::vector<std::string> targets(const Snapshot& snapshot, const View& view) {
   std::vector<std::string> all;
-  for (const Row& row : rows_of(seen, view)) all.push_back(row.target());
+  for (const Row& row : rows_of(snapshot, view)) all.push_back(row.target());
   return all;
 }
 
-Seen three() {
-  Seen seen = cell(3);
-  seen.devices[1].modules[0].measured->errors = 2;
-  seen.devices[1].modules[1].measured->errors = 5;
-  seen.devices.push_back(device("idle"));
-  return seen;
+Snapshot three() {
+  Snapshot snapshot = cell(3);
+  snapshot.devices[1].modules[0].measured->errors = 2;
+  snapshot.devices[1].modules[1].measured->errors = 5;
+  snapshot.devices.push_back(device("idle"));
+  return snapshot;
 }
 
-TEST(WatchList, HasEachDeviceWithItsModulesBelow) {
+TEST(WatchList, ListsEachDeviceWithItsModulesBelow) {
   EXPECT_THAT(targets(three(), {}),
               ElementsAre("idle", "line", "line.belt", "robot", "robot.m0", "robot.m1", "robot.m2"));
   EXPECT_THAT(targets(three(), {.reversed = true}),
               ElementsAre("robot", "robot.m2", "robot.m1", "robot.m0", "line", "line.belt", "idle"));
 }
 
-TEST(WatchList, SortsTheLargestFirst) {
+TEST(WatchList, SortsLargestNumbersFirst) {
   EXPECT_THAT(targets(three(), {.column = Column::errors}),
               ElementsAre("robot.m1", "robot.m0", "line.belt", "robot.m2", "idle"));
   EXPECT_THAT(targets(three(), {.column = Column::errors, .reversed = true}),
               ElementsAre("idle", "line.belt", "robot.m2", "robot.m0", "robot.m1"));
 }
 
-TEST(WatchList, SortsTheWorstStateFirst) {
-  Seen seen = three();
-  seen.devices[1].modules[2].state = "DESTRUCT";
-  EXPECT_THAT(targets(seen, {.column = Column::state}),
+TEST(WatchList, SortsWorstStatesFirst) {
+  Snapshot snapshot = three();
+  snapshot.devices[1].modules[2].state = "DESTRUCT";
+  EXPECT_THAT(targets(snapshot, {.column = Column::state}),
               ElementsAre("line.belt", "robot.m2", "robot.m0", "robot.m1", "idle"));
-  seen.devices[1].alive = false;
-  EXPECT_THAT(targets(seen, {.column = Column::state}),
+  snapshot.devices[1].alive = false;
+  EXPECT_THAT(targets(snapshot, {.column = Column::state}),
               ElementsAre("robot.m0", "robot.m1", "robot.m2", "line.belt", "idle"));
 }
 
-TEST(WatchList, EachColumnIsSortedByWhatItShows) {
-  Seen seen = cell(2);
-  seen.devices.erase(seen.devices.begin());
-  Module& less = seen.devices[0].modules[0];
-  Module& more = seen.devices[0].modules[1];
+TEST(WatchList, SortsByTheValueOfTheColumn) {
+  Snapshot snapshot = cell(2);
+  snapshot.devices.erase(snapshot.devices.begin());
+  Module& less = snapshot.devices[0].modules[0];
+  Module& more = snapshot.devices[0].modules[1];
   for (Module* each : {&less, &more})
     each->planned = Planned{.words = "", .budget = std::chrono::microseconds{100}};
   more.measured = Measured{.cycles = 2000,
@@ -66,11 +66,11 @@ TEST(WatchList, EachColumnIsSortedByWhatItShows) {
                            .run_us = {.p99 = 80}};
   for (const Column column : {Column::p50, Column::p99, Column::budget, Column::overruns, Column::errors,
                               Column::cycles, Column::missed})
-    EXPECT_THAT(targets(seen, {.column = column}), ElementsAre("robot.m1", "robot.m0"))
+    EXPECT_THAT(targets(snapshot, {.column = column}), ElementsAre("robot.m1", "robot.m0"))
         << static_cast<int>(column);
 }
 
-TEST(WatchList, FindsWordsInNameStateAndReason) {
+TEST(WatchList, FiltersByNameStateAndReason) {
   EXPECT_THAT(targets(three(), {.filter = "ROBOT m1"}), ElementsAre("robot", "robot.m1"));
   EXPECT_THAT(targets(three(), {.filter = "recover"}), ElementsAre("line", "line.belt"));
   EXPECT_THAT(targets(three(), {.filter = "jams"}), ElementsAre("line", "line.belt"));
@@ -80,7 +80,7 @@ TEST(WatchList, FindsWordsInNameStateAndReason) {
   EXPECT_THAT(targets(three(), {.filter = "m1 m2"}), ElementsAre());
 }
 
-TEST(WatchList, AtEightyColumnsThereIsWhatMatters) {
+TEST(WatchList, ShowsTheImportantColumnsAtEightyColumns) {
   const std::string heading = list_heading({}, 80, {}).shown(80, {});
   for (const char* column :
        {"^device, module", "state", "p50 us", "p99 us", "last minute", "budget", "over", "err"})
@@ -92,9 +92,9 @@ TEST(WatchList, AtEightyColumnsThereIsWhatMatters) {
               HasSubstr("^p99 us"));
 }
 
-TEST(WatchList, TheReasonTakesThePlaceOfTheNumbersWhereThereIsNoRoomForBoth) {
-  const Seen seen = cell(1);
-  const Row belt = rows_of(seen, {})[1];
+TEST(WatchList, TheReasonReplacesTheNumbersOnANarrowScreen) {
+  const Snapshot snapshot = cell(1);
+  const Row belt = rows_of(snapshot, {})[1];
   const std::string narrow = list_line(belt, false, 80, {}).shown(80, {});
   EXPECT_THAT(narrow, HasSubstr("! RECOVER    failure: it jams"));
   EXPECT_THAT(narrow, Not(HasSubstr("20.2")));
@@ -104,11 +104,11 @@ TEST(WatchList, TheReasonTakesThePlaceOfTheNumbersWhereThereIsNoRoomForBoth) {
   EXPECT_THAT(wide, testing::StartsWith(">   belt"));
 }
 
-TEST(WatchList, TheShareOfTheBudgetIsThatOfTheLongRuns) {
-  Seen seen = cell(1);
-  Module& m0 = seen.devices[1].modules[0];
+TEST(WatchList, ShowsThe99thPercentileAsAShareOfTheBudget) {
+  Snapshot snapshot = cell(1);
+  Module& m0 = snapshot.devices[1].modules[0];
   const auto line = [&] {
-    return list_line(rows_of(seen, {})[3], false, 80, {.colour = true}).shown(80, {.colour = true});
+    return list_line(rows_of(snapshot, {})[3], false, 80, {.colour = true}).shown(80, {.colour = true});
   };
   EXPECT_THAT(line(), Not(HasSubstr("%")));
   m0.planned = Planned{.words = "", .budget = std::chrono::microseconds{200}};
@@ -119,7 +119,7 @@ TEST(WatchList, TheShareOfTheBudgetIsThatOfTheLongRuns) {
   EXPECT_THAT(line(), Not(HasSubstr("%")));
 }
 
-TEST(WatchSparkline, HasAStepForEachThreefold) {
+TEST(WatchSparkline, HasAStepForEachFactorOfThree) {
   const std::vector<double> values{0, 0.9, 1, 3, 10, 30, 100, 300, 1000, 1e9};
   EXPECT_EQ(sparkline(values, 10, {.unicode = true}), "▁▁▂▃▄▅▆▇██");
   EXPECT_EQ(sparkline(values, 10, {}), "__.,-=+*##");
@@ -133,14 +133,14 @@ TEST(WatchSparkline, ShowsTheNewestAndLeavesGaps) {
   EXPECT_EQ(sparkline({1}, 0, {}), "");
 }
 
-TEST(WatchChart, ReachesFromZeroToTheLargest) {
+TEST(WatchChart, IsScaledFromZeroToTheLargestValue) {
   const double none = std::nan("");
   EXPECT_THAT(chart({0, 8, none, 16}, 4, 2, {.unicode = true}), ElementsAre("   █", "▁█ █"));
   EXPECT_THAT(chart({none}, 1, 1, {.unicode = true}), ElementsAre(" "));
   EXPECT_THAT(chart({0}, 1, 1, {.unicode = true}), ElementsAre("▁"));
 }
 
-TEST(WatchBar, IsFullAtTheWholeAndAbove) {
+TEST(WatchBar, IsFullFromAShareOfOne) {
   EXPECT_EQ(bar(0, 4, {}), "....");
   EXPECT_EQ(bar(0.5, 4, {}), "##..");
   EXPECT_EQ(bar(1, 4, {}), "####");
@@ -148,7 +148,7 @@ TEST(WatchBar, IsFullAtTheWholeAndAbove) {
   EXPECT_EQ(bar(0.375, 2, {.unicode = true}), "▊·");
 }
 
-TEST(WatchState, ConnectionsSayWhatIsWrong) {
+TEST(WatchState, ConnectionStatesNameTheProblem) {
   const auto of = [](const CellHealth::Connection& health) {
     return state_of(Connection{.from = "", .to = "", .kind = "", .health = health}, {});
   };

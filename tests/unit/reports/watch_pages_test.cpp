@@ -16,9 +16,9 @@ std::string text_of(const std::vector<Line>& page, ScreenStyle style = {}) {
   return text;
 }
 
-TEST(WatchDetails, OfAModuleHaveEverythingThatIsKnown) {
-  Seen seen = cell(1);
-  Module& m = seen.devices[1].modules[0];
+TEST(WatchDetails, ShowAllDataOfAModule) {
+  Snapshot snapshot = cell(1);
+  Module& m = snapshot.devices[1].modules[0];
   m.text = "because";
   m.planned = Planned{.words = "thread, periodic, every 1 ms",
                       .executor = "motion",
@@ -43,7 +43,7 @@ TEST(WatchDetails, OfAModuleHaveEverythingThatIsKnown) {
              {.name = "spare", .output = true, .type = "motion::State"}};
   m.transitions = {{.time_ns = 0, .text = "IDLE -> INITIALIZE"},
                    {.time_ns = 1, .text = "INITIALIZE -> START"}};
-  const std::string page = text_of(details_page(seen, "robot.m0", 80, {}));
+  const std::string page = text_of(details_page(snapshot, "robot.m0", 80, {}));
   for (const char* part : {"* EXECUTING",
                            "because",
                            "thread, periodic, every 1 ms",
@@ -67,36 +67,36 @@ TEST(WatchDetails, OfAModuleHaveEverythingThatIsKnown) {
                            "not connected",
                            "INITIALIZE -> START"})
     EXPECT_THAT(page, HasSubstr(part));
-  EXPECT_LT(page.find("INITIALIZE -> START"), page.find("IDLE -> INITIALIZE")) << "the last first";
+  EXPECT_LT(page.find("INITIALIZE -> START"), page.find("IDLE -> INITIALIZE")) << "newest first";
 }
 
-TEST(WatchDetails, OfAModuleSayWhatIsNotKnown) {
-  Seen seen = cell(1);
-  Module& m = seen.devices[1].modules[0];
-  EXPECT_THAT(text_of(details_page(seen, "robot.m0", 80, {})), HasSubstr("last minute  it did not run"));
+TEST(WatchDetails, SayWhichDataOfAModuleIsMissing) {
+  Snapshot snapshot = cell(1);
+  Module& m = snapshot.devices[1].modules[0];
+  EXPECT_THAT(text_of(details_page(snapshot, "robot.m0", 80, {})), HasSubstr("last minute  did not run"));
   m.planned = Planned{.words = "thread"};
-  EXPECT_THAT(text_of(details_page(seen, "robot.m0", 80, {})), HasSubstr("no budget is given"));
+  EXPECT_THAT(text_of(details_page(snapshot, "robot.m0", 80, {})), HasSubstr("no budget is given"));
   m.measured.reset();
-  EXPECT_THAT(text_of(details_page(seen, "robot.m0", 80, {})), HasSubstr("nothing was heard yet"));
-  seen.devices[1].alive = false;
-  const std::string lost = text_of(details_page(seen, "robot.m0", 80, {}));
+  EXPECT_THAT(text_of(details_page(snapshot, "robot.m0", 80, {})), HasSubstr("no data yet"));
+  snapshot.devices[1].alive = false;
+  const std::string lost = text_of(details_page(snapshot, "robot.m0", 80, {}));
   EXPECT_THAT(lost, HasSubstr("X LOST"));
-  EXPECT_THAT(lost, HasSubstr("this was heard last"));
+  EXPECT_THAT(lost, HasSubstr("these are the last known values"));
 }
 
-TEST(WatchDetails, ALongReasonIsBrokenBetweenItsWords) {
-  Seen seen = cell(1);
-  for (int i = 0; i < 40; ++i) seen.devices[1].modules[0].text += "word" + std::to_string(i) + " ";
-  seen.devices[1].modules[0].text += std::string(200, 'z') + " end";
-  const std::string page = text_of(details_page(seen, "robot.m0", 80, {}));
+TEST(WatchDetails, WrapALongReasonBetweenWords) {
+  Snapshot snapshot = cell(1);
+  for (int i = 0; i < 40; ++i) snapshot.devices[1].modules[0].text += "word" + std::to_string(i) + " ";
+  snapshot.devices[1].modules[0].text += std::string(200, 'z') + " end";
+  const std::string page = text_of(details_page(snapshot, "robot.m0", 80, {}));
   for (int i = 0; i < 40; ++i) EXPECT_THAT(page, HasSubstr("word" + std::to_string(i)));
   EXPECT_EQ(std::count(page.begin(), page.end(), 'z'), 200) << page;
   EXPECT_THAT(page, Not(HasSubstr("~")));
 }
 
-TEST(WatchDetails, OfADeviceAreItsHealthAndItsExecutors) {
-  Seen seen = cell(2);
-  Device& robot = seen.devices[1];
+TEST(WatchDetails, ShowHealthAndExecutorsOfADevice) {
+  Snapshot snapshot = cell(2);
+  Device& robot = snapshot.devices[1];
   robot.machine = "pc7";
   robot.health = "degraded";
   robot.text = "module m1 is in RECOVER";
@@ -110,40 +110,41 @@ TEST(WatchDetails, OfADeviceAreItsHealthAndItsExecutors) {
                       .late = 7,
                       .margin_us = 98.75,
                       .jitter_us = {.p50 = 1, .p99 = 2, .max = 3}}};
-  const std::string page = text_of(details_page(seen, "robot", 80, {}));
-  for (const char* part : {"! running", "degraded", "module m1 is in RECOVER", "pc7", "process 321",
-                           "process 654", "started again 2 times", "NO: the system refuses it",
-                           "2, 2 EXECUTING", "motion", "999", "98.8", "max us"})
+  const std::string page = text_of(details_page(snapshot, "robot", 80, {}));
+  for (const char* part :
+       {"! running", "degraded", "module m1 is in RECOVER", "pc7", "process 321", "process 654",
+        "restarted 2 times", "NO: the system denies it", "2, 2 EXECUTING", "motion", "999", "98.8", "max us"})
     EXPECT_THAT(page, HasSubstr(part));
 }
 
-TEST(WatchConnections, ThoseWithTroubleComeFirst) {
-  Seen seen;
-  seen.connections_known = true;
-  EXPECT_THAT(text_of(connections_page(seen, "", 80, {})), HasSubstr("nothing is connected"));
-  seen.connections = {
+TEST(WatchConnections, ListFaultyConnectionsFirst) {
+  Snapshot snapshot;
+  snapshot.connections_known = true;
+  EXPECT_THAT(text_of(connections_page(snapshot, "", 80, {})), HasSubstr("the cell has no connections"));
+  snapshot.connections = {
       {.from = "a.a.a",
        .to = "b.b.b",
        .kind = "latest",
        .health = CellHealth::Connection{.age = std::chrono::milliseconds{1}}},
       {.from = "c.c.c", .to = "d.d.d", .kind = "latest", .health = CellHealth::Connection{.matched = false}},
       {.from = "e.e.e", .to = "f.f.f", .kind = "latest"}};
-  const std::string page = text_of(connections_page(seen, "", 80, {}));
+  const std::string page = text_of(connections_page(snapshot, "", 80, {}));
   EXPECT_LT(page.find("d.d.d"), page.find("b.b.b"));
   EXPECT_THAT(page, HasSubstr("X NOT MATCHED"));
-  EXPECT_THAT(page, HasSubstr("not heard of"));
-  EXPECT_THAT(text_of(connections_page(seen, "a.a ok", 80, {})), Not(HasSubstr("c.c.c")));
-  EXPECT_THAT(text_of(connections_page(seen, "zz", 80, {})), HasSubstr("none is as the filter says"));
+  EXPECT_THAT(page, HasSubstr("not reported"));
+  EXPECT_THAT(text_of(connections_page(snapshot, "a.a ok", 80, {})), Not(HasSubstr("c.c.c")));
+  EXPECT_THAT(text_of(connections_page(snapshot, "zz", 80, {})),
+              HasSubstr("no connections match the filter"));
 }
 
-TEST(WatchConnections, LongNamesAreCutBeforeTheHealthIs) {
-  Seen seen;
-  seen.connections_known = true;
-  seen.connections = {{.from = std::string(60, 'a'),
-                       .to = std::string(60, 'b'),
-                       .kind = "latest",
-                       .health = CellHealth::Connection{.age = std::chrono::milliseconds{123}}}};
-  EXPECT_THAT(text_of(connections_page(seen, "", 80, {})), HasSubstr("* ok, 123 ms old"));
+TEST(WatchConnections, ShortenNamesBeforeTheHealth) {
+  Snapshot snapshot;
+  snapshot.connections_known = true;
+  snapshot.connections = {{.from = std::string(60, 'a'),
+                           .to = std::string(60, 'b'),
+                           .kind = "latest",
+                           .health = CellHealth::Connection{.age = std::chrono::milliseconds{123}}}};
+  EXPECT_THAT(text_of(connections_page(snapshot, "", 80, {})), HasSubstr("* ok, 123 ms old"));
 }
 
 TEST(WatchHelp, FitsATerminalOfEightyColumns) {

@@ -17,25 +17,25 @@ using testing::Not;
 using testing::SizeIs;
 using testing::StartsWith;
 
-TEST(WatchScreen, FillsTheTerminalAndNoMoreWhateverIsLookedAt) {
-  Seen seen = cell(30);
-  seen.connections_known = true;
-  seen.events = {"one", std::string(300, 'e'), "three"};
-  seen.orders = {"stop of robot.m3, 2 s"};
-  seen.devices[1].modules[3].text = std::string(500, 't');
-  seen.devices[1].modules[3].ports = {{.name = std::string(80, 'p'), .type = std::string(80, 't')}};
+TEST(WatchScreen, EveryPageFitsATerminalOfAnySize) {
+  Snapshot snapshot = cell(30);
+  snapshot.connections_known = true;
+  snapshot.events = {"one", std::string(300, 'e'), "three"};
+  snapshot.commands = {"stop of robot.m3, 2 s"};
+  snapshot.devices[1].modules[3].text = std::string(500, 't');
+  snapshot.devices[1].modules[3].ports = {{.name = std::string(80, 'p'), .type = std::string(80, 't')}};
   for (int i = 0; i < 40; ++i) {
-    seen.connections.push_back({.from = std::string(90, 'f'),
-                                .to = std::string(90, 'o'),
-                                .kind = "latest",
-                                .health = CellHealth::Connection{}});
+    snapshot.connections.push_back({.from = std::string(90, 'f'),
+                                    .to = std::string(90, 'o'),
+                                    .kind = "latest",
+                                    .health = CellHealth::Connection{}});
   }
   for (const Place place : {Place::list, Place::details, Place::connections, Place::help}) {
     for (const std::size_t lines : {1U, 2U, 3U, 4U, 5U, 8U, 24U, 60U}) {
       for (const std::size_t columns : {1U, 2U, 5U, 20U, 40U, 79U, 80U, 81U, 100U, 133U, 200U, 400U}) {
         for (const bool unicode : {false, true}) {
           View view{.place = place, .chosen = "robot.m3", .message = std::string(200, 'm')};
-          const Screen screen = draw(seen, view, columns, lines, {.unicode = unicode});
+          const Screen screen = draw(snapshot, view, columns, lines, {.unicode = unicode});
           ASSERT_THAT(screen.lines, SizeIs(lines));
           for (const std::string& line : screen.lines) ASSERT_LE(columns_of(line), columns) << line;
         }
@@ -44,48 +44,48 @@ TEST(WatchScreen, FillsTheTerminalAndNoMoreWhateverIsLookedAt) {
   }
 }
 
-TEST(WatchScreen, ShowsTheChosenRowHoweverManyThereAre) {
-  const Seen seen = cell(100);
+TEST(WatchScreen, AlwaysShowsTheSelectedRow) {
+  const Snapshot snapshot = cell(100);
   View view;
-  Shown shown = draw(seen, view, 80, 24, {}).shown;
+  Shown shown = draw(snapshot, view, 80, 24, {}).shown;
   for (std::size_t i = 0; i < shown.targets.size(); ++i) {
     view.chosen = shown.targets[i];
-    const Screen screen = draw(seen, view, 80, 24, {});
+    const Screen screen = draw(snapshot, view, 80, 24, {});
     const auto chosen = [](const std::string& line) { return line.starts_with("> "); };
     EXPECT_EQ(std::count_if(screen.lines.begin(), screen.lines.end(), chosen), 1) << view.chosen;
   }
   EXPECT_THAT(shown.targets, SizeIs(103));
 }
 
-TEST(WatchScreen, TheTitleCountsWhatIsNotAsItShouldBe) {
-  Seen seen = cell(3);
-  EXPECT_THAT(drawn(seen), StartsWith("takt watch  cell  domain 7  2 devices  4 modules  1 RECOVER"));
-  seen.devices[0].modules[0].state = "EXECUTING";
-  EXPECT_THAT(drawn(seen), HasSubstr("2 devices  4 modules  all EXECUTING"));
-  seen.devices[1].alive = false;
-  EXPECT_THAT(drawn(seen), HasSubstr("2 devices, 1 LOST  4 modules  3 LOST"));
-  EXPECT_THAT(draw(seen, *std::make_unique<View>(), 80, 24, {}).lines[0], testing::EndsWith("12:34:56"));
+TEST(WatchScreen, TitleCountsDevicesAndModulesWithProblems) {
+  Snapshot snapshot = cell(3);
+  EXPECT_THAT(drawn(snapshot), StartsWith("takt watch  cell  domain 7  2 devices  4 modules  1 RECOVER"));
+  snapshot.devices[0].modules[0].state = "EXECUTING";
+  EXPECT_THAT(drawn(snapshot), HasSubstr("2 devices  4 modules  all EXECUTING"));
+  snapshot.devices[1].alive = false;
+  EXPECT_THAT(drawn(snapshot), HasSubstr("2 devices, 1 LOST  4 modules  3 LOST"));
+  EXPECT_THAT(draw(snapshot, *std::make_unique<View>(), 80, 24, {}).lines[0], testing::EndsWith("12:34:56"));
 }
 
-TEST(WatchScreen, SaysStatesInWordsAndLossBeforeThem) {
-  Seen seen = cell(3);
-  EXPECT_THAT(drawn(seen), HasSubstr("! RECOVER"));
-  EXPECT_THAT(drawn(seen), HasSubstr("* EXECUTING"));
-  EXPECT_THAT(drawn(seen), Not(HasSubstr("\033")));
-  for (Device& device : seen.devices) device.alive = false;
-  EXPECT_THAT(drawn(seen), HasSubstr("X LOST"));
-  EXPECT_THAT(drawn(seen), Not(HasSubstr("EXECUTING")));
+TEST(WatchScreen, ShowsLostInsteadOfTheLastState) {
+  Snapshot snapshot = cell(3);
+  EXPECT_THAT(drawn(snapshot), HasSubstr("! RECOVER"));
+  EXPECT_THAT(drawn(snapshot), HasSubstr("* EXECUTING"));
+  EXPECT_THAT(drawn(snapshot), Not(HasSubstr("\033")));
+  for (Device& device : snapshot.devices) device.alive = false;
+  EXPECT_THAT(drawn(snapshot), HasSubstr("X LOST"));
+  EXPECT_THAT(drawn(snapshot), Not(HasSubstr("EXECUTING")));
 }
 
-TEST(WatchScreen, ColoursAreOnTopAndTakeNoColumn) {
+TEST(WatchScreen, ColoursTheStates) {
   const ScreenStyle style{.colour = true, .unicode = true};
   const std::string shown = drawn(cell(3), {.chosen = "robot"}, 80, 24, style);
   EXPECT_THAT(shown, HasSubstr("\033[32m● EXECUTING"));
   EXPECT_THAT(shown, HasSubstr("\033[31m▲ RECOVER"));
-  EXPECT_THAT(shown, HasSubstr("\033[32;1m● running"));  // of the chosen row
+  EXPECT_THAT(shown, HasSubstr("\033[32;1m● running"));  // the selected row
 }
 
-TEST(WatchScreen, ACountIsNeverCut) {
+TEST(WatchScreen, ShortensACountThatDoesNotFit) {
   const auto shown = [](std::uint64_t number, std::size_t columns) {
     return Line{}.count(number, columns).shown(columns, ScreenStyle{});
   };
@@ -96,54 +96,54 @@ TEST(WatchScreen, ACountIsNeverCut) {
   EXPECT_EQ(shown(18'446'744'073'709'551'615U, 4), " 18E");
 }
 
-TEST(WatchScreen, ATextOfSeveralLinesStaysOnItsLine) {
-  Seen seen = cell(1);
-  seen.devices[0].modules[0].text = "first\nsecond\x1b[2J";
-  seen.events = {"c\nd"};
-  const std::string shown = drawn(seen, {.message = "a\x1b]0;b\nb"}, 120, 24);
+TEST(WatchScreen, EscapesControlCharactersInTexts) {
+  Snapshot snapshot = cell(1);
+  snapshot.devices[0].modules[0].text = "first\nsecond\x1b[2J";
+  snapshot.events = {"c\nd"};
+  const std::string shown = drawn(snapshot, {.message = "a\x1b]0;b\nb"}, 120, 24);
   EXPECT_THAT(shown, Not(ContainsRegex("\x1b")));
   EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 24);
   EXPECT_THAT(shown, HasSubstr("first\\nsecond\\x1b[2J"));
 }
 
-TEST(WatchScreen, SaysSoWhereThereIsNothing) {
-  EXPECT_THAT(drawn({}), HasSubstr("no device is to be seen on this domain"));
-  EXPECT_THAT(drawn(cell(2), {.filter = "nonsense"}), HasSubstr("nothing is as the filter says"));
+TEST(WatchScreen, ExplainsWhyAPageIsEmpty) {
+  EXPECT_THAT(drawn({}), HasSubstr("no devices found on this domain"));
+  EXPECT_THAT(drawn(cell(2), {.filter = "nonsense"}), HasSubstr("no rows match the filter"));
   EXPECT_THAT(drawn(cell(2), {.place = Place::connections}),
-              HasSubstr("no node has said yet what is connected"));
+              HasSubstr("no node has reported the connections yet"));
   EXPECT_THAT(drawn(cell(2), {.place = Place::details, .chosen = "robot.m7"}),
-              HasSubstr("robot.m7 is not there any more"));
+              HasSubstr("robot.m7 no longer exists"));
 }
 
-TEST(WatchScreen, AnOrderThatIsToBeConfirmedIsAsked) {
-  EXPECT_THAT(drawn(cell(2), {.asked = Order{Verb::destruct, "robot.m1"}}),
-              HasSubstr("destruct robot.m1? y does it, any other key does not"));
+TEST(WatchScreen, AsksForConfirmationOfACommand) {
+  EXPECT_THAT(drawn(cell(2), {.asked = Command{Verb::destruct, "robot.m1"}}),
+              HasSubstr("destruct robot.m1? y: yes, any other key: no"));
 }
 
-TEST(WatchScreen, AnOrderThatIsNotAnsweredYetIsShown) {
-  Seen seen = cell(2);
-  seen.orders = {"stop of robot.m1, 3 s"};
-  EXPECT_THAT(drawn(seen), HasSubstr("stop of robot.m1, 3 s ..."));
+TEST(WatchScreen, ListsCommandsWithoutAnAnswer) {
+  Snapshot snapshot = cell(2);
+  snapshot.commands = {"stop of robot.m1, 3 s"};
+  EXPECT_THAT(drawn(snapshot), HasSubstr("stop of robot.m1, 3 s ..."));
 }
 
-TEST(WatchScreen, WhatIsLongerThanTheScreenSaysHowMuchMoreThereIs) {
+TEST(WatchScreen, ALongPageSaysHowManyLinesAreBelow) {
   View view{.place = Place::help};
   const Screen screen = draw(cell(2), view, 80, 10, {});
-  const std::size_t seen = screen.shown.room - 1;
+  const std::size_t visible = screen.shown.room - 1;
   EXPECT_THAT(text_of(screen),
-              HasSubstr("... " + std::to_string(screen.shown.length - seen) + " more below"));
+              HasSubstr("... " + std::to_string(screen.shown.length - visible) + " more below"));
   view.scroll = 1000;
   EXPECT_THAT(text_of(draw(cell(2), view, 80, 10, {})), Not(HasSubstr("more below")));
   EXPECT_EQ(view.scroll, screen.shown.length - screen.shown.room);
 }
 
-TEST(WatchScreen, OnlyLinesThatChangedAreSent) {
+TEST(WatchScreen, SendsOnlyTheLinesThatChanged) {
   EXPECT_EQ(changes({"a", "b", "c"}, {"a", "x", "c"}), "\033[2;1H\033[Kx");
   EXPECT_EQ(changes({"a"}, {"a"}), "");
   EXPECT_EQ(changes({}, {"a", "b"}), "\033[H\033[J\033[1;1H\033[Ka\033[2;1H\033[Kb");
 }
 
-TEST(WatchLine, IsCutBetweenCharactersAndSaysSo) {
+TEST(WatchLine, IsCutBetweenCharactersWithAMark) {
   Line line;
   line.add("ä€ö");
   EXPECT_EQ(line.shown(3, {.unicode = true}), "ä€ö");

@@ -9,7 +9,7 @@ namespace {
 
 using Keyboard = os::Keyboard;
 
-/// Somebody at the keyboard, before a list of `rows` of which ten are seen at once.
+/// A user with a list of `rows` rows, of which ten are visible at once.
 struct Person {
   View view{};
   Shown shown{};
@@ -43,7 +43,7 @@ TEST(WatchView, ArrowsStayWithinTheList) {
   EXPECT_EQ(person.view.chosen, "robot.m29");
   person.press(Keyboard::kPageUp);
   EXPECT_EQ(person.view.chosen, "robot.m20");
-  EXPECT_EQ(person.view.first, 20U) << "what is seen stays where it is as long as it can";
+  EXPECT_EQ(person.view.first, 20U) << "the list scrolls only if it must";
   person.press(Keyboard::kPageUp);
   EXPECT_EQ(person.view.chosen, "robot.m11");
   EXPECT_EQ(person.view.first, 11U);
@@ -53,18 +53,18 @@ TEST(WatchView, ArrowsStayWithinTheList) {
   EXPECT_EQ(person.view.chosen, "robot.m9");
 }
 
-TEST(WatchView, AListWithoutRowsHasNothingToChoose) {
+TEST(WatchView, KeysDoNothingInAnEmptyList) {
   Person person{0};
   for (const int key :
        {Keyboard::kUp, Keyboard::kDown, Keyboard::kEnd, Keyboard::kPageDown, int{'\r'}, int{'s'}, int{'D'}}) {
-    EXPECT_FALSE(person.press(key).order);
+    EXPECT_FALSE(person.press(key).command);
     EXPECT_EQ(person.view.chosen, "");
     EXPECT_EQ(person.view.place, Place::list);
     EXPECT_FALSE(person.view.asked);
   }
 }
 
-TEST(WatchView, TheChosenRowIsFollowedWhereItGoes) {
+TEST(WatchView, TheSelectionFollowsItsRow) {
   Person person{30};
   person.press(Keyboard::kDown);
   std::reverse(person.shown.targets.begin(), person.shown.targets.end());
@@ -74,8 +74,8 @@ TEST(WatchView, TheChosenRowIsFollowedWhereItGoes) {
   EXPECT_EQ(person.view.first, 19U);
 }
 
-// Devices are found one by one, and the first that is found is seldom the first of the list.
-TEST(WatchView, UntilAKeyIsPressedTheFirstRowIsChosen) {
+// Devices are found one by one, and the first one found is seldom the first in the list.
+TEST(WatchView, SelectsTheFirstRowUntilAKeyIsPressed) {
   Person person{3};
   person.shown.targets.insert(person.shown.targets.begin(), "line");
   settle(person.view, person.shown);
@@ -86,7 +86,7 @@ TEST(WatchView, UntilAKeyIsPressedTheFirstRowIsChosen) {
   EXPECT_EQ(person.view.chosen, "robot.m0");
 }
 
-TEST(WatchView, WhatHasThePlaceOfARowThatIsGoneIsChosen) {
+TEST(WatchView, SelectsTheRowThatReplacesALostOne) {
   Person person{3};
   person.press(Keyboard::kEnd);
   person.shown.targets.pop_back();
@@ -94,7 +94,7 @@ TEST(WatchView, WhatHasThePlaceOfARowThatIsGoneIsChosen) {
   EXPECT_EQ(person.view.chosen, "robot.m1");
 }
 
-TEST(WatchView, AnOrderToARowThatNobodyChoseIsConfirmed) {
+TEST(WatchView, ACommandToARowTheUserDidNotSelectNeedsConfirmation) {
   Person person{3};
   person.press(Keyboard::kDown);
   const auto lose_a_row = [&person] {
@@ -103,14 +103,14 @@ TEST(WatchView, AnOrderToARowThatNobodyChoseIsConfirmed) {
   };
   lose_a_row();
   ASSERT_EQ(person.view.chosen, "robot.m2");
-  EXPECT_FALSE(person.press('t').order);
-  EXPECT_EQ(person.view.asked, (Order{Verb::stop, "robot.m2"}));
-  EXPECT_FALSE(person.press('t').order) << "impatience is no consent";
+  EXPECT_FALSE(person.press('t').command);
+  EXPECT_EQ(person.view.asked, (Command{Verb::stop, "robot.m2"}));
+  EXPECT_FALSE(person.press('t').command) << "repeating the key does not confirm";
   person.press(Keyboard::kUp);
-  EXPECT_EQ(person.press('t').order, (Order{Verb::stop, "robot.m0"})) << "somebody chose this one";
+  EXPECT_EQ(person.press('t').command, (Command{Verb::stop, "robot.m0"})) << "the user selected this row";
 }
 
-TEST(WatchView, TwoRowsOfOneNameAreBothReached) {
+TEST(WatchView, ReachesBothRowsOfTheSameName) {
   Person person{3};
   person.shown.targets = {"robot", "robot", "line"};
   person.press(Keyboard::kDown);
@@ -121,7 +121,7 @@ TEST(WatchView, TwoRowsOfOneNameAreBothReached) {
   EXPECT_EQ(person.view.chosen, "line");
 }
 
-TEST(WatchView, EachVerbHasAKey) {
+TEST(WatchView, EachCommandHasAKey) {
   Person person{3};
   person.press(Keyboard::kDown);
   const std::pair<char, Verb> keys[] = {{'i', Verb::initialize},
@@ -129,35 +129,36 @@ TEST(WatchView, EachVerbHasAKey) {
                                         {'t', Verb::stop},
                                         {'r', Verb::recover},
                                         {'x', Verb::reset}};
-  for (const auto& [key, verb] : keys) EXPECT_EQ(person.press(key).order, (Order{verb, "robot.m1"})) << key;
+  for (const auto& [key, verb] : keys)
+    EXPECT_EQ(person.press(key).command, (Command{verb, "robot.m1"})) << key;
   person.press('\r');
-  EXPECT_EQ(person.press('t').order, (Order{Verb::stop, "robot.m1"})) << "in the details too";
+  EXPECT_EQ(person.press('t').command, (Command{Verb::stop, "robot.m1"})) << "also on the details page";
   person.press('?');
-  EXPECT_FALSE(person.press('t').order) << "not where no module is shown";
+  EXPECT_FALSE(person.press('t').command) << "not on a page without modules";
 }
 
-TEST(WatchView, DestructIsDoneOnlyWhenItIsConfirmed) {
+TEST(WatchView, DestructNeedsConfirmation) {
   Person person{3};
-  EXPECT_FALSE(person.press('D').order);
-  EXPECT_EQ(person.view.asked, (Order{Verb::destruct, "robot.m0"}));
-  EXPECT_FALSE(person.press('\r').order);
+  EXPECT_FALSE(person.press('D').command);
+  EXPECT_EQ(person.view.asked, (Command{Verb::destruct, "robot.m0"}));
+  EXPECT_FALSE(person.press('\r').command);
   EXPECT_FALSE(person.view.asked);
-  EXPECT_EQ(person.view.place, Place::list) << "the key that says no does nothing else";
-  EXPECT_EQ(person.view.message, "no destruct of robot.m0");
+  EXPECT_EQ(person.view.place, Place::list) << "the key that cancels does nothing else";
+  EXPECT_EQ(person.view.message, "destruct of robot.m0 cancelled");
   person.press('D');
-  EXPECT_EQ(person.press('y').order, (Order{Verb::destruct, "robot.m0"}));
-  EXPECT_FALSE(person.press('y').order);
+  EXPECT_EQ(person.press('y').command, (Command{Verb::destruct, "robot.m0"}));
+  EXPECT_FALSE(person.press('y').command);
 }
 
-TEST(WatchView, WhatIsConfirmedIsWhatWasAskedForThoughTheListHasMovedOn) {
+TEST(WatchView, ConfirmsTheOriginalTargetAfterTheListChanged) {
   Person person{3};
   person.press('D');
   person.shown.targets.erase(person.shown.targets.begin());
   settle(person.view, person.shown);
-  EXPECT_EQ(person.press('y').order, (Order{Verb::destruct, "robot.m0"}));
+  EXPECT_EQ(person.press('y').command, (Command{Verb::destruct, "robot.m0"}));
 }
 
-TEST(WatchView, WhatIsTypedIntoTheFilterIsNoKey) {
+TEST(WatchView, KeysAreTextWhileTypingAFilter) {
   Person person{3};
   person.press('/');
   person.type("stq x");
@@ -177,7 +178,7 @@ TEST(WatchView, WhatIsTypedIntoTheFilterIsNoKey) {
   EXPECT_FALSE(person.view.typing);
 }
 
-TEST(WatchView, BackspaceTakesAWholeCharacterOff) {
+TEST(WatchView, BackspaceRemovesAWholeCharacter) {
   Person person{1};
   person.type("/aö€");
   EXPECT_EQ(person.view.filter, "aö€");
@@ -190,7 +191,7 @@ TEST(WatchView, BackspaceTakesAWholeCharacterOff) {
   EXPECT_EQ(person.view.filter, "");
 }
 
-TEST(WatchView, SortsByTheNeighbourRoundAndRound) {
+TEST(WatchView, CyclesThroughTheSortColumns) {
   Person person{3};
   person.press('<');
   EXPECT_EQ(person.view.column, Column::missed);
@@ -203,7 +204,7 @@ TEST(WatchView, SortsByTheNeighbourRoundAndRound) {
   EXPECT_FALSE(person.view.reversed);
 }
 
-TEST(WatchView, FromTheDetailsOnToTheNextAndBack) {
+TEST(WatchView, StepsToTheNextAndPreviousDetails) {
   Person person{3};
   person.press('\r');
   EXPECT_EQ(person.view.place, Place::details);
@@ -216,7 +217,7 @@ TEST(WatchView, FromTheDetailsOnToTheNextAndBack) {
   EXPECT_EQ(person.view.place, Place::list);
 }
 
-TEST(WatchView, DetailsStayOnTheirModuleWhenItIsGone) {
+TEST(WatchView, DetailsStayOnAModuleThatIsGone) {
   Person person{3};
   person.press('\r');
   person.shown.targets.erase(person.shown.targets.begin());
@@ -224,7 +225,7 @@ TEST(WatchView, DetailsStayOnTheirModuleWhenItIsGone) {
   EXPECT_EQ(person.view.chosen, "robot.m0");
 }
 
-TEST(WatchView, WhatIsLongerThanTheScreenScrollsToItsEnd) {
+TEST(WatchView, ALongPageScrollsToItsEnd) {
   Person person{3};
   person.shown.length = 12;
   person.press('?');
@@ -237,7 +238,7 @@ TEST(WatchView, WhatIsLongerThanTheScreenScrollsToItsEnd) {
   EXPECT_EQ(person.view.chosen, "robot.m0");
 }
 
-TEST(WatchView, QuitsFromEverywhere) {
+TEST(WatchView, QuitsFromEveryPage) {
   for (const char key : {'?', 'c', '\r'}) {
     Person person{3};
     person.press(key);

@@ -24,7 +24,8 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Modules with their longest run, on executors that only sleep, so that what is expected can be worked out.
+/// Modules with their longest runs, on executors that only sleep, so that expected values are easy to
+/// compute.
 class Cells {
  public:
   explicit Cells(int executors = 1) {
@@ -54,18 +55,18 @@ class Cells {
   model::Executor& executor(int i = 0) { return device().executors[static_cast<std::size_t>(i)]; }
   Device& device() { return cell.devices.front(); }
 
-  [[nodiscard]] std::vector<WorstCase> worst(int processors = 2) {
-    std::vector<int> cpus(static_cast<std::size_t>(processors));
+  [[nodiscard]] std::vector<WorstCase> worst(int number_of_cpus = 2) {
+    std::vector<int> cpus(static_cast<std::size_t>(number_of_cpus));
     std::iota(cpus.begin(), cpus.end(), 0);
     return worst_cases(device(), plan(cell, device()).value(), place(device().executors, cpus), runs);
   }
-  [[nodiscard]] Problems missed(int processors = 2) {
-    return missed_deadlines(cell, device(), worst(processors));
+  [[nodiscard]] Problems missed(int number_of_cpus = 2) {
+    return missed_deadlines(cell, device(), worst(number_of_cpus));
   }
-  /// The response of each module, in the order of the file; -1 us: no bound.
-  [[nodiscard]] std::vector<Nanoseconds> responses(int processors = 2) {
+  /// The response of each module, in the order of the descriptor; -1 us: no bound.
+  [[nodiscard]] std::vector<Nanoseconds> responses(int number_of_cpus = 2) {
     std::vector<Nanoseconds> all;
-    for (const WorstCase& one : worst(processors)) all.push_back(one.response.value_or(-1us));
+    for (const WorstCase& one : worst(number_of_cpus)) all.push_back(one.response.value_or(-1us));
     return all;
   }
 
@@ -91,7 +92,7 @@ Module& process(Module& module) {
 
 // ---- one executor, alone
 
-TEST(WorstCase, OfARowIsTheSumOfThoseBefore) {
+TEST(WorstCase, InARowAddsTheRunsBefore) {
   Cells cells;
   cells.periodic("a", 100us, 20us);
   cells.periodic("b", 100us, 30us);
@@ -99,7 +100,7 @@ TEST(WorstCase, OfARowIsTheSumOfThoseBefore) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-TEST(WorstCase, IsKeptToTheNanosecond) {
+TEST(WorstCase, IsExactToTheNanosecond) {
   Cells cells;
   cells.periodic("a", 100us, 50us);
   cells.periodic("b", 100us, 50us);
@@ -108,8 +109,8 @@ TEST(WorstCase, IsKeptToTheNanosecond) {
   EXPECT_FALSE(cells.missed().empty());
 }
 
-// 0: a b, to 150, late by 50. 100: begins at 150, to 180. 200: to 230 ...
-TEST(WorstCase, CarriesALateRowOverToTheNext) {
+// Row 0 runs a and b until 150, 50 too late. Row 100 begins at 150 and ends at 180. Row 200 ends at 230 ...
+TEST(WorstCase, ALateRowDelaysTheNext) {
   Cells cells;
   cells.periodic("a", 100us, 30us);
   cells.periodic("b", 200us, 120us);
@@ -117,8 +118,8 @@ TEST(WorstCase, CarriesALateRowOverToTheNext) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-// 0: a b, to 210. The row of 100 would begin when it is over.
-TEST(WorstCase, SaysThatARowIsSkipped) {
+// Row 0 runs a and b until 210. Row 100 would begin after its own end.
+TEST(WorstCase, ReportsASkippedRow) {
   Cells cells;
   cells.periodic("a", 100us, 10us);
   cells.periodic("b", 1ms, 200us);
@@ -129,8 +130,9 @@ TEST(WorstCase, SaysThatARowIsSkipped) {
                                                         "row may begin")))));
 }
 
-// Periods 2 and 3: row 1 is empty, and skipped without harm. 0: to 2. 2: to 2.5. 3: to 4.5. 4: to 5.
-TEST(WorstCase, OfAnEmptyRowThatIsSkippedHarmsNobody) {
+// With periods of 2 and 3, row 1 is empty, so it may be skipped. Row 0 ends at 2, row 2 at 2.5, row 3 at 4.5,
+// row 4 at 5.
+TEST(WorstCase, SkippingAnEmptyRowIsHarmless) {
   Cells cells;
   cells.periodic("a", 2ms, 500us);
   cells.periodic("b", 3ms, 1500us);
@@ -138,17 +140,17 @@ TEST(WorstCase, OfAnEmptyRowThatIsSkippedHarmsNobody) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-TEST(WorstCase, HasNoBoundWhereThereIsMoreToDoThanTime) {
+TEST(WorstCase, HasNoBoundIfTheWorkExceedsTheTime) {
   Cells cells;
   cells.periodic("a", 100us, 60us);
   cells.periodic("b", 200us, 90us);
   EXPECT_THAT(cells.responses(), ElementsAre(-1us, -1us));
-  EXPECT_THAT(cells.missed()[0].what, HasSubstr("more to do than there is time for"));
+  EXPECT_THAT(cells.missed()[0].what, HasSubstr("the work does not fit into the available time"));
 }
 
-// ---- executors that share a processor
+// ---- executors that share a CPU
 
-TEST(WorstCase, OfALowerExecutorIncludesTheRowsThatInterruptIt) {
+TEST(WorstCase, OfALowerExecutorIncludesInterruptingRows) {
   Cells cells{2};
   cells.executor(0).cpu = 1;
   cells.executor(1).cpu = 1;
@@ -157,8 +159,9 @@ TEST(WorstCase, OfALowerExecutorIncludesTheRowsThatInterruptIt) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 160us));  // 30 + 70 + 30 + 30
 }
 
-// 0: fast, a, b, interrupted at 100 and 200, to 250. 200: a waits until then, and for the row of 300, to 380.
-TEST(WorstCase, OfALowerExecutorCarriesALateRowOver) {
+// Row 0 runs fast, a and b, is interrupted at 100 and 200, and ends at 250. In row 200, a waits until then
+// and for the row of 300, and ends at 380.
+TEST(WorstCase, OfALowerExecutorIncludesItsLateRow) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.periodic("fast", 100us, 30us, 0);
@@ -167,8 +170,8 @@ TEST(WorstCase, OfALowerExecutorCarriesALateRowOver) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 180us, 250us));
 }
 
-// 0: fast to 90. The row of 0 would begin when that of 50 is due.
-TEST(WorstCase, OfALowerExecutorKnowsThatARowIsSkipped) {
+// fast runs until 90. Row 0 of slow would begin after its row 50 is due.
+TEST(WorstCase, OfALowerExecutorReportsASkippedRow) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.periodic("fast", 400us, 90us, 0);
@@ -179,8 +182,8 @@ TEST(WorstCase, OfALowerExecutorKnowsThatARowIsSkipped) {
   EXPECT_THAT(cells.missed(), IsEmpty());
 }
 
-// The row of slow is over when the next one of fast begins, and only after that does its program hear of it.
-TEST(WorstCase, OfAProgramWaitsForARowThatIsInterruptedAtItsEnd) {
+// The row of slow ends when the next row of fast begins, and only after that is its program woken.
+TEST(WorstCase, OfAProgramIncludesAnInterruptionAtTheEndOfItsRow) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.periodic("fast", 100us, 30us, 0);
@@ -189,7 +192,7 @@ TEST(WorstCase, OfAProgramWaitsForARowThatIsInterruptedAtItsEnd) {
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 100us, 140us));
 }
 
-TEST(WorstCase, OfExecutorsOfOnePriorityIncludesTheOther) {
+TEST(WorstCase, OfExecutorsWithEqualPriorityIncludesTheOther) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(1).priority = cells.executor(0).priority;
@@ -198,25 +201,25 @@ TEST(WorstCase, OfExecutorsOfOnePriorityIncludesTheOther) {
   EXPECT_THAT(cells.responses(), ElementsAre(50us, 50us));
 }
 
-TEST(WorstCase, IsEachItsOwnOnProcessorsOfTheirOwn) {
+TEST(WorstCase, OfExecutorsOnDifferentCpusIsIndependent) {
   Cells cells{2};
   cells.periodic("a", 100us, 30us, 0);
   cells.periodic("b", 100us, 20us, 1);
   EXPECT_THAT(cells.responses(3), ElementsAre(30us, 20us));
-  EXPECT_THAT(cells.responses(2), ElementsAre(30us, 50us)) << "one is left to everything else";
+  EXPECT_THAT(cells.responses(2), ElementsAre(30us, 50us)) << "one CPU is left to the other threads";
 }
 
-TEST(WorstCase, OfALowerExecutorIncludesTheSpinningOfTheOther) {
+TEST(WorstCase, OfALowerExecutorIncludesTheSpinningOfTheHigherOne) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(0).wakeup = Wakeup::hybrid;
   cells.executor(0).spin_share = 0.2;
   cells.periodic("fast", 100us, 30us, 0);
   cells.periodic("slow", 400us, 40us, 1);
-  EXPECT_THAT(cells.responses(), ElementsAre(30us, 90us));  // 20 spun, 30, 40
+  EXPECT_THAT(cells.responses(), ElementsAre(30us, 90us));  // 20 of spinning, 30, 40
 }
 
-TEST(WorstCase, SpinsForAHundredMicrosecondsAtMost) {
+TEST(WorstCase, IncludesAtMost100MicrosecondsOfSpinning) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(0).wakeup = Wakeup::hybrid;
@@ -225,7 +228,7 @@ TEST(WorstCase, SpinsForAHundredMicrosecondsAtMost) {
   EXPECT_THAT(cells.responses(), ElementsAre(1ms, 2100us));
 }
 
-TEST(WorstCase, BelowAnExecutorThatNeverSleepsIsNever) {
+TEST(WorstCase, BelowAnExecutorThatNeverSleepsHasNoBound) {
   Cells cells{2};
   cells.executor(0).cpu = cells.executor(1).cpu = 1;
   cells.executor(0).wakeup = Wakeup::spin;
@@ -234,53 +237,54 @@ TEST(WorstCase, BelowAnExecutorThatNeverSleepsIsNever) {
   cells.periodic("slow", 400us, 1us, 1);
   EXPECT_THAT(cells.responses(), ElementsAre(1us, -1us, -1us));
   EXPECT_THAT(cells.missed(),
-              ElementsAre(Field(&Problem::what, HasSubstr("never sleeps leaves it no time on processor 1")),
+              ElementsAre(Field(&Problem::what, HasSubstr("never sleeps leaves it no time on CPU 1")),
                           Field(&Problem::what, HasSubstr("never sleeps"))));
 }
 
 // ---- sporadic modules
 
-TEST(WorstCase, OfASporadicModuleIncludesTheRowsThatInterruptIt) {
+TEST(WorstCase, OfASporadicModuleIncludesInterruptingRows) {
   Cells cells;
   cells.periodic("row", 100us, 30us);
   cells.sporadic("event", 1ms, 100us);
   EXPECT_THAT(cells.responses(), ElementsAre(30us, 160us));
 }
 
-TEST(WorstCase, OfASporadicModuleWaitsForTheOneThatRuns) {
+TEST(WorstCase, OfASporadicModuleIncludesTheRunningOne) {
   Cells cells;
   cells.periodic("row", 1ms, 100us);
   cells.sporadic("urgent", 500us, 100us);
   cells.sporadic("long", 10ms, 200us);
-  EXPECT_THAT(cells.responses(), ElementsAre(100us, 400us, 500us));  // the last: 100, urgent twice, 200
+  EXPECT_THAT(cells.responses(), ElementsAre(100us, 400us, 500us));  // long: 100, urgent twice, 200
 }
 
-TEST(WorstCase, OfAModuleWithoutInterarrivalThatIsDispatchedAtOnceHasNoBound) {
+TEST(WorstCase, OfImmediateDispatchWithoutInterarrivalHasNoBound) {
   Cells cells;
   cells.sporadic("event", 1ms, 100us).dispatch = Dispatch::immediate;
-  EXPECT_THAT(cells.missed(), ElementsAre(Field(&Problem::fix, "an <interarrival>")));
+  EXPECT_THAT(cells.missed(), ElementsAre(Field(&Problem::fix, "add an <interarrival>")));
   cells.device().modules[0].interarrival = 200us;
   EXPECT_THAT(cells.responses(), ElementsAre(100us));
 }
 
 // ---- programs
 
-TEST(WorstCase, OfAProgramBeginsWhenItsRowEnds) {
+TEST(WorstCase, OfAProgramStartsAtTheEndOfItsRow) {
   Cells cells;
   cells.periodic("row", 100us, 30us);
   process(cells.periodic("program", 300us, 50us));
   EXPECT_THAT(cells.responses(2), ElementsAre(30us, 80us));
 }
 
-TEST(WorstCase, OfTheOnlyProgramOnOneProcessorIncludesTheRows) {
+TEST(WorstCase, OfAProgramOnTheOnlyCpuIncludesTheRows) {
   Cells cells;
   cells.periodic("row", 100us, 30us);
   process(cells.periodic("program", 300us, 50us));
   EXPECT_THAT(cells.responses(1), ElementsAre(30us, 110us));  // 30 from its release; 30 + 50
 }
 
-// Of 300 us each spins 100 at most, two of them half of that; and after the release until its row is over.
-TEST(WorstCase, OfProgramsOfOneExecutorLetEachGoFirst) {
+// With a period of 300 us, a program spins for at most 100 us; two programs on one CPU spin for half of that.
+// They also spin after the release until the row is over.
+TEST(WorstCase, OfProgramsOfOneExecutorIncludesEachOther) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
   process(cells.periodic("p", 300us, 20us));
@@ -288,39 +292,38 @@ TEST(WorstCase, OfProgramsOfOneExecutorLetEachGoFirst) {
   EXPECT_THAT(cells.responses(2), ElementsAre(10us, 10us + 20us + 40us + 60us, 10us + 40us + 20us + 60us));
 }
 
-TEST(WorstCase, OfProgramsOnSeveralProcessorsIsShared) {
+TEST(WorstCase, OfProgramsOnSeveralCpusSharesTheWaitingTime) {
   Cells cells;
   cells.periodic("row", 1ms, 10us);
   for (const char* name : {"p", "q"}) process(cells.periodic(name, 1ms, 200us));
   const auto worst = cells.worst(3);
   EXPECT_THAT(worst[1].cpus, ElementsAre(0, 1));
-  // The other one takes at most half of the time in which this one waits.
+  // The other program takes at most half of the time in which this one waits.
   EXPECT_LT(*worst[1].response, 10us + 200us + 200us);
   EXPECT_GE(*worst[1].response, 210us);
 }
 
-// Three on two processors, which they share with nobody: two may keep this one waiting, for as long as they
-// take both.
-TEST(WorstCase, OfProgramsOnSeveralProcessorsIncludesEquals) {
+// Three programs on two CPUs: each may have to wait while the other two occupy both CPUs.
+TEST(WorstCase, OfProgramsOnSeveralCpusIncludesEqualPriorities) {
   Cells cells;
   cells.executor().spin_share = 0;
   for (const char* name : {"p", "q", "r"}) process(cells.periodic(name, 1ms, 200us));
   const auto responses = cells.responses(3);
   for (const Nanoseconds response : responses) {
-    EXPECT_GE(response, 400us) << "the other two are there at once";
+    EXPECT_GE(response, 400us) << "the other two are released at the same time";
     EXPECT_LE(response, 600us);
   }
 }
 
-TEST(WorstCase, OfASporadicProgramThatRunsLongerThanARowIsItsOwn) {
+TEST(WorstCase, OfASporadicProgramLongerThanARowIsItsOwnRun) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
   process(cells.sporadic("vision", 10ms, 3ms));
   EXPECT_THAT(cells.responses(2), ElementsAre(10us, 3010us));
 }
 
-// Released again by the row that comes just when it is done, the other one need never sleep.
-TEST(WorstCase, BesideAnEqualProgramThatMayAlwaysRunHasNoBound) {
+// The first program may be released again by a row just when it is done, so it may never sleep.
+TEST(WorstCase, BesideAnEqualProgramThatMayNeverSleepHasNoBound) {
   Cells cells;
   cells.periodic("row", 100us, 10us);
   process(cells.sporadic("vision", 10ms, 3ms));
@@ -328,7 +331,7 @@ TEST(WorstCase, BesideAnEqualProgramThatMayAlwaysRunHasNoBound) {
   EXPECT_THAT(cells.responses(2).back(), -1us);
 }
 
-TEST(WorstCase, BelowAProgramThatMayAlwaysRunHasNoBound) {
+TEST(WorstCase, BelowAProgramThatMayNeverSleepHasNoBound) {
   Cells cells{2};
   cells.periodic("row", 100us, 10us);
   process(cells.sporadic("vision", 10ms, 3ms));
@@ -336,9 +339,9 @@ TEST(WorstCase, BelowAProgramThatMayAlwaysRunHasNoBound) {
   EXPECT_THAT(cells.responses(3).back(), -1us);
 }
 
-// ---- what is said
+// ---- messages
 
-TEST(MissedDeadlines, NamesTheModuleItsLineAndByHowMuch) {
+TEST(MissedDeadlines, NamesTheModuleTheLineAndTheLateness) {
   Cells cells;
   cells.periodic("row", 100us, 80us);
   cells.sporadic("event", 150us, 20us);
@@ -347,13 +350,13 @@ TEST(MissedDeadlines, NamesTheModuleItsLineAndByHowMuch) {
   EXPECT_THAT(
       cells.missed(),
       ElementsAre(Problem{"cell.xml:20",
-                          "'robot.event' cannot keep its deadline, 150 us: it may be done only 200 us after "
+                          "'robot.event' cannot keep its deadline, 150 us: it may finish only 200 us after "
                           "its release, 50 us late",
-                          "shorter runs, longer deadlines or periods, or modules moved to another executor "
-                          "or processor"}));
+                          "shorten the runs, lengthen the deadlines or periods, or move modules to another "
+                          "executor or CPU"}));
 }
 
-TEST(WorstCase, LeavesOutWhatIsNotRealTime) {
+TEST(WorstCase, LeavesOutNonRealTimeModules) {
   Cells cells;
   cells.periodic("row", 100us, 80us);
   cells.device().modules.emplace_back().operation = Operation::non_real;

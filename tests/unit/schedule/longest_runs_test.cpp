@@ -13,7 +13,7 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::Optional;
 
-/// Modules a and b of device robot, on the lines 1 and 2, and one that is not real-time.
+/// Modules a and b of device robot, on lines 1 and 2, and a non-real-time module.
 model::Cell cell() {
   model::Cell cell;
   cell.name = "cell";
@@ -35,7 +35,7 @@ model::Profile profile() {
                       {"robot.b", {}}}};
 }
 
-TEST(LongestRuns, AreWhatWasMeasuredElseTheBudget) {
+TEST(LongestRuns, AreMeasuredRunsElseBudgets) {
   auto all = cell();
   all.devices[0].modules[0].budget = 9us;
   all.devices[0].modules[1].budget = 7us;
@@ -47,7 +47,7 @@ TEST(LongestRuns, AreWhatWasMeasuredElseTheBudget) {
               ElementsAre(Optional(9000ns), Optional(7000ns), std::nullopt));
 }
 
-TEST(LongestRuns, AreLongerByTheFactorAndRoundedUp) {
+TEST(LongestRuns, AreMultipliedByTheFactorAndRoundedUp) {
   auto all = cell();
   all.devices[0].modules[0].budget = 3ns;
   all.devices[0].modules[1].budget = Nanoseconds::max();
@@ -57,7 +57,7 @@ TEST(LongestRuns, AreLongerByTheFactorAndRoundedUp) {
   EXPECT_EQ((*runs)[0][1], Nanoseconds::max());
 }
 
-TEST(LongestRuns, OfAModuleThatNeverRanAreNotKnown) {
+TEST(LongestRuns, ReportAModuleThatNeverRan) {
   const auto measured = profile();
   const auto runs = longest_runs(cell(), &measured, 1);
   ASSERT_FALSE(runs);
@@ -66,7 +66,7 @@ TEST(LongestRuns, OfAModuleThatNeverRanAreNotKnown) {
                                                  Field(&Problem::fix, HasSubstr("<budget>")))));
 }
 
-TEST(LongestRuns, OfAnotherCellAreRefused) {
+TEST(LongestRuns, RejectAProfileOfAnotherCell) {
   auto measured = profile();
   measured.cell = "other";
   auto all = cell();
@@ -77,7 +77,7 @@ TEST(LongestRuns, OfAnotherCellAreRefused) {
               ElementsAre(Field(&Problem::what, HasSubstr("the profile is of cell 'other'"))));
 }
 
-TEST(AllStateBudgets, LooksAtWhatIsRealTime) {
+TEST(AllStateBudgets, IgnoresNonRealTimeModules) {
   auto all = cell();
   EXPECT_FALSE(all_state_budgets(all));
   all.devices[0].modules[0].budget = 1us;

@@ -16,7 +16,7 @@ using testing::Each;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// The weight of the fullest row, by definition: each row of the hyperperiod, each module.
+/// The weight of the fullest row by definition: tries each row of the macro period with each module.
 std::int64_t fullest(const std::vector<Shiftable>& modules, const std::vector<Nanoseconds>& offsets) {
   std::int64_t basic = 0;
   std::int64_t macro = 1;
@@ -41,7 +41,7 @@ std::vector<Nanoseconds> unshifted(const std::vector<Shiftable>& modules) {
   return offsets;
 }
 
-/// Every combination.
+/// The lightest fullest row of all combinations of offsets.
 std::int64_t lightest(const std::vector<Shiftable>& modules, std::vector<Nanoseconds>& offsets, std::size_t i,
                       Nanoseconds basic) {
   if (i == modules.size()) return fullest(modules, offsets);
@@ -55,7 +55,7 @@ std::int64_t lightest(const std::vector<Shiftable>& modules, std::vector<Nanosec
   return least;
 }
 
-TEST(Offsets, MakeThreeOfTheFourInRow0OfFigure1) {
+TEST(Offsets, ReduceTheFullestRowOfFigure1FromFourToThree) {
   // controller1 to controller4: 600, 100, 100 and 300 us.
   const std::vector<Shiftable> modules{
       {.period = 600us}, {.period = 100us}, {.period = 100us}, {.period = 300us}};
@@ -64,11 +64,11 @@ TEST(Offsets, MakeThreeOfTheFourInRow0OfFigure1) {
   EXPECT_EQ(fullest(modules, offsets), 3);
   for (std::size_t i = 0; i < modules.size(); ++i) {
     EXPECT_LT(offsets[i], modules[i].period);
-    EXPECT_EQ(offsets[i] % 100us, 0ns) << "the basic period stays";
+    EXPECT_EQ(offsets[i] % 100us, 0ns) << "the basic period does not change";
   }
 }
 
-TEST(Offsets, LeaveWhatIsFixed) {
+TEST(Offsets, LeaveFixedOffsetsAlone) {
   const std::vector<Shiftable> modules{{.period = 4ms, .offset = 3ms, .fixed = true}, {.period = 4ms}};
   const auto offsets = flatten(modules);
   EXPECT_EQ(offsets[0], 3ms);
@@ -76,27 +76,28 @@ TEST(Offsets, LeaveWhatIsFixed) {
   EXPECT_EQ(fullest(modules, offsets), 1);
 }
 
-TEST(Offsets, GoByTheWeight) {
+TEST(Offsets, BalanceTheWeights) {
   const std::vector<Shiftable> modules{{.period = 2ms, .weight = 90},
                                        {.period = 2ms, .weight = 50},
                                        {.period = 2ms, .weight = 40},
                                        {.period = 1ms, .weight = 1}};
-  EXPECT_EQ(fullest(modules, flatten(modules)), 91) << "50 and 40 together, and 90 alone";
+  EXPECT_EQ(fullest(modules, flatten(modules)), 91) << "50 and 40 share a row, and 90 has its own";
 }
 
 TEST(Offsets, KeepTheBasicPeriod) {
   const std::vector<Shiftable> modules{{.period = 2ms}, {.period = 2ms}};
-  EXPECT_THAT(flatten(modules), Each(0ns)) << "half of it would part them, and double the rows";
+  EXPECT_THAT(flatten(modules), Each(0ns))
+      << "an offset of half the period would separate them, but double the rows";
 }
 
-TEST(Offsets, OfNothingAreNone) { EXPECT_THAT(flatten({}), IsEmpty()); }
+TEST(Offsets, OfNoModulesAreEmpty) { EXPECT_THAT(flatten({}), IsEmpty()); }
 
-TEST(Offsets, OfATableThatCannotBeLighterAreZero) {
+TEST(Offsets, AreZeroIfShiftsDoNotHelp) {
   const std::vector<Shiftable> modules{{.period = 1ms}, {.period = 1ms}};
   EXPECT_THAT(flatten(modules), Each(0ns));
 }
 
-TEST(Offsets, AreTheBestOfSmallTables) {
+TEST(Offsets, AreOptimalForSmallTables) {
   std::mt19937 random{11};
   const std::vector<std::int64_t> periods{1, 2, 3, 4, 6};
   int lighter = 0;
@@ -114,13 +115,13 @@ TEST(Offsets, AreTheBestOfSmallTables) {
     auto tried = unshifted(modules);
     const std::int64_t best = lightest(modules, tried, 0, Nanoseconds{basic});
     ASSERT_EQ(fullest(modules, offsets), best) << "set " << set;
-    ASSERT_EQ(offsets, flatten(modules)) << "the same again";
+    ASSERT_EQ(offsets, flatten(modules)) << "the same input gives the same result";
     lighter += best < fullest(modules, unshifted(modules)) ? 1 : 0;
   }
   EXPECT_GT(lighter, 50);
 }
 
-TEST(Offsets, OfManyModulesTakeNoTimeAndAreNeverWorse) {
+TEST(Offsets, OfManyModulesAreFoundQuicklyAndAreNeverWorse) {
   std::mt19937 random{12};
   const std::vector<std::int64_t> periods{1, 2, 4, 5, 8, 10, 20, 40, 50, 100};
   for (const std::size_t count : {30U, 300U, 10'000U}) {
@@ -134,11 +135,11 @@ TEST(Offsets, OfManyModulesTakeNoTimeAndAreNeverWorse) {
     const auto begin = std::chrono::steady_clock::now();
     const auto offsets = flatten(modules);
     const auto took = std::chrono::steady_clock::now() - begin;
-    EXPECT_LT(took, 10s) << "a search without end";
-    if (count == 10'000U) continue;  // to hold that against the definition takes long
+    EXPECT_LT(took, 10s) << "the search does not end";
+    if (count == 10'000U) continue;  // comparing with the definition would take too long
     const std::int64_t most = fullest(modules, offsets);
     EXPECT_LT(most, fullest(modules, unshifted(modules)) / 2);
-    EXPECT_LE(most, load / 200 + 1000) << count << ": no more above the mean than one module weighs";
+    EXPECT_LE(most, load / 200 + 1000) << count << ": above the mean by at most the weight of one module";
   }
 }
 
@@ -148,7 +149,7 @@ TEST(Offsets, OfTwoHundredThousandModulesDoNotExhaustTheStack) {
   EXPECT_EQ(fullest(modules, flatten(modules)), 100'001);
 }
 
-TEST(Offsets, OfPeriodsThatHardlyMeetAreZero) {
+TEST(Offsets, AreZeroIfTheTableIsTooLongToSearch) {
   const std::vector<Shiftable> modules{{.period = 999'983ns}, {.period = 1'000'003ns}};
   EXPECT_THAT(flatten(modules), ElementsAre(0ns, 0ns));
 }

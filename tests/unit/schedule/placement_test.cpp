@@ -21,65 +21,65 @@ model::Executor executor(const std::string& name, std::optional<int> cpu = std::
   return result;
 }
 
-TEST(Placement, SharesTheOnlyProcessorAndSaysSo) {
+TEST(Placement, WarnsThatProcessModulesShareTheOnlyCpu) {
   const Placement placement = place({executor("main")}, {0});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{0}));
   EXPECT_THAT(placement.background, ElementsAre(0));
-  EXPECT_THAT(placement.warnings, ElementsAre(HasSubstr("no processor is left")));
+  EXPECT_THAT(placement.warnings, ElementsAre(HasSubstr("no CPU is left")));
 }
 
-TEST(Placement, GivesTheHighestOfTwoToTheExecutor) {
+TEST(Placement, GivesTheExecutorTheHigherOfTwoCpus) {
   const Placement placement = place({executor("main")}, {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
   EXPECT_THAT(placement.warnings, IsEmpty());
 }
 
-TEST(Placement, GivesEachExecutorOneFromTheHighestDown) {
+TEST(Placement, GivesEachExecutorACpuHighestFirst) {
   const Placement placement = place({executor("a"), executor("b")}, {0, 1, 2, 3});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{3}, Cpus{2}));
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
 }
 
-TEST(Placement, LeavesOneToTheOthersWhenThereAreMoreExecutorsThanProcessors) {
+TEST(Placement, LeavesACpuToOtherThreadsIfThereAreTooManyExecutors) {
   const Placement placement = place({executor("a"), executor("b"), executor("c")}, {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}, Cpus{1}, Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
 }
 
-TEST(Placement, FollowsTheDescriptor) {
+TEST(Placement, UsesTheCpusOfTheDescriptor) {
   const Placement placement = place({executor("a"), executor("b", 3), executor("c", 0)}, {0, 1, 2, 3});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{2}, Cpus{3}, Cpus{0}));
   EXPECT_THAT(placement.background, ElementsAre(1));
   EXPECT_THAT(placement.warnings, IsEmpty());
 }
 
-TEST(Placement, LetsTwoExecutorsWishForOneProcessor) {
+TEST(Placement, AllowsTwoExecutorsToRequestTheSameCpu) {
   const Placement placement = place({executor("a", 1), executor("b", 1)}, {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}, Cpus{1}));
   EXPECT_THAT(placement.background, ElementsAre(0));
 }
 
-TEST(Placement, PlacesAWishThatCannotBeFulfilledAndSaysSo) {
+TEST(Placement, ReplacesAMissingCpuWithAWarning) {
   const Placement placement = place({executor("motion", 5)}, {0, 1});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{1}));
-  EXPECT_THAT(placement.warnings, ElementsAre(AllOf(HasSubstr("motion"), HasSubstr("processor 5"))));
+  EXPECT_THAT(placement.warnings, ElementsAre(AllOf(HasSubstr("motion"), HasSubstr("CPU 5"))));
 }
 
-TEST(Placement, UsesOnlyWhatIsAllowed) {
+TEST(Placement, UsesOnlyAllowedCpus) {
   const Placement placement = place({executor("a"), executor("b", 2)}, {4, 7});
   EXPECT_THAT(placement.executors, ElementsAre(Cpus{7}, Cpus{7}));
   EXPECT_THAT(placement.background, ElementsAre(4));
   EXPECT_EQ(placement.warnings.size(), 1U);
 }
 
-TEST(Placement, WithAllProcessorsWishedForLeavesTheBackgroundAll) {
+TEST(Placement, SharesAllCpusIfExecutorsRequestAll) {
   const Placement placement = place({executor("a", 0), executor("b", 1)}, {0, 1});
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
   EXPECT_EQ(placement.warnings.size(), 1U);
 }
 
-TEST(Placement, OfNoExecutorLeavesEverything) {
+TEST(Placement, WithoutExecutorsLeavesAllCpus) {
   const Placement placement = place({}, {0, 1});
   EXPECT_THAT(placement.executors, IsEmpty());
   EXPECT_THAT(placement.background, ElementsAre(0, 1));
@@ -95,14 +95,14 @@ model::Device programs(int count) {
   return device;
 }
 
-TEST(ProgramsOnOne, CountsThoseThatAreReleasedAndRoundsUp) {
+TEST(ProgramsOnOne, CountsReleasedProgramsAndRoundsUp) {
   const Placement two{.executors = {}, .background = {0, 1}, .warnings = {}};
   EXPECT_EQ(programs_on_one(programs(0), two), 1);
   EXPECT_EQ(programs_on_one(programs(2), two), 1);
   EXPECT_EQ(programs_on_one(programs(3), two), 2);
 }
 
-TEST(Priorities, OfProgramsAndSporadicModulesAreBelowTheirExecutor) {
+TEST(Priorities, OfProgramsAndSporadicModulesAreBelowTheExecutor) {
   EXPECT_EQ(sporadic_priority(80), 79);
   EXPECT_EQ(program_priority(80, model::Operation::periodic), 78);
   EXPECT_EQ(program_priority(80, model::Operation::sporadic), 77);

@@ -53,7 +53,7 @@ Module with_budget(Module module, Nanoseconds budget) {
   return module;
 }
 
-/// Modules are on the lines 10, 20, 30 ... of cell.xml.
+/// The modules are on lines 10, 20, 30 ... of cell.xml.
 Cell cell_of(std::vector<Module> modules) {
   Cell cell;
   cell.name = "cell";
@@ -86,7 +86,7 @@ Problems problems_of(const Cell& cell) {
   return result ? Problems{} : result.problems();
 }
 
-TEST(Plan, OfFigure1IsFigures3And4) {
+TEST(Plan, OfFigure1HasTheTablesOfFigures3And4) {
   const Cell cell = figure1();
   const Device& device = cell.devices.front();
   const auto result = plan(cell, device);
@@ -106,7 +106,7 @@ TEST(Plan, OfFigure1IsFigures3And4) {
   EXPECT_EQ(names(device, result->non_realtime), (Names{"monitoring"}));
 }
 
-TEST(Plan, GivesAnExecutorWithoutModulesNothingToDo) {
+TEST(Plan, AllowsAnExecutorWithoutModules) {
   const Cell cell = cell_of({});
   const auto result = plan(cell, cell.devices.front());
   ASSERT_TRUE(result);
@@ -116,7 +116,7 @@ TEST(Plan, GivesAnExecutorWithoutModulesNothingToDo) {
   EXPECT_EQ(result->executors[0].macro_period, 0ns);
 }
 
-TEST(Plan, ChecksConditionsTwiceADeadlineWhereNothingIsPeriodic) {
+TEST(Plan, WithOnlySporadicModulesChecksTwicePerDeadline) {
   const Cell cell = cell_of({sporadic("slow", 7ms, 1), sporadic("fast", 5ms, 2)});
   const auto result = plan(cell, cell.devices.front());
   ASSERT_TRUE(result);
@@ -129,14 +129,14 @@ TEST(Plan, ChecksConditionsTwiceADeadlineWhereNothingIsPeriodic) {
   EXPECT_THAT(main.sporadic, ElementsAre(0U, 1U));
 }
 
-TEST(Plan, ChecksConditionsAtMostOnceANanosecond) {
+TEST(Plan, ChecksConditionsAtMostOncePerNanosecond) {
   const Cell cell = cell_of({sporadic("eager", 1ns)});
   const auto result = plan(cell, cell.devices.front());
   ASSERT_TRUE(result);
   EXPECT_EQ(result->executors.front().basic_period, 1ns);
 }
 
-TEST(Plan, GivesEachExecutorTablesOfItsOwn) {
+TEST(Plan, GivesEachExecutorItsOwnTables) {
   Cell cell = cell_of(
       {periodic("servo", 1ms), periodic("camera", 33ms), periodic("filter", 2ms), sporadic("alarm", 5ms)});
   Device& device = cell.devices.front();
@@ -159,7 +159,7 @@ TEST(Plan, GivesEachExecutorTablesOfItsOwn) {
   EXPECT_EQ(result->executors[2].rows(), 0U);
 }
 
-TEST(Plan, OrdersByPriorityThenByTheFile) {
+TEST(Plan, OrdersByPriorityThenAsInTheDescriptor) {
   const Cell cell = cell_of({sporadic("a", 1ms, 7), sporadic("b", 1ms, -1), sporadic("c", 1ms, 7),
                              non_real("d", 2), non_real("e", 1), non_real("f", 2)});
   const auto result = plan(cell, cell.devices.front());
@@ -168,7 +168,7 @@ TEST(Plan, OrdersByPriorityThenByTheFile) {
   EXPECT_THAT(result->non_realtime, ElementsAre(4U, 3U, 5U));
 }
 
-TEST(Plan, RefusesATableThatIsTooLongAndNamesTheTwoModules) {
+TEST(Plan, RejectsATableThatIsTooLongAndNamesTwoModules) {
   const Cell cell = cell_of({periodic("servo", 1ms), periodic("camera", 33'333'333ns), periodic("log", 1s)});
   const Problems problems = problems_of(cell);
   ASSERT_EQ(problems.size(), 1U);
@@ -179,7 +179,7 @@ TEST(Plan, RefusesATableThatIsTooLongAndNamesTheTwoModules) {
   EXPECT_THAT(problems[0].fix, HasSubstr("multiples of each other"));
 }
 
-TEST(Plan, RefusesPeriodsWhoseMultiplePasses64Bits) {
+TEST(Plan, RejectsPeriodsWhoseMultipleExceeds64Bits) {
   const Problems problems = problems_of(cell_of({periodic("a", Nanoseconds::max()), periodic("b", 2ns)}));
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_THAT(problems[0].what,
@@ -196,7 +196,7 @@ TEST(Plan, ReportsTheProblemsOfAllExecutorsAndDevices) {
   EXPECT_EQ(problems_of(cell).size(), 4U);
 }
 
-TEST(Plan, CallsAModuleByItsNameWhereThereIsNoFile) {
+TEST(Plan, NamesTheModuleIfThereIsNoFile) {
   Cell cell = cell_of({with_budget(periodic("servo", 1ms), 2ms)});
   cell.file.clear();
   const Problems problems = problems_of(cell);
@@ -206,7 +206,7 @@ TEST(Plan, CallsAModuleByItsNameWhereThereIsNoFile) {
 
 // ---- budgets
 
-TEST(Budget, MayFillThePeriodAndNotMore) {
+TEST(Budget, MayFillThePeriodButNotExceedIt) {
   EXPECT_THAT(problems_of(cell_of({process(with_budget(periodic("a", 1ms), 1ms))})), IsEmpty());
   const Problems problems =
       problems_of(cell_of({periodic("z", 1ms), process(with_budget(periodic("a", 1ms), 1ms + 1ns))}));
@@ -216,7 +216,7 @@ TEST(Budget, MayFillThePeriodAndNotMore) {
   EXPECT_FALSE(problems[0].fix.empty());
 }
 
-TEST(Budget, MayFillTheDeadlineAndNotMore) {
+TEST(Budget, MayFillTheDeadlineButNotExceedIt) {
   EXPECT_THAT(problems_of(cell_of({with_budget(sporadic("a", 1ms), 1ms)})), IsEmpty());
   const Problems problems = problems_of(cell_of({with_budget(sporadic("a", 1ms), 2ms)}));
   ASSERT_EQ(problems.size(), 1U);
@@ -224,7 +224,7 @@ TEST(Budget, MayFillTheDeadlineAndNotMore) {
   EXPECT_THAT(problems[0].what, HasSubstr("deadline, 1 ms"));
 }
 
-TEST(Budget, OfThreadModulesMayFillTheRowAndNotMore) {
+TEST(Budget, OfThreadModulesMayFillTheRowButNotExceedIt) {
   EXPECT_THAT(
       problems_of(cell_of({with_budget(periodic("a", 1ms), 600us), with_budget(periodic("b", 1ms), 400us)})),
       IsEmpty());
@@ -238,7 +238,7 @@ TEST(Budget, OfThreadModulesMayFillTheRowAndNotMore) {
   EXPECT_FALSE(problems[0].fix.empty());
 }
 
-TEST(Budget, OfProcessAndSporadicModulesDoesNotFillTheRow) {
+TEST(Budget, OfProcessAndSporadicModulesDoesNotCountInTheRow) {
   EXPECT_THAT(problems_of(cell_of({with_budget(periodic("a", 1ms), 800us),
                                    process(with_budget(periodic("b", 1ms), 900us)),
                                    with_budget(sporadic("c", 1ms), 900us)})),
@@ -246,7 +246,7 @@ TEST(Budget, OfProcessAndSporadicModulesDoesNotFillTheRow) {
 }
 
 TEST(Budget, NamesTheFullestRowAndCountsTheOthers) {
-  // a and b are due in each row, c in every second, d in every third: row 0 has all of them.
+  // a and b are due in every row, c in every second, d in every third: all are due in row 0.
   const Problems problems =
       problems_of(cell_of({with_budget(periodic("a", 1ms), 500us), with_budget(periodic("b", 1ms), 300us),
                            with_budget(periodic("c", 2ms), 300us), with_budget(periodic("d", 3ms), 400us)}));
@@ -255,7 +255,7 @@ TEST(Budget, NamesTheFullestRowAndCountsTheOthers) {
               AllOf(HasSubstr("row 0"), HasSubstr("1.5 ms of 1 ms"), HasSubstr("4 of 6 rows")));
 }
 
-TEST(Budget, NamesNoMoreModulesThanOneReads) {
+TEST(Budget, NamesAtMostTwelveModules) {
   std::vector<Module> modules;
   for (int i = 0; i < 100; ++i) modules.push_back(with_budget(periodic("m" + std::to_string(i), 1ms), 11us));
   const Problems problems = problems_of(cell_of(modules));
@@ -263,7 +263,7 @@ TEST(Budget, NamesNoMoreModulesThanOneReads) {
   EXPECT_THAT(problems[0].what, AllOf(HasSubstr("m11 11 us and 88 more"), Not(HasSubstr("m12"))));
 }
 
-TEST(Budget, DoesNotOverflowInASum) {
+TEST(Budget, DoesNotOverflowInSums) {
   const Nanoseconds huge = Nanoseconds::max();
   const Cell cell = cell_of({with_budget(periodic("a", huge), huge), with_budget(periodic("b", huge), huge)});
   const Problems problems = problems_of(cell);
@@ -271,7 +271,7 @@ TEST(Budget, DoesNotOverflowInASum) {
   EXPECT_THAT(problems[0].what, HasSubstr("are more than 10^18 ns of"));
 }
 
-TEST(Load, IsIncompleteWhereAThreadModuleStatesNoBudget) {
+TEST(Load, IsIncompleteIfAThreadModuleHasNoBudget) {
   const Cell cell =
       cell_of({with_budget(periodic("a", 1ms), 100us), periodic("b", 2ms), process(periodic("c", 1ms))});
   const Device& device = cell.devices.front();
@@ -294,22 +294,22 @@ TEST(Plan, FlattensTheTableOfFigure1) {
   ASSERT_EQ(main.rows(), 6U);
   std::size_t most = 0;
   for (std::size_t row = 0; row < main.rows(); ++row) most = std::max(most, main.row(row).size());
-  EXPECT_EQ(most, 3U) << "four without";
-  EXPECT_EQ(main.table.entries(), 15U) << "as many as without";
+  EXPECT_EQ(most, 3U) << "without offsets it is four";
+  EXPECT_EQ(main.table.entries(), 15U) << "the same number as without offsets";
 }
 
-TEST(Plan, FlattensByTheBudgetsWhereAllThreadsStateOne) {
+TEST(Plan, BalancesBudgetsIfAllThreadModulesHaveOne) {
   Cell cell = cell_of({with_budget(periodic("heavy", 2ms), 900us), with_budget(periodic("a", 2ms), 500us),
                        with_budget(periodic("b", 2ms), 400us), process(periodic("c", 1ms))});
   cell.devices[0].executors[0].offsets = model::Offsets::automatic;
   const auto result = plan(cell, cell.devices[0]);
-  ASSERT_TRUE(result) << "without offsets its row does not fit: " << to_text(result.problems());
+  ASSERT_TRUE(result) << "with offsets, each row must fit: " << to_text(result.problems());
   const ExecutorPlan& main = result->executors.front();
   EXPECT_EQ(main.load(cell.devices[0], 0).budget, 900us);
   EXPECT_EQ(main.load(cell.devices[0], 1).budget, 900us);
 }
 
-TEST(Plan, ShiftsByTheGivenOffsets) {
+TEST(Plan, AppliesTheGivenOffsets) {
   Cell cell = cell_of({periodic("a", 2ms), periodic("b", 2ms), periodic("c", 4ms)});
   cell.devices[0].modules[1].offset = 1ms;
   cell.devices[0].modules[2].offset = 500us;
@@ -327,12 +327,12 @@ TEST(Plan, ShiftsByTheGivenOffsets) {
   EXPECT_EQ(offset_of(main, 2), 500us);
 }
 
-TEST(Plan, SaysWhichOffsetMakesTheTableTooLong) {
+TEST(Plan, NamesTheOffsetThatMakesTheTableTooLong) {
   Cell cell = cell_of({periodic("a", 1ms), periodic("b", 7ms), periodic("c", 100ms)});
   cell.devices[0].modules[1].offset = 1ns;
   const Problems problems = problems_of(cell);
   ASSERT_EQ(problems.size(), 1U);
-  EXPECT_THAT(problems[0].what, AllOf(HasSubstr("'b' is shifted by 1 ns"), HasSubstr("1 ms")));
+  EXPECT_THAT(problems[0].what, AllOf(HasSubstr("'b' has an offset of 1 ns"), HasSubstr("1 ms")));
   EXPECT_THAT(problems[0].fix, HasSubstr("multiples of 1 ms"));
 }
 
@@ -356,7 +356,7 @@ TEST(Plan, GivesTheShortestPeriodTheHighestPriority) {
   EXPECT_THAT(priorities, ElementsAre(72, 80, 76, 80, 42));
 }
 
-TEST(Plan, HasAPriorityForEachOfManyPeriods) {
+TEST(Plan, AssignsPrioritiesToManyPeriods) {
   std::vector<Module> modules;
   for (int i = 0; i < 64; ++i) modules.push_back(periodic("m" + std::to_string(i), 1ms * (i + 1)));
   Cell cell = cell_of(std::move(modules));
@@ -371,7 +371,7 @@ TEST(Plan, HasAPriorityForEachOfManyPeriods) {
   ASSERT_TRUE(result);
   for (std::size_t i = 1; i < result->executors.size(); ++i) {
     EXPECT_LE(result->executors[i].priority, result->executors[i - 1].priority);
-    EXPECT_GE(result->executors[i].priority, 4) << "programs run three below";
+    EXPECT_GE(result->executors[i].priority, 4) << "programs run up to three below";
   }
 }
 

@@ -1,6 +1,6 @@
-// A device as it would run: processors, SCHED_FIFO threads, rows, sporadic threads and programs, a nanosecond
-// at a time. Slow and plain on purpose: what it knows of the scheduler it does not have from the analysis
-// that it is to judge.
+// Simulates a device nanosecond by nanosecond: CPUs, SCHED_FIFO threads, rows, sporadic threads and programs.
+// It is slow and simple on purpose, and shares no knowledge of the scheduler with the analysis that it
+// checks.
 #pragma once
 
 #include <algorithm>
@@ -20,17 +20,17 @@ namespace takt::schedule::simulated {
 using Tick = std::int64_t;
 using Random = std::mt19937;
 
-/// How one simulation differs from another of the same device.
+/// The choices of one simulation of a device.
 struct Phasing {
-  double longest = 1;      ///< share of the runs that take as long as they may; the others are shorter
-  double ready = 1;        ///< share of the occasions at which a sporadic module is released
-  Tick sporadic_from = 0;  ///< and not before
-  double spin = 1;         ///< share of the wake-ups that spin as long as they may; the others are shorter
+  double longest = 1;      ///< share of runs with the longest run time; the others are shorter
+  double ready = 1;        ///< share of occasions at which a sporadic module is released
+  Tick sporadic_from = 0;  ///< the first time at which a sporadic module may be released
+  double spin = 1;         ///< share of wake-ups that spin as long as they may; the others spin shorter
 };
 
 struct Outcome {
-  std::vector<std::optional<Tick>> response;  ///< the longest, by module
-  std::vector<bool> missed;                   ///< by module: late, skipped, or still in its body when due
+  std::vector<std::optional<Tick>> response;  ///< the longest response of each module
+  std::vector<bool> missed;  ///< for each module: late, skipped, or still in its body when due
   [[nodiscard]] bool any_missed() const {
     return std::find(missed.begin(), missed.end(), true) != missed.end();
   }
@@ -46,13 +46,14 @@ class Thread {
   Thread(const Thread&) = delete;
   Thread& operator=(const Thread&) = delete;
 
-  /// It has a processor: does everything that takes no time. Whether it goes on to use the next nanosecond.
+  /// Called when the thread has a CPU: does everything that takes no time. Returns whether the thread uses
+  /// the next nanosecond.
   virtual bool advance() = 0;
-  /// It has used it: what was to be done in it is done now, whoever has the processor next.
+  /// Called after the thread has used a nanosecond of a CPU.
   virtual void use() = 0;
-  /// What comes from outside may wake it.
+  /// Called in each nanosecond; an external event may wake the thread.
   virtual void happen() {}
-  /// Finds what should be done by now and is not.
+  /// Records deadlines that have passed.
   virtual void judge() const {}
   void wake();
 
@@ -86,12 +87,12 @@ class Machine {
     changed();
     return ++turn_;
   }
-  /// What a thread has just done may be seen by another at once.
+  /// Called after a thread has done something that other threads may see at once.
   void changed() { changed_ = true; }
   [[nodiscard]] bool chance(double share) {
     return share >= 1 || std::bernoulli_distribution{share}(random_);
   }
-  /// Up to `most`; `most` itself as often as `longest` says.
+  /// A random time from `least` to `most`; exactly `most` with the probability `longest`.
   [[nodiscard]] Tick up_to(Tick least, Tick most, double longest) {
     return chance(longest) ? most : std::uniform_int_distribution<Tick>{least, most}(random_);
   }
@@ -123,8 +124,8 @@ class Machine {
   bool changed_ = false;
   int cpus_ = 0;
   std::vector<std::unique_ptr<Thread>> threads_;
-  std::vector<Program*> programs_;  // by module
-  std::vector<Thread*> on_;         // by processor
+  std::vector<Program*> programs_;  // indexed by module
+  std::vector<Thread*> on_;         // indexed by CPU
   Outcome outcome_;
 };
 
@@ -134,7 +135,7 @@ inline void Thread::wake() {
   turn = machine_.next_turn();
 }
 
-/// libtakt_process in a program.
+/// A program with libtakt_process.
 class Program : public Thread {
  public:
   Program(Machine& machine, int its_priority, std::vector<int> its_cpus, std::uint32_t index, Tick period,
@@ -142,15 +143,15 @@ class Program : public Thread {
       : Thread(machine, its_priority, std::move(its_cpus)), index_(index), period_(period), cap_(cap) {}
 
   [[nodiscard]] bool in_body() const { return released_; }
-  /// By a row. Whether the wake_word must be rung for it.
+  /// Called by a row. Returns whether the program sleeps on its wake word and must be woken.
   bool release(Tick release) {
     released_ = true;
     release_ = release;
     machine_.changed();
-    return on_bell_;
+    return on_wake_word_;
   }
   void ring() {
-    on_bell_ = false;
+    on_wake_word_ = false;
     wake();
   }
   void judge() const override {
@@ -176,7 +177,7 @@ class Program : public Thread {
     if (!released_ && spins_ && machine_.now() < expected_ + cap_) return true;
     spins_ = false;
     if (!released_) {
-      on_bell_ = true;
+      on_wake_word_ = true;
       return sleep();
     }
     begun_ = true;
@@ -204,10 +205,10 @@ class Program : public Thread {
   bool served_ = false;
   bool waits_ = false;
   bool spins_ = false;
-  bool on_bell_ = false;
+  bool on_wake_word_ = false;
 };
 
-/// The thread of an executor's sporadic thread modules.
+/// The thread of the sporadic thread modules of an executor.
 class Sporadics : public Thread {
  public:
   struct One {
@@ -249,7 +250,7 @@ class Sporadics : public Thread {
     one.release = release;
     one.not_before = release + machine_.module(one.index).interarrival.value_or(Nanoseconds{}).count();
   }
-  /// A sample comes for a module that is dispatched at once.
+  /// A sample may arrive for a module with immediate dispatch.
   void happen() override {
     for (One& one : all) {
       if (machine_.module(one.index).dispatch != model::Dispatch::immediate) continue;
@@ -317,7 +318,7 @@ class Rows : public Thread {
   void use() override {
     if (left_ > 0 && --left_ == 0) machine_.done(due_[place_++], release_);
   }
-  /// Of a row that should be over and is not, or has not begun.
+  /// Records missed deadlines of the current row, or of the next row if it has not begun.
   void judge() const override {
     const std::vector<std::uint32_t> row = in_row_ ? due_ : plan_.row(row_);
     for (std::size_t i = in_row_ ? place_ : 0; i < row.size(); ++i) {
@@ -390,8 +391,8 @@ inline Machine::Machine(const model::Device& device, const DevicePlan& plan, con
   std::ptrdiff_t programs = 0;
   for (const model::Module& m : device.modules)
     programs += m.type == model::ModuleType::process && m.operation != model::Operation::non_real;
-  const auto processors = static_cast<std::ptrdiff_t>(placement.background.size());
-  const Tick share = std::max<std::ptrdiff_t>(1, (programs + processors - 1) / processors);
+  const auto shared = static_cast<std::ptrdiff_t>(placement.background.size());
+  const Tick share = std::max<std::ptrdiff_t>(1, (programs + shared - 1) / shared);
   for (const ExecutorPlan& executor : plan.executors) {
     if (executor.rows() == 0) continue;
     const model::Executor& settings = device.executors[executor.executor];
@@ -423,8 +424,8 @@ inline Machine::Machine(const model::Device& device, const DevicePlan& plan, con
   for (auto& thread : threads_) thread->turn = next_turn();
 }
 
-// The highest first, equals in the order in which they became ready, each onto any processor that it may use
-// and that none before it has.
+// Assigns threads to CPUs by priority, then in the order in which they became ready. Each gets a free CPU on
+// which it may run.
 inline void Machine::assign() {
   std::vector<Thread*> ready;
   for (const auto& thread : threads_) {
@@ -440,7 +441,7 @@ inline void Machine::assign() {
       if (on[static_cast<std::size_t>(cpu)] == nullptr) free.push_back(cpu);
     }
     if (free.empty()) continue;
-    // It stays where it is, unless something else is there now.
+    // A thread stays on its CPU if that is still free.
     int chosen = free.size() == 1
                      ? free[0]
                      : free[std::uniform_int_distribution<std::size_t>{0, free.size() - 1}(random_)];
@@ -459,7 +460,7 @@ inline Outcome Machine::run(Tick length, bool stop_at_miss) {
       if (!thread->ready && thread->wake_at <= now_) thread->wake();
       thread->happen();
     }
-    // What takes no time may let others go on, or end a thread's turn.
+    // An action that takes no time may let other threads continue, or end the turn of a thread.
     bool settled = false;
     while (!settled) {
       settled = true;

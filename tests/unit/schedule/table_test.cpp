@@ -26,8 +26,8 @@ std::vector<Table::Index> row(const Table& table, std::size_t index) {
   return {tasks.begin(), tasks.end()};
 }
 
-/// The words of the one problem with which these tasks are refused.
-std::string refused(const std::vector<Task>& tasks) {
+/// The only problem of these tasks, or "accepted".
+std::string problem_of(const std::vector<Task>& tasks) {
   const auto table = Table::build(tasks);
   if (table) return "accepted";
   EXPECT_EQ(table.problems().size(), 1U);
@@ -35,9 +35,9 @@ std::string refused(const std::vector<Task>& tasks) {
   return table.problems().front().what;
 }
 
-// ---- the paper's example, and the edges
+// ---- the paper's example, and edge cases
 
-TEST(Table, IsTheOneOfFigure3) {
+TEST(Table, OfFigure1IsThatOfFigure3) {
   enum : Table::Index { controller1, control2, control3, control4 };
   const std::vector<Task> tasks{{600us, 3}, {100us, 2}, {100us, 1}, {300us, 4}};
   const auto table = Table::build(tasks);
@@ -54,7 +54,7 @@ TEST(Table, IsTheOneOfFigure3) {
   EXPECT_EQ(table->entries(), 15U);
 }
 
-TEST(Table, RefusesEveryPeriodThatIsNotPositive) {
+TEST(Table, RejectsPeriodsThatAreNotPositive) {
   const std::vector<Task> tasks{{1ms, 1, "good"}, {0ns, 1, "zero"}, {-1ns, 1}};
   const auto table = Table::build(tasks);
   ASSERT_FALSE(table);
@@ -84,7 +84,7 @@ TEST(Table, HasOneRowForOneTaskOfAnyPeriod) {
   }
 }
 
-TEST(Table, HasEmptyRowsWhereNothingIsDue) {
+TEST(Table, HasEmptyRowsIfNothingIsDue) {
   const std::vector<Task> tasks{{2ms, 0}, {3ms, 0}};
   const auto table = Table::build(tasks);
   ASSERT_TRUE(table);
@@ -93,7 +93,7 @@ TEST(Table, HasEmptyRowsWhereNothingIsDue) {
   EXPECT_THAT(row(*table, 5), IsEmpty());
 }
 
-TEST(Table, OrdersByPriorityThenByTheOrderOfTheInput) {
+TEST(Table, OrdersByPriorityThenAsInTheInput) {
   const std::vector<Task> tasks{
       {1ms, 5}, {1ms, -3}, {1ms, 5}, {1ms, std::numeric_limits<int>::min()}, {1ms, -3}};
   const auto table = Table::build(tasks);
@@ -103,7 +103,7 @@ TEST(Table, OrdersByPriorityThenByTheOrderOfTheInput) {
 
 // ---- the limits
 
-TEST(Table, HoldsAMillionEntriesInOneRowAndNotOneMore) {
+TEST(Table, LimitsTheEntriesOfOneRowToAMillion) {
   std::vector<Task> tasks(kMaxEntries, Task{1ms, 0});
   const auto full = Table::build(tasks);
   ASSERT_TRUE(full);
@@ -112,11 +112,11 @@ TEST(Table, HoldsAMillionEntriesInOneRowAndNotOneMore) {
   EXPECT_EQ(full->row(0).back(), kMaxEntries - 1);
 
   tasks.push_back({1ms, 0});
-  EXPECT_THAT(refused(tasks), HasSubstr("1000001 entries"));
+  EXPECT_THAT(problem_of(tasks), HasSubstr("1000001 entries"));
 }
 
-TEST(Table, HoldsAMillionEntriesInManyRowsAndNotOneMore) {
-  // 999,999 rows of the fast one, and one entry of the slow one.
+TEST(Table, LimitsTheEntriesOfAllRowsToAMillion) {
+  // 999,999 rows with the fast task, and one entry of the slow one.
   std::vector<Task> tasks{{1us, 0, "fast"}, {1us * 999'999, 0, "slow"}};
   const auto full = Table::build(tasks);
   ASSERT_TRUE(full);
@@ -124,11 +124,11 @@ TEST(Table, HoldsAMillionEntriesInManyRowsAndNotOneMore) {
   EXPECT_EQ(full->entries(), kMaxEntries);
 
   tasks[1].period = 1us * 1'000'000;
-  EXPECT_THAT(refused(tasks), AllOf(HasSubstr("1000001 entries"), HasSubstr("'fast' with 1 us"),
-                                    HasSubstr("'slow' with 1 s")));
+  EXPECT_THAT(problem_of(tasks), AllOf(HasSubstr("1000001 entries"), HasSubstr("'fast' with 1 us"),
+                                       HasSubstr("'slow' with 1 s")));
 }
 
-TEST(Table, HoldsTenMillionRowsAndNotMore) {
+TEST(Table, LimitsTheRowsToTenMillion) {
   // a x b rows, a + b entries.
   std::vector<Task> tasks{{78125ns, 0}, {128ns, 0}};  // 5^7 and 2^7, rows of 1 ns
   const auto full = Table::build(tasks);
@@ -137,31 +137,31 @@ TEST(Table, HoldsTenMillionRowsAndNotMore) {
   EXPECT_EQ(full->entries(), 78125U + 128U);
 
   tasks = {{78127ns, 0, "a"}, {128ns, 0, "b"}};
-  EXPECT_THAT(refused(tasks), AllOf(HasSubstr("10000256 rows"), HasSubstr("'a'"), HasSubstr("'b'")));
+  EXPECT_THAT(problem_of(tasks), AllOf(HasSubstr("10000256 rows"), HasSubstr("'a'"), HasSubstr("'b'")));
 }
 
-TEST(Table, RefusesPeriodsWhoseMultiplePasses64Bits) {
-  EXPECT_THAT(refused({{kLongest, 0, "a"}, {kLongest - 1ns, 0, "b"}}),
+TEST(Table, RejectsPeriodsWhoseMultipleExceeds64Bits) {
+  EXPECT_THAT(problem_of({{kLongest, 0, "a"}, {kLongest - 1ns, 0, "b"}}),
               AllOf(HasSubstr("basic period 1 ns"), HasSubstr("macro period more than 10^18 ns"),
-                    HasSubstr("'a'"), HasSubstr("'b'"), HasSubstr("meet only every more than 10^18 ns")));
-  // Six rows only, but they would last longer than the largest period.
-  EXPECT_THAT(refused({{Nanoseconds{1LL << 62}, 0}, {Nanoseconds{3LL << 61}, 0}}),
+                    HasSubstr("'a'"), HasSubstr("'b'"), HasSubstr("coincide only every more than 10^18 ns")));
+  // Only six rows, but the macro period would exceed the largest period.
+  EXPECT_THAT(problem_of({{Nanoseconds{1LL << 62}, 0}, {Nanoseconds{3LL << 61}, 0}}),
               HasSubstr("more than 10^18 ns"));
 }
 
-TEST(Table, RefusesPeriodsThatPass64BitsOnlyAllTogether) {
+TEST(Table, RejectsPeriodsThatExceed64BitsOnlyTogether) {
   std::vector<Task> tasks;
   for (const int prime : {1009, 1013, 1019, 1021, 1031, 1033, 1039}) tasks.push_back({Nanoseconds{prime}, 0});
-  EXPECT_THAT(refused(tasks),
+  EXPECT_THAT(problem_of(tasks),
               AllOf(HasSubstr("macro period more than 10^18 ns"), HasSubstr("task 6"), HasSubstr("task 5"),
-                    HasSubstr("meet only every 1073.287 us"), Not(HasSubstr("every more than"))));
+                    HasSubstr("coincide only every 1073.287 us"), Not(HasSubstr("every more than"))));
 }
 
-TEST(Table, NamesThePairOfPeriodsThatMakesItLong) {
-  // 7.001 ms fits with nothing; the others are multiples of each other.
+TEST(Table, NamesThePairOfPeriodsThatMakesTheTableLong) {
+  // 7.001 ms has little in common with the others, which are multiples of each other.
   const std::string what =
-      refused({{1ms, 0, "servo"}, {4ms, 0, "plan"}, {7001us, 0, "camera"}, {1s, 0, "log"}});
-  EXPECT_THAT(what, HasSubstr("'camera' with 7.001 ms and 'log' with 1 s meet only every 7001 s"));
+      problem_of({{1ms, 0, "servo"}, {4ms, 0, "plan"}, {7001us, 0, "camera"}, {1s, 0, "log"}});
+  EXPECT_THAT(what, HasSubstr("'camera' with 7.001 ms and 'log' with 1 s coincide only every 7001 s"));
 }
 
 TEST(LongestPair, TakesTheShortestPeriodAmongEquals) {
@@ -171,15 +171,15 @@ TEST(LongestPair, TakesTheShortestPeriodAmongEquals) {
   EXPECT_EQ(pair.longer, 3U);
 }
 
-TEST(LongestPair, IsOneTaskWhenAllPeriodsAreTheSame) {
+TEST(LongestPair, IsASingleTaskIfAllPeriodsAreEqual) {
   const std::vector<Task> tasks{{2us, 0}, {2us, 0}};
   const PeriodPair pair = longest_pair(tasks);
   EXPECT_EQ(pair.shorter, pair.longer);
 }
 
-// ---- against the definition, in the most naive way
+// ---- comparison with a naive implementation
 
-/// What Table::build has to be, from the definition alone.
+/// The expected result of Table::build(), computed directly from the definition.
 struct Naive {
   __extension__ using Wide = __int128;
   static constexpr Wide kTooLong = std::numeric_limits<std::int64_t>::max();
@@ -225,8 +225,8 @@ struct Naive {
   bool accepted = false;
 };
 
-/// Compares at most `work` modules of rows: all rows when they are that few, else as many of them as that is,
-/// spread out evenly, and the last.
+/// Compares rows with the definition. If all rows need more than `work` steps, compares evenly spaced rows
+/// and the last one.
 void expect_as_defined(const std::vector<Task>& tasks, std::size_t work) {
   const Naive naive{tasks};
   const auto table = Table::build(tasks);
@@ -245,13 +245,12 @@ void expect_as_defined(const std::vector<Task>& tasks, std::size_t work) {
   ASSERT_EQ(row(*table, rows - 1), Naive::due(tasks, static_cast<std::int64_t>(rows - 1) * naive.basic));
 }
 
-/// Draws module sets of four families, so that many are within the limits, many are far outside, and some are
-/// close.
+/// Draws module sets of four families: many within the limits, many far outside, and some close to them.
 class ModuleSets {
  public:
   std::vector<Task> draw() {
     const std::int64_t family = between(0, 3);
-    // As often few as many.
+    // Small and large sets, equally often.
     const std::int64_t count = between(1, between(0, 1) == 0 ? 12 : 1000);
     const std::int64_t unit = between(1, 20) * power_of_ten(between(3, 5));
     std::vector<Task> tasks;
@@ -278,7 +277,7 @@ class ModuleSets {
 
   std::int64_t period(std::int64_t family, std::int64_t unit) {
     switch (family) {
-      case 0: {  // what people write: 1, 2, 5 x a power of ten
+      case 0: {  // typical periods: 1, 2, 5 x a power of ten
         constexpr std::array<std::int64_t, 3> kSteps{1, 2, 5};
         return kSteps[static_cast<std::size_t>(between(0, 2))] * power_of_ten(between(5, 8));
       }
@@ -297,23 +296,23 @@ class ModuleSets {
   std::mt19937_64 random_{20240607};
 };
 
-TEST(Table, IsAsDefinedForManyModuleSets) {
+TEST(Table, MatchesTheDefinitionForManyModuleSets) {
   ModuleSets sets;
   int accepted = 0;
-  int refused = 0;
+  int rejected = 0;
   const int count = how_often(4000);
   for (int i = 0; i < count; ++i) {
     const auto tasks = sets.draw();
     ASSERT_NO_FATAL_FAILURE(expect_as_defined(tasks, 500'000)) << "set " << i;
-    (Table::build(tasks).ok() ? accepted : refused)++;
+    (Table::build(tasks).ok() ? accepted : rejected)++;
   }
   EXPECT_GT(accepted, count / 4);
-  EXPECT_GT(refused, count / 4);
+  EXPECT_GT(rejected, count / 4);
   RecordProperty("accepted", accepted);
-  RecordProperty("refused", refused);
+  RecordProperty("rejected", rejected);
 }
 
-TEST(LongestPair, IsAsDefinedForManyModuleSets) {
+TEST(LongestPair, MatchesTheDefinitionForManyModuleSets) {
   ModuleSets sets;
   for (int i = 0; i < 300; ++i) {
     const auto tasks = sets.draw();

@@ -29,7 +29,7 @@ std::string text_of(const fs::path& path) {
 }
 void write(const fs::path& path, const std::string& text) { std::ofstream{path} << text; }
 
-/// A folder, and in it an authority "home" that knows the robot and the operator anna.
+/// A folder with an authority "home" that has issued identities to the device robot and the operator anna.
 class AuthorityTest : public testing::Test {
  protected:
   AuthorityTest() {
@@ -62,7 +62,7 @@ class AuthorityTest : public testing::Test {
   std::optional<Authority> authority_;
 };
 
-TEST_F(AuthorityTest, GivesAFolderThatIsInOrder) {
+TEST_F(AuthorityTest, IssuesAValidFolder) {
   const auto identity = read_identity(of_robot(), kNow);
   ASSERT_TRUE(identity.ok()) << to_text(identity.problems());
   EXPECT_EQ(identity->subject, robot_);
@@ -75,7 +75,7 @@ bool names_somebody(const std::string& certificate) {
       {reinterpret_cast<const std::uint8_t*>(certificate.data()), certificate.size()});
 }
 
-TEST_F(AuthorityTest, ACertificateNamesSomebody) {
+TEST_F(AuthorityTest, NamesSomebodyRequiresASubject) {
   EXPECT_TRUE(names_somebody(text_of(of_robot() + "/identity.cert.pem")));
   EXPECT_TRUE(names_somebody(text_of(of_robot() + "/ca.cert.pem")));
   EXPECT_FALSE(names_somebody(text_of(of_robot() + "/identity.key.pem")));
@@ -96,14 +96,14 @@ TEST_F(AuthorityTest, ACertificateNamesSomebody) {
                      "-----END CERTIFICATE-----\n"));
 }
 
-TEST_F(AuthorityTest, NobodyElseMayReadWhatItMakes) {
+TEST_F(AuthorityTest, OnlyTheOwnerMayReadItsFiles) {
   for (const auto& entry : fs::recursive_directory_iterator{home()}) {
     EXPECT_EQ(entry.status().permissions() & (fs::perms::group_all | fs::perms::others_all), fs::perms::none)
         << entry.path();
   }
 }
 
-TEST_F(AuthorityTest, AKeyThatOthersMayReadIsRefusedWithTheCure) {
+TEST_F(AuthorityTest, RejectsAKeyThatOthersMayRead) {
   fs::permissions(of_robot() + "/identity.key.pem", fs::perms::group_read, fs::perm_options::add);
   EXPECT_THAT(wrong_with_robot(), HasSubstr("chmod 600 " + of_robot() + "/identity.key.pem"));
 }
@@ -114,10 +114,10 @@ TEST_F(AuthorityTest, IsNeverOverwritten) {
   ASSERT_FALSE(again.ok());
   EXPECT_THAT(again.problems()[0].what, HasSubstr("already"));
   EXPECT_EQ(text_of(home() + "/authority/ca.key.pem"), key);
-  EXPECT_FALSE(authority_->issue(robot_, plan_, 100, kNow).ok()) << "an identity neither";
+  EXPECT_FALSE(authority_->issue(robot_, plan_, 100, kNow).ok()) << "an identity is not overwritten either";
 }
 
-TEST_F(AuthorityTest, GoesOnWhenItIsOpenedAgain) {
+TEST_F(AuthorityTest, CanBeOpenedAgain) {
   auto again = Authority::open(home());
   ASSERT_TRUE(again.ok()) << to_text(again.problems());
   EXPECT_EQ(again->cell(), "belt");
@@ -126,10 +126,10 @@ TEST_F(AuthorityTest, GoesOnWhenItIsOpenedAgain) {
   EXPECT_THAT(again->members(kNow), SizeIs(3));
 }
 
-TEST_F(AuthorityTest, AnIdentityEndsWithItsDays) {
+TEST_F(AuthorityTest, AnIdentityExpiresAfterItsDays) {
   EXPECT_EQ(wrong_with_robot(kNow + 100 * kDay - 60), "");
   EXPECT_THAT(wrong_with_robot(kNow + 100 * kDay + 60), HasSubstr("it has expired"));
-  EXPECT_EQ(wrong_with_robot(kNow - 600), "") << "clocks differ";
+  EXPECT_EQ(wrong_with_robot(kNow - 600), "") << "valid before it was issued, because clocks differ";
   EXPECT_THAT(wrong_with_robot(kNow - 2 * kDay), HasSubstr("not valid yet"));
 }
 
@@ -138,26 +138,26 @@ TEST_F(AuthorityTest, NoIdentityOutlivesTheAuthority) {
   EXPECT_EQ(read_identity(home() + "/operators/old", kNow + 3000 * kDay)->until, kNow + 3650 * kDay);
 }
 
-TEST_F(AuthorityTest, RenewalIsANewKey) {
+TEST_F(AuthorityTest, RenewalCreatesANewKey) {
   const std::string key = text_of(of_robot() + "/identity.key.pem");
   ASSERT_TRUE(authority_->issue(robot_, plan_, 200, kNow, true).ok());
   EXPECT_NE(text_of(of_robot() + "/identity.key.pem"), key);
   EXPECT_EQ(read_identity(of_robot(), kNow)->until, kNow + 200 * kDay);
 }
 
-TEST_F(AuthorityTest, WhoIsRevokedIsToldSoEverywhere) {
+TEST_F(AuthorityTest, ARevocationReachesAllFolders) {
   ASSERT_TRUE(authority_->revoke(robot_, kNow).ok());
   EXPECT_THAT(wrong_with_robot(), HasSubstr("revoked"));
   EXPECT_TRUE(read_identity(of_anna(), kNow).ok());
   EXPECT_EQ(text_of(of_anna() + "/crl.pem"), text_of(of_robot() + "/crl.pem"));
-  EXPECT_FALSE(authority_->revoke(robot_, kNow).ok()) << "twice";
+  EXPECT_FALSE(authority_->revoke(robot_, kNow).ok()) << "cannot be revoked twice";
   ASSERT_TRUE(Authority::open(home())->revoke(anna_, kNow).ok());
-  EXPECT_THAT(wrong_with_robot(), HasSubstr("revoked")) << "the first is still on the list";
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("revoked")) << "the first identity is still on the list";
   ASSERT_TRUE(Authority::open(home())->issue(robot_, plan_, 10, kNow, true).ok());
-  EXPECT_EQ(wrong_with_robot(), "") << "a new certificate is not on it";
+  EXPECT_EQ(wrong_with_robot(), "") << "the new certificate is not on the list";
 }
 
-TEST_F(AuthorityTest, AMissingFileIsNamed) {
+TEST_F(AuthorityTest, NamesAMissingOrInvalidFile) {
   for (const char* file : {"ca.cert.pem", "permissions.cert.pem", "identity.cert.pem", "identity.key.pem",
                            "governance.smime", "permissions.smime", "crl.pem"}) {
     const std::string path = of_robot() + "/" + file;
@@ -173,37 +173,37 @@ TEST_F(AuthorityTest, AMissingFileIsNamed) {
   EXPECT_FALSE(read_identity(home() + "/devices/nobody", kNow).ok());
 }
 
-TEST_F(AuthorityTest, TheKeyOfAnotherIsNone) {
+TEST_F(AuthorityTest, RejectsTheKeyOfAnotherIdentity) {
   write(of_robot() + "/identity.key.pem", text_of(of_anna() + "/identity.key.pem"));
   EXPECT_THAT(wrong_with_robot(), HasSubstr("not the key of identity.cert.pem"));
 }
 
-TEST_F(AuthorityTest, ThePermissionsOfAnotherAreNone) {
+TEST_F(AuthorityTest, RejectsThePermissionsOfAnotherIdentity) {
   write(of_robot() + "/permissions.smime", text_of(of_anna() + "/permissions.smime"));
-  EXPECT_THAT(wrong_with_robot(), HasSubstr("not those of CN=robot,OU=device,O=belt"));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("not for CN=robot,OU=device,O=belt"));
 }
 
-TEST_F(AuthorityTest, AChangedDocumentIsRefused) {
+TEST_F(AuthorityTest, RejectsAChangedDocument) {
   std::string text = text_of(of_robot() + "/permissions.smime");
   text.replace(text.find("takt/lifecycle"), 14, "takt/*        ");
   write(of_robot() + "/permissions.smime", text);
-  EXPECT_THAT(wrong_with_robot(), HasSubstr("its signature is not the authority's"));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("its signature is not from the authority"));
 }
 
-TEST_F(AuthorityTest, WhatAnotherAuthoritySignedIsRefused) {
+TEST_F(AuthorityTest, RejectsFilesOfAnotherAuthority) {
   auto evil = Authority::create((folder_ / "evil").string(), "belt", kNow);
   ASSERT_TRUE(evil->issue(robot_, plan_, 100, kNow).ok());
   const std::string theirs = (folder_ / "evil/devices/robot/").string();
   for (const char* file : {"identity.cert.pem", "identity.key.pem"})
     write(of_robot() + "/" + file, text_of(theirs + file));
-  EXPECT_THAT(wrong_with_robot(), HasSubstr("another authority has issued it"));
+  EXPECT_THAT(wrong_with_robot(), HasSubstr("it was issued by another authority"));
   write(of_robot() + "/governance.smime", text_of(theirs + "governance.smime"));
   EXPECT_THAT(wrong_with_robot(), HasSubstr("governance.smime: error: its signature"));
   write(of_robot() + "/crl.pem", text_of(theirs + "crl.pem"));
   EXPECT_THAT(wrong_with_robot(), HasSubstr("crl.pem: error: its signature"));
 }
 
-TEST_F(AuthorityTest, WritesTheDocumentsOfAllAnewWhenTheCellHasChanged) {
+TEST_F(AuthorityTest, UpdatesTheDocumentsOfAllIdentities) {
   const std::string before = text_of(of_robot() + "/permissions.smime");
   plan_.domain = 9;
   ASSERT_TRUE(authority_->document(plan_, kNow).ok());
@@ -218,14 +218,14 @@ TEST_F(AuthorityTest, KeepsTheDescriptor) {
   EXPECT_EQ(*Authority::open(home())->domain(), 7);
 }
 
-TEST_F(AuthorityTest, FindsTheFolderOfOneBelowItsOwn) {
+TEST_F(AuthorityTest, FindsTheFolderOfAnIdentity) {
   EXPECT_EQ(folder_of(home(), Role::device, "robot"), of_robot());
   EXPECT_EQ(first_of(home(), Role::operator_, kNow).folder, of_anna());
   EXPECT_EQ(folder_of(of_robot(), Role::device, "robot"), of_robot());
   EXPECT_EQ(first_of(of_anna(), Role::operator_, kNow).folder, of_anna());
 }
 
-TEST_F(AuthorityTest, PassesOverAnOperatorWhoWasRevokedAndSaysSo) {
+TEST_F(AuthorityTest, SkipsARevokedOperatorAndReportsIt) {
   const Subject bert{"belt", Role::operator_, "bert"};
   ASSERT_TRUE(authority_->issue(bert, plan_, 100, kNow).ok());
   EXPECT_THAT(first_of(home(), Role::operator_, kNow).passed_over, SizeIs(0));
@@ -234,30 +234,30 @@ TEST_F(AuthorityTest, PassesOverAnOperatorWhoWasRevokedAndSaysSo) {
   EXPECT_EQ(chosen.folder, home() + "/operators/bert");
   EXPECT_THAT(to_text(chosen.passed_over), HasSubstr("anna/identity.cert.pem: error: it was revoked"));
   ASSERT_TRUE(authority_->revoke(bert, kNow).ok());
-  EXPECT_EQ(first_of(home(), Role::operator_, kNow).folder, of_anna()) << "none is in order";
+  EXPECT_EQ(first_of(home(), Role::operator_, kNow).folder, of_anna()) << "no identity is valid";
 }
 
-TEST_F(AuthorityTest, TheFolderOfAnIdentityIsNoAuthority) {
+TEST_F(AuthorityTest, RejectsTheFolderOfAnIdentityAsAnAuthority) {
   const auto wrong = Authority::open(of_anna());
   ASSERT_FALSE(wrong.ok());
   EXPECT_THAT(to_text(wrong.problems()),
-              HasSubstr("this is the identity of one participant, and no authority; "
+              HasSubstr("this is the identity of one participant, not an authority; "
                         "its authority is in " +
                         home()));
 }
 
-TEST(Expiry, IsWarnedOfInItsLastThirtyDays) {
+TEST(Expiry, WarnsInTheLastThirtyDays) {
   EXPECT_EQ(expiry_warning(kNow + 31 * kDay, kNow), "");
   EXPECT_EQ(expiry_warning(kNow + 29 * kDay + 60, kNow), "it expires in 29 days");
   EXPECT_EQ(expiry_warning(kNow + 60, kNow), "it expires within a day");
 }
 
-TEST(Prefix, IsOfOneSubjectAndNoOther) {
+TEST(Prefix, DiffersBetweenSubjects) {
   const Prefix robot = prefix_of({"belt", Role::device, "robot"});
   EXPECT_EQ(robot, prefix_of({"belt", Role::device, "robot"}));
   EXPECT_NE(robot, prefix_of({"belt", Role::operator_, "robot"}));
   EXPECT_NE(robot, prefix_of({"belt", Role::device, "line"}));
-  EXPECT_EQ(robot[0] & 0x80, 0x80) << "as DDS Security has it";
+  EXPECT_EQ(robot[0] & 0x80, 0x80) << "the first bit is set, as DDS Security requires";
 }
 
 }  // namespace

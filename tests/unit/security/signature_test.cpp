@@ -40,14 +40,14 @@ class Signature : public testing::Test {
   std::string certificate_;
 };
 
-TEST_F(Signature, OfTheFileItselfIsGood) { EXPECT_EQ(wrong(), ""); }
+TEST_F(Signature, AcceptsTheSignedFile) { EXPECT_EQ(wrong(), ""); }
 
-TEST_F(Signature, OfAChangedFileIsNone) {
+TEST_F(Signature, RejectsAChangedFile) {
   std::ofstream{file_, std::ios::app} << "!";
   EXPECT_THAT(wrong(), HasSubstr("its signature is not of this file"));
 }
 
-TEST_F(Signature, OfAnotherFileIsNone) {
+TEST_F(Signature, RejectsTheSignatureOfAnotherFile) {
   std::ofstream{folder_ / "other.so"} << "another";
   auto authority = Authority::open((folder_ / "home").string());
   ASSERT_TRUE(authority->sign_components({(folder_ / "other.so").string()}, kNow).ok());
@@ -55,13 +55,13 @@ TEST_F(Signature, OfAnotherFileIsNone) {
   EXPECT_THAT(wrong(), HasSubstr("its signature is not of this file"));
 }
 
-TEST_F(Signature, ByAnotherAuthorityIsNone) {
+TEST_F(Signature, RejectsTheSignatureOfAnotherAuthority) {
   auto evil = Authority::create((folder_ / "evil").string(), "belt", kNow);
   ASSERT_TRUE(evil->sign_components({file_}, kNow).ok());
   EXPECT_THAT(wrong(), HasSubstr("or not by " + certificate_));
 }
 
-TEST_F(Signature, IsCheckedWithACertificateAndNothingElse) {
+TEST_F(Signature, CheckSignerRequiresAValidCertificate) {
   const auto wrong_signer = [](const std::string& file, std::int64_t now = kNow) {
     const auto checked = check_signer(file, now);
     return checked ? "" : to_text(checked.problems());
@@ -69,18 +69,18 @@ TEST_F(Signature, IsCheckedWithACertificateAndNothingElse) {
   EXPECT_EQ(wrong_signer(certificate_), "");
   EXPECT_THAT(wrong_signer(certificate_ + ".no"),
               HasSubstr(".no: error: there is no such file; name the certi"));
-  EXPECT_THAT(wrong_signer(file_), HasSubstr(file_ + ": error: it is no certificate"));
+  EXPECT_THAT(wrong_signer(file_), HasSubstr(file_ + ": error: it is not a certificate"));
   EXPECT_THAT(wrong_signer(certificate_, kNow + 11 * kYear), HasSubstr("it has expired"));
 }
 
-TEST_F(Signature, ThatIsMissingIsSaidWithTheCure) {
+TEST_F(Signature, ReportsAMissingSignature) {
   fs::remove(file_ + ".sig");
-  EXPECT_THAT(wrong(), HasSubstr("it is not signed, and only signed components are used here; takt sign"));
+  EXPECT_THAT(wrong(), HasSubstr("it is not signed, and only signed components are accepted here; sign it"));
   std::ofstream{file_ + ".sig"} << "nonsense";
   EXPECT_THAT(wrong(), HasSubstr("its signature is not"));
 }
 
-TEST_F(Signature, EndsWithItsCertificate) {
+TEST_F(Signature, ExpiresWithTheCertificate) {
   EXPECT_EQ(wrong(kNow + 9 * kYear), "");
   EXPECT_THAT(wrong(kNow + 11 * kYear), HasSubstr("it has expired"));
 }

@@ -49,17 +49,17 @@ std::vector<Fault> read(const std::string& text) {
   return faults ? *faults : std::vector<Fault>{};
 }
 
-std::string refusal(const std::string& line) {
+std::string error_of(const std::string& line) {
   const auto faults = parse_script("# first\n" + line + "\n", "script", cell());
-  return faults ? "taken" : to_text(faults.problems());
+  return faults ? "accepted" : to_text(faults.problems());
 }
 
-TEST(Script, AnEmptyOneHasNoFaults) {
+TEST(Script, WithoutLinesHasNoFaults) {
   EXPECT_THAT(read(""), IsEmpty());
   EXPECT_THAT(read("\n  # nothing\n\n"), IsEmpty());
 }
 
-TEST(Script, TakesEveryFaultThereIs) {
+TEST(Script, AcceptsEveryKindOfFault) {
   EXPECT_THAT(
       read("at 1.5 s robot.arm late 3 ms\n"
            "at 2s line.servo crash   # now\n"
@@ -80,46 +80,47 @@ TEST(Script, TakesEveryFaultThereIs) {
           Fault{.kind = Fault::Kind::cut, .at = milliseconds{2000}, .place = 1, .by = milliseconds{500}}));
 }
 
-TEST(Script, AnOutputStandsForAllItsConnectionsToOtherDevices) {
+TEST(Script, AppliesAnOutputsFaultToAllConnectionsToOtherDevices) {
   EXPECT_THAT(read("at 1 ms connection robot.arm.state lose 3"),
               ElementsAre(Fault{.kind = Fault::Kind::lose, .at = milliseconds{1}, .place = 1, .count = 3},
                           Fault{.kind = Fault::Kind::lose, .at = milliseconds{1}, .place = 2, .count = 3}));
 }
 
-TEST(Script, SaysWhereWhatIsWrongAndWhatWouldBeRight) {
-  EXPECT_THAT(refusal("in 2 s robot crash"),
+TEST(Script, ReportsLineMistakeAndCure) {
+  EXPECT_THAT(error_of("in 2 s robot crash"),
               AllOf(HasSubstr("script:2: error: "), HasSubstr("; at 1.5 s robot.servo late 3 ms")));
   for (const char* line : {"at soon robot.arm crash", "at 2 robot.arm crash", "at -1 s robot.arm crash",
                            "at 1e3 s robot.arm crash", "at"})
-    EXPECT_THAT(refusal(line), HasSubstr("no time since T0")) << line;
-  EXPECT_THAT(refusal("at 1 s robto.arm crash"), HasSubstr("no device 'robto'; did you mean robot?"));
-  EXPECT_THAT(refusal("at 1 s robot.amr crash"),
+    EXPECT_THAT(error_of(line), HasSubstr("no time since T0")) << line;
+  EXPECT_THAT(error_of("at 1 s robto.arm crash"), HasSubstr("no device 'robto'; did you mean robot?"));
+  EXPECT_THAT(error_of("at 1 s robot.amr crash"),
               HasSubstr("device robot has no module 'amr'; did you mean arm?"));
-  EXPECT_THAT(refusal("at 1 s robot.arm oversleep 1 ms"), HasSubstr("device robot has no executor 'arm'"));
-  EXPECT_THAT(refusal("at 1 s robot.arm crahs"), HasSubstr("'crahs'; did you mean crash?"));
-  EXPECT_THAT(refusal("at 1 s robot.arm"), HasSubstr("does not say what happens"));
-  EXPECT_THAT(refusal("at 1 s robot crash"), HasSubstr("'crash'"));
+  EXPECT_THAT(error_of("at 1 s robot.arm oversleep 1 ms"), HasSubstr("device robot has no executor 'arm'"));
+  EXPECT_THAT(error_of("at 1 s robot.arm crahs"), HasSubstr("'crahs'; did you mean crash?"));
+  EXPECT_THAT(error_of("at 1 s robot.arm"), HasSubstr("does not name a fault"));
+  EXPECT_THAT(error_of("at 1 s robot crash"), HasSubstr("'crash'"));
   for (const char* line : {"at 1 s robot.arm late", "at 1 s robot.arm late 3", "at 1 s robot.arm late -3 ms",
                            "at 1 s robot.arm late 0 ms"})
-    EXPECT_THAT(refusal(line), HasSubstr("no time after 'late'")) << line;
+    EXPECT_THAT(error_of(line), HasSubstr("no time after 'late'")) << line;
   for (const char* line :
        {"at 1 s robot.arm unmended", "at 1 s robot.arm unmended 0", "at 1 s robot.arm unmended x"})
-    EXPECT_THAT(refusal(line), HasSubstr("no number above 0 after 'unmended'")) << line;
-  EXPECT_THAT(refusal("at 1 s robot.arm crash 3"), HasSubstr("there is more on the line: '3'"));
-  EXPECT_THAT(refusal("at 1 s link robot robot cut for 1 s"), HasSubstr("between two devices"));
-  EXPECT_THAT(refusal("at 1 s link robot line cut 1 s"), HasSubstr("after 'cut' comes 'for'"));
-  EXPECT_THAT(refusal("at 1 s connection robot.servo.out lose 1"), HasSubstr("within its device"));
-  EXPECT_THAT(refusal("at 1 s connection robot.arm.stat lose 1"), HasSubstr("did you mean robot.arm.state?"));
+    EXPECT_THAT(error_of(line), HasSubstr("no number above 0 after 'unmended'")) << line;
+  EXPECT_THAT(error_of("at 1 s robot.arm crash 3"), HasSubstr("the line continues after the fault: '3'"));
+  EXPECT_THAT(error_of("at 1 s link robot robot cut for 1 s"), HasSubstr("between two different devices"));
+  EXPECT_THAT(error_of("at 1 s link robot line cut 1 s"), HasSubstr("'for' is missing after 'cut'"));
+  EXPECT_THAT(error_of("at 1 s connection robot.servo.out lose 1"), HasSubstr("within its device"));
+  EXPECT_THAT(error_of("at 1 s connection robot.arm.stat lose 1"),
+              HasSubstr("did you mean robot.arm.state?"));
 }
 
-TEST(Script, SaysAllThatIsWrongAtOnce) {
+TEST(Script, ReportsEveryMistakeAtOnce) {
   const auto faults = parse_script("at 1 s robot.arm crash\nx\ny\n", "script", cell());
   ASSERT_FALSE(faults.ok());
   EXPECT_THAT(faults.problems(), SizeIs(2));
 }
 
-// What a trace says of a fault can be put into a script.
-TEST(Faults, AreReadAsTheyAreWritten) {
+// A fault that a trace shows can be copied into a script.
+TEST(Faults, ReadBackAsWritten) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const model::Cell random = random_cell(seed).cell;
     Draws draws{seed, "test"};
@@ -132,7 +133,7 @@ TEST(Faults, AreReadAsTheyAreWritten) {
   }
 }
 
-TEST(Faults, AreDrawnInTheNumberAskedForAndInTheirOrder) {
+TEST(Faults, AreDrawnInTheRequestedNumberAndInOrder) {
   Draws draws{1, "test"};
   const auto faults = draw_faults(cell(), draws, milliseconds{2000}, 50);
   EXPECT_THAT(faults, SizeIs(100));

@@ -13,148 +13,148 @@ using testing::ElementsAre;
 constexpr Instant kBegin = from_ns(1000);
 constexpr Nanoseconds kTen{10};
 
-/// What happened, with the time since the begin.
-class Said {
+/// Records what happened, with the time since the start.
+class Log {
  public:
-  explicit Said(Kernel& kernel) : kernel_(kernel) {}
+  explicit Log(Kernel& kernel) : kernel_(kernel) {}
   void operator()(const std::string& what) {
-    said.push_back(what + " " + std::to_string((kernel_.now() - kBegin).count()));
+    lines.push_back(what + " " + std::to_string((kernel_.now() - kBegin).count()));
   }
-  std::vector<std::string> said;
+  std::vector<std::string> lines;
 
  private:
   Kernel& kernel_;
 };
 
-TEST(Kernel, ComesBackAtTheEndWhereNothingHappens) {
+TEST(Kernel, ReturnsAtTheEndWhenNothingHappens) {
   Kernel kernel{kBegin};
   kernel.run_until(kBegin + kTen);
   EXPECT_EQ(kBegin + kTen, kernel.now());
 }
 
-TEST(Kernel, StrandsWithProcessorsOfTheirOwnWorkAtTheSameTime) {
+TEST(Kernel, RunsStrandsOnDifferentCpusInParallel) {
   Kernel kernel{kBegin};
-  Said say{kernel};
+  Log log{kernel};
   kernel.spawn({}, [&] {
     kernel.work(kTen);
-    say("a");
+    log("a");
   });
   kernel.spawn({}, [&] {
     kernel.work(kTen);
-    say("b");
+    log("b");
   });
   kernel.run_until(kBegin + 3 * kTen);
-  EXPECT_THAT(say.said, ElementsAre("a 10", "b 10"));
+  EXPECT_THAT(log.lines, ElementsAre("a 10", "b 10"));
 }
 
-TEST(Kernel, OnOneProcessorTheHigherPriorityGoesFirstAndTheOtherIsStretched) {
+TEST(Kernel, PreemptsTheLowerPriorityOnOneCpu) {
   Kernel kernel{kBegin};
-  Said say{kernel};
-  Processor one;
-  kernel.spawn({.processor = &one, .priority = 1}, [&] {
-    say("low");
+  Log log{kernel};
+  Cpu cpu;
+  kernel.spawn({.cpu = &cpu, .priority = 1}, [&] {
+    log("low");
     kernel.work(kTen);
-    say("low");
+    log("low");
   });
-  kernel.spawn({.processor = &one, .priority = 2}, [&] {
+  kernel.spawn({.cpu = &cpu, .priority = 2}, [&] {
     kernel.sleep_until(kBegin + Nanoseconds{4});
-    say("high");
+    log("high");
     kernel.work(Nanoseconds{3});
-    say("high");
+    log("high");
   });
   kernel.run_until(kBegin + 3 * kTen);
-  EXPECT_THAT(say.said, ElementsAre("low 0", "high 4", "high 7", "low 13"));
+  EXPECT_THAT(log.lines, ElementsAre("low 0", "high 4", "high 7", "low 13"));
 }
 
-TEST(Kernel, AmongEqualsWhoCameFirstIsNotPreempted) {
+TEST(Kernel, DoesNotPreemptAmongEqualPriorities) {
   Kernel kernel{kBegin};
-  Said say{kernel};
-  Processor one;
-  kernel.spawn({.processor = &one, .priority = 1}, [&] {
+  Log log{kernel};
+  Cpu cpu;
+  kernel.spawn({.cpu = &cpu, .priority = 1}, [&] {
     kernel.work(kTen);
-    say("first");
+    log("first");
     kernel.work(kTen);
-    say("first");
+    log("first");
   });
-  kernel.spawn({.processor = &one, .priority = 1}, [&] {
-    say("second");
+  kernel.spawn({.cpu = &cpu, .priority = 1}, [&] {
+    log("second");
     kernel.work(kTen);
-    say("second");
+    log("second");
   });
   kernel.run_until(kBegin + 10 * kTen);
-  EXPECT_THAT(say.said, ElementsAre("first 10", "first 20", "second 20", "second 30"));
+  EXPECT_THAT(log.lines, ElementsAre("first 10", "first 20", "second 20", "second 30"));
 }
 
-TEST(Kernel, WhoIsWokenWhileAnotherOfAHigherPriorityWorksWaitsForTheProcessor) {
+TEST(Kernel, MakesAWokenStrandWaitForAHigherPriority) {
   Kernel kernel{kBegin};
-  Said say{kernel};
-  Processor one;
-  kernel.spawn({.processor = &one, .priority = 2}, [&] { kernel.work(kTen); });
-  kernel.spawn({.processor = &one, .priority = 1}, [&] { say("low"); });
+  Log log{kernel};
+  Cpu cpu;
+  kernel.spawn({.cpu = &cpu, .priority = 2}, [&] { kernel.work(kTen); });
+  kernel.spawn({.cpu = &cpu, .priority = 1}, [&] { log("low"); });
   kernel.run_until(kBegin + 3 * kTen);
-  EXPECT_THAT(say.said, ElementsAre("low 10"));
+  EXPECT_THAT(log.lines, ElementsAre("low 10"));
 }
 
-TEST(Kernel, AWaitEndsWhenItIsWokenOrWhenItsTimeHasCome) {
+TEST(Kernel, EndsAWaitByAWakeUpOrATimeout) {
   Kernel kernel{kBegin};
-  Said say{kernel};
+  Log log{kernel};
   Strand& sleeper = kernel.spawn({}, [&] {
-    say(kernel.wait(kBegin + kTen) ? "woken" : "not woken");
-    say(kernel.wait(kBegin + 2 * kTen) ? "woken" : "not woken");
+    log(kernel.wait(kBegin + kTen) ? "woken" : "not woken");
+    log(kernel.wait(kBegin + 2 * kTen) ? "woken" : "not woken");
     kernel.sleep_until(kBegin + 3 * kTen);
-    say("slept");
+    log("slept");
   });
   kernel.at(kBegin + Nanoseconds{5}, [&] {
     kernel.wake(sleeper, Nanoseconds{1});
-    kernel.wake(sleeper, Nanoseconds{2});  // once is enough
+    kernel.wake(sleeper, Nanoseconds{2});  // does nothing: it is already being woken
   });
   kernel.run_until(kBegin + 10 * kTen);
-  EXPECT_THAT(say.said, ElementsAre("woken 6", "not woken 20", "slept 30"));
+  EXPECT_THAT(log.lines, ElementsAre("woken 6", "not woken 20", "slept 30"));
 }
 
-TEST(Kernel, OfTwoThingsAtOneInstantTheFirstCausedComesFirst) {
+TEST(Kernel, OrdersEventsOfOneInstantByTheirCause) {
   Kernel kernel{kBegin};
-  Said say{kernel};
-  kernel.at(kBegin + kTen, [&] { say("call"); });
+  Log log{kernel};
+  kernel.at(kBegin + kTen, [&] { log("call"); });
   kernel.spawn({}, [&] {
     kernel.sleep_until(kBegin + kTen);
-    say("strand");
+    log("strand");
   });
   kernel.run_until(kBegin + kTen);
-  EXPECT_THAT(say.said, ElementsAre("call 10", "strand 10"));
+  EXPECT_THAT(log.lines, ElementsAre("call 10", "strand 10"));
 }
 
-TEST(Kernel, WhoIsKilledNeverGoesOnAndLeavesItsProcessor) {
+TEST(Kernel, KillsAStrandAndFreesItsCpu) {
   Kernel kernel{kBegin};
-  Said say{kernel};
-  Processor one;
-  Strand& dies = kernel.spawn({.processor = &one, .priority = 2}, [&] {
+  Log log{kernel};
+  Cpu cpu;
+  Strand& dies = kernel.spawn({.cpu = &cpu, .priority = 2}, [&] {
     kernel.work(10 * kTen);
-    say("never");
+    log("never");
   });
-  kernel.spawn({.processor = &one, .priority = 1}, [&] { say("free"); });
+  kernel.spawn({.cpu = &cpu, .priority = 1}, [&] { log("free"); });
   kernel.spawn({}, [&] {
     kernel.sleep_until(kBegin + kTen);
     kernel.kill(dies);
-    say("killed");
+    log("killed");
     kernel.end();
   });
   kernel.run_until(kBegin + 20 * kTen);
-  EXPECT_THAT(say.said, ElementsAre("killed 10", "free 10"));
+  EXPECT_THAT(log.lines, ElementsAre("killed 10", "free 10"));
   EXPECT_TRUE(dies.ended());
 }
 
-TEST(Kernel, NothingBehindTheEndHappensBeforeItIsTime) {
+TEST(Kernel, StopsAtTheEndAndContinuesFromThere) {
   Kernel kernel{kBegin};
-  Said say{kernel};
+  Log log{kernel};
   kernel.spawn({}, [&] {
     kernel.work(2 * kTen);
-    say("done");
+    log("done");
   });
   kernel.run_until(kBegin + kTen);
-  EXPECT_THAT(say.said, ElementsAre());
+  EXPECT_THAT(log.lines, ElementsAre());
   kernel.run_until(kBegin + 2 * kTen);
-  EXPECT_THAT(say.said, ElementsAre("done 20"));
+  EXPECT_THAT(log.lines, ElementsAre("done 20"));
 }
 
 }  // namespace

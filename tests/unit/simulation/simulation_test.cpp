@@ -22,7 +22,7 @@ using testing::Not;
 class Text final : public Listener {
  public:
   explicit Text(const model::Cell& cell) : cell_(cell) {}
-  void hear(const Event& event) override { lines.push_back(to_text(event, cell_, kT0)); }
+  void on_event(const Event& event) override { lines.push_back(to_text(event, cell_, kT0)); }
   std::vector<std::string> lines;
 
  private:
@@ -34,7 +34,7 @@ struct Outcome {
   Course course;
 };
 
-/// Of a descriptor.
+/// A cell from a descriptor, with its plans.
 class Cell {
  public:
   static Cell demo() {
@@ -99,7 +99,7 @@ std::vector<std::string> steps_of(const Outcome& run, const std::string& who) {
   return steps;
 }
 
-TEST(Simulation, OneSeedHasOneCourse) {
+TEST(Simulation, SameSeedGivesTheSameCourse) {
   const Cell cell = Cell::demo();
   const Options options{.seed = 7, .length = milliseconds{200}, .faults_per_second = 50};
   const Outcome first = cell.run(options);
@@ -109,7 +109,7 @@ TEST(Simulation, OneSeedHasOneCourse) {
   EXPECT_EQ(first.course.report, second.course.report);
 }
 
-TEST(Simulation, AnotherSeedHasAnotherCourse) {
+TEST(Simulation, AnotherSeedGivesAnotherCourse) {
   const Cell cell = Cell::demo();
   EXPECT_NE(cell.run({.seed = 1, .length = milliseconds{50}}).lines,
             cell.run({.seed = 2, .length = milliseconds{50}}).lines);
@@ -120,7 +120,7 @@ TEST(Simulation, WalksEveryRowOfTheGrid) {
                                program("p", "2000000") + "</device>")
                           .run({.length = seconds{1}});
   const auto& executor = run.course.report["devices"][0]["executors"][0];
-  // The row at the end itself is not walked: who is told to halt wakes behind the release.
+  // The row at the very end is not walked: the executors halt before they would wake for it.
   EXPECT_EQ(1000, executor["cycles"]);
   EXPECT_EQ(0, executor["missed"]);
   EXPECT_EQ(1000, module_of(run, "a")["cycles"]);
@@ -128,7 +128,7 @@ TEST(Simulation, WalksEveryRowOfTheGrid) {
   EXPECT_EQ(500, module_of(run, "p")["cycles"]);
 }
 
-TEST(Simulation, AModuleGoesThroughItsWholeLife) {
+TEST(Simulation, AModuleGoesThroughItsLifecycle) {
   const Outcome run = Cell::of("<device name=\"d\">" + thread("a", "1000000") + "</device>")
                           .run({.length = milliseconds{50}});
   EXPECT_THAT(steps_of(run, "d.a"),
@@ -136,7 +136,7 @@ TEST(Simulation, AModuleGoesThroughItsWholeLife) {
   EXPECT_THAT(run.course.failures, IsEmpty());
 }
 
-TEST(Simulation, ALateModuleCostsTheRowsThatItTakes) {
+TEST(Simulation, ALateModuleCausesMissedRows) {
   const Cell cell = Cell::of("<device name=\"d\">" + thread("a", "1000000") + "</device>");
   const Outcome run = cell.run({.length = milliseconds{100}}, "at 10.5 ms d.a late 3 ms");
   EXPECT_EQ(98, module_of(run, "a")["cycles"]);
@@ -159,7 +159,7 @@ TEST(Simulation, AModuleBeyondItsBudgetRecovers) {
   EXPECT_EQ(1, module_of(run, "a")["errors"]);
 }
 
-TEST(Simulation, AModuleThatIsNotMendedIsGivenUpAndMayTakeItsDeviceAlong) {
+TEST(Simulation, AModuleThatCannotRecoverIsGivenUpAndMayStopItsDevice) {
   const auto with = [](const std::string& then) {
     return Cell::of("<device name=\"d\">" +
                     thread("a", "1000000",
@@ -175,7 +175,7 @@ TEST(Simulation, AModuleThatIsNotMendedIsGivenUpAndMayTakeItsDeviceAlong) {
   EXPECT_LT(module_of(with("stop-device"), "b")["cycles"], 100);
 }
 
-TEST(Simulation, ACrashEndsTheHostAndTheOthersComeBackWithoutTheCulprit) {
+TEST(Simulation, ACrashEndsTheHostAndTheOthersReturnWithoutTheCulprit) {
   const Outcome run = Cell::of("<device name=\"d\">" + thread("a", "1000000") + thread("b", "1000000") +
                                program("p", "1000000") + "</device>")
                           .run({.length = milliseconds{300}}, "at 100 ms d.a crash");
@@ -189,7 +189,7 @@ TEST(Simulation, ACrashEndsTheHostAndTheOthersComeBackWithoutTheCulprit) {
   EXPECT_GT(module_of(run, "b")["cycles"], 200);
 }
 
-TEST(Simulation, AProgramThatCrashesIsStartedAgain) {
+TEST(Simulation, RestartsAProgramThatCrashes) {
   const Outcome run =
       Cell::of("<device name=\"d\">" +
                program("p", "1000000", "<recovery attempts=\"3\" backoff=\"1000000\" then=\"destruct\"/>") +
@@ -199,14 +199,14 @@ TEST(Simulation, AProgramThatCrashesIsStartedAgain) {
                                                          "EXECUTING", "START", "DESTRUCT"));
 }
 
-TEST(Simulation, WhatNeverComesBackIsEnded) {
+TEST(Simulation, EndsARunThatHangs) {
   const Cell cell =
       Cell::of("<device name=\"d\">" + thread("a", "1000000") + program("p", "1000000") + "</device>");
   const Outcome run = cell.run({.length = seconds{3}}, "at 50 ms d.a hang\nat 60 ms d.p hang");
   EXPECT_THAT(steps_of(run, "d.a"),
               testing::ElementsAre("INITIALIZE", "START", "EXECUTING", "RECOVER", "DESTRUCT"));
-  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (run() did not come back")));
-  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (the process did not come back")));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (run() did not return")));
+  EXPECT_THAT(run.lines, Contains(HasSubstr("hang (the process did not return")));
 }
 
 /// Two devices, the second with an input from the first.
@@ -225,7 +225,7 @@ TEST(Simulation, ACutLinkMakesAValueStale) {
   EXPECT_THAT(run.lines, Contains(HasSubstr("EXECUTING -> RECOVER, step 4, stale")));
 }
 
-TEST(Simulation, ReliableSamplesComeAfterTheCutAndOthersAreLost) {
+TEST(Simulation, ACutDelaysReliableSamplesAndLosesOthers) {
   const std::string cut = "at 100 ms link a b cut for 20 ms";
   const auto lost = [](const Outcome& run) {
     return std::count_if(run.lines.begin(), run.lines.end(),
@@ -238,7 +238,7 @@ TEST(Simulation, ReliableSamplesComeAfterTheCutAndOthersAreLost) {
               testing::AllOf(testing::Ge(19), testing::Le(21)));
 }
 
-TEST(Simulation, SamplesAreLostAndDelayedAsTheScriptSays) {
+TEST(Simulation, LosesAndDelaysSamplesByTheScript) {
   const Outcome run =
       pair(R"(kind="latest")")
           .run({.length = milliseconds{100}},
@@ -256,14 +256,14 @@ TEST(Simulation, SamplesAreLostAndDelayedAsTheScriptSays) {
   EXPECT_LT(when("b.r.in 48 arrived"), 0.048);
 }
 
-TEST(Simulation, AClockStepMakesValuesOldAndLeavesTheGridAlone) {
+TEST(Simulation, AClockStepAgesValuesButDoesNotMoveTheGrid) {
   const Outcome run = pair(R"(kind="latest" deadline="10000000" stale="error")")
                           .run({.length = milliseconds{200}}, "at 100 ms b clock-step 50 ms");
   EXPECT_THAT(run.lines, Contains(HasSubstr("EXECUTING -> RECOVER, step 4, stale")));
   EXPECT_EQ(0, run.course.report["devices"][1]["executors"][0]["missed"]);
 }
 
-TEST(Simulation, OnASharedProcessorTheLowerExecutorWaits) {
+TEST(Simulation, TheLowerExecutorWaitsOnASharedCpu) {
   const std::string modules =
       "<executor name=\"high\" priority=\"80\" cpu=\"0\"/><executor name=\"low\" priority=\"70\" cpu=\"";
   const auto with = [&](const std::string& cpu) {
@@ -275,10 +275,10 @@ TEST(Simulation, OnASharedProcessorTheLowerExecutorWaits) {
   const double apart = module_of(with("1"), "l")["run_us"]["p50"];
   const double shared = module_of(with("0"), "l")["jitter_us"]["p99"];
   EXPECT_LT(apart, 300);
-  EXPECT_GT(shared, 300);  // when it woke while the other was running
+  EXPECT_GT(shared, 300);  // it sometimes wakes while the other executor is running
 }
 
-TEST(Simulation, RunTimesAreThoseOfTheProfile) {
+TEST(Simulation, TakesRunTimesFromTheProfile) {
   const Cell cell = Cell::of("<device name=\"d\">" + thread("a", "1000000") + "</device>");
   const auto us = [](int n) { return Nanoseconds{std::chrono::microseconds{n}}; };
   model::Profile profile{.cell = "c", .modules = {}};
@@ -291,24 +291,24 @@ TEST(Simulation, RunTimesAreThoseOfTheProfile) {
   EXPECT_NEAR(450, measured["p50"].get<double>(), 10);
 }
 
-/// Cells by chance, then the demo: what must hold, with everything going wrong that can.
-constexpr std::uint64_t kSlower = kSanitized ? 20 : 1;  // each takes fifty times as long
+/// Random cells, then the demo, with all kinds of faults: no invariant may be violated.
+constexpr std::uint64_t kSlower = kSanitized ? 20 : 1;  // with sanitizers each takes fifty times as long
 constexpr std::uint64_t kParts = 16;
-/// `full` of them in tools/test --full, else an eighth.
+/// The number of seeds: `full` in tools/test --full, else an eighth.
 std::uint64_t seeds(std::uint64_t full) { return std::max(kParts, full / kSlower / (full_form() ? 1 : 8)); }
 class Seeds : public testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(Seeds, OfRandomCellsHoldWhatMustHold) {
+TEST_P(Seeds, OfRandomCellsViolateNoInvariant) {
   for (std::uint64_t seed = GetParam(); seed < seeds(4000); seed += kParts) {
     const RandomCell random = random_cell(seed);
     const auto course = simulate(random.cell, random.plans, {}, random.options);
     ASSERT_TRUE(course.ok()) << to_text(course.problems());
     ASSERT_THAT(course->violations, IsEmpty())
-        << "see it: takt simulate --random-cell " << seed << " --trace -";
+        << "to see it: takt simulate --random-cell " << seed << " --trace -";
   }
 }
 
-TEST_P(Seeds, OfTheDemoHoldWhatMustHold) {
+TEST_P(Seeds, OfTheDemoViolateNoInvariant) {
   auto cell = descriptor::load(TAKT_SOURCE_DIR "/deploy/palletizing.xml");
   const auto plans = schedule::plan(*cell);
   for (std::uint64_t seed = GetParam(); seed < seeds(320); seed += kParts) {
@@ -317,7 +317,7 @@ TEST_P(Seeds, OfTheDemoHoldWhatMustHold) {
         {.seed = seed, .length = milliseconds{200}, .faults_per_second = static_cast<double>(seed % 50)});
     ASSERT_TRUE(course.ok()) << to_text(course.problems());
     ASSERT_THAT(course->violations, IsEmpty())
-        << "see it: takt simulate deploy/palletizing.xml --for 0.2 --faults " << seed % 50 << " --seed "
+        << "to see it: takt simulate deploy/palletizing.xml --for 0.2 --faults " << seed % 50 << " --seed "
         << seed << " --trace -";
   }
 }

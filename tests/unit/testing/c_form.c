@@ -1,4 +1,4 @@
-/* A thread module in C, with variables that a second one of it must not share. */
+/* A thread module in C. A second instance must not share its variables. */
 #include <takt/module.h>
 
 #include <basic_c.h>

@@ -1,4 +1,4 @@
-// A thread module in C.
+// Tests of the test harness with a thread module in C.
 #include <gtest/gtest.h>
 
 #include <takt/testing.hpp>
@@ -27,7 +27,7 @@ TEST(ModuleInC, ReadsAndWritesAndKnowsItsCycle) {
   EXPECT_EQ(out.value().value(), 12);
 }
 
-TEST(ModuleInC, ReadsASafeValueOnceWhenItTakesThePlaceOfASample) {
+TEST(ModuleInC, ReadsASafeValueOnceWhenItReplacesASample) {
   Module module{{.file = C_FORM}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -43,7 +43,7 @@ TEST(ModuleInC, ReadsASafeValueOnceWhenItTakesThePlaceOfASample) {
   EXPECT_EQ(out.value().value(), 210 + 6);
 }
 
-TEST(ModuleInC, SharesNoVariablesWithAnother) {
+TEST(ModuleInC, SharesNoVariablesWithAnotherInstance) {
   Module one{{.file = C_FORM}};
   Module other{{.file = C_FORM}};
   auto& in = one.in<basic::Number>("in");
@@ -56,7 +56,7 @@ TEST(ModuleInC, SharesNoVariablesWithAnother) {
   EXPECT_EQ(out.value().value(), 0);
 }
 
-TEST(ModuleInC, BeginsAfreshAfterAReset) {
+TEST(ModuleInC, StartsWithNewVariablesAfterAReset) {
   Module module{{.file = C_FORM}};
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -70,7 +70,7 @@ TEST(ModuleInC, BeginsAfreshAfterAReset) {
   EXPECT_EQ(out.value().value(), 1);  // the number of the cycle
 }
 
-TEST(ModuleInC, SaysWhatFailed) {
+TEST(ModuleInC, ReportsTheReasonOfAFailure) {
   Module module{{.file = C_FORM}};
   auto& in = module.in<basic::Number>("in");
   ASSERT_TRUE(module.start());
@@ -82,7 +82,7 @@ TEST(ModuleInC, SaysWhatFailed) {
   EXPECT_EQ(module.step(2), 2U);
 }
 
-TEST(ModuleInC, IsGivenPropertiesBeforeItIsInitialisedOnly) {
+TEST(ModuleInC, AcceptsPropertiesOnlyBeforeItIsInitialized) {
   Module module{{.file = C_FORM}};
   ASSERT_TRUE(module.set("anything", "1"));
   ASSERT_TRUE(module.start());

@@ -1,4 +1,4 @@
-// A C++ component on virtual time.
+// Tests of the test harness with a C++ component.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ std::string error_of(Call&& call) {
   return "nothing was thrown";
 }
 
-std::vector<std::int64_t> told(const takt::testing::Out<basic::Count>& out) {
+std::vector<std::int64_t> values_of(const takt::testing::Out<basic::Count>& out) {
   std::vector<std::int64_t> all;
   for (const basic::Count& count : out.values()) all.push_back(count.value());
   return all;
@@ -57,10 +57,10 @@ TEST(TestedComponent, ReadsItsInputsAndWritesItsOutputs) {
   EXPECT_EQ(in.overwritten(), 1U);
 }
 
-TEST(TestedComponent, GetsEverySampleOfAQueue) {
+TEST(TestedComponent, GetsTheNewestSamplesOfAFullQueue) {
   Module module;
   auto& orders = module.in<basic::Count>("orders", {.queue = 4});
-  auto& out = module.out<basic::Count>("told");
+  auto& out = module.out<basic::Count>("events");
   ASSERT_TRUE(module.start());
   for (int order = 1; order <= 6; ++order) {
     basic::Count count;
@@ -68,7 +68,7 @@ TEST(TestedComponent, GetsEverySampleOfAQueue) {
     orders.write(count);
   }
   module.step();
-  EXPECT_THAT(told(out), ElementsAre(3, 4, 5, 6));
+  EXPECT_THAT(values_of(out), ElementsAre(3, 4, 5, 6));
   EXPECT_EQ(orders.overwritten(), 2U);
 }
 
@@ -84,7 +84,7 @@ TEST(TestedComponent, RunsAMillionCyclesOnItsGrid) {
   EXPECT_EQ(out.count(), 1'000'000U);
 }
 
-TEST(TestedComponent, IsToldItsPeriod) {
+TEST(TestedComponent, KnowsItsPeriod) {
   Module module{{.period = 250us}};
   ASSERT_TRUE(module.set("how", "period"));
   auto& out = module.out<basic::Number>("out");
@@ -93,7 +93,7 @@ TEST(TestedComponent, IsToldItsPeriod) {
   EXPECT_DOUBLE_EQ(out.value().value(), 250e-6);
 }
 
-TEST(TestedComponent, SeesAGapWhereReleasesWereMissed) {
+TEST(TestedComponent, SeesAGapInItsCycleNumbersAfterMissedReleases) {
   Module module;
   ASSERT_TRUE(module.set("how", "number"));
   auto& out = module.out<basic::Number>("out");
@@ -107,7 +107,7 @@ TEST(TestedComponent, SeesAGapWhereReleasesWereMissed) {
   EXPECT_EQ(out.value().value(), 6);
 }
 
-TEST(TestedComponent, SeesHowOldASampleIs) {
+TEST(TestedComponent, SeesTheAgeOfASample) {
   Module module{{.period = 1ms}};
   ASSERT_TRUE(module.set("how", "age"));
   auto& in = module.in<basic::Number>("in");
@@ -123,7 +123,7 @@ TEST(TestedComponent, SeesHowOldASampleIs) {
   EXPECT_EQ(out.value().value(), 7e6);
 }
 
-TEST(TestedComponent, HasNobodyAtAPortThatTheTestDoesNotName) {
+TEST(TestedComponent, IsNotConnectedAtPortsThatTheTestDoesNotName) {
   for (const bool named : {false, true}) {
     Module module;
     ASSERT_TRUE(module.set("how", "tied"));
@@ -135,7 +135,7 @@ TEST(TestedComponent, HasNobodyAtAPortThatTheTestDoesNotName) {
   }
 }
 
-TEST(TestedComponent, TakesPropertiesAsTheDescriptorAndTaktSetGiveThem) {
+TEST(TestedComponent, ValidatesPropertiesLikeTheDescriptorAndTaktSet) {
   Module module;
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -156,14 +156,14 @@ TEST(TestedComponent, TakesPropertiesAsTheDescriptorAndTaktSetGiveThem) {
   EXPECT_EQ(out.value().value(), 5);
 }
 
-TEST(TestedComponent, CallsTheHooksInTheOrderOfItsLife) {
+TEST(TestedComponent, CallsTheHooksInLifecycleOrder) {
   Module module;
-  auto& out = module.out<basic::Count>("told");
+  auto& out = module.out<basic::Count>("events");
   ASSERT_TRUE(module.initialize());
   EXPECT_EQ(module.state(), State::initialize);
   ASSERT_TRUE(module.start());
   EXPECT_EQ(module.state(), State::start);
-  EXPECT_THAT(told(out), ElementsAre(-1, -2));
+  EXPECT_THAT(values_of(out), ElementsAre(-1, -2));
   module.step();
   EXPECT_EQ(module.state(), State::executing);
   ASSERT_TRUE(module.stop());
@@ -178,7 +178,7 @@ TEST(TestedComponent, CallsTheHooksInTheOrderOfItsLife) {
   ASSERT_TRUE(module.recover());
   EXPECT_EQ(module.state(), State::executing);
   ASSERT_TRUE(module.destruct());
-  EXPECT_THAT(told(out), ElementsAre(-3, -4));
+  EXPECT_THAT(values_of(out), ElementsAre(-3, -4));
   EXPECT_EQ(module.state(), State::destruct);
   EXPECT_EQ(module.step(5), 0U);
   ASSERT_TRUE(module.reset());
@@ -188,10 +188,10 @@ TEST(TestedComponent, CallsTheHooksInTheOrderOfItsLife) {
   EXPECT_EQ(module.step(), 1U);
 }
 
-TEST(TestedComponent, IsLoadedAgainAfterACrash) {
+TEST(TestedComponent, IsReloadedAfterACrash) {
   Module module;
-  auto& out = module.out<basic::Count>("told");
-  EXPECT_FALSE(module.crash().ok()) << "it is IDLE";
+  auto& out = module.out<basic::Count>("events");
+  EXPECT_FALSE(module.crash().ok()) << "not allowed in IDLE";
   ASSERT_TRUE(module.set("gain", "7"));
   ASSERT_TRUE(module.start());
   module.step(5);
@@ -201,22 +201,21 @@ TEST(TestedComponent, IsLoadedAgainAfterACrash) {
   EXPECT_EQ(module.last_error().cycle, 5U);
   EXPECT_EQ(module.step(5), 0U);
   ASSERT_TRUE(module.set("starts", "false"));
-  for (int attempt = 0; attempt < 2; ++attempt)
-    EXPECT_EQ(module.recover().text(), "threw: the drive is off");
+  for (int attempt = 0; attempt < 2; ++attempt) EXPECT_EQ(module.recover().text(), "threw: the drive is off");
   ASSERT_TRUE(module.set("starts", "true"));
   ASSERT_TRUE(module.recover());
-  EXPECT_THAT(told(out), ElementsAre(-1, -1, -1, -2))
-      << "each attempt begins anew; no error(), no destruct()";
+  EXPECT_THAT(values_of(out), ElementsAre(-1, -1, -1, -2))
+      << "each attempt loads the module anew, without error() or destruct()";
   EXPECT_EQ(*module.get("gain"), "7");
   EXPECT_EQ(module.step(5), 5U);
 }
 
-TEST(TestedComponent, HasTheLatestValueAgainAfterACrash) {
+TEST(TestedComponent, GetsTheLatestValueAgainAfterACrash) {
   Module module;
   auto& in = module.in<basic::Number>("in");
   auto& orders = module.in<basic::Count>("orders", {.queue = 4});
   auto& out = module.out<basic::Number>("out");
-  auto& done = module.out<basic::Count>("told");
+  auto& done = module.out<basic::Count>("events");
   ASSERT_TRUE(module.start());
   in.write(number(3));
   orders.write({});
@@ -227,10 +226,10 @@ TEST(TestedComponent, HasTheLatestValueAgainAfterACrash) {
   const auto before = done.count();
   module.step();
   EXPECT_EQ(out.value().value(), 6);
-  EXPECT_EQ(done.count(), before) << "an order is carried out once";
+  EXPECT_EQ(done.count(), before) << "a queued sample is read only once";
 }
 
-TEST(TestedComponent, KeepsWhatWasSetAndConnectedOverAReset) {
+TEST(TestedComponent, KeepsPropertiesAndConnectionsOverAReset) {
   Module module;
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Number>("out");
@@ -245,9 +244,9 @@ TEST(TestedComponent, KeepsWhatWasSetAndConnectedOverAReset) {
   EXPECT_EQ(out.value().value(), 7);
 }
 
-TEST(TestedComponent, RefusesWhatItsStateDoesNotAllow) {
+TEST(TestedComponent, RejectsCommandsThatItsStateDoesNotAllow) {
   Module module;
-  EXPECT_EQ(module.recover().text(), "recover is refused in state IDLE; it is allowed in RECOVER");
+  EXPECT_EQ(module.recover().text(), "recover is not allowed in state IDLE; it is allowed in RECOVER");
   EXPECT_FALSE(module.stop());
   EXPECT_FALSE(module.error(ErrorType::failure));
   EXPECT_FALSE(module.reset());
@@ -261,7 +260,7 @@ TEST(TestedComponent, RefusesWhatItsStateDoesNotAllow) {
   EXPECT_EQ(module.state(), State::destruct);
 }
 
-TEST(TestedComponent, SaysWhyAHookFailed) {
+TEST(TestedComponent, ReportsWhyAHookFailed) {
   Module module;
   ASSERT_TRUE(module.set("how", "initialize"));
   EXPECT_EQ(module.start().text(), "no air pressure; open the valve");
@@ -276,13 +275,14 @@ TEST(TestedComponent, SaysWhyAHookFailed) {
   EXPECT_EQ(module.state(), State::recover);
 }
 
-TEST(TestedComponent, GoesToRecoverWhereItsRunFails) {
-  const std::pair<const char*, const char*> ways[] = {{"say", "the axis is blocked"},
-                                                      {"throw", "division by zero"},
-                                                      {"other", "threw something that is no std::exception"}};
+TEST(TestedComponent, GoesToRecoverWhenItsRunFails) {
+  const std::pair<const char*, const char*> ways[] = {
+      {"say", "the axis is blocked"},
+      {"throw", "division by zero"},
+      {"other", "threw something that is not a std::exception"}};
   for (const auto& [how, text] : ways) {
     Module module;
-    auto& out = module.out<basic::Count>("told");
+    auto& out = module.out<basic::Count>("events");
     ASSERT_TRUE(module.set("how", how));
     ASSERT_TRUE(module.set("at", "3"));
     ASSERT_TRUE(module.start());
@@ -292,26 +292,27 @@ TEST(TestedComponent, GoesToRecoverWhereItsRunFails) {
     EXPECT_EQ(module.last_error().type, ErrorType::failure);
     EXPECT_EQ(module.last_error().text, text);
     EXPECT_EQ(module.last_error().cycle, 3U);
-    EXPECT_EQ(module.healthy().text(), std::string{"it is in RECOVER since cycle 3: failure: "} + text);
-    EXPECT_THAT(told(out), ElementsAre(-11));
+    EXPECT_EQ(module.healthy().text(),
+              std::string{"the module has been in RECOVER since cycle 3: failure: "} + text);
+    EXPECT_THAT(values_of(out), ElementsAre(-11));
     ASSERT_TRUE(module.recover());
     EXPECT_TRUE(module.healthy());
     EXPECT_EQ(module.step(10), 10U);
   }
 }
 
-TEST(TestedComponent, IsInErrorWhereAnInputIsStale) {
+TEST(TestedComponent, FailsWhenAnInputIsStale) {
   Module module{{.period = 1ms}};
   auto& in = module.in<basic::Number>("in", {.deadline = 10ms, .stale_is_error = true});
   ASSERT_TRUE(module.start());
   in.write(number(1));
-  EXPECT_EQ(module.step(20), 12U);  // the last of them was not called
+  EXPECT_EQ(module.step(20), 12U);  // the last release did not call run()
   EXPECT_EQ(module.last_error().type, ErrorType::stale);
   EXPECT_EQ(module.last_error().text, "the newest value of input 'in' is older than 10 ms");
   EXPECT_EQ(in.late(), 1U);
 }
 
-TEST(TestedComponent, CountsAValueThatIsNoneOfItsType) {
+TEST(TestedComponent, CountsAnInvalidOutputValue) {
   Module module;
   auto& state = module.out<line::BeltState>("state");
   ASSERT_TRUE(module.set("how", "bound"));
@@ -323,7 +324,7 @@ TEST(TestedComponent, CountsAValueThatIsNoneOfItsType) {
               HasSubstr("nothing was written to output 'state'"));
 }
 
-TEST(TestedComponent, StepsUntilSomethingHolds) {
+TEST(TestedComponent, StepsUntilAConditionHolds) {
   Module module;
   ASSERT_TRUE(module.set("how", "number"));
   auto& out = module.out<basic::Number>("out");
@@ -334,7 +335,7 @@ TEST(TestedComponent, StepsUntilSomethingHolds) {
   EXPECT_EQ(module.runs(), 142U);
 }
 
-TEST(TestedComponent, TwoOfThemKnowNothingOfEachOther) {
+TEST(TestedComponent, IsIndependentOfAnotherInstance) {
   Module one;
   Module other;
   ASSERT_TRUE(one.set("gain", "1"));
@@ -350,12 +351,13 @@ TEST(TestedComponent, TwoOfThemKnowNothingOfEachOther) {
   EXPECT_EQ(others.value().value(), 0);
 }
 
-TEST(WrongUse, IsSaidInWords) {
+TEST(WrongUse, IsReportedForPortsAndSteps) {
   Module module;
   EXPECT_EQ(
       error_of([&] { module.in<basic::Number>("im"); }),
       "testing_subject.so has no port 'im'; it has in in (basic::Number), in orders (basic::Count), out "
-      "out (basic::Number), out told (basic::Count), in belt (line::BeltState), out state (line::BeltState)");
+      "out (basic::Number), out events (basic::Count), in belt (line::BeltState), out state "
+      "(line::BeltState)");
   EXPECT_EQ(error_of([&] { module.in<basic::Number>("out"); }),
             "port 'out' of testing_subject.so is an output; use out<basic::Number>()");
   EXPECT_EQ(error_of([&] { module.out<basic::Number>("in"); }),
@@ -365,27 +367,27 @@ TEST(WrongUse, IsSaidInWords) {
   line::BeltState state;
   state.mode(static_cast<line::BeltMode>(7));
   EXPECT_THAT(error_of([&] { module.in<line::BeltState>("belt").write(state); }),
-              HasSubstr("the value is no line::BeltState"));
-  EXPECT_EQ(error_of([&] { module.step(); }), "step() in state IDLE: call start() first");
+              HasSubstr("the value does not fit type line::BeltState"));
+  EXPECT_EQ(error_of([&] { module.step(); }), "step() is not allowed in state IDLE; call start() first");
   EXPECT_EQ(error_of([&] { module.in<basic::Number>("in", {.stale_is_error = true}); }),
-            "without a deadline no value is stale; give the connection of 'in' one");
+            "without a deadline no value is stale; give the connection of 'in' a deadline");
   module.in<basic::Number>("in");
   EXPECT_THAT(error_of([&] { module.in<basic::Number>("in", {.queue = 8}); }),
               HasSubstr("port 'in' is connected already"));
 }
 
-TEST(WrongUse, OfAFileIsSaidInWords) {
+TEST(WrongUse, IsReportedForFiles) {
   EXPECT_THAT(error_of([] { Module{{.file = "not_there.so"}}; }), HasSubstr("not_there.so"));
   EXPECT_THAT(error_of([] { Module{{.file = NOTHING}}; }), HasSubstr("has no function run()"));
   EXPECT_THAT(error_of([] { Module{{.file = "vision.exe"}}; }),
-              HasSubstr("is a program, which cannot be loaded"));
+              HasSubstr("is a program and cannot be loaded"));
   EXPECT_THAT(error_of([] { Module{{.sporadic = true}}; }),
               HasSubstr("has neither condition() nor an event port"));
-  EXPECT_THAT(error_of([] { Module{{.period = 0ms}}; }), HasSubstr("it is positive"));
+  EXPECT_THAT(error_of([] { Module{{.period = 0ms}}; }), HasSubstr("it must be positive"));
 }
 
 // What ASSERT_TRUE(module.start()) prints.
-TEST(Answer, IsShownByGoogleTestInItsWords) {
+TEST(Answer, ShowsItsReasonInGoogleTest) {
   Module module;
   ASSERT_TRUE(module.set("how", "initialize"));
   const ::testing::AssertionResult shown = module.start();

@@ -1,3 +1,3 @@
-// A library that is no component.
+// A library that is not a component.
 extern "C" void walk();
 extern "C" void walk() {}

@@ -1,4 +1,4 @@
-// A program that does nothing wrong but what its first argument says.
+// A program that works correctly, except for the fault that its first argument selects.
 #include <takt/process.hpp>
 
 #include <cstdio>
@@ -13,18 +13,18 @@
 namespace {
 takt::InPort<basic::Number> in{"in"};
 takt::OutPort<basic::Count> out{"out"};
-int lives = 0;  // of this copy of the variables
+int lives = 0;  // number of starts with this copy of the variables
 struct Kept {
   std::int64_t bodies = 0;
 };
 takt::Saved<Kept> kept{1};
 
-void tell(std::int64_t what) {
+void write_event(std::int64_t what) {
   basic::Count count;
   count.value(what);
   out.write(count);
 }
-void say_goodbye() { tell(-1); }
+void at_end() { write_event(-1); }
 }  // namespace
 
 int main(int argc, char* argv[]) {
@@ -41,14 +41,14 @@ int main(int argc, char* argv[]) {
   takt::OutPort<basic::Number> late{"late"};
   initPeriodExe();
   if (how == "how=twice") initPeriodExe();
-  std::atexit(say_goodbye);
+  std::atexit(at_end);
   const bool exits_at_first = how == "how=attached";
   if (exits_at_first) std::exit(4);
   while (true) {
     waitPeriod();
     ++kept->bodies;
     if (how == "how=saves") {
-      tell(kept->bodies * 10 + (kept.restored() ? 1 : 0));
+      write_event(kept->bodies * 10 + (kept.restored() ? 1 : 0));
       continue;
     }
     try {
@@ -60,7 +60,8 @@ int main(int argc, char* argv[]) {
         std::exit(5);
     }
     if (in.value().value() > 1000) return 0;
-    tell(static_cast<std::int64_t>(in.value().value()) + static_cast<std::int64_t>(takt_cycle()) * 100 +
-         takt_period_ns() * 100'000 + many.front() * 10);
+    write_event(static_cast<std::int64_t>(in.value().value()) +
+                static_cast<std::int64_t>(takt_cycle()) * 100 + takt_period_ns() * 100'000 +
+                many.front() * 10);
   }
 }

@@ -1,4 +1,4 @@
-// A periodic program.
+// Tests of the test harness with a periodic program.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ TEST(Program, RunsAHundredThousandBodies) {
   EXPECT_EQ(out.count(), 100'000U);
 }
 
-TEST(Program, GoesThroughTheStates) {
+TEST(Program, GoesThroughTheLifecycle) {
   Module module;
   auto& out = module.out<basic::Count>("out");
   ASSERT_TRUE(module.initialize());
@@ -56,10 +56,10 @@ TEST(Program, GoesThroughTheStates) {
   EXPECT_EQ(module.state(), State::executing);
   ASSERT_TRUE(module.destruct());
   EXPECT_EQ(module.state(), State::destruct);
-  EXPECT_EQ(out.value().value(), -1);  // of atexit()
+  EXPECT_EQ(out.value().value(), -1);  // written by atexit()
 }
 
-TEST(Program, BeginsEachLifeWithVariablesOfItsOwn) {
+TEST(Program, StartsEachTimeWithNewVariables) {
   Module module{{.period = 1us}};
   auto& out = module.out<basic::Count>("out");
   for (int life = 0; life < 3; ++life) {
@@ -71,7 +71,7 @@ TEST(Program, BeginsEachLifeWithVariablesOfItsOwn) {
   }
 }
 
-TEST(Program, IsStartedAgainAfterItsEnd) {
+TEST(Program, IsRestartedAfterItEnded) {
   Module module;
   auto& in = module.in<basic::Number>("in");
   auto& out = module.out<basic::Count>("out");
@@ -85,14 +85,14 @@ TEST(Program, IsStartedAgainAfterItsEnd) {
   EXPECT_EQ(module.last_error().cycle, 5U);
   EXPECT_EQ(out.value().value(), -1);
   ASSERT_TRUE(module.recover());
-  EXPECT_EQ(module.step(5), 1U) << "it has the value again that it ends at";
+  EXPECT_EQ(module.step(5), 1U) << "the restored input value ends it again";
   in.write(number(0));
   ASSERT_TRUE(module.recover());
   EXPECT_EQ(module.state(), State::executing);
   EXPECT_EQ(module.step(5), 5U);
 }
 
-TEST(Program, IsStartedAgainAfterACrash) {
+TEST(Program, IsRestartedAfterACrash) {
   Module module;
   auto& out = module.out<basic::Count>("out");
   ASSERT_TRUE(module.start());
@@ -101,12 +101,12 @@ TEST(Program, IsStartedAgainAfterACrash) {
   ASSERT_TRUE(module.crash());
   EXPECT_EQ(module.last_error().type, ErrorType::crash);
   EXPECT_EQ(module.step(5), 0U);
-  EXPECT_EQ(out.value().value(), last) << "it calls nothing at its end";
+  EXPECT_EQ(out.value().value(), last) << "a crash calls no atexit() function";
   ASSERT_TRUE(module.recover());
   EXPECT_EQ(module.step(5), 5U);
 }
 
-TEST(Program, HasWhatItSavedAfterACrash) {
+TEST(Program, RestoresItsSavedValueAfterACrash) {
   Module module;
   auto& out = module.out<basic::Count>("out");
   ASSERT_TRUE(module.set("how", "saves"));
@@ -127,7 +127,7 @@ TEST(Program, MayEndInACatchBlock) {
   ASSERT_TRUE(module.start());
   in.write(number(-1));
   module.step();
-  EXPECT_EQ(module.last_error().text, "it called exit(5)");
+  EXPECT_EQ(module.last_error().text, "the program called exit(5)");
   EXPECT_EQ(std::current_exception(), nullptr);
 }
 
@@ -143,15 +143,15 @@ TEST(Program, MayWaitInACatchBlock) {
   EXPECT_TRUE(module.healthy());
 }
 
-TEST(Program, ThatEndsBeforeItWaitsIsRefusedInWords) {
+TEST(Program, ReportsWhyItDidNotStart) {
   const std::pair<const char*, const char*> ways[] = {
       {"return", "main() returned 3 before it called initPeriodExe()"},
-      {"exit", "it called exit(1) before it called initPeriodExe()"},
+      {"exit", "the program called exit(1) before it called initPeriodExe()"},
       {"throw", "main() threw: no file before it called initPeriodExe()"},
       {"wait", "waitPeriod(): call initPeriodExe() or initSporadicExe() first"},
       {"sporadic", "initSporadicExe(): the test says periodic; use initPeriodExe() and waitPeriod()"},
       {"twice", "initPeriodExe(): called twice; call it once, before the first wait"},
-      {"attached", "it called exit(4) before its first release was served"}};
+      {"attached", "the program called exit(4) before its first release was served"}};
   for (const auto& [how, text] : ways) {
     Module module;
     ASSERT_TRUE(module.set("how", how));
@@ -160,7 +160,7 @@ TEST(Program, ThatEndsBeforeItWaitsIsRefusedInWords) {
   }
 }
 
-TEST(Program, HasThePortsOfMainOnceItIsInitialised) {
+TEST(Program, HasThePortsOfMainAfterInitialization) {
   Module module;
   EXPECT_THROW(module.out<basic::Number>("late"), Error);
   ASSERT_TRUE(module.initialize());
@@ -169,11 +169,11 @@ TEST(Program, HasThePortsOfMainOnceItIsInitialised) {
   EXPECT_EQ(module.step(2), 2U);
 }
 
-TEST(Program, TakesItsPropertiesWhenItStartsOnly) {
+TEST(Program, AcceptsPropertiesOnlyBeforeItStarts) {
   Module module;
   ASSERT_TRUE(module.set("speed", "1"));
   ASSERT_TRUE(module.start());
-  EXPECT_THAT(module.set("speed", "2").text(), HasSubstr("its properties are arguments"));
+  EXPECT_THAT(module.set("speed", "2").text(), HasSubstr("the properties of a program are arguments"));
 }
 
 }  // namespace

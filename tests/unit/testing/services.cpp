@@ -1,4 +1,4 @@
-// A component that answers in both ways, and asks.
+// A component with both kinds of services, and a client.
 #include <takt/component.hpp>
 
 #include <chrono>
@@ -20,12 +20,12 @@ class Services : public takt::Component {
   takt::InPort<basic::Count> order{*this, "order"};
   takt::OutPort<basic::Number> got{*this, "got"};
   takt::OutPort<basic::Count> status{*this, "status"};
-  takt::Property<std::int64_t> cycles{*this, "cycles", 3, {.text = "That slow takes."}};
+  takt::Property<std::int64_t> cycles{*this, "cycles", 3, {.text = "Number of cycles that slow takes."}};
   std::int64_t left_ = 0;
 
   void run(const takt::Cycle&) override {
     if (order.read()) {
-      if (order.value().value() == 0) return fail("an order of nothing");
+      if (order.value().value() == 0) return fail("the order is 0");
       ask.call(order.value(), std::chrono::milliseconds{20});
     }
     basic::Count now;

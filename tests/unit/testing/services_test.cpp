@@ -1,4 +1,4 @@
-// Services and clients of a component on virtual time.
+// Tests of the test harness with a component that has services and a client.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ takt::testing::Called<basic::Number> call(Module& module, const std::string& ser
                                           takt::Nanoseconds timeout = 1s) {
   return module.call<basic::Count, basic::Number>(service, count(value), timeout);
 }
-std::string refusal(const takt::testing::Called<basic::Number>& answer) {
+std::string reason(const takt::testing::Called<basic::Number>& answer) {
   return answer.ok() ? "it was answered" : answer.text();
 }
 
@@ -46,7 +46,7 @@ std::string error_of(Call&& call) {
   return "nothing was thrown";
 }
 
-TEST(TestedService, OfAHandlerAnswersAfterTheRow) {
+TEST(TestedService, AnswersByItsHandlerAfterTheRow) {
   Module module;
   ASSERT_TRUE(module.start());
   const auto answer = call(module, "half", 7);
@@ -56,25 +56,25 @@ TEST(TestedService, OfAHandlerAnswersAfterTheRow) {
   EXPECT_EQ(call(module, "half", 8)->value(), 4) << "the answer of this call, not of the one before";
 }
 
-TEST(TestedService, RefusesWithItsWords) {
+TEST(TestedService, RejectsWithTheReasonOfItsHandler) {
   Module module;
   ASSERT_TRUE(module.start());
-  EXPECT_EQ(refusal(call(module, "half", -1)), "it is negative; give a positive one");
-  EXPECT_EQ(refusal(call(module, "half", 13)), "its handler threw: not that one");
+  EXPECT_EQ(reason(call(module, "half", -1)), "it is negative; give a positive one");
+  EXPECT_EQ(reason(call(module, "half", 13)), "the handler threw: not that one");
   EXPECT_EQ(module.state(), State::executing);
 }
 
-TEST(TestedService, OfAHandlerRefusesWhileTheModuleIsNotExecuting) {
+TEST(TestedService, RejectsCallsWhileTheModuleIsNotExecuting) {
   Module module;
   ASSERT_TRUE(module.start());
   module.step();
   ASSERT_TRUE(module.stop());
-  EXPECT_EQ(refusal(call(module, "half", 7)), "its module is not in EXECUTING");
+  EXPECT_EQ(reason(call(module, "half", 7)), "its module is not in EXECUTING");
   ASSERT_TRUE(module.start());
   EXPECT_TRUE(call(module, "half", 7).ok());
 }
 
-TEST(TestedService, OfRunAnswersWhenItIsDone) {
+TEST(TestedService, AnswersFromRunAfterSeveralCycles) {
   Module module{{.period = 2ms}};
   ASSERT_TRUE(module.set("cycles", "5"));
   ASSERT_TRUE(module.start());
@@ -82,16 +82,16 @@ TEST(TestedService, OfRunAnswersWhenItIsDone) {
   EXPECT_EQ(module.runs(), 6U);
 }
 
-TEST(TestedService, ThatDoesNotAnswerInTimeIsNotWaitedFor) {
+TEST(TestedService, TimesOutWhenItDoesNotAnswerInTime) {
   Module module;
   ASSERT_TRUE(module.set("cycles", "30"));
   ASSERT_TRUE(module.start());
-  EXPECT_EQ(refusal(call(module, "slow", 4, 20ms)), "no reply came within 20 ms");
+  EXPECT_EQ(reason(call(module, "slow", 4, 20ms)), "no reply came within 20 ms");
   EXPECT_EQ(module.runs(), 21U);
-  EXPECT_EQ(call(module, "slow", 5, 100ms)->value(), 50) << "the late answer was to the call before";
+  EXPECT_EQ(call(module, "slow", 5, 100ms)->value(), 50) << "the late answer belongs to the previous call";
 }
 
-TEST(TestedService, ThatIsNotThereIsSaid) {
+TEST(TestedService, ReportsAnUnknownServiceAndTheKnownOnes) {
   Module module;
   ASSERT_TRUE(module.start());
   const std::string all =
@@ -110,11 +110,11 @@ TEST(TestedService, ThatIsNotThereIsSaid) {
             "testing_services.so has no client half (basic::Count -> basic::Number)" + all);
 }
 
-TEST(TestedService, WithoutAReplyThrowsWhyWhereItsValueIsTaken) {
+TEST(TestedService, ThrowsTheReasonWhenAMissingReplyIsRead) {
   Module module;
   ASSERT_TRUE(module.start());
-  const auto refused = call(module, "half", -1);
-  EXPECT_EQ(error_of([&] { static_cast<void>(refused->value()); }),
+  const auto rejected = call(module, "half", -1);
+  EXPECT_EQ(error_of([&] { static_cast<void>(rejected->value()); }),
             "there is no reply: it is negative; give a positive one");
 }
 
@@ -134,7 +134,7 @@ class TestedClient : public ::testing::Test {
   }
 };
 
-TEST_F(TestedClient, IsAnsweredInTheNextRun) {
+TEST_F(TestedClient, GetsItsReplyInTheNextRun) {
   auto& server = module.serve<basic::Count, basic::Number>("ask", kDouble);
   ASSERT_TRUE(module.start());
   EXPECT_EQ(after(1), CallStatus::idle);
@@ -151,7 +151,7 @@ TEST_F(TestedClient, IsAnsweredInTheNextRun) {
   EXPECT_EQ(server.asked(), 2U);
 }
 
-TEST_F(TestedClient, IsAnsweredLater) {
+TEST_F(TestedClient, GetsADelayedReply) {
   module.serve<basic::Count, basic::Number>("ask", kDouble, 10ms);
   ASSERT_TRUE(module.start());
   order.write(count(1));
@@ -159,39 +159,39 @@ TEST_F(TestedClient, IsAnsweredLater) {
   EXPECT_EQ(after(1), CallStatus::replied);
 }
 
-TEST_F(TestedClient, GivesUpWhenNoAnswerComesInTime) {
+TEST_F(TestedClient, TimesOutWithoutAReply) {
   module.serve<basic::Count, basic::Number>("ask", kDouble, 30ms);
   ASSERT_TRUE(module.start());
   order.write(count(1));
   EXPECT_EQ(after(20), CallStatus::pending);
   EXPECT_EQ(after(1), CallStatus::timed_out);
-  EXPECT_EQ(after(20), CallStatus::timed_out) << "a late answer is none";
+  EXPECT_EQ(after(20), CallStatus::timed_out) << "a late answer is ignored";
 }
 
-TEST_F(TestedClient, TakesALateAnswerForNoAnswerToTheNextCall) {
+TEST_F(TestedClient, IgnoresALateReplyToAnEarlierCall) {
   auto& server = module.serve<basic::Count, basic::Number>("ask", kDouble, 30ms);
   ASSERT_TRUE(module.start());
   order.write(count(1));
   EXPECT_EQ(after(25), CallStatus::timed_out);
   order.write(count(2));
-  EXPECT_EQ(after(15), CallStatus::pending) << "the answer to the first has come by now";
+  EXPECT_EQ(after(15), CallStatus::pending) << "the answer to the first call has arrived by now";
   EXPECT_EQ(server.asked(), 2U);
   EXPECT_EQ(after(10), CallStatus::timed_out);
   EXPECT_FALSE(got.has_value());
 }
 
-TEST_F(TestedClient, HasNobodyToAskWhereNothingServes) {
+TEST_F(TestedClient, ReportsNobodyWithoutAServer) {
   ASSERT_TRUE(module.start());
   order.write(count(1));
   EXPECT_EQ(after(1), CallStatus::nobody);
 }
 
-TEST_F(TestedClient, IsServedOnce) {
+TEST_F(TestedClient, RejectsASecondServer) {
   module.serve<basic::Count, basic::Number>("ask", kDouble);
   EXPECT_THROW((module.serve<basic::Count, basic::Number>("ask", kDouble)), Error);
 }
 
-TEST_F(TestedClient, MayAskAgainAfterItsModuleRecovered) {
+TEST_F(TestedClient, CanCallAgainAfterRecovery) {
   auto& server = module.serve<basic::Count, basic::Number>("ask", kDouble);
   ASSERT_TRUE(module.start());
   order.write(count(0));

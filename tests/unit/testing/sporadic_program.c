@@ -1,4 +1,4 @@
-/* Figure 11: every third release is a body. */
+/* Figure 11: every third release runs the body. */
 #include <takt/process.h>
 
 #include <basic_c.h>

@@ -1,4 +1,4 @@
-// A sporadic program in the form of Figure 11, in C.
+// Tests of the test harness with a sporadic program in C, in the form of the paper's Figure 11.
 #include <gtest/gtest.h>
 
 #include <takt/testing.hpp>
@@ -10,7 +10,7 @@ namespace {
 
 using takt::testing::Module;
 
-TEST(SporadicProgram, RunsABodyWhenItsConditionHolds) {
+TEST(SporadicProgram, RunsItsBodyWhenItsConditionIsTrue) {
   Module module{{.sporadic = true}};
   auto& order = module.in<basic::Count>("order");
   auto& bodies = module.out<basic::Count>("bodies");
@@ -24,7 +24,7 @@ TEST(SporadicProgram, RunsABodyWhenItsConditionHolds) {
   EXPECT_EQ(bodies.value().value(), 13);
 }
 
-TEST(SporadicProgram, IsRefusedWhereTheTestSaysPeriodic) {
+TEST(SporadicProgram, FailsToStartInAPeriodicTest) {
   Module module;
   EXPECT_NE(module.start().text().find("initSporadicExe(): the test says periodic"), std::string::npos);
 }

@@ -1,4 +1,4 @@
-// A component that does nothing wrong but what its properties say.
+// A component that works correctly, except for the fault that its properties select.
 #include <takt/component.hpp>
 
 #include <stdexcept>
@@ -10,34 +10,35 @@ class Subject : public takt::Component {
   takt::InPort<basic::Number> in{*this, "in"};
   takt::InPort<basic::Count> orders{*this, "orders"};
   takt::OutPort<basic::Number> out{*this, "out"};
-  takt::OutPort<basic::Count> told{*this, "told", {.text = "Each hook, and the orders."}};
+  takt::OutPort<basic::Count> events{
+      *this, "events", {.text = "One value per hook call, and the received orders."}};
   takt::InPort<line::BeltState> belt{*this, "belt"};
   takt::OutPort<line::BeltState> state{*this, "state"};
   takt::Property<double> gain{*this, "gain", 2, {.unit = "1", .min = 0, .max = 10}};
-  takt::Property<std::string> how{*this, "how", "", {.text = "What goes wrong: say, throw, other, bound."}};
-  takt::Property<std::int64_t> at{*this, "at", -1, {.text = "In which cycle."}};
+  takt::Property<std::string> how{*this, "how", "", {.text = "The fault: say, throw, other, bound."}};
+  takt::Property<std::int64_t> at{*this, "at", -1, {.text = "Cycle of the fault."}};
   takt::Property<bool> starts{*this, "starts", true};
   takt::Property<bool> recovers{*this, "recovers", true};
 
-  void tell(std::int64_t what) {
+  void write_event(std::int64_t what) {
     basic::Count count;
     count.value(what);
-    told.write(count);
+    events.write(count);
   }
 
   takt::Result<void> initialize() override {
     if (how.value() == "initialize") return takt::fail("no air pressure", "open the valve");
-    tell(-1);
+    write_event(-1);
     return {};
   }
   takt::Result<void> start() override {
     if (!starts) throw std::runtime_error("the drive is off");
-    tell(-2);
+    write_event(-2);
     return {};
   }
   void run(const takt::Cycle& cycle) override {
     in.read();
-    while (orders.read()) tell(orders.value().value());
+    while (orders.read()) write_event(orders.value().value());
     if (static_cast<std::int64_t>(cycle.number) == at) {
       if (how.value() == "say") fail("the axis is blocked");
       if (how.value() == "throw") throw std::runtime_error("division by zero");
@@ -57,12 +58,12 @@ class Subject : public takt::Component {
                                            : gain * in.value().value());
     out.write(result);
   }
-  void error(takt::ErrorType type) override { tell(-10 - static_cast<std::int64_t>(type)); }
+  void error(takt::ErrorType type) override { write_event(-10 - static_cast<std::int64_t>(type)); }
   takt::Result<void> recover() override {
     if (!recovers) return takt::fail("still blocked");
-    tell(-3);
+    write_event(-3);
     return {};
   }
-  void destruct() override { tell(-4); }
+  void destruct() override { write_event(-4); }
 };
 TAKT_COMPONENT(Subject)

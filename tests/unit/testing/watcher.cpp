@@ -1,5 +1,4 @@
-// A sporadic component: tells the sum of its events, and, when it is to have a mind of its own, only of large
-// ones.
+// A sporadic component that publishes the sum of its events. It also runs while `level` is above 10.
 #include <takt/component.hpp>
 
 #include <basic.hpp>
@@ -8,11 +7,11 @@ class Watcher : public takt::Component {
   takt::EventPort<basic::Number> alarm{*this, "alarm"};
   takt::InPort<basic::Number> level{*this, "level"};
   takt::OutPort<basic::Number> sum{*this, "sum"};
-  takt::Property<bool> fails{*this, "fails", false, {.text = "condition() does."}};
+  takt::Property<bool> fails{*this, "fails", false, {.text = "True: condition() fails."}};
   basic::Number sum_;
 
   bool condition() override {
-    if (fails) fail("no idea");
+    if (fails) fail("the condition failed");
     level.read();
     return Component::condition() || level.value().value() > 10;
   }

@@ -1,4 +1,4 @@
-// A sporadic C++ component.
+// Tests of the test harness with a sporadic C++ component.
 #include <gtest/gtest.h>
 
 #include <takt/testing.hpp>
@@ -18,7 +18,7 @@ basic::Number number(double value) {
   return result;
 }
 
-TEST(SporadicComponent, RunsWhenAnEventHasCome) {
+TEST(SporadicComponent, RunsWhenAnEventArrives) {
   Module module{{.sporadic = true, .file = WATCHER}};
   auto& alarm = module.in<basic::Number>("alarm");
   auto& sum = module.out<basic::Number>("sum");
@@ -32,7 +32,7 @@ TEST(SporadicComponent, RunsWhenAnEventHasCome) {
   EXPECT_EQ(sum.value().value(), 3);
 }
 
-TEST(SporadicComponent, RunsWhileItsConditionHolds) {
+TEST(SporadicComponent, RunsWhileItsConditionIsTrue) {
   Module module{{.sporadic = true, .file = WATCHER}};
   auto& level = module.in<basic::Number>("level");
   ASSERT_TRUE(module.start());
@@ -42,21 +42,21 @@ TEST(SporadicComponent, RunsWhileItsConditionHolds) {
   EXPECT_EQ(module.step(10), 0U);
 }
 
-TEST(SporadicComponent, GoesToRecoverWhereItsConditionFails) {
+TEST(SporadicComponent, GoesToRecoverWhenItsConditionFails) {
   Module module{{.sporadic = true, .file = WATCHER}};
   ASSERT_TRUE(module.start());
   module.step();
   ASSERT_TRUE(module.set("fails", "true"));
   EXPECT_EQ(module.step(3), 0U);
   EXPECT_EQ(module.state(), State::recover);
-  EXPECT_EQ(module.last_error().text, "no idea");
+  EXPECT_EQ(module.last_error().text, "the condition failed");
   EXPECT_EQ(module.last_error().cycle, 1U);
   ASSERT_TRUE(module.set("fails", "false"));
   ASSERT_TRUE(module.recover());
   EXPECT_EQ(module.state(), State::start);
 }
 
-TEST(SafeValue, IsThereUntilTheFirstSampleAndWhenItsWriterIsLost) {
+TEST(SafeValue, IsUsedBeforeTheFirstSampleAndWhenTheWriterIsLost) {
   Module module{{.sporadic = true, .file = WATCHER}};
   auto& level = module.in<basic::Number>("level");
   level.safe(number(11));  // the module runs above 10
@@ -70,21 +70,21 @@ TEST(SafeValue, IsThereUntilTheFirstSampleAndWhenItsWriterIsLost) {
   EXPECT_EQ(module.step(5), 0U);
 }
 
-TEST(SafeValue, TakesThePlaceOfASampleThatIsOlderThanTheDeadline) {
+TEST(SafeValue, ReplacesASampleOlderThanTheDeadline) {
   Module module{{.period = 1ms, .sporadic = true, .file = WATCHER}};
   auto& level = module.in<basic::Number>("level", {.deadline = 3ms});
   level.safe(number(11));
   ASSERT_TRUE(module.start());
-  level.write(number(1));  // of the next release
-  EXPECT_EQ(module.step(4), 0U) << "as old as the deadline is not older";
+  level.write(number(1));  // has the time of the next release
+  EXPECT_EQ(module.step(4), 0U) << "a sample as old as the deadline is still valid";
   EXPECT_EQ(module.step(1), 1U);
   level.write(number(1), 3ms + 1ns);
-  EXPECT_EQ(module.step(1), 1U) << "it comes too late";
+  EXPECT_EQ(module.step(1), 1U) << "the sample is older than the deadline";
   level.write(number(1), 3ms);
   EXPECT_EQ(module.step(1), 0U);
 }
 
-TEST(SafeValue, IsNoneForAQueue) {
+TEST(SafeValue, IsRejectedForAQueue) {
   Module module{{.sporadic = true, .file = WATCHER}};
   auto& alarm = module.in<basic::Number>("alarm");
   EXPECT_THROW(alarm.safe(number(1)), takt::testing::Error);

@@ -21,7 +21,7 @@ std::string text() {
   return metrics_text(cell_that_runs(), &press, {.faults = {{"robot", {1, 0, 5}}}, .viewers = 2});
 }
 
-TEST(Metrics, TellStatesAsOneOfAllThatThereAre) {
+TEST(Metrics, HaveASeriesForEachPossibleState) {
   EXPECT_THAT(
       text(),
       AllOf(
@@ -34,7 +34,7 @@ TEST(Metrics, TellStatesAsOneOfAllThatThereAre) {
               "takt_module_state{cell=\"press\",device=\"robot\",module=\"slow\",state=\"RECOVER\"} 1\n")));
 }
 
-TEST(Metrics, AreInSecondsAndCountersEndInTotal) {
+TEST(Metrics, UseSecondsAndTheSuffixTotalForCounters) {
   EXPECT_THAT(
       text(),
       AllOf(
@@ -50,24 +50,24 @@ TEST(Metrics, AreInSecondsAndCountersEndInTotal) {
           HasSubstr("takt_web_viewers 2\n")));
 }
 
-// What was heard last of a device that is lost is no measure of now.
-TEST(Metrics, OfALostDeviceTellOnlyThatItIs) {
+// The last known values of a lost device are not current measurements.
+TEST(Metrics, ReportOnlyThatALostDeviceIsLost) {
   EXPECT_THAT(text(), AllOf(HasSubstr("takt_device_up{cell=\"press\",device=\"line\"} 0\n"),
                             Not(HasSubstr("module=\"vision\"")),
                             Not(HasSubstr("takt_device_state{cell=\"press\",device=\"line\""))));
 }
 
-TEST(Metrics, ADeviceThatWasLostBeforeAnybodyLookedIsNotLeftOut) {
+TEST(Metrics, IncludeADeviceLostBeforeTheGatewayStarted) {
   const model::Cell press = cell();
   auto devices = cell_that_runs();
-  std::erase_if(devices, [](const dds::ObservedDevice& device) { return device.name() == "line"; });
+  std::erase_if(devices, [](const wire::ObservedDevice& device) { return device.name() == "line"; });
   EXPECT_THAT(metrics_text(devices, &press, {}),
               HasSubstr("takt_device_up{cell=\"press\",device=\"line\"} 0\n"));
   EXPECT_THAT(metrics_text(devices, nullptr, {}), Not(HasSubstr("device=\"line\"")));
 }
 
-// Prometheus takes no sample twice.
-TEST(Metrics, TwoNodesOfOneNameAreOneThatIsThere) {
+// Prometheus rejects duplicate samples.
+TEST(Metrics, OfTwoNodesWithTheSameNameShowTheOneAlive) {
   const model::Cell press = cell();
   auto devices = cell_that_runs();
   auto dead = devices.front();
@@ -77,7 +77,7 @@ TEST(Metrics, TwoNodesOfOneNameAreOneThatIsThere) {
   EXPECT_EQ(metrics_text(cell_that_runs(), &press, {}), metrics_text(devices, &press, {}));
 }
 
-TEST(Metrics, TellHowEachConnectionIs) {
+TEST(Metrics, ShowTheHealthOfEachConnection) {
   EXPECT_THAT(
       text(),
       AllOf(HasSubstr(
@@ -89,13 +89,12 @@ TEST(Metrics, TellHowEachConnectionIs) {
   EXPECT_THAT(metrics_text(cell_that_runs(), nullptr, {}), Not(HasSubstr("takt_connection")));
 }
 
-TEST(Metrics, OfNothingHaveNoEmptyFamilies) {
-  EXPECT_EQ(
-      metrics_text({}, nullptr, {}),
-      "# HELP takt_web_viewers Pages that are open.\n# TYPE takt_web_viewers gauge\ntakt_web_viewers 0\n");
+TEST(Metrics, HaveNoEmptyFamilies) {
+  EXPECT_EQ(metrics_text({}, nullptr, {}),
+            "# HELP takt_web_viewers Open pages.\n# TYPE takt_web_viewers gauge\ntakt_web_viewers 0\n");
 }
 
-TEST(Metrics, AreThoseThatTheDashboardAsksFor) {
+TEST(Metrics, ContainAllThatTheDashboardUses) {
   std::ifstream file{std::string{TAKT_SOURCE_DIR} + "/config/grafana-takt.json"};
   const std::string dashboard{std::istreambuf_iterator<char>{file}, {}};
   const std::regex name{"takt_[a-z_]+"};
@@ -106,9 +105,9 @@ TEST(Metrics, AreThoseThatTheDashboardAsksFor) {
   EXPECT_GT(found, 10U);
 }
 
-TEST(Metrics, EscapeWhatALabelMayNotHold) {
+TEST(Metrics, EscapeSpecialCharactersInLabels) {
   auto devices = cell_that_runs();
-  dds::set(devices[1].status.cell(), "a\"b\\c\nd");
+  wire::set(devices[1].status.cell(), "a\"b\\c\nd");
   EXPECT_THAT(metrics_text(devices, nullptr, {}),
               HasSubstr(R"(takt_device_up{cell="a\"b\\c\nd",device="robot"} 1)"));
 }

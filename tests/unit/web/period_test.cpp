@@ -12,7 +12,7 @@ namespace {
 
 using namespace seen;
 
-constexpr double kMs = 1000;  // of a trace, us
+constexpr double kMs = 1000;  // in us, the unit of a trace
 
 /// The trace of a robot whose grid of 1 ms began 0.4 ms before it; macro periods of 3 ms begin at 2.6, 5.6
 /// ms...
@@ -57,7 +57,7 @@ Result<Json> period(const Traced& traced, double lasts) {
   return period_json(traced.json(lasts), press, press.devices[0]);
 }
 
-TEST(Period, IsTheLastThatHadEnded) {
+TEST(Period, IsTheLastCompleteMacroPeriod) {
   Traced traced;
   for (int i = 0; i < 11; ++i) {
     traced.row((i + 0.6) * kMs, 10.5, {{"servo", 20}});
@@ -76,7 +76,7 @@ TEST(Period, IsTheLastThatHadEnded) {
   EXPECT_EQ(main["rows"][2]["due_ns"], 2'000'000);
 }
 
-TEST(Period, HasNoRowWhereOneWasMissed) {
+TEST(Period, LeavesOutMissedRows) {
   Traced traced;
   traced.row(2.6 * kMs, 5, {});
   traced.row(4.6 * kMs, 5, {});
@@ -88,7 +88,7 @@ TEST(Period, HasNoRowWhereOneWasMissed) {
   EXPECT_EQ(rows[1]["row"], 2);
 }
 
-TEST(Period, SaysWhyARowOrARunWasLate) {
+TEST(Period, HasTheCauseOfALateRowOrRun) {
   Traced traced;
   traced.row(2.6 * kMs, 300, {}, {{"why", "the hypervisor had the processor"}});
   traced.add(10, "run", "slow", 2.9 * kMs, 0.5, {{"begins_late_us", 250.0}, {"why", "servo took 250 us"}});
@@ -100,12 +100,12 @@ TEST(Period, SaysWhyARowOrARunWasLate) {
   EXPECT_EQ(row["runs"][0]["cause"], "servo took 250 us");
 }
 
-TEST(Period, HasSporadicRunsInTheRowInWhichTheyBegan) {
+TEST(Period, AddsSporadicRunsToTheRowInWhichTheyBegan) {
   Traced traced;
   traced.row(2.6 * kMs, 5, {{"servo", 10}});
   traced.row(3.6 * kMs, 5, {{"servo", 10}});
   traced.add(11, "run", "react", 3.9 * kMs, 50);
-  traced.add(11, "run", "react", 1.9 * kMs, 50);  // before
+  traced.add(11, "run", "react", 1.9 * kMs, 50);  // before the period
   const auto json = period(traced, 6 * kMs);
   ASSERT_TRUE(json);
   const Json& rows = (*json)["executors"][0]["rows"];
@@ -115,7 +115,7 @@ TEST(Period, HasSporadicRunsInTheRowInWhichTheyBegan) {
             R"({"module":"react","begin_ns":1300000,"end_ns":1350000,"sporadic":true})");
 }
 
-TEST(Period, HasTheBodiesOfProgramsThatBeganInIt) {
+TEST(Period, HasTheRunsOfProgramsThatBeganInIt) {
   Traced traced;
   traced.row(2.6 * kMs, 5, {});
   traced.add(100'000, "body", "vision", 3 * kMs, 700);
@@ -125,28 +125,28 @@ TEST(Period, HasTheBodiesOfProgramsThatBeganInIt) {
   EXPECT_EQ((*json)["programs"].dump(), R"([{"module":"vision","begin_ns":400000,"end_ns":1100000}])");
 }
 
-TEST(Period, ThatIsNotRecordedWholeIsSaidToBeMissing) {
+TEST(Period, SaysIfNoCompletePeriodIsRecorded) {
   Traced traced;
   traced.row(0.6 * kMs, 5, {});
   auto json = period(traced, 5 * kMs);  // the one that ended at 2.6 ms began before the trace
   ASSERT_TRUE(json);
   EXPECT_TRUE((*json)["executors"][0]["rows"].empty());
-  EXPECT_EQ((*json)["executors"][0]["text"], "no whole macro period is recorded");
+  EXPECT_EQ((*json)["executors"][0]["text"], "no complete macro period is recorded");
   traced.t0_us = 2 * kMs;
   json = period(traced, 4 * kMs);  // none has ended since T0
   ASSERT_TRUE(json);
   EXPECT_TRUE((*json)["executors"][0]["rows"].empty());
 }
 
-TEST(Period, OfADeviceWithoutAGridIsRefused) {
+TEST(Period, FailsBeforeTheFirstRow) {
   Traced traced;
   traced.t0_us.reset();
   const auto json = period(traced, 5 * kMs);
   ASSERT_FALSE(json);
-  EXPECT_EQ(json.problems()[0].what, "device robot has not begun its rows");
+  EXPECT_EQ(json.problems()[0].what, "device robot has not run a row yet");
 }
 
-TEST(Period, OfWhatIsNoTraceIsRefused) {
+TEST(Period, RejectsAFileThatIsNotATrace) {
   const model::Cell press = cell();
   for (const char* text :
        {"{}", "[]", "5", "nonsense", R"({"otherData": {"t0_us": 5}})",
@@ -155,7 +155,7 @@ TEST(Period, OfWhatIsNoTraceIsRefused) {
     EXPECT_FALSE(period_json(model::parse_json(text), press, press.devices[0])) << text;
 }
 
-TEST(Period, NeedsTwoMacroPeriodsOfTraceAndNoMoreThanTenSeconds) {
+TEST(Period, NeedsATraceOfTwoMacroPeriodsOrTenSeconds) {
   const model::Cell press = cell();
   EXPECT_EQ(trace_needed(press, press.devices[0]), std::chrono::milliseconds{56});
   model::Cell slow = press;

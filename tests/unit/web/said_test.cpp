@@ -10,21 +10,21 @@ namespace {
 using namespace seen;
 using testing::HasSubstr;
 
-TEST(Said, ADeviceIsToldWithWhereItIsAndHow) {
+TEST(StatusJson, HasStateAndMachineOfADevice) {
   const Json json = device_json(cell_that_runs()[0]);
   EXPECT_EQ(json["name"], "line");
   EXPECT_EQ(json["alive"], false);
-  EXPECT_EQ(json["state"], "running") << "as it was heard last";
+  EXPECT_EQ(json["state"], "running") << "the last known state";
   EXPECT_EQ(json["machine"], "pc7");
   EXPECT_EQ(json["host_restarts"], 2);
 }
 
-TEST(Said, AStepOfAModuleIsToldWithItsWords) {
+TEST(StatusJson, HasStateEventAndReasonOfAModuleStep) {
   LifecycleStatus s = status("robot", "servo", STATE_RECOVER, 7);
   s.previous_state(STATE_EXECUTING);
   s.event(EVENT_ERROR);
   s.error(ERROR_BUDGET);
-  dds::set(s.text(), "took \"long\"\n");
+  wire::set(s.text(), "took \"long\"\n");
   s.time_ns(1'500'000);
   EXPECT_EQ(
       module_json(s).dump(),
@@ -32,7 +32,7 @@ TEST(Said, AStepOfAModuleIsToldWithItsWords) {
       R"("text":"took \"long\"\n","sequence":7,"time_ms":1.5})");
 }
 
-TEST(Said, WhatRunsIsToldWithItsTablesAndItsPicture) {
+TEST(StatusJson, HasTablesAndGraphOfTheRunningCell) {
   const model::Cell press = cell();
   const Json json = cell_json(&press, 7, "d1");
   EXPECT_EQ(json["cell"], "press");
@@ -52,7 +52,7 @@ TEST(Said, WhatRunsIsToldWithItsTablesAndItsPicture) {
   EXPECT_THAT(json["graph"].get<std::string>(), HasSubstr("data-module=\"line.vision\""));
 }
 
-TEST(Said, OfALongTableTheFirstRowsAreTold) {
+TEST(StatusJson, HasTheFirstRowsOfALongTable) {
   const model::Cell long_one = descriptor::parse(R"(<root>
         <module><filename>a.so</filename><moduletype>thread</moduletype><operationtype>periodic</operationtype>
           <period>1000000</period><priority>1</priority></module>
@@ -65,14 +65,14 @@ TEST(Said, OfALongTableTheFirstRowsAreTold) {
   EXPECT_EQ(json["devices"][0]["executors"][0]["rows_left_out"], 1000 - kMostRows);
 }
 
-TEST(Said, WhereNothingRunsThatIsSaid) {
+TEST(StatusJson, SaysThatNoCellRuns) {
   const Json json = cell_json(nullptr, 3, "");
   EXPECT_EQ(json["cell"], nullptr);
   EXPECT_EQ(json["graph"], nullptr);
   EXPECT_TRUE(json["devices"].empty());
 }
 
-TEST(Said, AllThatIsMeasuredIsToldByName) {
+TEST(StatusJson, HasAllMeasurementsByName) {
   const model::Cell press = cell();
   const Json json = measures_json(cell_that_runs(), &press, 2'000'000);
   EXPECT_EQ(json["time_ms"], 2.0);
@@ -85,11 +85,11 @@ TEST(Said, AllThatIsMeasuredIsToldByName) {
   EXPECT_EQ(to_line["stale"], true) << "30 ms are more than 20";
   EXPECT_EQ(to_line["age_us"], 30'000.0);
   EXPECT_EQ(to_line["lost"], 4);
-  EXPECT_EQ(json["connections"]["1"]["stale"], false) << "of a topic, the port that writes";
+  EXPECT_EQ(json["connections"]["1"]["stale"], false) << "a topic for other programs has only a writer";
   EXPECT_TRUE(measures_json(cell_that_runs(), nullptr, 0)["connections"].empty()) << "the cell is not known";
 }
 
-TEST(Said, AConnectionWithALostDeviceAtOneEndIsNotMatched) {
+TEST(StatusJson, AConnectionToALostDeviceIsNotMatched) {
   for (const std::size_t lost : {0U, 1U}) {
     auto devices = cell_that_runs();
     devices[0].alive = devices[1].alive = true;
@@ -99,15 +99,15 @@ TEST(Said, AConnectionWithALostDeviceAtOneEndIsNotMatched) {
   }
 }
 
-TEST(Said, DevicesOfAnotherCellAreNotTakenForThisOnes) {
+TEST(StatusJson, IgnoresDevicesOfAnotherCell) {
   auto devices = cell_that_runs();
-  dds::set(devices[0].status.cell(), "other");
+  wire::set(devices[0].status.cell(), "other");
   const CellHealth health = health_of(cell(), devices);
   EXPECT_FALSE(health.devices.contains("line"));
   EXPECT_FALSE(health.connections.contains(0));
 }
 
-TEST(Said, AnEventOfTheRecordIsToldWhole) {
+TEST(StatusJson, HasAllMembersOfAFault) {
   const Json json = fault_json({.sequence = 9,
                                 .time_ns = 3'000'000,
                                 .cell = "press",

@@ -1,11 +1,11 @@
-// Devices as nodes tell of them, for tests of what is shown of them.
+// Devices as nodes publish them, for the tests of the web page's data.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include <takt/dds/cell_state.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/cell_state.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 
 namespace takt::tool::web::seen {
@@ -30,15 +30,15 @@ inline constexpr const char* kCell = R"(<cell name="press">
 
 inline model::Cell cell() { return descriptor::parse(kCell, "press.xml").value(); }
 
-inline dds::ObservedDevice device(const std::string& name, DeviceState state = DEVICE_RUNNING) {
-  dds::ObservedDevice device;
+inline wire::ObservedDevice device(const std::string& name, DeviceState state = DEVICE_RUNNING) {
+  wire::ObservedDevice device;
   DeviceStatus& s = device.status;
-  dds::set(s.path(), dds::path_of("press", name));
-  dds::set(s.cell(), "press");
-  dds::set(s.device(), name);
-  dds::set(s.node(), "node of " + name);
-  dds::set(s.host_name(), "pc7");
-  dds::set(s.deployment(), "d1");
+  wire::set(s.path(), wire::path_of("press", name));
+  wire::set(s.cell(), "press");
+  wire::set(s.device(), name);
+  wire::set(s.node(), "node of " + name);
+  wire::set(s.host_name(), "pc7");
+  wire::set(s.deployment(), "d1");
   s.state(state);
   s.real_time(true);
   s.host_restarts(2);
@@ -48,10 +48,10 @@ inline dds::ObservedDevice device(const std::string& name, DeviceState state = D
 inline LifecycleStatus status(const std::string& device, const std::string& name, LifecycleState state,
                               std::uint64_t sequence = 1) {
   LifecycleStatus s;
-  dds::set(s.path(), dds::path_of("press", device, name));
-  dds::set(s.cell(), "press");
-  dds::set(s.device(), device);
-  dds::set(s.name(), name);
+  wire::set(s.path(), wire::path_of("press", device, name));
+  wire::set(s.cell(), "press");
+  wire::set(s.device(), device);
+  wire::set(s.name(), name);
   s.state(state);
   s.sequence_number(sequence);
   return s;
@@ -59,7 +59,7 @@ inline LifecycleStatus status(const std::string& device, const std::string& name
 
 inline ModuleStatistics statistics(const std::string& name, std::uint64_t cycles) {
   ModuleStatistics s;
-  dds::set(s.name(), name);
+  wire::set(s.name(), name);
   s.cycles(cycles);
   s.overruns(3);
   Distribution d;
@@ -82,9 +82,9 @@ inline PortStatus port(bool matched, std::int64_t age_ns) {
   return s;
 }
 
-/// A robot that runs with all of its measures, and a line that is lost.
-inline std::vector<dds::ObservedDevice> cell_that_runs() {
-  dds::ObservedDevice robot = device("robot");
+/// A robot that runs and has all measurements, and a line that is lost.
+inline std::vector<wire::ObservedDevice> cell_that_runs() {
+  wire::ObservedDevice robot = device("robot");
   robot.deployment.modules["servo"] = status("robot", "servo", STATE_EXECUTING, 3);
   robot.deployment.modules["slow"] = status("robot", "slow", STATE_RECOVER, 5);
   robot.deployment.statistics["servo"] = statistics("servo", 1000);
@@ -94,7 +94,7 @@ inline std::vector<dds::ObservedDevice> cell_that_runs() {
   main.margin_us(50);
   robot.deployment.executors["main"] = main;
   robot.deployment.ports["servo.angle"] = port(true, 500'000);
-  dds::ObservedDevice line = device("line");
+  wire::ObservedDevice line = device("line");
   line.alive = false;
   line.deployment.modules["vision"] = status("line", "vision", STATE_EXECUTING, 3);
   line.deployment.ports["vision.angle"] = port(true, 30'000'000);

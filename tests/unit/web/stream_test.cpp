@@ -12,16 +12,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Stream, GivesWhatWasSentOnceAndInItsOrder) {
+TEST(Stream, ReturnsEachEventOnceAndInOrder) {
   Stream stream{"a"};
-  EXPECT_EQ(stream.next(0ms), "") << "nothing came";
+  EXPECT_EQ(stream.next(0ms), "") << "nothing was sent";
   stream.send("1");
   stream.send("2");
   EXPECT_EQ(stream.next(0ms), "12");
   EXPECT_EQ(stream.next(0ms), "");
 }
 
-TEST(Stream, WakesWhoWaits) {
+TEST(Stream, SendWakesAWaitingReader) {
   Stream stream{"a"};
   std::thread sender{[&stream] { stream.send("now"); }};
   EXPECT_EQ(stream.next(60s), "now");
@@ -31,7 +31,7 @@ TEST(Stream, WakesWhoWaits) {
   ender.join();
 }
 
-TEST(Stream, EndsWhereNobodyTakesWhatItHas) {
+TEST(Stream, EndsIfTheReaderIsTooSlow) {
   Stream stream{"a"};
   const std::string part(Stream::kMostBytes / 4, 'x');
   for (int i = 0; i < 4; ++i) stream.send(part);
@@ -39,10 +39,10 @@ TEST(Stream, EndsWhereNobodyTakesWhatItHas) {
   stream.send("y");
   EXPECT_TRUE(stream.ended());
   EXPECT_EQ(stream.next(0ms), std::nullopt)
-      << "what is missing cannot be made good: whoever looks on comes anew";
+      << "after a gap the browser must reconnect and get the complete state";
 }
 
-TEST(Streams, AreToldAllTheSameUntilTheyAreClosed) {
+TEST(Streams, AllGetTheSameEventsUntilTheyAreClosed) {
   Streams streams;
   const auto one = streams.open();
   const auto other = streams.open();
@@ -56,7 +56,7 @@ TEST(Streams, AreToldAllTheSameUntilTheyAreClosed) {
   EXPECT_EQ(streams.count(), 1U);
 }
 
-TEST(Streams, AreNoMoreThanThereIsRoomFor) {
+TEST(Streams, AreLimitedInNumber) {
   Streams streams;
   std::vector<std::shared_ptr<Stream>> open;
   std::set<std::string> ids;
@@ -68,20 +68,22 @@ TEST(Streams, AreNoMoreThanThereIsRoomFor) {
   EXPECT_EQ(ids.size(), Streams::kMost);
   EXPECT_FALSE(streams.open());
   open.front()->end();
-  EXPECT_TRUE(streams.open()) << "one that has ended makes room";
+  EXPECT_TRUE(streams.open()) << "a stream that has ended does not count";
   streams.end();
   EXPECT_TRUE(open.back()->ended());
   EXPECT_FALSE(streams.open());
 }
 
-TEST(EventText, IsOneEvent) { EXPECT_EQ(event_text("state", "{}"), "event: state\ndata: {}\n\n"); }
+TEST(EventText, HasTheFormatOfServerSentEvents) {
+  EXPECT_EQ(event_text("state", "{}"), "event: state\ndata: {}\n\n");
+}
 
-TEST(RandomWord, IsAnotherEachTime) {
+TEST(RandomWord, DiffersEachTime) {
   EXPECT_EQ(random_word(16).size(), 32U);
   EXPECT_NE(random_word(16), random_word(16));
 }
 
-TEST(OwnName, IsAnAddressOrLocalhostOrTheMachinesName) {
+TEST(OwnName, IsAnAddressOrLocalhostOrTheNameOfTheMachine) {
   for (const char* own :
        {"127.0.0.1:8080", "10.0.0.7", "localhost", "LOCALHOST:80", "[::1]:8080", "[::1]", "Pc7:8080", "pc7"})
     EXPECT_TRUE(is_own_name(own, "pc7")) << own;

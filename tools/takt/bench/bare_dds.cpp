@@ -21,9 +21,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* kSettings = "TAKT_BENCH_WRITER";  // "DOMAIN PERIOD_NS LENGTH_NS"
-constexpr std::size_t kHead = 4;                        // bytes before the fields: how they are encoded
+constexpr std::size_t kHead = 4;                        // bytes of the encapsulation header before the fields
 constexpr std::size_t kBytes = kHead + 64;
-constexpr Nanoseconds kMatchLimit = 10s;  // to find each other
+constexpr Nanoseconds kMatchLimit = 10s;  // for writer and reader to match
 
 dds::Flow flow() {
   return {.topic = "rt/takt_bench",
@@ -64,7 +64,7 @@ Result<std::vector<std::int64_t>> run_bare_dds(const BareDds& settings) {
   if (!tap) return tap.problems();
   const os::ProcessEnd end = writer->wait();
   if (end.signalled || end.code != 0) return fail("the writer of bare DDS " + end.text());
-  os::sleep_until(os::now() + 50ms);  // what is on its way
+  os::sleep_until(os::now() + 50ms);  // for samples on their way
   const std::scoped_lock lock{mutex};
   return ages;
 }

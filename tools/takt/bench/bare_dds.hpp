@@ -1,5 +1,5 @@
-// DDS alone: a writer in one process, a reader in another, with the type and quality of service of a
-// connection and nothing of Takt before and after.
+// The reference DDS alone: a writer in one process and a reader in another, with the type and the quality of
+// service of a connection, but without Takt.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,12 @@ struct BareDds {
   Nanoseconds length{};
 };
 
-/// From write() to the reader's listener, ns, one for each sample that came. Not where there are other
-/// threads.
+/// The time from write() to the listener of the reader in ns, for each sample that arrived. Call it only
+/// while the process has no other threads.
 Result<std::vector<std::int64_t>> run_bare_dds(const BareDds& settings);
 
-/// What the writer's process does; the exit status. It is told its settings by its environment.
+/// The main function of the writer's process. Gets its settings from the environment. Returns the exit
+/// status.
 int serve_as_writer();
 
 }  // namespace takt::bench

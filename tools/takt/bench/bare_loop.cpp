@@ -9,7 +9,7 @@ namespace takt::bench {
 void Loop::add(const Loop& other) {
   jitter.insert(jitter.end(), other.jitter.begin(), other.jitter.end());
   missed += other.missed;
-  processor_time += other.processor_time;
+  cpu_time += other.cpu_time;
   if (refused.empty()) refused = other.refused;
 }
 
@@ -26,7 +26,7 @@ Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
   const Instant end = grid.first + grid.period * static_cast<std::int64_t>(grid.instants());
   for (Instant release = grid.first; release < end; release += grid.period) {
     const Instant now = wait(release);
-    // Slots that have passed as a whole are missed, as those of an executor are.
+    // Slots that have passed completely are missed, as for an executor.
     const auto passed = (now - release) / grid.period;
     release += passed * grid.period;
     loop.missed += static_cast<std::uint64_t>(passed);
@@ -34,7 +34,7 @@ Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
     loop.jitter[count++] = (release - now).count();
     if (body) body(release);
   }
-  loop.processor_time = os::thread_time() - used;
+  loop.cpu_time = os::thread_time() - used;
   loop.jitter.resize(count);
   return loop;
 }

@@ -1,5 +1,6 @@
-// What Takt is measured against: a thread that sleeps to the next instant of its grid with clock_nanosleep(),
-// as cyclictest does. Nothing else can be told apart from the machine and its load of that minute.
+// The reference for Takt: a thread that sleeps to the next instant of its grid with clock_nanosleep(), as
+// cyclictest does. Only with such a reference can Takt's jitter be separated from that of the machine and its
+// load.
 #pragma once
 
 #include <cstdint>
@@ -11,47 +12,47 @@
 
 namespace takt::bench {
 
-/// A real-time thread's place.
+/// The CPU and priority of a real-time thread.
 struct Place {
   int cpu = 0;
   int priority = 80;  ///< SCHED_FIFO
 };
 
-/// What a loop on a grid has seen.
+/// The measurements of a loop on a grid.
 struct Loop {
-  std::vector<std::int64_t> jitter;  ///< ns, Eq. (1): release minus start, one for each cycle in their order
-  std::uint64_t missed = 0;          ///< instants of the grid that had passed when the cycle before was over
-  Nanoseconds processor_time{};
-  Problems refused;  ///< what the system refused, a priority or a processor; it ran all the same
+  std::vector<std::int64_t> jitter;  ///< ns, Eq. (1): release minus start, for each cycle in order
+  std::uint64_t missed = 0;          ///< instants of the grid that had passed when the previous cycle ended
+  Nanoseconds cpu_time{};
+  Problems refused;  ///< a priority or a CPU that the system denied; the loop ran without
 
-  /// Takes another part of the same measurement in.
+  /// Adds another part of the same measurement.
   void add(const Loop& other);
 };
 
-/// The instants first + n x period, for as long as `length`.
+/// The instants first + n x period, during `length`.
 struct Grid {
   Instant first{};
   Nanoseconds period{};
   Nanoseconds length{};
 
-  /// From now on, after a time in which threads can begin.
+  /// A grid that begins shortly, after a time in which threads can start.
   static Grid from_now(Nanoseconds period, Nanoseconds length);
   [[nodiscard]] std::size_t instants() const noexcept { return static_cast<std::size_t>(length / period); }
 };
 
-/// A cycle at each instant, in the calling thread. `wait` returns the time when it is the given instant or
-/// later; `body` is called then with the instant. A late cycle never leaves the grid: the instants that have
-/// passed are missed.
+/// Runs a cycle at each instant, in the calling thread. `wait` waits for the given instant and returns the
+/// time; then `body` is called with the instant. A late cycle keeps the grid: the instants that have passed
+/// are missed.
 Loop loop_on_grid(const Grid& grid, const std::function<Instant(Instant)>& wait,
                   const std::function<void(Instant)>& body = {});
 
-/// clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME); what the bare loop waits with.
+/// Waits with clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME), as the bare loop does.
 Instant sleep_to(Instant release);
 
-/// Runs a loop in a thread of its own at this place. Fails only when there can be no thread.
+/// Runs a loop in its own thread at this place. Fails only if the thread cannot be created.
 Result<Loop> run_at(const Place& place, const std::function<Loop()>& loop);
 
-/// The bare loop at this place.
+/// Runs the bare loop at this place.
 Result<Loop> run_bare_loop(const Place& place, Nanoseconds period, Nanoseconds length);
 
 }  // namespace takt::bench

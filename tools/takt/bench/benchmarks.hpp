@@ -1,6 +1,6 @@
-// The benchmarks but Table 1. Each measures for about as long as it says, or settings.seconds of each
-// measurement, by turns with what it is compared to. They fail only where they cannot measure at all;
-// `refused` gets what the system does not grant. Not where there are other threads.
+// The benchmarks other than Table 1. Each measures for its default time, or for settings.seconds per
+// measurement, in turns with its reference. They fail only if they cannot measure at all. `refused` gets what
+// the system denies. Call them only while the process has no other threads.
 #pragma once
 
 #include <takt/core/result.hpp>
@@ -10,16 +10,17 @@
 
 namespace takt::bench {
 
-/// What it costs a module to be called from a table: N in a row, and 1000 at 1 ms beside a thread for each.
+/// What it costs to call a module from a table: N modules in a row, and 1000 modules at 1 ms against a thread
+/// for each.
 Result<std::vector<Section>> dispatch(const Settings& settings, Problems& refused);
-/// How punctual a wake-up is by each strategy of an executor, beside the bare loop.
+/// How punctual the wake-up of an executor is, for each strategy, against the bare loop.
 Result<std::vector<Section>> wake(const Settings& settings, Problems& refused);
-/// From release to the body of a process module, beside a signal and a futex.
+/// The time from the release of a process module to its body, against a signal and a futex.
 Result<std::vector<Section>> process(const Settings& settings, Problems& refused);
-/// What a sample of 64 bytes costs from port to port, beside memcpy.
+/// What it costs to transfer a sample of 64 bytes from port to port, against memcpy.
 Result<std::vector<Section>> ports(const Settings& settings, Problems& refused);
-/// How long a cell of several devices takes to be deployed, and a sample from one to another, beside DDS
-/// alone.
+/// How long it takes to deploy a cell of several devices, and to transfer a sample between devices, against
+/// DDS alone.
 Result<std::vector<Section>> cell(const Settings& settings, Problems& refused);
 
 }  // namespace takt::bench

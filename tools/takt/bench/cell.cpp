@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 
 constexpr double kCellSeconds = 10;
 constexpr Nanoseconds kCellPeriod = 10ms;
-constexpr Nanoseconds kCellFound = 60s;  // for nodes to be there
+constexpr Nanoseconds kCellFound = 60s;  // to discover all nodes
 
 std::string device_name(int device) { return fmt::format("bench{}", device); }
 std::string recording_name(int device, int pair) { return fmt::format("ages{}_{}", device, pair); }
@@ -58,11 +58,11 @@ std::string descriptor_of(const CellSettings& cell, Nanoseconds period, std::siz
   return text + "</cell>\n";
 }
 
-/// The nodes of a cell on this machine, and the commands that they are given.
+/// Runs the nodes of a cell on this machine, and commands to them.
 class Nodes {
  public:
-  Nodes(const CellSettings& cell, int domain, const ScratchFolder& folder, Patience& patience)
-      : cell_(cell), domain_(std::to_string(domain)), folder_(folder), patience_(patience) {}
+  Nodes(const CellSettings& cell, int domain, const ScratchFolder& folder, Interruption& interruption)
+      : cell_(cell), domain_(std::to_string(domain)), folder_(folder), interruption_(interruption) {}
   Nodes(const Nodes&) = delete;
   Nodes& operator=(const Nodes&) = delete;
   ~Nodes() { end(); }
@@ -79,12 +79,12 @@ class Nodes {
     return {};
   }
 
-  /// How long it took; what it printed into `output`.
-  Result<Nanoseconds> tell(std::vector<std::string> command, std::string* output = nullptr) {
+  /// Runs a command of `takt` and returns how long it took. `output` gets what it printed.
+  Result<Nanoseconds> run(std::vector<std::string> command, std::string* output = nullptr) {
     command.emplace_back("--domain");
     command.push_back(domain_);
     const Instant begin = os::now();
-    auto done = run_beside("takt", command, patience_);
+    auto done = run_beside("takt", command, interruption_);
     if (!done) return done.problems();
     if (output != nullptr) *output = std::move(*done);
     return os::now() - begin;
@@ -92,11 +92,11 @@ class Nodes {
 
   Result<json> status() {
     std::string text;
-    if (auto told = tell({"status", "--json"}, &text); !told) return told.problems();
+    if (auto done = run({"status", "--json"}, &text); !done) return done.problems();
     return model::parse_json(text);
   }
 
-  /// Until each of them is on the network.
+  /// Waits until all nodes are on the network.
   Result<void> wait_for_all() {
     const Instant limit = os::now() + kCellFound;
     while (true) {
@@ -108,7 +108,7 @@ class Nodes {
             device["name"].get<std::string>().rfind("bench", 0) == 0 && device["alive"].get<bool>() ? 1 : 0;
       if (alive >= cell_.devices) return {};
       if (os::now() > limit)
-        return fail(fmt::format("only {} of {} nodes are on the network", alive, cell_.devices));
+        return fail(fmt::format("only {} of {} nodes are on the network after 60 s", alive, cell_.devices));
     }
   }
 
@@ -130,7 +130,7 @@ class Nodes {
   const CellSettings& cell_;
   std::string domain_;
   const ScratchFolder& folder_;
-  Patience& patience_;
+  Interruption& interruption_;
   std::vector<os::Child> nodes_;
 };
 
@@ -149,32 +149,32 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   const Nanoseconds period = settings.period.value_or(kCellPeriod);
   const Nanoseconds length = settings.length(kCellSeconds);
   const int domain = settings.domain.value_or(0);
-  auto patience = Patience::create();
-  if (!patience) return patience.problems();
+  auto interruption = Interruption::create();
+  if (!interruption) return interruption.problems();
   const auto folder = ScratchFolder::create();
   if (!folder) return folder.problems();
   const std::size_t samples = static_cast<std::size_t>(length / period) * 2 + 1000;
   const auto file = folder->write("cell.xml", descriptor_of(settings.cell, period, samples, *folder));
   if (!file) return file.problems();
 
-  Section times{.title = fmt::format("{} devices of {} modules at {}, all on this machine",
+  Section times{.title = fmt::format("{} devices with {} modules each, every {}, all on this machine",
                                      settings.cell.devices, 2 * settings.cell.pairs, takt::to_text(period)),
                 .columns = {"s"}};
-  Nodes nodes{settings.cell, domain, *folder, *patience};
+  Nodes nodes{settings.cell, domain, *folder, *interruption};
   Course course{settings, 5};
-  course.next("nodes are started");
+  course.next("starting the nodes");
   const Instant begin = os::now();
   if (auto started = nodes.start(); !started) return started.problems();
   if (auto all = nodes.wait_for_all(); !all) return all.problems();
   times.rows.push_back({"nodes started and seen", {seconds(os::now() - begin)}});
   course.next("takt deploy");
-  const auto deployed = nodes.tell({"deploy", *file});
+  const auto deployed = nodes.run({"deploy", *file});
   if (!deployed) return deployed.problems();
   times.rows.push_back({"takt deploy", {seconds(*deployed)}});
 
-  course.next("the cell runs");
-  for (const Instant end = os::now() + length; os::now() < end && !patience->ended();)
-    os::wait_readable({&patience->fd()},
+  course.next("running the cell");
+  for (const Instant end = os::now() + length; os::now() < end && !interruption->ended();)
+    os::wait_readable({&interruption->fd()},
                       static_cast<int>(std::max<std::int64_t>(1, (end - os::now()) / 1ms)));
 
   const Instant asked = os::now();
@@ -186,7 +186,7 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   std::set<int> processes = nodes.process_ids();
   for (const json& device : (*status)["devices"]) {
     if (!device["real_time"].get<bool>())
-      add_once(refused, {fail("threads of the nodes are not real-time", "run as root")});
+      add_once(refused, {fail("the threads of the nodes are not real-time", "run as root")});
     for (const json& executor : device["executors"]) {
       rows += executor["cycles"].get<std::uint64_t>();
       missed += executor["missed"].get<std::uint64_t>();
@@ -196,11 +196,11 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   std::uint64_t memory = 0;
   for (const int pid : processes) memory += os::memory_of(pid);
   course.next("takt undeploy");
-  const auto undeployed = nodes.tell({"undeploy", "bench"});
+  const auto undeployed = nodes.run({"undeploy", "bench"});
   if (!undeployed) return undeployed.problems();
   times.rows.push_back({"takt undeploy", {seconds(*undeployed)}});
   nodes.end();
-  times.notes = {fmt::format("{} rows walked, {} missed; {:.0f} MB in {} processes (proportional set size)",
+  times.notes = {fmt::format("{} rows run, {} missed; {:.0f} MB in {} processes (proportional set size)",
                              rows, missed, static_cast<double>(memory) / 1e6, processes.size())};
 
   std::vector<std::int64_t> ages;
@@ -218,9 +218,9 @@ Result<std::vector<Section>> cell(const Settings& settings, Problems& refused) {
   way.columns.emplace_back("samples");
   way.rows = {times_row("from module to module", ages), times_row("DDS alone", *bare)};
   way.notes = {
-      "from module to module: from write() in a run() on one device to read() in a run() on another, which "
-      "the sample",
-      "has made ready. DDS alone: from a writer in one process to the listener of a reader in another."};
+      "from module to module: from write() in a run() on one device to read() in a run() on another device, "
+      "which",
+      "the sample releases. DDS alone: from a writer in one process to the listener of a reader in another."};
   return std::vector<Section>{std::move(times), std::move(way)};
 }
 

@@ -38,8 +38,8 @@ double chain = 1;
 
 class Module final : public executor::Body {
  public:
-  // Each takes what the one before it left, as in a chain of control. Else a processor would do several bare
-  // calls at once, and a module's own work would seem shorter than it is.
+  // Each module uses the result of the previous one, as in a control chain. Otherwise the CPU would overlap
+  // several bare calls, and the work of a module would seem shorter than it is.
   executor::Outcome run(const Cycle&) noexcept override {
     chain = 1 - work_.step(chain);
     return {};
@@ -50,8 +50,8 @@ class Module final : public executor::Body {
   Work work_;
 };
 
-/// N periodic modules of one type in one row, as a host sets them up; thread modules as plain objects too, to
-/// be called bare.
+/// N periodic modules of one type in one row, as a host sets them up. Thread modules can also be called
+/// directly, without the table.
 class Table {
  public:
   explicit Table(std::size_t n, model::ModuleType type = model::ModuleType::thread,
@@ -86,16 +86,16 @@ class Table {
   }
 
   executor::Executor& executor() { return *executor_; }
-  /// What the modules do, without an executor: an indirect call each.
+  /// Runs all modules without an executor: one indirect call each.
   void call_all() noexcept {
     for (executor::Body* body : bare_) static_cast<void>(body->run(cycle_));
   }
-  /// As if each program had done what it was released for.
+  /// Simulates that each program has finished its release.
   void answer_all() noexcept {
     for (std::size_t i = 0; i < count_; ++i)
       slots_[i].done.store(slots_[i].released.load(std::memory_order_relaxed), std::memory_order_relaxed);
   }
-  /// Whether each module was called or released in each row that was walked.
+  /// Whether each module was called or released in each row.
   [[nodiscard]] bool all_served() const noexcept {
     for (std::size_t i = 0; i < count_; ++i) {
       if (blocks_[i].cycles.load() != block_.cycles.load()) return false;
@@ -115,10 +115,10 @@ class Table {
   std::unique_ptr<executor::Executor> executor_;
 };
 
-// ---- One row after the other, without a pause
+// ---- Rows without pauses
 
 Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
-  Section section{.title = "a row of thread modules, one row after the other: ns",
+  Section section{.title = "a row of thread modules, rows without pauses: ns",
                   .columns = {"row", "bare calls", "a module", "beyond it"}};
   for (const std::size_t n : {10U, 100U, 1000U}) {
     double row = 0;
@@ -128,8 +128,8 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& co
       Table table{n};
       executor::Executor& executor = table.executor();
       executor.join_grid(os::now(), os::now());
-      // The instant of the release and not the clock's: a row takes less than its period here, so the grid
-      // is ahead.
+      // Pass the time of the release, not the clock: a row takes less than its period, so the grid is ahead
+      // of the clock.
       std::vector<double> times = each_by_turns(
           length, {[&] { executor.run_cycle(executor.next_release()); }, [&] { table.call_all(); }});
       TAKT_CHECK(table.all_served());
@@ -161,19 +161,19 @@ Result<Section> row_after_row(const Place& place, Nanoseconds length, Course& co
     return Loop{};
   });
   if (!loop) return loop.problems();
-  section.notes.push_back(
-      fmt::format("a process module is released and answers in {:.1f} ns; the clock is read in {:.1f} ns",
-                  released, clock));
+  section.notes.push_back(fmt::format(
+      "The release of a process module with its answer takes {:.1f} ns; reading the clock takes {:.1f} ns.",
+      released, clock));
   section.notes.emplace_back(
-      "bare calls: the same bodies by indirect calls. beyond it: what a module costs beyond its own work.");
+      "bare calls: the same bodies, called indirectly. beyond it: the cost of a module beyond its own work.");
   return section;
 }
 
-/// What it costs to record each run: rows with a record and without in turn.
+/// The cost of recording each run: rows with and without a record, in turns.
 Result<Section> recorded(const Place& place, Nanoseconds length, Course& course, Problems& refused) {
   Section section{.title = "the flight record, always on: ns",
                   .columns = {"a module, not recorded", "recorded", "a run's entry", "a bare entry"}};
-  constexpr std::uint64_t kEntries = 1U << 18;  // 4 MiB: as of a device with ten modules at 1 ms
+  constexpr std::uint64_t kEntries = 1U << 18;  // 4 MiB, as for a device with ten modules at 1 ms
   auto memory = channel::FlightRecord::create({kEntries, kEntries});
   if (!memory) return memory.problems();
   for (const std::size_t n : {10U, 100U, 1000U}) {
@@ -203,13 +203,13 @@ Result<Section> recorded(const Place& place, Nanoseconds length, Course& course,
          {times[0] / count, times[1] / count, (times[1] - times[0]) / (count + 2), times[2] / 100}});
   }
   section.notes.emplace_back(
-      "a row has an entry at its beginning, one at its end and one for each run. aim: at most 25");
+      "A row has an entry at its begin, one at its end and one for each run. Target: at most 25 ns each.");
   return section;
 }
 
 // ---- A thousand modules at 1 ms
 
-/// A way to run them, with the time that each of its cycles took.
+/// The measurements of one way to run the modules, with the time of each cycle.
 struct SeenCycles {
   Loop loop;
   std::vector<std::int64_t> taken;  ///< ns
@@ -279,7 +279,7 @@ Row row_of(const std::string& name, const SeenCycles& seen, Nanoseconds length) 
   const bool one = taken.count != 0;
   const auto cycles = static_cast<double>(length / kDispatchPeriod);
   return {name,
-          {static_cast<double>(seen.loop.processor_time.count()) / 1e3 / cycles,
+          {static_cast<double>(seen.loop.cpu_time.count()) / 1e3 / cycles,
            one ? taken.p50 / 1e3 : std::nan(""), one ? taken.p99 / 1e3 : std::nan(""), jitter.p50 / 1e3,
            jitter.p99 / 1e3, jitter.max / 1e3, static_cast<double>(seen.loop.missed)}};
 }
@@ -308,7 +308,7 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& cours
   }
   for (const SeenCycles* seen : {&table, &bare, &threads}) add_once(refused, seen->loop.refused);
   Section section{
-      .title = fmt::format("{} modules at {}, processor {}, priority {}: us", kMany,
+      .title = fmt::format("{} modules every {}, on CPU {} with priority {}: us", kMany,
                            takt::to_text(kDispatchPeriod), place.cpu, place.priority),
       .columns = {"processor", "cycle p50", "cycle p99", "jitter p50", "jitter p99", "jitter max", "missed"}};
   section.rows = {row_of("one table", table, length), row_of("bare calls", bare, length),
@@ -319,15 +319,15 @@ Result<Section> a_thousand(const Place& place, Nanoseconds length, Course& cours
     return b.count() == 0 ? 0 : static_cast<double>(a.count()) / static_cast<double>(b.count());
   };
   section.notes = {
-      "processor: its time a period, the table's with the wake-up, which spins. cycle: from the start of",
-      "the first module to the end of the last. jitter: the table's is its first module's.",
-      fmt::format("beyond the modules' own work the table takes {:.1f} us a cycle (p50), {:.1f} us (p99); "
-                  "aim: at most 60",
+      "processor: CPU time per period; that of the table includes the wake-up, which spins. cycle: from the",
+      "start of the first module to the end of the last. jitter: for the table, that of its first module.",
+      fmt::format("The table takes {:.1f} us per cycle beyond the modules' own work (p50), {:.1f} us (p99); "
+                  "target: at most 60 us.",
                   (of_table.p50 - of_calls.p50) / 1e3, (of_table.p99 - of_calls.p99) / 1e3),
-      fmt::format("a thread for each takes {:.1f} times the processor time of the table, and {} of {} cycles "
-                  "were missed",
-                  ratio(threads.loop.processor_time, table.loop.processor_time), threads.loop.missed,
-                  threads.loop.missed + threads.loop.jitter.size())};
+      fmt::format(
+          "A thread for each takes {:.1f} times the CPU time of the table, and misses {} of {} cycles.",
+          ratio(threads.loop.cpu_time, table.loop.cpu_time), threads.loop.missed,
+          threads.loop.missed + threads.loop.jitter.size())};
   return section;
 }
 

@@ -1,5 +1,5 @@
-// What a series of measured times comes to, exactly: every value was kept, so a percentile is one of them and
-// no estimate.
+// Exact statistics of a series of measured times. All values are kept, so a percentile is one of them, not an
+// estimate.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace takt::bench {
 
-/// In nanoseconds (variance: ns^2). As everywhere in Takt, mean and variance are of the signed values and all
-/// others of their size. All 0 where there was no value.
+/// In ns (variance: ns^2). As everywhere in Takt, mean and variance are of the signed values, the others of
+/// the absolute values. All are 0 if there are no values.
 struct Distribution {
   std::size_t count = 0;
   double mean = 0;
@@ -25,10 +25,10 @@ struct Distribution {
 /// Percentiles by the nearest rank: p99 is the smallest value that at least 99 of 100 do not exceed.
 Distribution distribution_of(const std::vector<std::int64_t>& values_ns);
 
-/// The same percentile of sizes that are ascending; `share` from 0 to 1. 0 where there is none.
+/// The same percentile of sorted absolute values; `share` from 0 to 1. 0 if there are none.
 std::int64_t percentile(const std::vector<std::int64_t>& ascending, double share);
 
-/// The sizes of the values, ascending.
+/// The absolute values, sorted.
 std::vector<std::int64_t> sorted_sizes(const std::vector<std::int64_t>& values);
 
 }  // namespace takt::bench

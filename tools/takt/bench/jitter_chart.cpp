@@ -41,10 +41,10 @@ constexpr std::size_t kColumns = 430;
 
 std::int64_t size_of(std::int64_t value) { return value < 0 ? -value : value; }
 
-/// Decades above kLeastSize; what is smaller stands on the line.
+/// Decades above kLeastSize; smaller values are drawn on the axis.
 double decades(double size) { return std::log10(std::max(size, kLeastSize) / kLeastSize); }
 
-/// The whole decades that a scale needs for this size, at least up to 10 us, so that scales can be compared.
+/// The number of decades of a scale up to this value. At least up to 10 us, so that charts can be compared.
 int scale_for(double largest) { return std::max(3, static_cast<int>(std::ceil(decades(largest)))); }
 
 std::string size_text(int decade) {
@@ -65,7 +65,7 @@ struct Sample {
   const char* text;
 };
 
-/// Right of the title, above what is drawn.
+/// Drawn right of the title, above the chart.
 void legend(Canvas& canvas, std::initializer_list<Sample> samples) {
   double x = kLeft + kWidth;
   for (const Sample& sample : samples) x -= tool::width_of(sample.text, kSmall) + 24 + 14;
@@ -107,11 +107,11 @@ std::string jitter_over_time(const std::string& title, const std::vector<Served>
     return canvas.figure(title);
   }
 
-  legend(canvas, {{"spread", true, "from the least to the largest"}, {"median", false, "median"}});
+  legend(canvas, {{"spread", true, "minimum to maximum"}, {"median", false, "median"}});
   const std::int64_t first = served.front().number;
   const auto span = static_cast<double>(served.back().number - first + 1);
   const double seconds = span * std::chrono::duration<double>(period).count();
-  // Of a short measurement each has a column, so that neighbours are joined.
+  // In a short measurement each release has a column, so that neighbours are joined.
   const double columns = std::min(static_cast<double>(kColumns), span);
   const auto column_of = [first, span, columns](const Served& one) {
     return static_cast<std::size_t>(static_cast<double>(one.number - first) / span * columns);
@@ -180,7 +180,7 @@ std::string jitter_histogram(const std::string& title, const std::vector<Served>
   const int scale = std::max(3, static_cast<int>((most + kClassesOfADecade - 2) / kClassesOfADecade));
   const double width = kWidth / (scale * kClassesOfADecade + 1);
 
-  // From one release of all of them up to all.
+  // The scale reaches from a single release to all releases.
   const double all = static_cast<double>(std::max<std::size_t>({values.size(), bare.size(), 10}));
   const double shares = std::ceil(std::log10(all));
   const auto y_of = [shares](std::size_t count, std::size_t of) {
@@ -213,7 +213,7 @@ std::string jitter_histogram(const std::string& title, const std::vector<Served>
     legend(canvas, {{"bar", true, "takt"}});
   else
     legend(canvas, {{"bar", true, "takt"}, {"bare", false, "the bare loop"}});
-  axis_title(canvas, "size of the jitter");
+  axis_title(canvas, "absolute jitter");
   return canvas.figure(title);
 }
 

@@ -1,6 +1,6 @@
-// The pictures of Figures 12 to 19 of the paper, of what was measured here: how large the jitter was at each
-// time, and how often it was how large. Sizes on a logarithmic scale, because what matters spans four
-// decades: tens of nanoseconds as a rule, a millisecond where the machine was taken away.
+// Draws the measurements as in Figures 12 to 19 of the paper: the jitter over time, and its histogram. Scales
+// are logarithmic, because the jitter spans many decades: usually tens of nanoseconds, but a millisecond if
+// the machine lost its CPU.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,21 @@
 
 namespace takt::bench {
 
-/// CSS of the classes that the pictures use, beside those of every picture; light, dark.
+/// The CSS of the charts, in addition to that of Canvas: for the light and the dark theme.
 extern const char* const kChartColours;
 extern const char* const kDarkChartColours;
 
-/// For each stretch of time, from the smallest to the largest size, and the median. `served` in the order of
-/// time. For a page of HTML.
+/// For each interval of time, the range and the median of the absolute jitter. `served` is sorted by time.
+/// For an HTML page.
 std::string jitter_over_time(const std::string& title, const std::vector<Served>& served, Nanoseconds period);
 
-/// The share of the releases in each class of sizes, ten classes a decade; shares on a logarithmic scale too.
-/// The bare loop's as a line. For a page of HTML.
+/// The share of the releases in each class of absolute jitter, with ten classes per decade and a logarithmic
+/// scale of shares. The bare loop is drawn as a line. For an HTML page.
 std::string jitter_histogram(const std::string& title, const std::vector<Served>& served,
                              const std::vector<std::int64_t>& bare);
 
-/// How many of the sizes fall in each class, of which the first holds all that is below kLeastSize. As many
-/// classes as the largest size needs.
+/// The number of values in each class, by absolute value. The first class has all values below kLeastSize.
+/// There are as many classes as the largest value needs.
 std::vector<std::size_t> classes_of(const std::vector<std::int64_t>& values);
 inline constexpr double kLeastSize = 10;  // ns
 inline constexpr int kClassesOfADecade = 10;

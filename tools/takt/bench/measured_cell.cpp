@@ -13,7 +13,7 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-// As often as the module may be called in that time, and a little for the end, which is not to the period.
+// An upper bound for the releases in that time, with a margin because the end is not exact.
 std::size_t releases_in(Nanoseconds length, Nanoseconds period) {
   return static_cast<std::size_t>(length / period) * 11 / 10 + 1000;
 }
@@ -28,7 +28,7 @@ std::vector<std::int64_t> values_of(const std::vector<Served>& served) {
 }
 
 Result<Measured> run_measured(const Table1Case& one, const RunSettings& settings, const ScratchFolder& folder,
-                              Patience& patience) {
+                              Interruption& interruption) {
   const std::string record = folder.file("jitter");
   const auto file = folder.write(
       "case.xml", descriptor_of(one, {.period = settings.period,
@@ -45,7 +45,7 @@ Result<Measured> run_measured(const Table1Case& one, const RunSettings& settings
     arguments.push_back(std::to_string(*settings.domain));
   }
   const Nanoseconds stolen = os::stolen_time();
-  const auto output = run_beside("takt", arguments, patience);
+  const auto output = run_beside("takt", arguments, interruption);
   if (!output) return output.problems();
 
   const json report = model::parse_json(*output);

@@ -1,4 +1,4 @@
-// A case run for real: written as a descriptor, run by `takt run` in a node and a host of its own.
+// Runs a case in a real cell: writes a descriptor, and `takt run` runs it in its own node and host.
 #pragma once
 
 #include <optional>
@@ -23,16 +23,16 @@ struct RunSettings {
 
 struct Measured {
   std::vector<Served> jitter;  ///< of the measured module
-  std::uint64_t cycles = 0;    ///< rows that were walked
-  std::uint64_t missed = 0;    ///< rows that were not
+  std::uint64_t cycles = 0;    ///< rows that ran
+  std::uint64_t missed = 0;    ///< rows that were missed
   bool real_time = false;
   Nanoseconds stolen{};
 };
 
 Result<Measured> run_measured(const Table1Case& one, const RunSettings& settings, const ScratchFolder& folder,
-                              Patience& patience);
+                              Interruption& interruption);
 
-/// Of each entry, its value.
+/// The values of the entries.
 std::vector<std::int64_t> values_of(const std::vector<Served>& served);
 
 }  // namespace takt::bench

@@ -1,4 +1,4 @@
-// The other process of a measurement: this program, started again with a hidden command.
+// The second process of a measurement: this program, started again with a hidden command.
 #pragma once
 
 #include <atomic>
@@ -17,33 +17,33 @@ namespace takt::bench {
 /// How the peer is woken.
 enum class WakeBy : std::uint32_t { futex, signal };
 
-/// The memory that both see. The answers follow it.
+/// The shared memory of both processes. The answers follow it.
 struct Mailbox {
   WakeBy by = WakeBy::futex;
   std::int32_t cpu = 0;
   std::int32_t priority = 0;
-  std::atomic<std::uint32_t> refused{0};    ///< the priority or the processor
-  std::atomic<std::uint32_t> ready{0};      ///< it waits
-  std::atomic<std::uint32_t> end{0};        ///< it is to end when it is woken next
-  std::atomic<std::uint32_t> sent{0};       ///< SYNC: release sent; how often it was woken, and the futex
-  std::atomic<std::int64_t> release_ns{0};  ///< of that
-  std::atomic<std::uint32_t> answered{0};   ///< SYNC: release answered; the releases whose body began
+  std::atomic<std::uint32_t> refused{0};    ///< the system denied the priority or the CPU
+  std::atomic<std::uint32_t> ready{0};      ///< the peer waits
+  std::atomic<std::uint32_t> end{0};        ///< the peer must end at the next wake-up
+  std::atomic<std::uint32_t> sent{0};       ///< SYNC: release sent; number of wake-ups, also the futex
+  std::atomic<std::int64_t> release_ns{0};  ///< time of the last release
+  std::atomic<std::uint32_t> answered{0};   ///< SYNC: release answered; number of releases whose body began
 };
 
-/// A program that waits to be woken, and says when it was.
+/// A process that waits for wake-ups and records when each arrived.
 class Peer {
  public:
-  /// At this place; with room for so many answers.
+  /// Starts the process at this place, with room for `most` answers.
   static Result<Peer> start(WakeBy by, const Place& place, std::size_t most);
   Peer(Peer&&) = default;
   Peer& operator=(Peer&&) = delete;
-  /// Ends it.
+  /// Ends the process.
   ~Peer();
 
-  /// Wakes it for this release unless it still has not answered the one before; false then. Real-time, one
-  /// system call.
+  /// Wakes the process for this release. False, without a wake-up, if it has not answered the previous one.
+  /// Real-time, one system call.
   bool wake(Instant release) noexcept;
-  /// The jitter of each answer, release minus start in ns, in their order. When nobody wakes it any more.
+  /// The jitter of each answer, release minus start in ns, in order. Call it after the last wake().
   [[nodiscard]] std::vector<std::int64_t> jitter() const;
   [[nodiscard]] bool refused() const noexcept { return mailbox().refused.load() != 0; }
 
@@ -56,7 +56,7 @@ class Peer {
   os::Child child_;
 };
 
-/// What the peer does; the exit status.
+/// The main function of the second process. Returns the exit status.
 int serve_as_peer();
 
 }  // namespace takt::bench

@@ -22,10 +22,11 @@ using Sample = ::bench::Sample64;
 
 constexpr double kPortSeconds = 3;
 
-/// A writer and a reader of a connection.
+/// The writer and the reader of a connection.
 class Pair {
  public:
-  /// As objects: within a host. Else as bytes in shared memory, for another process.
+  /// `as_objects`: samples are objects, as within a host; otherwise bytes in shared memory, as for another
+  /// process.
   Pair(bool as_objects, std::uint32_t depth, bool safe = false) {
     const channel::Link::Options options{.depth = depth,
                                          .payload = as_objects ? 0 : PortType<Sample>::info.max_size,
@@ -68,7 +69,7 @@ class Pair {
   InPort<Sample> in_{"in"};
 };
 
-/// The same by memcpy, to a place that a compiler cannot see through and back.
+/// The same with memcpy, to a place and back, hidden from the optimiser.
 class Copy {
  public:
   void write_and_read() {
@@ -90,7 +91,7 @@ class Copy {
 Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) {
   Section section{.title = "a sample of 64 bytes from port to port, one thread: ns",
                   .columns = {"ns", "of memcpy"}};
-  Course{settings, 1}.next("all ways by turns");
+  Course{settings, 1}.next("all variants in turns");
   const auto loop = run_at({.cpu = cpu_of(settings)}, [&] {
     Copy copy;
     Pair latest{true, 1};
@@ -126,7 +127,7 @@ Result<std::vector<Section>> ports(const Settings& settings, Problems& refused) 
   if (!loop) return loop.problems();
   add_once(refused, loop->refused);
   section.notes.emplace_back(
-      "Between processes the memory of the sample goes from one processor's caches to the other's besides.");
+      "Between processes, the sample must also move from the caches of one CPU to those of the other.");
   return std::vector<Section>{std::move(section)};
 }
 

@@ -30,7 +30,7 @@ struct SeenWakes {
   std::uint64_t missed = 0;
 };
 
-// The scheduler of the paper, with nothing else to do: at each release it wakes the other process.
+// The scheduler of the paper without other work: at each release it wakes the other process.
 Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nanoseconds period,
                               Nanoseconds length, Problems& refused) {
   const Grid now = Grid::from_now(period, length);
@@ -48,7 +48,7 @@ Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nano
   });
   if (!loop) return loop.problems();
   add_once(refused, loop->refused);
-  if (peer->refused()) add_once(refused, {fail("the other process may not be real-time", "run as root")});
+  if (peer->refused()) add_once(refused, {fail("the second process is not real-time", "run as root")});
   seen.missed += loop->missed;
   seen.jitter = peer->jitter();
   return seen;
@@ -59,13 +59,13 @@ Result<SeenWakes> wake_a_peer(WakeBy by, const Place& place, int other_cpu, Nano
 Result<std::vector<Section>> process(const Settings& settings, Problems& refused) {
   const Place place{.cpu = cpu_of(settings)};
   const std::vector<int> cpus = os::allowed_cpus();
-  // Where a node puts its programs.
+  // The CPU to which a node assigns its programs.
   const auto other = std::find_if(cpus.begin(), cpus.end(), [&place](int cpu) { return cpu != place.cpu; });
   const int other_cpu = other == cpus.end() ? place.cpu : *other;
   const Nanoseconds period = settings.period.value_or(kProcessPeriod);
   const Nanoseconds length = settings.length(kProcessSeconds) / kProcessTurns;
-  auto patience = Patience::create();
-  if (!patience) return patience.problems();
+  auto interruption = Interruption::create();
+  if (!interruption) return interruption.problems();
   const auto folder = ScratchFolder::create();
   if (!folder) return folder.problems();
   Table1Case one;
@@ -87,13 +87,13 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
                                         .priority = place.priority,
                                         .length = length,
                                         .domain = settings.domain},
-                                       *folder, *patience);
+                                       *folder, *interruption);
     if (!measured) return measured.problems();
     add(0, {values_of(measured->jitter), measured->missed});
     if (!measured->real_time)
-      add_once(refused, {fail("the node's threads are not real-time", "run as root")});
+      add_once(refused, {fail("the threads of the node are not real-time", "run as root")});
     for (const WakeBy by : {WakeBy::futex, WakeBy::signal}) {
-      if (patience->ended()) return asked_to_end();
+      if (interruption->ended()) return asked_to_end();
       const std::size_t way = by == WakeBy::futex ? 1 : 2;
       course.next(names[way]);
       const auto woken = wake_a_peer(by, place, other_cpu, period, length, refused);
@@ -102,7 +102,7 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
     }
   }
   Section section{
-      .title = fmt::format("from release to body in another process, at {}, from processor {} to {}",
+      .title = fmt::format("from the release to the body in another process, every {}, from CPU {} to CPU {}",
                            takt::to_text(period), place.cpu, other_cpu),
       .columns = time_columns()};
   section.columns.emplace_back("cycles");
@@ -117,9 +117,10 @@ Result<std::vector<Section>> process(const Settings& settings, Problems& refused
     medians.push_back(d.p50);
   }
   section.notes = {
-      "All are released by a thread that wakes as an executor does; the process module's is in a node and a "
-      "host.",
-      fmt::format("p50 of the process module: {:.2f} us (aim: at most 1; the paper: 5.5 to 6 us)",
+      "A thread that wakes like an executor makes all releases; for the process module, it runs in a host of "
+      "a "
+      "node.",
+      fmt::format("p50 of the process module: {:.2f} us (target: at most 1 us; the paper: 5.5 to 6 us)",
                   medians[0] / 1e3)};
   return std::vector<Section>{std::move(section)};
 }

@@ -23,13 +23,13 @@ std::string on_path(const std::string& program) {
 
 }  // namespace
 
-Result<Patience> Patience::create() {
+Result<Interruption> Interruption::create() {
   auto signals = os::SignalQueue::of_requests_to_end();
   if (!signals) return signals.problems();
-  return Patience{std::move(*signals)};
+  return Interruption{std::move(*signals)};
 }
 
-bool Patience::ended() {
+bool Interruption::ended() {
   while (signals_.next()) ended_ = true;
   return ended_;
 }
@@ -46,7 +46,7 @@ Result<os::Child> start_beside(const std::string& program, const std::vector<std
 }
 
 Result<std::string> run_beside(const std::string& program, const std::vector<std::string>& arguments,
-                               Patience& patience) {
+                               Interruption& interruption) {
   auto child = start_beside(program, arguments, true);
   if (!child) return child.problems();
   std::string output;
@@ -56,13 +56,13 @@ Result<std::string> run_beside(const std::string& program, const std::vector<std
   bool asked = false;
   while (!output_ended || !error_ended) {
     std::vector<const os::Fd*> fds;
-    if (!asked) fds.push_back(&patience.fd());
+    if (!asked) fds.push_back(&interruption.fd());
     if (!output_ended) fds.push_back(&child->output);
     if (!error_ended) fds.push_back(&child->error);
     os::wait_readable(fds, 100);
     if (!output_ended) output += os::read_available(child->output, &output_ended);
     if (!error_ended) error += os::read_available(child->error, &error_ended);
-    if (!asked && patience.ended()) {
+    if (!asked && interruption.ended()) {
       asked = true;
       child->signal(os::kTerminate);
     }
@@ -86,7 +86,7 @@ Result<Load> Load::start() {
 }
 
 Load::~Load() {
-  // Its own children end with it only when it is asked.
+  // SIGTERM, not SIGKILL, so that stress-ng ends its own children too.
   child_.signal(os::kTerminate);
   if (child_.running()) child_.wait();
 }

@@ -1,5 +1,4 @@
-// Programs that run while something is measured: `takt` and its nodes, as they are used, and a load beside
-// them.
+// Starts programs for a measurement: `takt` and its nodes, as users run them, and a background load.
 #pragma once
 
 #include <optional>
@@ -12,42 +11,43 @@
 
 namespace takt::bench {
 
-/// Whether somebody asks this program to end (Ctrl-C) while others run for it. One at a time, before there
-/// are threads.
-class Patience {
+/// Detects that the user asks this program to end (Ctrl-C) while other programs run for it. Create only one
+/// at a time, before any thread is started.
+class Interruption {
  public:
-  static Result<Patience> create();
-  /// Also of requests that came earlier.
+  static Result<Interruption> create();
+  /// Whether there has been a request, now or earlier.
   [[nodiscard]] bool ended();
   [[nodiscard]] const os::Fd& fd() const noexcept { return signals_.fd(); }
 
  private:
-  explicit Patience(os::SignalQueue signals) : signals_(std::move(signals)) {}
+  explicit Interruption(os::SignalQueue signals) : signals_(std::move(signals)) {}
   os::SignalQueue signals_;
   bool ended_ = false;
 };
 
-/// What is said then.
+/// The problem to return after an interruption.
 Problem asked_to_end();
 
-/// Starts a program that lies beside this one ("takt", "takt-node"), on the loopback interface alone unless
-/// TAKT_INTERFACE says otherwise.
+/// Starts a program from the folder of this program ("takt", "takt-node"). It uses only the loopback
+/// interface, unless TAKT_INTERFACE is set.
 Result<os::Child> start_beside(const std::string& program, const std::vector<std::string>& arguments,
                                bool capture_output);
 
-/// Runs such a program to its end and returns what it wrote to standard output. Fails with what it wrote to
-/// standard error unless its status is 0, and when somebody loses patience: it is asked to end then.
+/// Runs such a program to its end and returns its standard output. Fails with its standard error if its
+/// status is not 0. An interruption asks the program to end, and is also a failure.
 Result<std::string> run_beside(const std::string& program, const std::vector<std::string>& arguments,
-                               Patience& patience);
+                               Interruption& interruption);
 
-/// stress-ng on all processors while it lives. Fails, with the package to install, where there is none.
+/// Runs stress-ng on all CPUs during the lifetime of this object. Fails if stress-ng is not installed, with
+/// the package to install.
 class Load {
  public:
   static Result<Load> start();
   Load(Load&&) = default;
   Load& operator=(Load&&) = delete;
   ~Load();
-  /// What it was started with, for the report.
+  /// The command line, for the report.
   static std::string words();
 
  private:

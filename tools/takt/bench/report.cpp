@@ -54,11 +54,11 @@ std::vector<double> in_columns(const Distribution& d) {
 
 std::string report_text(const Report& report) {
   std::string text = machine_text(report.machine);
-  if (!report.load.empty()) text += fmt::format("{:<13} {}\n", "beside it", report.load);
+  if (!report.load.empty()) text += fmt::format("{:<13} {}\n", "background", report.load);
   for (const Section& section : report.sections) text += section_text(section);
-  text += fmt::format("\nstolen by other machines meanwhile: {:.0f} ms of processor time\n",
+  text += fmt::format("\nCPU time taken by other virtual machines meanwhile: {:.0f} ms\n",
                       static_cast<double>(report.stolen.count()) / 1e6);
-  for (const Problem& problem : report.refused) text += "refused: " + in_words(Problems{problem}) + "\n";
+  for (const Problem& problem : report.refused) text += "denied: " + in_words(Problems{problem}) + "\n";
   return text;
 }
 

@@ -14,7 +14,7 @@ Result<ScratchFolder> ScratchFolder::create() {
   const fs::path path = fs::temp_directory_path(error) /
                         ("takt-bench-" + std::to_string(os::process_id()) + "-" + std::to_string(++count));
   if (error || !fs::create_directory(path, error))
-    return fail("the folder " + path.string() + " cannot be made", "name another one in TMPDIR");
+    return fail("cannot create the folder " + path.string(), "set TMPDIR to another folder");
   return ScratchFolder{path};
 }
 
@@ -23,7 +23,7 @@ Result<std::string> ScratchFolder::write(const std::string& name, const std::str
   std::ofstream out{path, std::ios::binary};
   out << content;
   out.close();
-  if (!out) return fail(path + " cannot be written", "make room, or name another folder in TMPDIR");
+  if (!out) return fail(path + " cannot be written", "free disk space, or set TMPDIR to another folder");
   return path;
 }
 

@@ -1,4 +1,4 @@
-// A folder for the files of one measurement, gone with it.
+// A temporary folder for the files of one measurement.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ class ScratchFolder {
   }
 
   [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-  /// Writes a file of this folder and returns its path.
+  /// Writes a file in this folder and returns its path.
   [[nodiscard]] Result<std::string> write(const std::string& name, const std::string& content) const;
 
  private:

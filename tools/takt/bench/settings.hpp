@@ -1,4 +1,4 @@
-// What every benchmark is asked for.
+// The settings of all benchmarks.
 #pragma once
 
 #include <functional>
@@ -9,21 +9,21 @@
 
 namespace takt::bench {
 
-/// Of `takt bench cell`.
+/// Settings of `takt bench cell`.
 struct CellSettings {
   int devices = 4;
   int pairs =
-      1;  ///< of modules on each: one that sends to the next device, one that hears from the one before
+      1;  ///< pairs of modules on each device: one sends to the next device, one receives from the previous
 };
 
 struct Settings {
-  std::optional<double> seconds;      ///< of each measurement; none: the benchmark's own
-  std::optional<int> cpu;             ///< of the real-time threads; none: the last one that may be used
-  std::optional<int> domain;          ///< DDS, for those that start nodes; none: as `takt run` has it
-  bool load = false;                  ///< stress-ng runs beside it
-  std::optional<Nanoseconds> period;  ///< none: the benchmark's own
+  std::optional<double> seconds;  ///< length of each measurement; none: the benchmark's default
+  std::optional<int> cpu;         ///< of the real-time threads; none: the last CPU that this program may use
+  std::optional<int> domain;      ///< DDS domain of benchmarks that start nodes; none: as for `takt run`
+  bool load = false;              ///< run stress-ng at the same time
+  std::optional<Nanoseconds> period;  ///< none: the benchmark's default
   CellSettings cell{};
-  /// Told how far it is and what is measured next; none: nobody waits for it. See Course.
+  /// Called with the progress and the name of the next measurement; none: no progress is shown. See Course.
   std::function<void(double share, const std::string& what)> progress{};
 
   [[nodiscard]] Nanoseconds length(double otherwise) const {
@@ -32,11 +32,11 @@ struct Settings {
   }
 };
 
-/// The measurements of a benchmark, told one by one to whoever waits: before each and never in one, where
-/// who draws would be measured too.
+/// Reports the progress of a benchmark: before each measurement, never during one, because drawing the
+/// progress would disturb it.
 class Course {
  public:
-  /// `settings` outlive it. `measurements`: of about the same length.
+  /// `settings` outlive this object. `measurements`: their number; all have about the same length.
   Course(const Settings& settings, int measurements)
       : progress_(settings.progress), measurements_(measurements) {}
 
@@ -51,7 +51,7 @@ class Course {
   int done_ = 0;
 };
 
-/// The processor of the real-time threads.
+/// The CPU of the real-time threads.
 int cpu_of(const Settings& settings);
 
 }  // namespace takt::bench

@@ -17,15 +17,15 @@ std::string or_else(const std::string& text, const char* otherwise) {
 
 std::vector<std::pair<std::string, std::string>> described(const os::Platform& machine) {
   return {{"machine", or_else(machine.name, "unknown")},
-          {"processor", fmt::format("{}, {} online{}", or_else(machine.processor, "unknown"),
-                                    machine.processors, machine.hypervisor ? ", a virtual machine" : "")},
+          {"CPU", fmt::format("{}, {} online{}", or_else(machine.processor, "unknown"), machine.processors,
+                              machine.hypervisor ? ", a virtual machine" : "")},
           {"kernel", or_else(machine.kernel, "unknown")},
           {"clock source", or_else(machine.clock_source, "unknown")},
-          {"governor", or_else(machine.governor, "none to be seen")},
-          {"isolated", or_else(machine.isolated, "no processor")},
+          {"governor", or_else(machine.governor, "none visible")},
+          {"isolated", or_else(machine.isolated, "no CPU")},
           {"throttling", machine.throttled == 0
                              ? "off"
-                             : fmt::format("{:.0f} % of each second is kept from real-time threads",
+                             : fmt::format("real-time threads may not use {:.0f} % of each second",
                                            100 * machine.throttled)},
           {"load", or_else(machine.load, "unknown")}};
 }

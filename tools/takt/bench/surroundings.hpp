@@ -1,5 +1,4 @@
-// What must be known of the machine to read a number that was measured on it, and what was taken from it
-// meanwhile.
+// Describes the machine of a measurement, so that its numbers can be interpreted.
 #pragma once
 
 #include <string>
@@ -12,17 +11,17 @@
 
 namespace takt::bench {
 
-/// One line each: what, and how it is; "none" and the like where there is nothing.
+/// Pairs of a property and its value; "unknown" or the like if there is no value.
 std::vector<std::pair<std::string, std::string>> described(const os::Platform& machine);
 
-/// The same as a text that begins every report: a line each.
+/// The same as text with a line for each, for the head of a report.
 std::string machine_text(const os::Platform& machine);
 nlohmann::ordered_json machine_json(const os::Platform& machine);
 
-/// "2026-11-21 18:15 UTC", of nanoseconds since 1970.
+/// "2026-11-21 18:15 UTC" from nanoseconds since 1970.
 std::string date_text(std::int64_t wall_ns);
 
-/// Microseconds with three digits that matter: "0.05", "12.3", "1450".
+/// Microseconds with three significant digits: "0.05", "12.3", "1450".
 std::string in_us(double ns);
 
 }  // namespace takt::bench

@@ -23,11 +23,12 @@ constexpr double kTable1Seconds = 10;
 
 class Table1Run {
  public:
-  Table1Run(const Settings& settings, Table1Result& result, const ScratchFolder& folder, Patience& patience)
+  Table1Run(const Settings& settings, Table1Result& result, const ScratchFolder& folder,
+            Interruption& interruption)
       : settings_(settings),
         result_(result),
         folder_(folder),
-        patience_(patience),
+        interruption_(interruption),
         course_(settings, 3 * static_cast<int>(kTable1.size())) {}
 
   Result<CaseResult> run(const Table1Case& one) {
@@ -46,11 +47,11 @@ class Table1Run {
   }
 
  private:
-  // Of the bare loop, in parts, so that nobody who has no patience any more waits for long.
+  // Half of the bare loop, in parts of 1 s, so that an interruption takes effect soon.
   Result<void> run_half(CaseResult& measured) {
     constexpr Nanoseconds kPart = std::chrono::seconds{1};
     for (Nanoseconds left = settings_.length(kTable1Seconds) / 2; left >= result_.period; left -= kPart) {
-      if (patience_.ended()) return asked_to_end();
+      if (interruption_.ended()) return asked_to_end();
       const auto loop = run_bare_loop({.cpu = result_.cpu, .priority = result_.priority}, result_.period,
                                       std::min(left, kPart));
       if (!loop) return loop.problems();
@@ -68,7 +69,7 @@ class Table1Run {
                              .priority = result_.priority,
                              .length = settings_.length(kTable1Seconds),
                              .domain = settings_.domain},
-                            folder_, patience_);
+                            folder_, interruption_);
     if (!ran) return ran.problems();
     measured.jitter = std::move(ran->jitter);
     measured.takt = distribution_of(values_of(measured.jitter));
@@ -82,7 +83,7 @@ class Table1Run {
   const Settings& settings_;
   Table1Result& result_;
   const ScratchFolder& folder_;
-  Patience& patience_;
+  Interruption& interruption_;
   Course course_;
 };
 
@@ -95,11 +96,11 @@ Result<Table1Result> run_table1(const Settings& settings, const Table1Progress& 
                       .seconds = settings.seconds.value_or(kTable1Seconds),
                       .cpu = cpu_of(settings),
                       .priority = kPriority,
-                      .processors = static_cast<int>(os::allowed_cpus().size()),
+                      .cpus = static_cast<int>(os::allowed_cpus().size()),
                       .load = "",
                       .cases = {}};
-  auto patience = Patience::create();
-  if (!patience) return patience.problems();
+  auto interruption = Interruption::create();
+  if (!interruption) return interruption.problems();
   const auto folder = ScratchFolder::create();
   if (!folder) return folder.problems();
   std::optional<Load> load;
@@ -110,7 +111,7 @@ Result<Table1Result> run_table1(const Settings& settings, const Table1Progress& 
     result.load = Load::words();
   }
   progress(result);
-  Table1Run run{settings, result, *folder, *patience};
+  Table1Run run{settings, result, *folder, *interruption};
   for (const Table1Case& one : kTable1) {
     auto measured = run.run(one);
     if (!measured) {

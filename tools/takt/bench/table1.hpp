@@ -1,4 +1,4 @@
-// Runs the cases of Table 1, each in nodes and hosts of its own, as `takt run` does.
+// Runs the cases of Table 1, each in its own nodes and hosts, as `takt run` does.
 #pragma once
 
 #include <functional>
@@ -10,10 +10,11 @@
 
 namespace takt::bench {
 
-/// Told before the first case, and after each; the last of the cases is the new one.
+/// Called before the first case and after each case. The last case of the result is the new one.
 using Table1Progress = std::function<void(const Table1Result&)>;
 
-/// All ten; with the bare loop about 2 x settings.seconds and 2 s each. Not where there are other threads.
+/// Runs all ten cases. With the bare loop, each takes about 2 x settings.seconds plus 2 s. Call it only while
+/// the process has no other threads.
 Result<Table1Result> run_table1(const Settings& settings, const Table1Progress& progress);
 
 }  // namespace takt::bench

@@ -1,5 +1,5 @@
-// The ten cases of Table 1 of the paper: how many modules of each kind run beside the one whose jitter is
-// measured, and what the paper measured there.
+// The ten cases of Table 1 of the paper: how many modules of each kind run beside the measured one, and the
+// results in the paper.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace takt::bench {
 
 struct Table1Case {
   int number = 0;
-  // Periodic modules, with the one that is measured.
+  // Periodic modules, including the measured one.
   int so = 0;
   int exe = 0;
   int sporadic_so = 0;
@@ -20,27 +20,27 @@ struct Table1Case {
   int non_real = 0;
   model::ModuleType measured = model::ModuleType::thread;
 
-  /// As printed, in us (variance: us^2).
+  /// The values printed in the paper, in us (variance: us^2).
   struct Paper {
     double mean = 0;
     double variance = 0;
     double worst = 0;
   } paper{};
 
-  /// The executors and programs that want a processor of their own to be on time: all of real time.
-  [[nodiscard]] int processors_wanted() const noexcept { return 1 + exe + sporadic_exe; }
+  /// The number of CPUs that the case needs: one for the executor and one for each real-time program.
+  [[nodiscard]] int cpus_wanted() const noexcept { return 1 + exe + sporadic_exe; }
 };
 
 extern const std::array<Table1Case, 10> kTable1;
 inline constexpr Nanoseconds kTable1Period = std::chrono::microseconds{100};
 
-/// How a case is run here.
+/// How a case is run on this machine.
 struct Table1Settings {
   Nanoseconds period = kTable1Period;
   int cpu = 0;           ///< of the executor
   int priority = 80;     ///< of the executor
-  std::string file;      ///< where the measured module records
-  std::size_t releases;  ///< that it records
+  std::string file;      ///< to which the measured module writes its recording
+  std::size_t releases;  ///< maximum number of recorded releases
 };
 
 /// A descriptor of one device, "bench". The measured module, "measured", is the first of its row.

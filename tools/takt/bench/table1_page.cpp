@@ -72,7 +72,7 @@ std::string facts(const Table1Result& result) {
   };
   row("date", date_text(result.wall_ns));
   for (const auto& [what, how] : described(result.machine)) row(what, how);
-  row("beside it", result.load.empty() ? "nothing of the benchmark's" : result.load);
+  row("background", result.load.empty() ? "nothing started by the benchmark" : result.load);
   return "<table class=\"facts\">\n" + rows + "</table>\n";
 }
 
@@ -87,7 +87,7 @@ std::string row_of(const char* whose, const Distribution& d, std::uint64_t misse
 }
 
 std::string rows_of(const CaseResult& one, const Table1Result& result) {
-  const Judgement judgement = judge(one, result.period, result.processors);
+  const Judgement judgement = judge(one, result.period, result.cpus);
   const Table1Case& c = one.one;
   return fmt::format(
       R"(<tr class="first"><td rowspan="3"><a href="#case{0}">{0}</a></td><td rowspan="3">{1}</td><td rowspan="3">{2}</td><td rowspan="3">{3}</td><td rowspan="3">{4}</td><td rowspan="3">{5}</td><td rowspan="3">{6}</td>{7}<td rowspan="3">{8:.0f}</td><td rowspan="3" class="left {9}">{10}</td></tr>
@@ -111,7 +111,7 @@ std::string table(const Table1Result& result) {
 }
 
 std::string section(const CaseResult& one, const Table1Result& result) {
-  const Judgement judgement = judge(one, result.period, result.processors);
+  const Judgement judgement = judge(one, result.period, result.cpus);
   const int number = one.one.number;
   const char* const type = model::to_text(one.one.measured);
   return fmt::format(
@@ -119,10 +119,10 @@ std::string section(const CaseResult& one, const Table1Result& result) {
              "class=\"{3}\">{4}</span>{5}{6}</p>\n",
              number, modules_text(one.one), type, class_of(judgement.verdict), to_text(judgement.verdict),
              judgement.why.empty() ? "" : ": ", escaped(judgement.why)) +
-         jitter_over_time(fmt::format("Case {}: size of the jitter over time, its spread and median", number),
+         jitter_over_time(fmt::format("Case {}: absolute jitter over time, range and median", number),
                           one.jitter, result.period) +
-         jitter_histogram(fmt::format("Case {}: share of releases by the size of their jitter", number),
-                          one.jitter, one.bare);
+         jitter_histogram(fmt::format("Case {}: share of releases by absolute jitter", number), one.jitter,
+                          one.bare);
 }
 
 }  // namespace
@@ -140,12 +140,12 @@ std::string table1_page(const Table1Result& result) {
 <body>
 <h1>Takt, Table 1</h1>
 <p>{0}.</p>
-{4}{5}<p class="soft">Jitter is release minus start, Eq. (1) of the paper: mean and variance of it, the others of its
-size. The bare loop is a thread with clock_nanosleep() on the same processor at the same priority, half of it before each case
-and half after. Missed: whole periods that passed without a start. Stolen: processor time that other machines on the same
-hardware took while the case ran. Held: of a thread module p50 at most 0.1 us and p99 at most half of the bare loop's, from a
-period of 1 ms on also at most 1 us; of a process module p50 at most 1 us. A case wants a processor for the executor and one
-for each real-time program.</p>
+{4}{5}<p class="soft">Jitter is release minus start, Eq. (1) of the paper. Mean and variance are signed, the others are of the
+absolute value. The bare loop is a thread with clock_nanosleep() on the same CPU at the same priority; half of it runs before
+each case and half after. Missed: whole periods that passed without a start. Stolen: CPU time that other machines on the same
+hardware took during the case. Held, for a thread module: p50 is at most 0.1 us, and p99 is at most half of the bare loop's;
+from a period of 1 ms on, p99 is also at most 1 us. Held, for a process module: p50 is at most 1 us. A case needs one CPU for
+the executor and one for each real-time program.</p>
 )",
                   escaped(title_of(result)), tool::page_colours(kChartColours, kDarkChartColours), kStyle,
                   kDarkStyle, facts(result), table(result));

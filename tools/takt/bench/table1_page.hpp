@@ -1,5 +1,5 @@
-// Table 1 and Figures 12 to 19 of the paper as one page of HTML: what was measured here beside what the paper
-// says. It needs nothing but itself: no network, no script.
+// Table 1 and Figures 12 to 19 of the paper as an HTML page, with the measurements of this machine beside the
+// paper's. The page is self-contained: no network, no script.
 #pragma once
 
 #include <string>

@@ -51,26 +51,26 @@ std::string table1_rows(const CaseResult& one, const Table1Result& result) {
           "\n";
   text += row("bare", in_us(one.loop.mean), variance_text(one.loop.variance), in_us(one.loop.max)) +
           numbers(one.loop, one.loop_missed, "");
-  const Judgement judgement = judge(one, result.period, result.processors);
+  const Judgement judgement = judge(one, result.period, result.cpus);
   text += fmt::format("   {}{}{}\n", to_text(judgement.verdict), judgement.why.empty() ? "" : ": ",
                       judgement.why);
   return text;
 }
 
 std::string table1_foot() {
-  return "\n  Times in us, variance in us^2. Jitter is release minus start, Eq. (1): mean and variance of "
-         "it,\n"
-         "  the others of its size. s.so, s.exe: sporadic; n-rt: non-real-time. bare: a thread with\n"
-         "  clock_nanosleep() on the same processor at the same priority, half of it before the case and\n"
-         "  half after. missed: whole periods that passed without a start. stolen: ms of processor time\n"
-         "  that other machines on the same hardware took meanwhile.\n";
+  return "\n  Times are in us, variance in us^2. Jitter is release minus start, Eq. (1). Mean and variance "
+         "are\n"
+         "  signed, the others are of the absolute value. s.so, s.exe: sporadic; n-rt: non-real-time.\n"
+         "  bare: a thread with clock_nanosleep() on the same CPU at the same priority, half of it before\n"
+         "  the case and half after. missed: whole periods that passed without a start. stolen: CPU time\n"
+         "  in ms that other machines on the same hardware took meanwhile.\n";
 }
 
 json table1_json(const Table1Result& result) {
   json cases = json::array();
   for (const CaseResult& one : result.cases) {
     const Table1Case& c = one.one;
-    const Judgement judgement = judge(one, result.period, result.processors);
+    const Judgement judgement = judge(one, result.period, result.cpus);
     cases.push_back(
         {{"case", c.number},
          {"modules",
@@ -99,7 +99,7 @@ json table1_json(const Table1Result& result) {
           {"seconds", result.seconds},
           {"processor", result.cpu},
           {"priority", result.priority},
-          {"processors", result.processors},
+          {"processors", result.cpus},
           {"load", result.load},
           {"cases", cases}};
 }

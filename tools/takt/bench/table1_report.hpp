@@ -1,4 +1,4 @@
-// What `takt bench table1` says: for a person, as it goes; and for a program. The page is table1_page.hpp.
+// The output of `takt bench table1` as text, case by case, and as JSON. For the page see table1_page.hpp.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace takt::bench {
 
-/// What stands above the rows.
+/// The lines above the rows.
 std::string table1_head(const Table1Result& result);
 /// The rows of a case: Takt's numbers, the paper's, the bare loop's.
 std::string table1_rows(const CaseResult& one, const Table1Result& result);
-/// What the columns mean.
+/// The explanation of the columns.
 std::string table1_foot();
 
-/// Everything but the single samples.
+/// All results, without the single samples.
 nlohmann::ordered_json table1_json(const Table1Result& result);
 
 }  // namespace takt::bench

@@ -20,8 +20,8 @@ std::string beyond(const char* what, double value, double most, const char* whic
 
 std::string shortfall(const CaseResult& result, Nanoseconds period) {
   if (result.takt.count == 0) return "nothing was recorded";
-  if (!result.real_time) return "the system refused real-time scheduling";
-  if (!result.loop_real_time) return "the system refused the bare loop its priority or processor";
+  if (!result.real_time) return "the system denied real-time scheduling";
+  if (!result.loop_real_time) return "the system denied the bare loop its priority or CPU";
   std::vector<std::string> reasons;
   if (result.one.measured == model::ModuleType::process) {
     if (result.takt.p50 > kProcessP50) reasons.push_back(beyond("p50", result.takt.p50, kProcessP50));
@@ -38,13 +38,12 @@ std::string shortfall(const CaseResult& result, Nanoseconds period) {
 
 }  // namespace
 
-Judgement judge(const CaseResult& result, Nanoseconds period, int processors) {
+Judgement judge(const CaseResult& result, Nanoseconds period, int cpus) {
   std::string why = shortfall(result, period);
   if (why.empty()) return {};
-  const int wanted = result.one.processors_wanted();
-  if (processors < wanted) {
-    return {Verdict::more_modules,
-            fmt::format("{}; it wants {} processors and has {}", why, wanted, processors)};
+  const int wanted = result.one.cpus_wanted();
+  if (cpus < wanted) {
+    return {Verdict::more_modules, fmt::format("{}; it needs {} CPUs and has {}", why, wanted, cpus)};
   }
   return {Verdict::not_held, why};
 }
@@ -62,9 +61,9 @@ const char* to_text(Verdict verdict) {
 }
 
 std::string title_of(const Table1Result& result) {
-  return fmt::format("Table 1 at a basic period of {}, {:g} s a case, on processor {} at priority {}{}",
+  return fmt::format("Table 1 at a basic period of {}, {:g} s per case, on CPU {} at priority {}{}",
                      takt::to_text(result.period), result.seconds, result.cpu, result.priority,
-                     result.load.empty() ? "" : ", beside " + result.load);
+                     result.load.empty() ? "" : ", with background load: " + result.load);
 }
 
 }  // namespace takt::bench

@@ -1,4 +1,4 @@
-// What a run of Table 1 has measured, and whether it is as it should be.
+// The results of a run of Table 1, and whether they are within the limits.
 #pragma once
 
 #include <cstdint>
@@ -15,52 +15,52 @@
 
 namespace takt::bench {
 
-/// One case, with the bare loop of the same minute: half of it before, half after.
+/// One case, with the bare loop: half of it ran before the case, half after.
 struct CaseResult {
   Table1Case one;
   std::vector<Served> jitter;      ///< of the measured module, Eq. (1)
   std::vector<std::int64_t> bare;  ///< of the bare loop
   Distribution takt;               ///< of `jitter`
   Distribution loop;               ///< of `bare`
-  std::uint64_t cycles = 0;        ///< rows that the executor has walked
-  std::uint64_t missed = 0;        ///< rows that it has not
+  std::uint64_t cycles = 0;        ///< rows that the executor ran
+  std::uint64_t missed = 0;        ///< rows that it missed
   std::uint64_t loop_missed = 0;
-  Nanoseconds stolen{};    ///< from all processors while the case ran, by other machines
-  bool real_time = false;  ///< Takt's threads were SCHED_FIFO
+  Nanoseconds stolen{};    ///< CPU time, of all CPUs, that other virtual machines took during the case
+  bool real_time = false;  ///< Takt's threads ran with SCHED_FIFO
   bool loop_real_time = false;
 };
 
 struct Table1Result {
   os::Platform machine;
-  std::int64_t wall_ns = 0;  ///< when it began
+  std::int64_t wall_ns = 0;  ///< begin of the run
   Nanoseconds period{};
-  double seconds = 0;  ///< of each case, and of its bare loop
+  double seconds = 0;  ///< length of each case, and of its bare loop
   int cpu = 0;         ///< of the executor and the bare loop
   int priority = 0;
-  int processors = 0;  ///< that this program may use
-  std::string load;    ///< what ran beside it; empty: nothing of ours
+  int cpus = 0;      ///< that this program may use
+  std::string load;  ///< the load started by the benchmark; empty: none
   std::vector<CaseResult> cases;
 };
 
-/// Whether a case is as it should be.
+/// Whether a case is within the limits.
 enum class Verdict {
   held,
-  more_modules,  ///< it is not, and the machine has fewer processors than the case wants
-  not_held,
+  more_modules,  ///< not within the limits, and the machine has fewer CPUs than the case needs
+  not_held,      ///< not within the limits, although the machine has enough CPUs
 };
 struct Judgement {
   Verdict verdict = Verdict::held;
-  std::string why;  ///< what is not as it should be; empty when held
+  std::string why;  ///< which limits are exceeded; empty if held
 };
 
-/// A thread module: p50 at most 0.1 us, p99 at most half of the bare loop's and, from a period of 1 ms on, at
-/// most 1 us. A process module: p50 at most 1 us.
-Judgement judge(const CaseResult& result, Nanoseconds period, int processors);
+/// Limits for a thread module: p50 at most 0.1 us, p99 at most half of the bare loop's and, from a period of
+/// 1 ms on, also at most 1 us. For a process module: p50 at most 1 us.
+Judgement judge(const CaseResult& result, Nanoseconds period, int cpus);
 
 /// "held", "more modules than cores", "not held".
 const char* to_text(Verdict verdict);
 
-/// What is measured, in words for above a table.
+/// The title of the table: what was measured.
 std::string title_of(const Table1Result& result);
 
 }  // namespace takt::bench

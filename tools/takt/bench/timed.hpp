@@ -1,4 +1,4 @@
-// How long something takes that is too short to be timed once.
+// Measures operations that are too short to be timed individually.
 #pragma once
 
 #include <functional>
@@ -8,8 +8,8 @@
 
 namespace takt::bench {
 
-/// The nanoseconds that each of the steps takes, called over and over by turns for about `length` in all: the
-/// median of many batches, so that what interrupts some of them does not count.
+/// The time of each step in ns. Calls batches of the steps in turns, for about `length` in total. Each result
+/// is the median of many batches, so that interruptions of some batches do not count.
 std::vector<double> each_by_turns(Nanoseconds length, const std::vector<std::function<void()>>& steps);
 
 }  // namespace takt::bench

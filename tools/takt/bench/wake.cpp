@@ -50,7 +50,7 @@ Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds le
       way.seen.add(*loop);
     }
   }
-  Section section{.title = fmt::format("wake-up at {}, processor {}, priority {}: after the instant by",
+  Section section{.title = fmt::format("wake-up every {}, on CPU {} with priority {}: delay",
                                        takt::to_text(period), place.cpu, place.priority),
                   .columns = time_columns()};
   for (const char* column : {"cycles", "missed", "processor %"}) section.columns.emplace_back(column);
@@ -59,7 +59,7 @@ Result<Section> at_period(Nanoseconds period, const Place& place, Nanoseconds le
     Row row{way.name, in_columns(d)};
     row.values.push_back(static_cast<double>(d.count));
     row.values.push_back(static_cast<double>(way.seen.missed));
-    row.values.push_back(100 * static_cast<double>(way.seen.processor_time.count()) /
+    row.values.push_back(100 * static_cast<double>(way.seen.cpu_time.count()) /
                          static_cast<double>(length.count()));
     section.rows.push_back(row);
     add_once(refused, way.seen.refused);

@@ -1,5 +1,4 @@
-// takt bench: how fast and how punctual Takt is on this machine, each time beside what it is measured
-// against.
+// takt bench: measures how fast and how punctual Takt is on this machine, each time against a reference.
 #include <algorithm>
 #include <fstream>
 #include <memory>
@@ -37,8 +36,8 @@ struct BenchOptions {
   std::string html;
 };
 
-// How far it is.
-bench::Settings told_to(Progress& progress, bench::Settings settings) {
+// The settings, with a callback that shows the progress if there is a terminal.
+bench::Settings with_progress(bench::Settings settings, Progress& progress) {
   if (progress.is_seen()) {
     settings.progress = [&progress](double share, const std::string& what) {
       progress.show(share_text(share, what, {.unicode = is_utf8()}));
@@ -47,40 +46,40 @@ bench::Settings told_to(Progress& progress, bench::Settings settings) {
   return settings;
 }
 
-// What is not in memory when it is first needed would be taken for a late wake-up.
+// Without locked memory, a first page fault would look like a late wake-up.
 Problems lock_memory() {
   const auto locked = os::lock_memory();
   return locked ? Problems{} : locked.problems();
 }
 
 int table1(const BenchOptions& options) {
-  static_cast<void>(lock_memory());  // where it is refused, so is real time, which the report says
+  static_cast<void>(lock_memory());  // if this fails, real time is denied too, and the report says so
   std::ofstream page;
   if (!options.html.empty()) {
-    page.open(options.html);  // before minutes have gone into what it is for
+    page.open(options.html);  // now, so that it cannot fail after minutes of measuring
     if (!page) {
       complain({{options.html, "cannot be written", "name a file in a folder that you may write to"}});
       return 1;
     }
   }
-  const auto say = [&options](const std::string& text) { return options.json || print(text); };
+  const auto print_text = [&options](const std::string& text) { return options.json || print(text); };
   Progress progress;
   const auto result =
-      bench::run_table1(told_to(progress, options.settings), [&](const bench::Table1Result& so_far) {
+      bench::run_table1(with_progress(options.settings, progress), [&](const bench::Table1Result& so_far) {
         progress.clear();
-        say(so_far.cases.empty() ? bench::table1_head(so_far)
-                                 : bench::table1_rows(so_far.cases.back(), so_far));
+        print_text(so_far.cases.empty() ? bench::table1_head(so_far)
+                                        : bench::table1_rows(so_far.cases.back(), so_far));
       });
   if (!result) {
     complain(result.problems());
     return 1;
   }
-  if (!say(bench::table1_foot())) return 1;
+  if (!print_text(bench::table1_foot())) return 1;
   if (options.json && !print(model::json_text(bench::table1_json(*result)) + "\n")) return 1;
   if (options.html.empty()) return 0;
   page << bench::table1_page(*result);
   if (!page.flush()) {
-    complain({{options.html, "cannot be written whole", "make room on its disk"}});
+    complain({{options.html, "could not be written completely", "free space on its disk"}});
     return 1;
   }
   return 0;
@@ -105,7 +104,7 @@ int measure(const char* name, Benchmark benchmark, const BenchOptions& options) 
   }
   const Nanoseconds stolen = os::stolen_time();
   Progress progress;
-  auto sections = benchmark(told_to(progress, options.settings), report.refused);
+  auto sections = benchmark(with_progress(options.settings, progress), report.refused);
   progress.clear();
   if (!sections) {
     complain(sections.problems());
@@ -122,22 +121,21 @@ int measure(const char* name, Benchmark benchmark, const BenchOptions& options) 
 }  // namespace
 
 void add_bench(CLI::App& app, Chosen& chosen) {
-  auto* bench =
-      app.add_subcommand("bench", "Measure Takt on this machine, beside what it is measured against");
+  auto* bench = app.add_subcommand("bench", "Measure Takt on this machine, each time against a reference");
   bench->require_subcommand(1);
   const auto add = [&](const char* name, const char* what,
                        const std::function<int(const BenchOptions&)>& run) {
     auto options = std::make_shared<BenchOptions>();
     auto* command = bench->add_subcommand(name, what);
-    command->add_option("--for", options->settings.seconds, "the length of each measurement")
+    command->add_option("--for", options->settings.seconds, "how long each measurement takes")
         ->type_name("SECONDS")
         ->check(within(0.01, 86400.0));
     command
         ->add_option("--cpu", options->settings.cpu,
-                     "the processor of the real-time threads; else the last one")
+                     "the CPU of the real-time threads (default: the last one)")
         ->type_name("N")
         ->check(CLI::Range(0, 1023).description(""));
-    command->add_flag("--load", options->settings.load, "run stress-ng on all processors beside it");
+    command->add_flag("--load", options->settings.load, "run stress-ng on all CPUs at the same time");
     command->add_flag("--json", options->json, "print one JSON object");
     command->callback([options, run, &chosen] {
       chosen = [options, run] {
@@ -155,8 +153,8 @@ void add_bench(CLI::App& app, Chosen& chosen) {
         const std::vector<int> cpus = os::allowed_cpus();
         if (const auto& cpu = options->settings.cpu;
             cpu && std::find(cpus.begin(), cpus.end(), *cpu) == cpus.end()) {
-          complain({{"--cpu", fmt::format("this program may not use processor {}", *cpu),
-                     fmt::format("one of {}", fmt::join(cpus, ", "))}});
+          complain({{"--cpu", fmt::format("this program may not use CPU {}", *cpu),
+                     fmt::format("use one of {}", fmt::join(cpus, ", "))}});
           return 1;
         }
         return run(*options);
@@ -169,50 +167,58 @@ void add_bench(CLI::App& app, Chosen& chosen) {
                [name, benchmark](const BenchOptions& options) { return measure(name, benchmark, options); });
   };
   const auto with_period = [](const auto& added) {
-    added.first->add_option("--period", added.second->period_us, "in place of the benchmark's own")
+    added.first
+        ->add_option("--period", added.second->period_us, "use this period instead of the benchmark's own")
         ->type_name("MICROSECONDS")
         ->check(within(20.0, 1e6));
   };
   const auto with_domain = [](const auto& added) {
     added.first
-        ->add_option("--domain", added.second->settings.domain, "the DDS domain of the nodes that it starts")
+        ->add_option("--domain", added.second->settings.domain,
+                     "the DDS domain of the nodes that this starts")
         ->type_name("N")
         ->check(CLI::Range(0, 232).description(""));
   };
 
   const auto cases = add(
-      "table1", "The ten cases of the paper's Table 1, in nodes and hosts as `takt run` starts them", table1);
+      "table1", "Measure the ten cases of the paper's Table 1, in nodes and hosts as `takt run` starts them",
+      table1);
   with_period(cases);
   with_domain(cases);
   cases.first
-      ->add_option("--html", cases.second->html, "write a page with table, jitter over time and histograms")
+      ->add_option("--html", cases.second->html,
+                   "write a page with the table, the jitter over time and histograms")
       ->type_name("OUT");
   add_measure("dispatch",
-              "What it costs a module to be called from a table; 1000 of them beside 1000 threads",
+              "Measure what it costs to call a module from a table; 1000 modules against 1000 threads",
               bench::dispatch);
-  with_period(add_measure("wake", "The wake-up of an executor, by strategy", bench::wake));
-  const auto process = add_measure("process", "From release to the body of a process module", bench::process);
+  with_period(add_measure("wake", "Measure the wake-up of an executor, for each strategy", bench::wake));
+  const auto process = add_measure(
+      "process", "Measure the time from the release of a process module to its body", bench::process);
   with_period(process);
   with_domain(process);
-  add_measure("ports", "A sample from port to port", bench::ports);
+  add_measure("ports", "Measure the transfer of a sample from port to port", bench::ports);
 
   const auto cell = add_measure(
-      "cell", "A cell of several devices on this machine: deployment, and samples from device to device",
+      "cell",
+      "Measure a cell of several devices on this machine: its deployment, and samples from device to device",
       bench::cell);
   with_period(cell);
   with_domain(cell);
-  cell.first->add_option("--devices", cell.second->settings.cell.devices, "each with a node of its own")
+  cell.first
+      ->add_option("--devices", cell.second->settings.cell.devices,
+                   "the number of devices, each with its own node")
       ->type_name("N")
       ->capture_default_str()
       ->check(CLI::Range(2, 64).description(""));
   cell.first
       ->add_option("--pairs", cell.second->settings.cell.pairs,
-                   "of modules on each device, one sends and one receives")
+                   "the number of pairs of modules on each device: one sends, one receives")
       ->type_name("N")
       ->capture_default_str()
       ->check(CLI::Range(1, 100).description(""));
 
-  // The other processes of measurements.
+  // Hidden commands: the second process of some measurements.
   bench->add_subcommand("peer")->group("")->callback([&chosen] { chosen = bench::serve_as_peer; });
   bench->add_subcommand("writer")->group("")->callback([&chosen] { chosen = bench::serve_as_writer; });
 }

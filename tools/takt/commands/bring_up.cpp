@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 
 #include "terminal/screen_style.hpp"
 
@@ -19,10 +19,10 @@ std::size_t modules_of(const model::Cell& cell) {
 
 constexpr Nanoseconds kLate = std::chrono::seconds{2};
 
-/// Whether each module of the cell was heard to be ready, or what comes after that.
-bool are_ready(const std::vector<dds::ObservedDevice>& seen, const model::Cell& cell) {
+/// Whether every module of the cell has reported that it is ready, or a later state.
+bool are_ready(const std::vector<wire::ObservedDevice>& seen, const model::Cell& cell) {
   const auto is_ready = [&seen](const model::Device& device, const model::Module& module) {
-    return std::any_of(seen.begin(), seen.end(), [&](const dds::ObservedDevice& one) {
+    return std::any_of(seen.begin(), seen.end(), [&](const wire::ObservedDevice& one) {
       const auto status = one.deployment.modules.find(module.name);
       return one.name() == device.name && one.alive && status != one.deployment.modules.end() &&
              status->second.state() != STATE_IDLE && status->second.state() != STATE_INITIALIZE;
@@ -39,14 +39,15 @@ bool are_ready(const std::vector<dds::ObservedDevice>& seen, const model::Cell& 
 BringUpProgress::BringUpProgress(const client::Connection& client, const model::Cell& cell)
     : client_(client), cell_(cell), bring_up_(modules_of(cell)) {}
 
-void BringUpProgress::say(const std::string& text) {
+void BringUpProgress::print(const std::string& text) {
   progress_.clear();
   std::fprintf(stderr, "%s ...\n", text.c_str());
 }
 
 void BringUpProgress::end(bool went_well) {
   if (progress_.is_seen() && went_well) {
-    // They answered that they are ready. What they say of their modules is another topic, and may come later.
+    // The devices answered that they are ready. The states of their modules are on another topic and may
+    // arrive later.
     client_.observer->wait([this](const auto& devices) { return are_ready(devices, cell_); }, kLate);
     show();
   }
@@ -55,7 +56,7 @@ void BringUpProgress::end(bool went_well) {
 
 void BringUpProgress::show() {
   std::vector<BroughtUp> devices;
-  for (const dds::ObservedDevice& seen : client_.observer->devices()) {
+  for (const wire::ObservedDevice& seen : client_.observer->devices()) {
     if (!seen.alive || seen.status.cell().to_string() != cell_.name) continue;
     BroughtUp device{.device = seen.name(), .state = to_text(seen.status.state()), .modules = {}};
     for (const auto& [name, status] : seen.deployment.modules) device.modules[name] = to_text(status.state());

@@ -1,4 +1,4 @@
-// How a cell's devices and modules are made ready, told to whoever sits at the terminal while it happens.
+// Shows on the terminal how the devices and modules of a cell become ready, while it happens.
 #pragma once
 
 #include <string>
@@ -12,16 +12,16 @@ namespace takt::tool {
 
 class BringUpProgress {
  public:
-  /// Both outlive it.
+  /// `client` and `cell` outlive this object.
   BringUpProgress(const client::Connection& client, const model::Cell& cell);
 
-  /// A line that is said whether it is a terminal or not.
-  void say(const std::string& text);
-  /// To be called all the time.
-  void look() {
+  /// Prints a line, whether standard error is a terminal or not.
+  void print(const std::string& text);
+  /// Redraws the progress if it is due. Call it often.
+  void refresh() {
     if (progress_.is_due()) show();
   }
-  /// What follows is said by others. Where it went well, with what has not been told yet.
+  /// Removes the progress from the screen. If the start succeeded, shows the remaining modules first.
   void end(bool went_well);
 
  private:

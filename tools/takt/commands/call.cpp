@@ -1,4 +1,4 @@
-// takt call: a request to a service, and its reply.
+// takt call: sends a request to a service and prints its reply.
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -37,25 +37,26 @@ struct CallOptions {
   client::Network network;
 };
 
-/// As long as a service is open for anybody; it is closed by itself.
-constexpr auto kBeside = std::chrono::seconds{2};
-/// Both ways are found in this time, or not at all.
+/// Added to the time for which the node opens the service. The node then closes it by itself.
+constexpr auto kMargin = std::chrono::seconds{2};
+/// The time in which DDS must match the request topic and the reply topic.
 constexpr auto kServiceFound = std::chrono::seconds{5};
 
 std::int64_t wall_ns() {
   return std::chrono::duration_cast<Nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// What is asked of, or answered by, a service, within what Takt adds.
+/// The type of the user's request or reply, without the envelope that Takt adds.
 Result<model::Type> inner(const model::Type& type, const char* field) {
   for (const model::Field& each : type.fields) {
     if (each.name == field && each.scalar == model::Scalar::structure)
       return model::Type{each.type_name, each.fields};
   }
-  return fail("the device's answer is of another version of Takt");
+  return fail("the answer of the device is from another version of Takt",
+              "install the same version on all machines");
 }
 
-/// The reply to one request, of all that come.
+/// Picks the reply to one request out of all replies on the topic.
 class Answer {
  public:
   Answer(model::Type type, std::uint64_t client) : type_(std::move(type)), client_(client) {}
@@ -65,12 +66,12 @@ class Answer {
     if (!reply.is_object() || reply.value("client", std::uint64_t{0}) != client_) return;
     const std::lock_guard lock{mutex_};
     reply_ = std::move(reply);
-    came_.notify_all();
+    arrived_.notify_all();
   }
-  /// Null when none came.
+  /// Null if no reply came in time.
   Json wait_until(Instant until) {
     std::unique_lock lock{mutex_};
-    came_.wait_until(lock, until, [this] { return !reply_.is_null(); });
+    arrived_.wait_until(lock, until, [this] { return !reply_.is_null(); });
     return reply_;
   }
 
@@ -78,11 +79,11 @@ class Answer {
   model::Type type_;
   std::uint64_t client_;
   std::mutex mutex_;
-  std::condition_variable came_;
+  std::condition_variable arrived_;
   Json reply_;
 };
 
-/// Of a service: which topics, and what.
+/// The topics of a service and their types.
 struct Place {
   std::string request_topic;
   std::string reply_topic;
@@ -94,9 +95,9 @@ Result<Place> find(client::Connection& client, const CallOptions& options) {
   const std::size_t first = options.service.find('.');
   const std::size_t second = first == std::string::npos ? first : options.service.find('.', first + 1);
   if (second == std::string::npos || second + 1 == options.service.size())
-    return fail("'" + options.service + "' names no service", "say DEVICE.MODULE.SERVICE");
+    return fail("'" + options.service + "' is not the name of a service", "write DEVICE.MODULE.SERVICE");
   const auto open_for =
-      kServiceFound + kBeside +
+      kServiceFound + kMargin +
       std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.timeout));
   const auto answer =
       client::accepted(client.asker->ask({.kind = COMMAND_TAP,
@@ -105,19 +106,22 @@ Result<Place> find(client::Connection& client, const CallOptions& options) {
                                           .property = options.service.substr(second + 1),
                                           .time_ns = wall_ns() + Nanoseconds{open_for}.count()}));
   if (!answer) return answer.problems();
-  const auto told = model::parse_json(answer->data);
-  if (!told.is_object()) return fail("the device's answer is of another version of Takt");
-  if (!told.contains("reply"))
-    return fail(options.service + " is a port and no service", "takt echo " + options.service + " shows it");
-  auto request = model::parse_type(told.value("type", ""));
+  const auto description = model::parse_json(answer->data);
+  if (!description.is_object())
+    return fail("the answer of the device is from another version of Takt",
+                "install the same version on all machines");
+  if (!description.contains("reply"))
+    return fail(options.service + " is a port, not a service",
+                "show its samples with takt echo " + options.service);
+  auto request = model::parse_type(description.value("type", ""));
   if (!request) return request.problems();
-  auto reply = model::parse_type(told["reply"].value("type", ""));
+  auto reply = model::parse_type(description["reply"].value("type", ""));
   if (!reply) return reply.problems();
-  return Place{told.value("topic", ""), told["reply"].value("topic", ""), std::move(*request),
+  return Place{description.value("topic", ""), description["reply"].value("topic", ""), std::move(*request),
                std::move(*reply)};
 }
 
-/// The bytes of a request. Fails at what is wrong with what was typed.
+/// The bytes of the request. Fails if the typed fields do not match its type.
 Result<std::vector<std::byte>> request_of(const Place& place, const CallOptions& options,
                                           std::uint64_t client) {
   const auto type = inner(place.request, "request");
@@ -150,33 +154,34 @@ int call(const CallOptions& options) {
   Answer answer{place->reply, me};
   const dds::Quality quality{.reliable = true, .depth = 8, .deadline = {}, .lifespan = {}};
   dds::Quality kept = quality;
-  kept.kept = true;  // the service may answer before it knows of this reader
+  kept.kept = true;  // the service may answer before it has discovered this reader
   const auto replies = dds::Tap::create(
       client->participant, {.topic = place->reply_topic, .type = place->reply, .quality = kept},
       [&answer](const std::byte* bytes, std::size_t size, std::int64_t) { answer.take(bytes, size); });
   if (!replies) return refuse(replies.problems());
-  const auto asks = dds::Feed::create(
+  const auto requests = dds::Feed::create(
       client->participant, {.topic = place->request_topic, .type = place->request, .quality = quality});
-  if (!asks) return refuse(asks.problems());
+  if (!requests) return refuse(requests.problems());
   const Instant found = os::now() + kServiceFound;
-  while ((*asks)->health().matched == 0 || (*replies)->health().matched == 0) {
+  while ((*requests)->health().matched == 0 || (*replies)->health().matched == 0) {
     if (os::now() > found)
       return refuse({fail(options.service + " was not found on DDS within 5 s",
-                          "is the device still there? takt status")});
+                          "check with takt status that its device still runs")});
     os::sleep_until(os::now() + std::chrono::milliseconds{2});
   }
   const Instant begun = os::now();
-  if (!(*asks)->write(request->data(), request->size()))
-    return refuse({fail("DDS did not take the request", "see what it printed")});
+  if (!(*requests)->write(request->data(), request->size()))
+    return refuse({fail("DDS rejected the request", "see the message that DDS printed")});
   const auto limit = std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(options.timeout));
   const Json reply = answer.wait_until(begun + limit);
   const double milliseconds = std::chrono::duration<double, std::milli>(os::now() - begun).count();
   if (reply.is_null()) {
-    return refuse({fail(fmt::format("{} did not answer within {} s", options.service, options.timeout),
-                        "whether it did what it was asked is not known; --timeout waits for longer")});
+    return refuse({fail(fmt::format("{} did not answer within {} s; it may or may not have acted",
+                                    options.service, options.timeout),
+                        "check the result, or wait longer with --timeout")});
   }
   if (reply.value("code", "") != "SERVICE_REPLIED")
-    return refuse({fail(options.service + " refuses: " + reply.value("reason", ""))});
+    return refuse({fail(options.service + " rejected the request: " + reply.value("reason", ""))});
   if (options.json) {
     const double rounded = std::round(milliseconds * 1e3) / 1e3;
     return print(model::json_text({{"reply", reply.at("reply")}, {"ms", rounded}}) + "\n") ? 0 : 1;
@@ -196,13 +201,14 @@ void add_call(CLI::App& app, Chosen& chosen) {
   command
       ->add_option(
           "REQUEST", options->request,
-          "FIELD=VALUE ..., a field of a field as OUTER.INNER=VALUE; or one JSON object. A field that is "
-          "not given is zero")
+          "FIELD=VALUE ..., OUTER.INNER=VALUE for a field of a field; or one JSON object. A field that is "
+          "left out is zero")
       ->type_name("");
-  command->add_option("--timeout", options->timeout, "wait for so long (2 unless given)")
+  command->add_option("--timeout", options->timeout, "how long to wait for the reply (default 2)")
       ->type_name("SECONDS")
       ->check(within(0.001, 50));
-  command->add_flag("--json", options->json, "print one JSON object: the reply, and how long it took");
+  command->add_flag("--json", options->json,
+                    "print one JSON object with the reply and the time that it took");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return call(*options); }; });
 }

@@ -34,7 +34,7 @@ int check(const CheckOptions& options) {
   Problems missing;
   auto loaded = load(options.file, options.remote ? &missing : nullptr);
   for (const Problem& problem : missing) {
-    std::fprintf(stderr, "%s: warning: %s; its node will look for it\n", problem.where.c_str(),
+    std::fprintf(stderr, "%s: warning: %s; the node will look for it\n", problem.where.c_str(),
                  problem.what.c_str());
   }
   if (!loaded) {
@@ -48,7 +48,7 @@ int check(const CheckOptions& options) {
   }
   loaded->cell.domain = *domain;
   std::optional<Proof> proof;
-  // Without being asked, where the descriptor says all that it takes.
+  // Also without these options, if the descriptor has everything that a proof needs.
   if (options.proof.given() || schedule::all_state_budgets(loaded->cell)) {
     auto proved = prove(loaded->cell, loaded->plans, options.proof);
     if (!proved) {
@@ -72,7 +72,7 @@ int check(const CheckOptions& options) {
                                : check_text(loaded->cell, loaded->plans, terminal_style(), proof);
   const bool printed = print(text);
   if (!proof || proof->missed.empty()) return printed ? 0 : 1;
-  std::fflush(stdout);  // the table before what is said of it
+  std::fflush(stdout);  // the table first, then the problems
   complain(proof->missed);
   return 1;
 }
@@ -99,7 +99,7 @@ void add_check(CLI::App& app, Chosen& chosen) {
       ->type_name("X")
       ->check(within(1, 1000));
   command
-      ->add_option("--cpus", options->proof.processors,
+      ->add_option("--cpus", options->proof.cpus,
                    "assume that each device has this many CPUs (default: as many as this machine)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024).description(""));

@@ -1,4 +1,5 @@
-// The commands of `takt`: one file a command or family, each of which adds itself to the command line.
+// The commands of `takt`. Each command, or family of commands, has one file and adds itself to the command
+// line.
 #pragma once
 
 #include <functional>
@@ -7,10 +8,10 @@
 
 namespace takt::tool {
 
-/// Runs the command that was chosen and returns its exit status: 0 done, 1 rejected or failed, with a reason
-/// on standard error.
+/// Runs the chosen command and returns its exit status: 0 success, 1 rejected or failed, with the reason on
+/// standard error.
 using Chosen = std::function<int()>;
-/// Adds a command, which sets `chosen`. Both outlive the parsing.
+/// Adds a command, which sets `chosen` when it is parsed. `app` and `chosen` outlive the parsing.
 using AddCommand = void(CLI::App& app, Chosen& chosen);
 
 AddCommand add_check;
@@ -24,7 +25,7 @@ AddCommand add_status;
 AddCommand add_watch;
 AddCommand add_web;
 AddCommand add_log;
-AddCommand add_orders;
+AddCommand add_module_commands;
 AddCommand add_swap;
 AddCommand add_properties;
 AddCommand add_echo;
@@ -39,11 +40,11 @@ AddCommand add_sign;
 AddCommand add_bench;
 AddCommand add_describe;
 
-/// In the order of `takt --help`.
+/// In the order in which `takt --help` lists them.
 inline constexpr AddCommand* kCommands[] = {
-    add_check,  add_graph,  add_run,   add_new,     add_simulate, add_deploy, add_undeploy,
-    add_status, add_watch,  add_web,   add_log,     add_orders,   add_swap,   add_properties,
-    add_echo,   add_record, add_play,  add_plot,    add_trace,    add_call,   add_doctor,
+    add_check,  add_graph,  add_run,   add_new,     add_simulate,        add_deploy, add_undeploy,
+    add_status, add_watch,  add_web,   add_log,     add_module_commands, add_swap,   add_properties,
+    add_echo,   add_record, add_play,  add_plot,    add_trace,           add_call,   add_doctor,
     add_secure, add_sign,   add_bench, add_describe};
 
 }  // namespace takt::tool

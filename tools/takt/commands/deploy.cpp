@@ -1,4 +1,4 @@
-// takt deploy, takt undeploy: a cell onto the nodes of the network, and off them.
+// takt deploy, takt undeploy: deploy a cell to the nodes of the network, and take it down.
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -26,12 +26,12 @@ struct DeployOptions {
   bool update = false;
 };
 
-void say(const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); }
+void print_progress(const std::string& text) { std::fprintf(stderr, "%s ...\n", text.c_str()); }
 
 int update_cell(client::Operator& asker, const Loaded& loaded, const std::function<bool()>& cancelled) {
   bool printed = true;
   const auto updated = client::update(asker, loaded.cell, loaded.text,
-                                      {.progress = say,
+                                      {.progress = print_progress,
                                        .differs =
                                            [&printed](const std::vector<std::string>& lines) {
                                              for (const std::string& line : lines)
@@ -50,35 +50,37 @@ int deploy(const DeployOptions& options) {
     complain(loaded.problems());
     return 1;
   }
-  const auto signals = os::SignalQueue::of_requests_to_end();  // before there are threads, which inherit it
+  const auto signals =
+      os::SignalQueue::of_requests_to_end();  // before any thread is started, so that all inherit it
   const auto client = client::connect(options.network, &loaded->cell);
   if (!signals || !client) {
     complain(signals ? client.problems() : signals.problems());
     return 1;
   }
-  bool told_to_end = false;
+  bool asked_to_end = false;
   const auto cancelled = [&] {
-    while (signals->next()) told_to_end = true;
-    return told_to_end;
+    while (signals->next()) asked_to_end = true;
+    return asked_to_end;
   };
   if (options.update) return update_cell(*client->asker, *loaded, cancelled);
-  BringUpProgress course{*client, loaded->cell};
+  BringUpProgress bring_up{*client, loaded->cell};
   const auto deployed = client::deploy(*client->asker, loaded->cell, loaded->text,
                                        {.require_real_time = options.require_real_time,
                                         .process_ids = {},
-                                        .progress = [&](const std::string& text) { course.say(text); },
+                                        .progress = [&](const std::string& text) { bring_up.print(text); },
                                         .cancelled =
                                             [&] {
-                                              course.look();
+                                              bring_up.refresh();
                                               return cancelled();
                                             }});
-  course.end(deployed.ok());
+  bring_up.end(deployed.ok());
   if (!deployed) {
     complain(deployed.problems());
     std::fprintf(stderr, "cell %s was not deployed; nothing was changed\n", loaded->cell.name.c_str());
     return 1;
   }
-  // It runs from that instant on; who is told so may give it orders.
+  // The cell runs from that instant on. Only then may the output say so: the operator may send commands at
+  // once.
   os::sleep_until(os::instant_of_wall(deployed->t0_ns));
   std::string names;
   for (const model::Device& device : loaded->cell.devices) names += (names.empty() ? "" : ", ") + device.name;
@@ -104,14 +106,14 @@ int undeploy(const UndeployOptions& options) {
   Problems problems;
   std::string names;
   for (const std::string& device : devices->lost) {
-    problems.push_back({"device " + device, "it is lost and could not be told",
-                        "start its node without --resume, else it takes the cell up again"});
+    problems.push_back({"device " + device, "is lost and did not receive the command",
+                        "start its node without --resume, or it resumes the cell"});
   }
   for (const auto& one : client::undeploy(*client->asker, {.names = devices->names})) {
     problems.insert(problems.end(), one.problems.begin(), one.problems.end());
     if (one.problems.empty()) names += (names.empty() ? "" : ", ") + one.device;
     for (const std::string& failure : one.failures)
-      std::fprintf(stderr, "it had failed: %s\n", failure.c_str());
+      std::fprintf(stderr, "failed earlier: %s\n", failure.c_str());
   }
   if (!problems.empty()) complain(problems);
   const bool printed = names.empty() || print("cell " + options.cell + " is undeployed from " + names + "\n");
@@ -123,27 +125,25 @@ int undeploy(const UndeployOptions& options) {
 void add_deploy(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<DeployOptions>();
   auto* command = app.add_subcommand(
-      "deploy", "Run a cell on the nodes of the network: on all of its devices or on none");
+      "deploy", "Run a cell on the nodes of the network: on all of its devices, or on none");
   command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
   auto* require = command->add_flag("--require-realtime", options->require_real_time,
-                                    "refuse where a device's system refuses real-time scheduling");
+                                    "fail if the system of a device denies real-time scheduling");
   command
       ->add_flag("--update", options->update,
-                 "the cell runs: change only what differs, on all of its devices or on none")
+                 "change a running cell where it differs from FILE, on all of its devices or on none")
       ->excludes(require);
   add_network_options(*command, options->network);
   command->footer(
-      "--update does what can be done while a module runs: sets properties, and swaps the file of a "
-      "periodic\n"
-      "thread module. A device on which anything else differs is taken down and brought up anew, on the "
-      "same\n"
-      "time grid. The other devices run on.");
+      "--update changes running modules where it can: it sets properties and swaps the files of periodic\n"
+      "thread modules. A device on which anything else differs is taken down and brought up again, on the\n"
+      "same time grid. The other devices keep running.");
   command->callback([options, &chosen] { chosen = [options] { return deploy(*options); }; });
 }
 
 void add_undeploy(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<UndeployOptions>();
-  auto* command = app.add_subcommand("undeploy", "End a cell on all of its devices");
+  auto* command = app.add_subcommand("undeploy", "Take a cell down on all of its devices");
   command->add_option("CELL", options->cell, "the cell's name")->required();
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return undeploy(*options); }; });

@@ -19,7 +19,7 @@ namespace takt::tool {
 namespace {
 
 struct DescribeOptions {
-  std::vector<std::string> words;  ///< files; modules of a descriptor; "name=value" each for a program
+  std::vector<std::string> words;  ///< files; modules of a descriptor; "name=value" for a program
   bool json = false;
   bool xml = false;
   bool iso = false;
@@ -57,7 +57,7 @@ Result<Described> describe_module(const model::Cell& cell, const model::Device& 
   return Described{std::move(*path), std::move(*component), cell.name, device.name, module};
 }
 
-/// The modules of a descriptor that `names` names, DEVICE.MODULE or MODULE; all of them without names.
+/// The modules of a descriptor with these names, DEVICE.MODULE or MODULE; all modules if `names` is empty.
 Result<std::vector<Described>> describe_cell(const std::string& file, const std::vector<std::string>& names) {
   auto cell = descriptor::load(file);
   if (!cell) return cell.problems();
@@ -127,14 +127,16 @@ int describe(const DescribeOptions& options) {
 
   const bool of_cell = files[0].ends_with(".xml");
   if ((of_cell || files.size() > 1) && !properties.empty())
-    return refuse({fail("a property, " + in_quotes(properties[0]) + ", with more than one component",
-                        "give it to one program at a time; a descriptor gives its own")});
+    return refuse({fail(
+        of_cell ? "property " + in_quotes(properties[0]) + " is given with a descriptor"
+                : "property " + in_quotes(properties[0]) + " is given with several components",
+        of_cell ? "leave it out; the descriptor has the properties of its modules" : "name one program")});
   auto all =
       of_cell ? describe_cell(files[0], {files.begin() + 1, files.end()}) : describe_files(files, properties);
   if (!all) return refuse(all.problems());
   if (options.iso && all->size() != 1)
-    return refuse({fail("a profile is of one module, and here are " + std::to_string(all->size()),
-                        of_cell ? "name one, DEVICE.MODULE, behind the descriptor" : "name one file")});
+    return refuse({fail("--iso22166 describes one module, but these are " + std::to_string(all->size()),
+                        of_cell ? "add the DEVICE.MODULE of one after the descriptor" : "name one file")});
   std::string text;
   for (const Described& described : *all) {
     if (options.json)
@@ -156,19 +158,20 @@ void add_describe(CLI::App& app, Chosen& chosen) {
   const auto options = std::make_shared<DescribeOptions>();
   auto* command = app.add_subcommand(
       "describe",
-      "Print what a component is: its ports, services, properties and hooks; without FILE, which there are");
-  command->add_option("FILE", options->words,
-                      "components' .so or .exe; a folder of them; or a descriptor, and which of its modules, "
-                      "DEVICE.MODULE. NAME=VALUE: a property of a program, on which its ports may depend");
-  auto* json =
-      command->add_flag("--json", options->json, "print a JSON object a line, one for each component");
+      "Print the ports, services, properties and hooks of a component; without FILE, list all components");
+  command->add_option(
+      "FILE", options->words,
+      "components (.so or .exe); a folder of them; or a descriptor, and DEVICE.MODULE to select "
+      "some of its modules. NAME=VALUE sets a property of a program, on which its ports may "
+      "depend");
+  auto* json = command->add_flag("--json", options->json, "print one line of JSON for each component");
   auto* xml = command->add_flag("--xml", options->xml, "print a <module> element to paste into a descriptor")
                   ->excludes(json);
   auto* iso =
-      command->add_flag("--iso22166", options->iso, "print a module profile in the terms of ISO 22166-202")
+      command->add_flag("--iso22166", options->iso, "print a module profile with the terms of ISO 22166-202")
           ->excludes(json)
           ->excludes(xml);
-  command->add_option("--operation", options->operation, "how the profile's module is released")
+  command->add_option("--operation", options->operation, "the operation type to write into the profile")
       ->type_name("periodic|sporadic|non-real")
       ->check(CLI::IsMember({"periodic", "sporadic", "non-real"}))
       ->needs(iso);

@@ -1,4 +1,4 @@
-// takt doctor: what on this machine would spoil real time, each with its cure.
+// takt doctor: lists what on this machine would spoil real time, and how to correct it.
 #include <filesystem>
 
 #include <CLI/CLI.hpp>
@@ -28,32 +28,32 @@ struct DoctorOptions {
 
 double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
 
-/// Not of real time, but of the same importance: who may command this machine.
+/// Security does not affect real time, but it is as important: it decides who may command this machine.
 node::Finding security_finding() {
   using node::Severity;
   node::Finding finding{
       .name = "security",
       .found = {},
-      .why = "without it whoever is on the network of a cell may command it and read what it says"};
+      .why = "without security, anyone on the network of a cell may command it and read its data"};
   const std::string folder = client::security_of({});
   if (folder.empty()) {
     finding.severity = Severity::note;
     finding.found = "is off: TAKT_SECURITY names no identity";
-    finding.cure = "takt secure init CELL.xml DIR, or keep the network to yourself (docs/secure.md)";
+    finding.cure = "takt secure init CELL.xml DIR, or keep others out of the network (docs/secure.md)";
     return finding;
   }
   std::error_code error;
   const std::int64_t now = os::wall_ns() / 1'000'000'000;
   if (std::filesystem::is_directory(folder + "/authority", error)) {
     finding.severity = Severity::note;
-    finding.found = folder + " holds the authority itself: who takes it can make anybody";
-    finding.cure = "keep it at home, and leave this machine the folder of its device";
+    finding.found = folder + " contains the authority: anyone who copies it can issue any identity";
+    finding.cure = "keep the authority elsewhere, and copy only the folder of its device to this machine";
     return finding;
   }
   const auto identity = security::read_identity(folder, now);
   if (!identity) {
     finding.severity = Severity::note;
-    finding.found = "the identity in TAKT_SECURITY is refused: " + in_words(identity.problems());
+    finding.found = "the identity in TAKT_SECURITY is rejected: " + in_words(identity.problems());
     finding.cure = "takt secure renew, and copy the folder again";
     return finding;
   }
@@ -109,10 +109,10 @@ int doctor(const DoctorOptions& options) {
 void add_doctor(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<DoctorOptions>();
   auto* command =
-      app.add_subcommand("doctor", "Say what on this machine would spoil real time, each with its cure");
+      app.add_subcommand("doctor", "List what on this machine would spoil real time, and how to correct it");
   command->add_flag("--json", options->json, "print one JSON object");
   command->footer(
-      "Changes nothing; takes a second. Works without root and says what it could not see then.\n"
+      "Changes nothing and takes a second. Works without root, and then says what it could not see.\n"
       "Exit status: 0 nothing spoils real time (there may be notes), 1 something does, 2 wrong usage.");
   command->callback([options, &chosen] { chosen = [options] { return doctor(*options); }; });
 }

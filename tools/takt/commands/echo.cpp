@@ -1,4 +1,4 @@
-// takt echo: the samples of a port, field by field.
+// takt echo: prints the samples of a port, field by field.
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -14,7 +14,7 @@
 #include <takt/client/port_names.hpp>
 #include <takt/client/tap.hpp>
 #include <takt/dds/gateway.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
 #include <takt/model/type.hpp>
 #include <takt/os/clock.hpp>
@@ -38,7 +38,7 @@ struct EchoOptions {
   client::Network network;
 };
 
-/// What came and was not printed yet. Bounded: a terminal may be slower than a port.
+/// Samples that arrived and are not printed yet. Bounded, because a terminal may be slower than a port.
 class Samples {
  public:
   void add(const std::byte* bytes, std::size_t size) {
@@ -59,16 +59,16 @@ class Samples {
   std::atomic<std::uint64_t> seen_{0};
 };
 
-/// Why nothing comes, as far as it can be told from here.
-void say_quiet(const client::Connection& client, const client::PortName& name, const std::string& port) {
+/// Prints that no samples arrive, with the state of the module as a hint.
+void print_quiet(const client::Connection& client, const client::PortName& name, const std::string& port) {
   std::string state;
-  for (const dds::ObservedDevice& seen : client.observer->devices(name.device)) {
+  for (const wire::ObservedDevice& seen : client.observer->devices(name.device)) {
     const auto& modules = seen.deployment.modules;
     if (const auto found = modules.find(name.module); found != modules.end())
       state = fmt::format("; {}.{} is in {}{}", name.device, name.module, to_text(found->second.state()),
                           seen.alive ? "" : ", and its device is lost");
   }
-  std::fprintf(stderr, "nothing has come from %s for %lld s%s\n", port.c_str(),
+  std::fprintf(stderr, "no sample from %s for %lld s%s\n", port.c_str(),
                static_cast<long long>(kQuiet.count()), state.c_str());
 }
 
@@ -92,12 +92,12 @@ int echo(const EchoOptions& options) {
   if (!tap) return refuse(tap.problems());
 
   Instant again = os::now() + client::kAskAgain;
-  Instant told = os::now();
-  std::uint64_t told_samples = 0;
+  Instant rate_since = os::now();
+  std::uint64_t samples_before = 0;
   std::uint64_t printed = 0;
   Instant quiet_at = os::now() + kQuiet;
-  bool quiet_said = false;
-  std::uint64_t heard = 0;
+  bool quiet_printed = false;
+  std::uint64_t received = 0;
   while (options.count == 0 || printed < options.count) {
     os::wait_readable({&signals->fd()}, 20);
     if (signals->next()) break;
@@ -107,31 +107,31 @@ int echo(const EchoOptions& options) {
       if (const auto longer = client::tapped(*client->asker, options.port); !longer)
         return refuse(longer.problems());
     }
-    if (const std::uint64_t seen = samples.seen(); seen != heard) {
-      heard = seen;
+    if (const std::uint64_t seen = samples.seen(); seen != received) {
+      received = seen;
       quiet_at = now + kQuiet;
-      quiet_said = false;
+      quiet_printed = false;
     }
-    if (now >= quiet_at && !quiet_said) {
-      say_quiet(*client, *client::parse_port(options.port), options.port);
-      quiet_said = true;
+    if (now >= quiet_at && !quiet_printed) {
+      print_quiet(*client, *client::parse_port(options.port), options.port);
+      quiet_printed = true;
     }
-    const auto came = samples.take();
+    const auto arrived = samples.take();
     if (options.rate) {
-      const double seconds = std::chrono::duration<double>(now - told).count();
+      const double seconds = std::chrono::duration<double>(now - rate_since).count();
       if (seconds < 1) continue;
       const std::uint64_t seen = samples.seen();
       if (!print(fmt::format("{:.1f} Hz, {} samples, {} lost\n",
-                             static_cast<double>(seen - told_samples) / seconds, seen,
+                             static_cast<double>(seen - samples_before) / seconds, seen,
                              (*tap)->health().lost))) {
         return 1;
       }
       ++printed;
-      told = now;
-      told_samples = seen;
+      rate_since = now;
+      samples_before = seen;
       continue;
     }
-    for (const auto& sample : came) {
+    for (const auto& sample : arrived) {
       if (options.count != 0 && printed == options.count) break;
       if (!print(model::sample_json(flow->type, sample.data(), sample.size()) + "\n")) return 1;
       ++printed;
@@ -144,9 +144,9 @@ int echo(const EchoOptions& options) {
 
 void add_echo(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<EchoOptions>();
-  auto* command = app.add_subcommand("echo", "Print the samples of a port, one a line, until Ctrl-C");
+  auto* command = app.add_subcommand("echo", "Print the samples of a port, one per line, until Ctrl-C");
   command->add_option("PORT", options->port, "DEVICE.MODULE.PORT")->required();
-  command->add_flag("--hz", options->rate, "print how many come in a second instead");
+  command->add_flag("--hz", options->rate, "print the number of samples per second instead");
   command->add_option("--count", options->count, "end after this many lines")->type_name("N");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return echo(*options); }; });

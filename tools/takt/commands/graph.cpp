@@ -1,4 +1,4 @@
-// takt graph: a cell's devices, modules and connections; of one that runs, how they are.
+// takt graph: prints or draws the devices, modules and connections of a cell; with --live, also their state.
 #include <fstream>
 
 #include <nlohmann/json.hpp>
@@ -20,7 +20,7 @@ namespace {
 
 struct GraphOptions {
   std::string file;
-  std::string svg;  ///< where to write the picture; empty: a list is printed instead
+  std::string svg;  ///< where to write the drawing; empty: print a list instead
   bool json = false;
   bool live = false;
   client::Network network;
@@ -34,14 +34,14 @@ Result<CellHealth> ask(const model::Cell& cell, const client::Network& network) 
   CellHealth health = health_of(cell, *status);
   if (health.devices.empty()) {
     return fail("cell " + cell.name + " does not run on domain " + std::to_string(client->domain) +
-                    ", where there is cell " + status->at("cell").get<std::string>(),
-                "deploy it, or leave out --live");
+                    "; that domain has cell " + status->at("cell").get<std::string>(),
+                "deploy the cell, or leave out --live");
   }
   return health;
 }
 
 int graph(const GraphOptions& options) {
-  // Not load(): what the cell looks like needs no component, and a table that does not fit is drawn as well.
+  // Not load(): a drawing needs no components, and a cell whose tables are not valid can be drawn too.
   auto cell = descriptor::load(options.file);
   if (!cell) {
     complain(cell.problems());
@@ -50,12 +50,12 @@ int graph(const GraphOptions& options) {
   if (const auto domain = client::domain_of(options.network, &*cell); domain) cell->domain = *domain;
   CellHealth health;
   if (options.live) {
-    auto heard = ask(*cell, options.network);
-    if (!heard) {
-      complain(heard.problems());
+    auto answer = ask(*cell, options.network);
+    if (!answer) {
+      complain(answer.problems());
       return 1;
     }
-    health = std::move(*heard);
+    health = std::move(*answer);
   }
   if (!options.svg.empty()) {
     std::ofstream out{options.svg};
@@ -78,9 +78,10 @@ void add_graph(CLI::App& app, Chosen& chosen) {
   auto* command =
       app.add_subcommand("graph", "Print or draw devices, modules and the connections between their ports");
   command->add_option("FILE", options->file, "a cell, or a module.xml")->required();
-  command->add_option("--svg", options->svg, "draw a picture into this file")->type_name("OUT");
+  command->add_option("--svg", options->svg, "write a drawing to this file")->type_name("OUT");
   command->add_flag("--json", options->json, "print one JSON object");
-  command->add_flag("--live", options->live, "as the cell runs now: states, and how each connection is");
+  command->add_flag("--live", options->live,
+                    "add the states of the running cell and the health of each connection");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return graph(*options); }; });
 }

@@ -1,4 +1,4 @@
-// The first step of every command that takes a descriptor.
+// Loads a descriptor: the first step of every command that takes one.
 #pragma once
 
 #include <string>
@@ -19,16 +19,18 @@ struct Loaded {
   model::CellPorts ports;
 };
 
-/// Reads, validates, plans, and looks at every component; every problem of the file at once. With `missing`,
-/// component files that are not on this machine go there and are no problem.
+/// Reads and validates the descriptor, plans its tables and inspects every component. Reports all problems of
+/// the file at once. With `missing`, components that are not on this machine are listed there and are not an
+/// error.
 Result<Loaded> load(const std::string& file, Problems* missing = nullptr);
 
-/// The same without the components: for a cell whose devices are other machines. No paths then.
+/// The same without the components, for a cell whose devices are other machines. `paths` and `ports` are
+/// empty.
 Result<Loaded> load_remote(const std::string& file);
 
-/// Prints problems as `file:line: error: ...`, one a line, on standard error.
+/// Prints problems on standard error, one per line: `file:line: error: ...`.
 void complain(const Problems& problems);
-/// Prints them in the same way and returns the exit status 1.
+/// Prints problems in the same way and returns the exit status 1.
 int refuse(const Problems& problems);
 
 }  // namespace takt::tool

@@ -1,4 +1,4 @@
-// takt log: what went wrong in a cell, from the fault records of its nodes.
+// takt log: prints what went wrong in a cell, from the fault records of its nodes.
 #include <algorithm>
 #include <cstdio>
 #include <optional>
@@ -48,7 +48,7 @@ class Printer {
   std::string day_;
 };
 
-// Checked as the command line was read.
+// The options are valid: they were checked when the command line was parsed.
 model::FaultFilter filter_of(const LogOptions& options) {
   model::FaultFilter filter{.device = options.device, .module = options.module, .last = options.last};
   if (!options.kinds.empty()) filter.kinds = *model::kinds_from(options.kinds);
@@ -56,12 +56,12 @@ model::FaultFilter filter_of(const LogOptions& options) {
   return filter;
 }
 
-void say_what_is_missing(const std::string& where, std::uint64_t overwritten, std::uint64_t damaged) {
+void print_missing(const std::string& where, std::uint64_t overwritten, std::uint64_t damaged) {
   if (damaged != 0)
     std::fprintf(stderr, "%s: %llu damaged %s left out\n", where.c_str(),
-                 static_cast<unsigned long long>(damaged), damaged == 1 ? "event is" : "events are");
+                 static_cast<unsigned long long>(damaged), damaged == 1 ? "event was" : "events were");
   if (overwritten != 0)
-    std::fprintf(stderr, "%s: %llu older %s no longer there\n", where.c_str(),
+    std::fprintf(stderr, "%s: %llu older %s no longer available\n", where.c_str(),
                  static_cast<unsigned long long>(overwritten), overwritten == 1 ? "event is" : "events are");
 }
 
@@ -72,14 +72,14 @@ int log_of_file(const LogOptions& options) {
     return 1;
   }
   const bool printed = Printer{options.json}.print(filter_of(options).of(recorded->events));
-  say_what_is_missing(options.file, recorded->overwritten, recorded->damaged);
+  print_missing(options.file, recorded->overwritten, recorded->damaged);
   return printed ? 0 : 1;
 }
 
-// A filter that took nothing because no such module is there, nor ever was.
+// Why the filter matched nothing, if the cell has no such module.
 std::optional<Problem> no_such_module(const LogOptions& options, const client::Observer& observer) {
   std::vector<std::string> names;
-  for (const dds::ObservedDevice& seen : observer.devices()) {
+  for (const wire::ObservedDevice& seen : observer.devices()) {
     if (!options.device.empty() && seen.name() != options.device) continue;
     for (const auto& [name, status] : seen.deployment.modules) names.push_back(name);
   }
@@ -87,13 +87,14 @@ std::optional<Problem> no_such_module(const LogOptions& options, const client::O
     return std::nullopt;
   return fail((options.device.empty() ? "no device" : "device " + options.device) + " has " +
                   (options.device.empty() ? "a" : "no") + " module " + in_quotes(options.module) +
-                  ", and none of that name is in the record",
+                  ", and the fault record has no event of it",
               suggestion(options.module, {names.begin(), names.end()}));
 }
 
 int log(const LogOptions& options) {
   if (!options.file.empty()) return log_of_file(options);
-  const auto signals = os::SignalQueue::of_requests_to_end();  // before there are threads, which inherit it
+  const auto signals =
+      os::SignalQueue::of_requests_to_end();  // before any thread is started, so that all inherit it
   if (!signals) {
     complain(signals.problems());
     return 1;
@@ -117,7 +118,7 @@ int log(const LogOptions& options) {
   Printer printer{options.json};
   if (!printer.print(read.events)) return 1;
   for (const client::DeviceLog& device : read.devices)
-    say_what_is_missing("device " + device.device, device.overwritten, device.damaged);
+    print_missing("device " + device.device, device.overwritten, device.damaged);
   complain(read.problems);
   if (!follower) {
     if (read.events.empty() && read.problems.empty() && !options.module.empty()) {
@@ -140,7 +141,7 @@ int log(const LogOptions& options) {
   return 0;
 }
 
-// The kinds, in lines that fit a terminal.
+// The kinds of events, wrapped to the width of a terminal.
 std::string footer() {
   constexpr std::size_t kWidth = 100;
   std::string text = "Kinds:";
@@ -158,11 +159,12 @@ std::string footer() {
 
 void add_log(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<LogOptions>();
-  auto* command =
-      app.add_subcommand("log", "Print what went wrong in a cell: errors, overruns, restarts, refusals");
-  command->add_option("--device", options->device, "of this device only")->type_name("D");
-  command->add_option("--module", options->module, "of modules of this name only")->type_name("M");
-  command->add_option("--kind", options->kinds, "of these kinds only: error, overrun, host-restart ...")
+  auto* command = app.add_subcommand(
+      "log", "Print what went wrong in a cell: errors, overruns, restarts, rejected commands");
+  command->add_option("--device", options->device, "show only events of this device")->type_name("D");
+  command->add_option("--module", options->module, "show only events of modules with this name")
+      ->type_name("M");
+  command->add_option("--kind", options->kinds, "show only these kinds: error, overrun, host-restart ...")
       ->type_name("K,...")
       ->check([](const std::string& text) {
         const auto kinds = model::kinds_from(text);
@@ -170,20 +172,21 @@ void add_log(CLI::App& app, Chosen& chosen) {
       });
   command
       ->add_option("--since", options->since,
-                   "from then on: 90s, 10m, 2h, 7d ago, or 14:30, or 2026-03-01T14:30")
+                   "show only events after this time: 90s, 10m, 2h or 7d ago, or 14:30, or 2026-03-01T14:30")
       ->type_name("TIME")
       ->check([](const std::string& text) {
         const auto since = since_from(text, os::wall_ns());
         return since ? std::string{} : in_words(since.problems());
       });
-  command->add_option("--last", options->last, "the newest so many of all that the rest takes")
+  command->add_option("--last", options->last, "show only the last N matching events")
       ->type_name("N")
       ->check(CLI::Range(0, 1000000).description(""));
-  auto* follow = command->add_flag("--follow", options->follow, "go on as events come, until Ctrl-C");
-  command->add_flag("--json", options->json, "print one JSON object a line");
+  auto* follow =
+      command->add_flag("--follow", options->follow, "continue to print events as they come, until Ctrl-C");
+  command->add_flag("--json", options->json, "print one JSON object per line");
   command
       ->add_option("--file", options->file,
-                   "read this file of a record, where its node is gone; needs no network")
+                   "read the fault record from this file, for a node that does not run; needs no network")
       ->type_name("FILE")
       ->excludes(follow);
   add_network_options(*command, options->network);

@@ -1,4 +1,4 @@
-// The options that say where on the network a program is.
+// The command line options of the network: domain, discovery and identity.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,19 +9,19 @@ namespace takt::tool {
 
 inline void add_network_options(CLI::App& app, client::Network& network) {
   app.add_option("--domain", network.domain,
-                 "the DDS domain, 0 to 232 (else TAKT_DOMAIN, else the descriptor's, else 0)")
+                 "the DDS domain, 0 to 232 (default: TAKT_DOMAIN, else the descriptor's, else 0)")
       ->type_name("N")
       ->check(CLI::Range(0, 232).description(""));
   auto* peers =
-      app.add_option("--peers", network.peers, "find each other by these addresses, not by multicast")
+      app.add_option("--peers", network.peers, "discover nodes at these addresses, not by multicast")
           ->type_name("A,B,...");
-  app.add_option("--server", network.server, "find each other by a discovery server")
+  app.add_option("--server", network.server, "discover nodes through a discovery server")
       ->type_name("HOST:PORT")
       ->excludes(peers);
   app.add_option(
          "--security", network.security,
-         "who this is in a secured cell: a folder of takt secure (else TAKT_SECURITY, else nobody, and "
-         "nothing is encrypted)")
+         "the folder of the identity to use in a secured cell, from takt secure (default: TAKT_SECURITY; "
+         "without either, nothing is encrypted)")
       ->type_name("FOLDER");
 }
 

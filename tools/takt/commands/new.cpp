@@ -1,4 +1,4 @@
-// takt new: a component that builds, passes its tests and runs as it is; or a cell of two devices.
+// takt new: writes a component that builds, passes its tests and runs unchanged; or a cell of two devices.
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -20,28 +20,30 @@ namespace fs = std::filesystem;
 
 struct NewOptions {
   std::string name;
-  std::string folder;  ///< empty: named as the component
+  std::string folder;  ///< empty: a folder with the name of the component
   std::string type = "thread";
   std::string operation = "periodic";
   std::string language = "c++";
 };
 
-/// Nothing that is there is overwritten: either all files are new, or none is written.
+/// Never overwrites a file: if any of the files exists, writes none.
 Result<void> write_new_files(const fs::path& folder, const std::vector<NewFile>& files) {
   std::error_code error;
   for (const NewFile& file : files) {
     if (fs::exists(folder / file.name, error))
-      return fail((folder / file.name).string() + " is there already", "name another folder, or remove it");
+      return fail((folder / file.name).string() + " already exists",
+                  "name another folder, or remove the file");
   }
   fs::create_directories(folder, error);
   if (error)
-    return fail("the folder " + folder.string() + " cannot be made: " + error.message(), "name another one");
+    return fail("cannot create the folder " + folder.string() + ": " + error.message(),
+                "name another folder");
   for (const NewFile& file : files) {
     std::ofstream stream{folder / file.name, std::ios::binary};
     stream << file.text;
     if (!stream.flush())
       return fail((folder / file.name).string() + " cannot be written",
-                  "look whether there is room, and who may write there");
+                  "check the free space on the disk and the permissions of the folder");
   }
   return {};
 }
@@ -83,18 +85,19 @@ int make(const NewOptions& options) {
 void add_new(CLI::App& app, Chosen& chosen) {
   auto* command = app.add_subcommand(
       "new",
-      "Write a component that builds, passes its tests and runs as it is; or, with the name 'cell', a cell");
+      "Write a new component that builds, passes its tests and runs unchanged; with the name 'cell', a cell");
   auto options = std::make_shared<NewOptions>();
-  command->add_option("NAME", options->name, "of the component, as belt_drive; or cell")->required();
-  command->add_option("DIR", options->folder, "the folder to write; named as the component unless given");
+  command->add_option("NAME", options->name, "the name of the component, such as belt_drive; or cell")
+      ->required();
+  command->add_option("DIR", options->folder, "the folder to write (default: the name of the component)");
   command
       ->add_option("--type", options->type,
-                   "thread (a .so that is called) or process (a program that is released)")
+                   "thread (a .so that the scheduler calls) or process (a program that it releases)")
       ->check(CLI::IsMember({"thread", "process"}))
       ->capture_default_str();
   command
       ->add_option("--operation", options->operation,
-                   "periodic (by the table) or sporadic (when something has come)")
+                   "periodic (runs once in each period) or sporadic (runs when a sample arrives)")
       ->check(CLI::IsMember({"periodic", "sporadic"}))
       ->capture_default_str();
   command->add_option("--language", options->language, "c++ or c")

@@ -1,12 +1,12 @@
-// takt start, stop, recover, reset, destruct, initialize; takt get and set; takt swap: what an operator tells
-// a module.
+// The commands of an operator to a module: takt start, stop, recover, reset, destruct and initialize; takt
+// get and set; takt swap.
 #include <cstdio>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <takt/client/connection.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
 
 #include "commands/commands.hpp"
@@ -18,19 +18,19 @@ namespace takt::tool {
 
 namespace {
 
-struct Order {
+struct ModuleCommand {
   CommandKind kind;
   const char* name;
   const char* text;
 };
 
-constexpr std::array kOrders{
-    Order{COMMAND_INITIALIZE, "initialize", "Initialise a module that is in IDLE, or all of a device"},
-    Order{COMMAND_START, "start", "Start a module, so that it is EXECUTING while its device runs"},
-    Order{COMMAND_STOP, "stop", "Take a module out of its table; it stays ready in START"},
-    Order{COMMAND_RECOVER, "recover", "Try at once to recover a module that is in RECOVER"},
-    Order{COMMAND_RESET, "reset", "Load a module in DESTRUCT afresh: it is IDLE then"},
-    Order{COMMAND_DESTRUCT, "destruct", "End a module; it never runs again unless it is reset"},
+constexpr std::array kModuleCommands{
+    ModuleCommand{COMMAND_INITIALIZE, "initialize", "Initialise a module that is in IDLE"},
+    ModuleCommand{COMMAND_START, "start", "Start a module, so that it is EXECUTING while its device runs"},
+    ModuleCommand{COMMAND_STOP, "stop", "Take a module out of its table; it stays ready in START"},
+    ModuleCommand{COMMAND_RECOVER, "recover", "Try at once to recover a module that is in RECOVER"},
+    ModuleCommand{COMMAND_RESET, "reset", "Load a module in DESTRUCT again; it is then in IDLE"},
+    ModuleCommand{COMMAND_DESTRUCT, "destruct", "End a module; it does not run again until it is reset"},
 };
 
 /// DEVICE or DEVICE.MODULE
@@ -39,7 +39,7 @@ struct Target {
   std::string module;
 };
 
-/// `then`: what comes after a module, where it must be one; null: it may be a device too.
+/// `then`: the argument that follows, if the target must be a module; null if it may also be a device.
 Result<Target> target_of(const std::string& text, const char* then = nullptr) {
   const bool module_needed = then != nullptr;
   const std::size_t dot = text.find('.');
@@ -48,14 +48,14 @@ Result<Target> target_of(const std::string& text, const char* then = nullptr) {
                      (dot == std::string::npos ? !module_needed : !target.module.empty()) &&
                      target.module.find('.') == std::string::npos;
   if (!right) {
-    return fail("'" + text + "' names no " + (module_needed ? "module" : "device or module"),
-                module_needed ? fmt::format("say DEVICE.MODULE, and the {} after a blank", then)
-                              : "say DEVICE or DEVICE.MODULE");
+    return fail("'" + text + "' is not the name of a " + (module_needed ? "module" : "device or module"),
+                module_needed ? fmt::format("write DEVICE.MODULE, a space and the {}", then)
+                              : "write DEVICE or DEVICE.MODULE");
   }
   return target;
 }
 
-int order(const Order& order, const std::string& text, const client::Network& network) {
+int send(const ModuleCommand& command, const std::string& text, const client::Network& network) {
   const auto refuse = [](const Problems& problems) {
     complain(problems);
     return 1;
@@ -64,13 +64,13 @@ int order(const Order& order, const std::string& text, const client::Network& ne
   if (!target) return refuse(target.problems());
   const auto client = client::connect(network);
   if (!client) return refuse(client.problems());
-  const auto answer = client->asker->ask({.kind = order.kind,
+  const auto answer = client->asker->ask({.kind = command.kind,
                                           .device = target->device,
                                           .module = target->module,
                                           .limit = std::chrono::seconds{20}});
   if (!answer) return refuse(answer.problems());
 
-  // A whole device answers for each of its modules.
+  // The answer of a device has an outcome for each of its modules.
   const auto outcomes = model::parse_json(answer->data);
   if (target->module.empty() && outcomes.is_array()) {
     std::string lines;
@@ -131,15 +131,15 @@ int swap(const std::string& text, const std::string& file, const client::Network
 
 }  // namespace
 
-void add_orders(CLI::App& app, Chosen& chosen) {
-  for (const Order& each : kOrders) {
+void add_module_commands(CLI::App& app, Chosen& chosen) {
+  for (const ModuleCommand& each : kModuleCommands) {
     auto target = std::make_shared<std::string>();
     auto network = std::make_shared<client::Network>();
     auto* command = app.add_subcommand(each.name, each.text);
     command->add_option("TARGET", *target, "DEVICE.MODULE, or DEVICE for all of its modules")->required();
     add_network_options(*command, *network);
     command->callback([&each, target, network, &chosen] {
-      chosen = [&each, target, network] { return order(each, *target, *network); };
+      chosen = [&each, target, network] { return send(each, *target, *network); };
     });
   }
 }
@@ -149,14 +149,16 @@ void add_swap(CLI::App& app, Chosen& chosen) {
   auto file = std::make_shared<std::string>();
   auto network = std::make_shared<client::Network>();
   auto* command = app.add_subcommand(
-      "swap", "Put another version of a periodic thread module in its place while it runs, between two rows");
+      "swap", "Replace a running periodic thread module by another version, between two rows");
   command->add_option("TARGET", *target, "DEVICE.MODULE")->required();
-  command->add_option("FILE", *file, "the new .so, found as at a deployment: on the device's component path")
-      ->required();
+  command->add_option("FILE", *file, "the new .so, on the component path of the device's node")->required();
   add_network_options(*command, *network);
   command->footer(
-      "What the module saves is handed over. Where one of the first 10 runs fails, the version before is\n"
-      "put back. The descriptor stays as it is: the next deployment, and --resume, load what it says.");
+      "The new version takes over what the module has saved. If one of its first 10 runs fails, the "
+      "previous\n"
+      "version is put back. The descriptor does not change: the next deployment, and --resume, load the "
+      "file\n"
+      "that it names.");
   command->callback([=, &chosen] { chosen = [=] { return swap(*target, *file, *network); }; });
 }
 
@@ -166,11 +168,12 @@ void add_properties(CLI::App& app, Chosen& chosen) {
     auto name = std::make_shared<std::string>();
     auto value = std::make_shared<std::string>();
     auto network = std::make_shared<client::Network>();
-    auto* command = sets ? app.add_subcommand(
-                               "set", "Set a property of a module while it runs, between two of its cycles")
-                         : app.add_subcommand("get", "Print the value that a property of a module has");
+    auto* command =
+        sets ? app.add_subcommand("set", "Set a property of a running module, between two of its cycles")
+             : app.add_subcommand("get", "Print the current value of a property of a module");
     command->add_option("TARGET", *target, "DEVICE.MODULE")->required();
-    command->add_option("PROPERTY", *name, "its name, as `takt describe` prints it")->required();
+    command->add_option("PROPERTY", *name, "the name of the property, as `takt describe` prints it")
+        ->required();
     if (sets) command->add_option("VALUE", *value, "the new value")->required();
     add_network_options(*command, *network);
     command->callback([=, &chosen] {

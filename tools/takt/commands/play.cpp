@@ -1,4 +1,4 @@
-// takt play: a recording back into a cell, at its own pace.
+// takt play: plays a recording back into a cell, with its original timing.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -34,9 +34,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Nanoseconds kReadersFound = std::chrono::seconds{3};  // readers, before the first sample
-constexpr Nanoseconds kDelivered = milliseconds{200};           // the last samples, before the end
-constexpr Nanoseconds kLook = milliseconds{50};                 // for Ctrl-C
+constexpr Nanoseconds kReadersFound = std::chrono::seconds{3};  // to find readers before the first sample
+constexpr Nanoseconds kDelivered = milliseconds{200};           // to deliver the last samples before the end
+constexpr Nanoseconds kLook = milliseconds{50};                 // between two looks for Ctrl-C
 constexpr std::uint32_t kDepth = 256;
 
 struct PlayOptions {
@@ -46,7 +46,7 @@ struct PlayOptions {
   std::optional<double> from;
   std::optional<double> to;
   bool loop = false;
-  std::vector<std::string> ports;  ///< PATH[=TOPIC]; none: all
+  std::vector<std::string> ports;  ///< PATH[=TOPIC]; empty: all ports
   client::Network network;
 };
 
@@ -76,9 +76,10 @@ int print_recording(const recording::Recording& recording, const std::string& fi
   return print(std::move(page).take()) ? 0 : 1;
 }
 
-/// Ports that are played, with the topic of each.
+/// The ports to play, by number, with the topic of each.
 Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Recording& recording,
-                                                         const PlayOptions& options, const recording::Selection& time) {
+                                                         const PlayOptions& options,
+                                                         const recording::Selection& time) {
   std::map<std::int64_t, std::string> topics;
   Problems problems;
   const auto add = [&](const recording::PortOfRecording& port, const std::string& topic) {
@@ -95,7 +96,8 @@ Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Record
     const std::string path = text.substr(0, equal);
     const std::string topic = equal == std::string::npos ? "" : text.substr(equal + 1);
     if (equal != std::string::npos && topic.empty())
-      problems.push_back(fail(in_quotes(text) + " names no topic", "say PATH=TOPIC, or PATH alone"));
+      problems.push_back(
+          fail(in_quotes(text) + " has no topic after '='", "write PATH=TOPIC, or PATH alone"));
     bool found = false;
     for (const recording::PortOfRecording& port : recording.ports()) {
       if (port.path != path) continue;
@@ -103,10 +105,10 @@ Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Record
       add(port, topic.empty() ? port.topic : topic);
     }
     if (!found)
-      problems.push_back(fail("no port " + in_quotes(path) + " is in it",
-                              known.empty() ? "it has none" : suggestion(path, known)));
+      problems.push_back(fail("has no port " + in_quotes(path),
+                              known.empty() ? "it has no ports" : suggestion(path, known)));
   }
-  // One topic is of one type and one source.
+  // A topic has one type and one source.
   for (auto a = topics.begin(); a != topics.end(); ++a) {
     for (auto b = std::next(a); b != topics.end(); ++b) {
       if (a->second != b->second) continue;
@@ -118,13 +120,14 @@ Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Record
       const recording::PortOfRecording& other = port_of(b->first);
       if (one.path == other.path && one.type == other.type) continue;
       problems.push_back(one.path == other.path ? fail("port " + one.path + " was recorded with two types",
-                                                       "choose one of them by --from and --to, see --list")
+                                                       "select one with --from and --to, see --list")
                                                 : fail("ports " + one.path + " and " + other.path +
                                                            " would both go to topic " + a->second,
-                                                       "give each its own, by --port PATH=TOPIC"));
+                                                       "give each its own topic with --port PATH=TOPIC"));
     }
   }
-  if (problems.empty() && topics.empty()) problems.push_back(fail("no sample is in that time", "see --list"));
+  if (problems.empty() && topics.empty())
+    problems.push_back(fail("has no samples in that time", "see --list"));
   if (!problems.empty()) {
     for (Problem& problem : problems) problem.where = on_one_line(options.file);
     return problems;
@@ -132,21 +135,22 @@ Result<std::map<std::int64_t, std::string>> chosen_ports(const recording::Record
   return topics;
 }
 
-/// Two would write one port: the module that does, and we.
-Result<void> nobody_else_writes(const client::Connection& client, const recording::Recording& recording,
-                                const std::map<std::int64_t, std::string>& topics) {
+/// Fails if a running module writes one of these topics: the port would then have two writers.
+Result<void> check_no_other_writer(const client::Connection& client, const recording::Recording& recording,
+                                   const std::map<std::int64_t, std::string>& topics) {
   client.observer->settle(std::chrono::seconds{1});
   Problems problems;
   for (const recording::PortOfRecording& port : recording.ports()) {
     const auto topic = topics.find(port.id);
     if (topic == topics.end()) continue;
-    for (const dds::ObservedDevice& device : client.observer->devices()) {
+    for (const wire::ObservedDevice& device : client.observer->devices()) {
       if (!device.alive) continue;
       for (const auto& [name, module] : device.deployment.modules) {
         const std::string of_module =
             "takt/" + device.status.cell().to_string() + "/" + device.name() + "/" + name + "/";
         if (module.state() != STATE_EXECUTING || topic->second.rfind(of_module, 0) != 0) continue;
-        problems.push_back({"port " + port.path, device.name() + "." + name + " runs and writes it itself",
+        problems.push_back({"port " + port.path,
+                            "is written by " + device.name() + "." + name + ", which runs",
                             "stop that module, or play to another topic: --port " + port.path + "=TOPIC"});
       }
     }
@@ -157,9 +161,9 @@ Result<void> nobody_else_writes(const client::Connection& client, const recordin
 
 struct Played {
   std::uint64_t samples = 0;
-  std::uint64_t refused = 0;  ///< DDS did not take them
-  std::uint64_t wrong = 0;
-  Nanoseconds latest{0};
+  std::uint64_t rejected = 0;  ///< by DDS
+  std::uint64_t wrong = 0;     ///< damaged in the recording
+  Nanoseconds latest{0};       ///< longest delay of a sample
 };
 
 class Player {
@@ -178,7 +182,7 @@ class Player {
     length_ = static_cast<double>(last - first) / 1e9;
     const Nanoseconds round = std::max<Nanoseconds>(scaled(last - first), milliseconds{1});
     begun_ = os::now() + milliseconds{10};
-    // Every time is counted from the first one's, so that no delay adds up.
+    // Every sample is timed from the begin of the round, so that delays do not add up.
     for (Instant begin = begun_;; begin += round) {
       const auto done = recording_.read(
           selection_,
@@ -189,7 +193,7 @@ class Player {
             if (feeds_.at(sample.port->id)->write(sample.bytes, sample.size))
               ++played_.samples;
             else
-              ++played_.refused;
+              ++played_.rejected;
             return true;
           },
           played_.wrong);
@@ -207,7 +211,7 @@ class Player {
   [[nodiscard]] Nanoseconds scaled(std::int64_t ns) const {
     return Nanoseconds{static_cast<std::int64_t>(std::llround(static_cast<double>(ns) / options_.speed))};
   }
-  /// False when it is to end.
+  /// False if playing must end.
   bool wait_until(Instant due, std::int64_t at_ns) {
     for (;;) {
       const Instant now = os::now();
@@ -246,7 +250,8 @@ class Player {
   bool ended_ = false;
 };
 
-/// What nobody reads yet is played all the same: somebody may come.
+/// Waits for a reader of each topic, or until the time is over. Topics without readers are played too: a
+/// reader may come later.
 void wait_for_readers(const std::map<std::int64_t, std::shared_ptr<dds::Feed>>& feeds,
                       const std::map<std::int64_t, std::string>& topics, const os::SignalQueue& signals) {
   const auto read = [&](std::int64_t id) { return feeds.at(id)->health().matched > 0; };
@@ -257,8 +262,8 @@ void wait_for_readers(const std::map<std::int64_t, std::shared_ptr<dds::Feed>>& 
   for (const auto& [id, topic] : topics) {
     if (read(id)) continue;
     const std::string why = feeds.at(id)->health().incompatible;
-    std::fprintf(stderr, "takt play: nobody reads %s%s\n", topic.c_str(),
-                 why.empty() ? "" : (": another " + why + " is asked for").c_str());
+    std::fprintf(stderr, "takt play: topic %s has no reader%s\n", topic.c_str(),
+                 why.empty() ? "" : (": its readers ask for another " + why).c_str());
   }
 }
 
@@ -275,7 +280,7 @@ int play(const PlayOptions& options) {
   const std::int64_t first = recording->first_ns();
   if (options.from) selection.from_ns = first + in_ns(*options.from);
   if (options.to) selection.to_ns = first + in_ns(*options.to);
-  if (selection.from_ns > selection.to_ns) return refuse({fail("--from lies after --to", "")});
+  if (selection.from_ns > selection.to_ns) return refuse({fail("--from is after --to", "")});
   const auto topics = chosen_ports(*recording, options, selection);
   if (!topics) return refuse(topics.problems());
   for (const auto& [id, topic] : *topics) selection.ports.insert(id);
@@ -285,7 +290,7 @@ int play(const PlayOptions& options) {
   const auto client = client::connect(options.network);
   if (!client) return refuse(client.problems());
   if (const auto may = client::may_write(*client->participant, "play"); !may) return refuse(may.problems());
-  if (const auto free = nobody_else_writes(*client, *recording, *topics); !free)
+  if (const auto free = check_no_other_writer(*client, *recording, *topics); !free)
     return refuse(free.problems());
 
   std::map<std::int64_t, std::shared_ptr<dds::Feed>> feeds;
@@ -295,7 +300,7 @@ int play(const PlayOptions& options) {
     if (topic == topics->end()) continue;
     auto& feed = by_topic[topic->second];
     if (!feed) {
-      // Reliable suits those that ask for less too.
+      // A reliable writer also matches best-effort readers.
       auto made =
           dds::Feed::create(client->participant,
                             {.topic = topic->second,
@@ -311,39 +316,38 @@ int play(const PlayOptions& options) {
   Player player{*recording, options, selection, *signals, feeds};
   const auto done = player.run();
   const Played& played = player.played();
-  std::fprintf(
-      stderr, "takt play: %s\n",
-      fmt::format("{} samples of {} port{}, at most {:.1f} ms late{}{}", played.samples, topics->size(),
-                  topics->size() == 1 ? "" : "s",
-                  std::chrono::duration<double, std::milli>(played.latest).count(),
-                  played.refused == 0 ? "" : fmt::format("; DDS did not take {}", played.refused),
-                  played.wrong == 0 ? "" : fmt::format("; {} are damaged and were left out", played.wrong))
-          .c_str());
+  std::fprintf(stderr, "takt play: %s\n",
+               fmt::format("{} samples of {} port{}, at most {:.1f} ms late{}{}", played.samples,
+                           topics->size(), topics->size() == 1 ? "" : "s",
+                           std::chrono::duration<double, std::milli>(played.latest).count(),
+                           played.rejected == 0 ? "" : fmt::format("; DDS rejected {}", played.rejected),
+                           played.wrong == 0 ? "" : fmt::format("; left out {} damaged ones", played.wrong))
+                   .c_str());
   if (!done) return refuse(done.problems());
-  return played.refused == 0 && played.wrong == 0 ? 0 : 1;
+  return played.rejected == 0 && played.wrong == 0 ? 0 : 1;
 }
 
 }  // namespace
 
 void add_play(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<PlayOptions>();
-  auto* command = app.add_subcommand("play", "Play a recording back into a cell, or list what is in it");
-  command->add_option("FILE", options->file, "what takt record wrote")->required();
-  command->add_flag("--list", options->list, "print its ports, types, samples and times, and play nothing");
-  command->add_option("--speed", options->speed, "so many times as fast as it was")
+  auto* command = app.add_subcommand("play", "Play a recording back into a cell, or list its contents");
+  command->add_option("FILE", options->file, "a recording made by takt record")->required();
+  command->add_flag("--list", options->list, "list its ports with type, samples and times; play nothing");
+  command->add_option("--speed", options->speed, "play X times as fast as recorded")
       ->type_name("X")
       ->check(within(0.001, 1000))
       ->capture_default_str();
-  command->add_option("--from", options->from, "begin this long after its first sample")
+  command->add_option("--from", options->from, "begin this long after the first sample of the recording")
       ->type_name("SECONDS")
       ->check(within(0, 1e9));
-  command->add_option("--to", options->to, "end this long after its first sample")
+  command->add_option("--to", options->to, "end this long after the first sample of the recording")
       ->type_name("SECONDS")
       ->check(within(0, 1e9));
-  command->add_flag("--loop", options->loop, "again and again, until Ctrl-C");
+  command->add_flag("--loop", options->loop, "play again and again, until Ctrl-C");
   command
       ->add_option("--port", options->ports,
-                   "only this port, to the topic that it was on or to another one; may be repeated")
+                   "play only this port, to its original topic or to TOPIC; may be repeated")
       ->type_name("PATH[=TOPIC]")
       ->allow_extra_args(false);
   add_network_options(*command, options->network);

@@ -1,4 +1,4 @@
-// takt plot: fields of a recording as a picture, as CSV, or as a few numbers.
+// takt plot: fields of a recording as a drawing, as CSV, or as a few numbers.
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -30,7 +30,7 @@ namespace takt::tool {
 
 namespace {
 
-/// Curves in one picture.
+/// Curves in one drawing.
 constexpr std::size_t kMostCurves = 200;
 
 struct PlotOptions {
@@ -51,12 +51,12 @@ struct Wanted {
 
 struct Source {
   std::shared_ptr<recording::Columns> columns;
-  std::vector<std::size_t> wanted;  ///< places among all that are
+  std::vector<std::size_t> wanted;  ///< indices into Choice::wanted
 };
 
 struct Choice {
   std::vector<Wanted> wanted;
-  std::map<std::int64_t, Source> sources;  ///< by number of the port
+  std::map<std::int64_t, Source> sources;  ///< by the number of the port
 };
 
 Result<Choice> choose(const recording::Recording& recording, const PlotOptions& options) {
@@ -89,8 +89,8 @@ Result<Choice> choose(const recording::Recording& recording, const PlotOptions& 
       }
     }
     if (!found)
-      problems.push_back(fail("no port " + in_quotes(path) + " is in it",
-                              paths.empty() ? "it has none" : suggestion(path, paths)));
+      problems.push_back(fail("has no port " + in_quotes(path),
+                              paths.empty() ? "it has no ports" : suggestion(path, paths)));
     else if (!fields.empty())
       problems.push_back(fail("port " + path + " has no field " + in_quotes(field),
                               suggestion(field, {fields.begin(), fields.end()})));
@@ -100,7 +100,7 @@ Result<Choice> choose(const recording::Recording& recording, const PlotOptions& 
   return problems;
 }
 
-/// A file that is written from the beginning, or standard output for "-".
+/// A file that is overwritten, or standard output for "-".
 class Output {
  public:
   static Result<Output> open(const std::string& file) {
@@ -117,7 +117,7 @@ class Output {
     whole_ &= std::fflush(to) == 0;
     if (to != stdout) whole_ &= std::fclose(to) == 0;
     if (whole_) return {};
-    return Problem{on_one_line(file_), "could not be written in full", "see whether the disk is full"};
+    return Problem{on_one_line(file_), "could not be written completely", "check whether the disk is full"};
   }
 
  private:
@@ -142,16 +142,16 @@ class Plotter {
   }
 
   Result<void> csv() {
-    // Of sequences only the elements that some sample has.
-    std::vector<bool> there(chosen_.wanted.size(), true);
+    // Of a sequence, write only the elements that at least one sample has.
+    std::vector<bool> present(chosen_.wanted.size(), true);
     if (std::any_of(chosen_.sources.begin(), chosen_.sources.end(),
                     [](const auto& each) { return !each.second.columns->fixed(); })) {
-      there.assign(there.size(), false);
-      auto looked =
-          read([&](const recording::RecordedSample&, const Source& source, const std::vector<recording::Value>& values) {
-            for (const std::size_t i : source.wanted)
-              if (values[chosen_.wanted[i].column].there()) there[i] = true;
-          });
+      present.assign(present.size(), false);
+      auto looked = read([&](const recording::RecordedSample&, const Source& source,
+                             const std::vector<recording::Value>& values) {
+        for (const std::size_t i : source.wanted)
+          if (values[chosen_.wanted[i].column].there()) present[i] = true;
+      });
       if (!looked) return looked;
     }
     auto output = Output::open(options_.csv);
@@ -159,26 +159,26 @@ class Plotter {
     std::vector<std::string> line{"time_ns", "seconds"};
     std::vector<std::size_t> place(chosen_.wanted.size(), 0);  // in the line
     for (std::size_t i = 0; i < chosen_.wanted.size(); ++i) {
-      if (!there[i]) continue;
+      if (!present[i]) continue;
       place[i] = line.size();
       line.push_back(chosen_.wanted[i].name);
     }
     output->write(recording::csv_line(line));
     const std::size_t cells = line.size();
-    auto done = read(
-        [&](const recording::RecordedSample& sample, const Source& source, const std::vector<recording::Value>& values) {
-          line.assign(cells, "");
-          line[0] = std::to_string(sample.time_ns);
-          line[1] = fmt::format("{:.9f}", since(sample.time_ns));
-          for (const std::size_t i : source.wanted)
-            if (there[i]) line[place[i]] = values[chosen_.wanted[i].column].text();
-          output->write(recording::csv_line(line));
-        });
+    auto done = read([&](const recording::RecordedSample& sample, const Source& source,
+                         const std::vector<recording::Value>& values) {
+      line.assign(cells, "");
+      line[0] = std::to_string(sample.time_ns);
+      line[1] = fmt::format("{:.9f}", since(sample.time_ns));
+      for (const std::size_t i : source.wanted)
+        if (present[i]) line[place[i]] = values[chosen_.wanted[i].column].text();
+      output->write(recording::csv_line(line));
+    });
     auto closed = output->close();
     return done ? closed : done;
   }
 
-  /// The curves, for what is drawn and for the numbers.
+  /// Reads the curves, for the drawing and for the numbers.
   Result<void> gather() {
     bool any = false;
     for (const auto& [id, source] : chosen_.sources) {
@@ -196,10 +196,10 @@ class Plotter {
     if (!any) {
       const bool bounded = options_.from || options_.to;
       return Problem{on_one_line(options_.file),
-                     bounded ? "no sample is in that time" : "holds no sample of that",
+                     bounded ? "has no samples in that time" : "has no samples of these fields",
                      "see takt play --list"};
     }
-    // What is narrower than a pixel is not seen.
+    // A pause narrower than a pixel would not be visible.
     const std::int64_t pixel =
         (range_.last_ns - range_.first_ns) / static_cast<std::int64_t>(kPlotColumns) + 1;
     for (const Wanted& wanted : chosen_.wanted) {
@@ -207,14 +207,14 @@ class Plotter {
       series_.emplace_back(range_, kPlotColumns,
                            std::max(pixel, pause == pauses_.end() ? pixel : pause->second));
     }
-    return read(
-        [&](const recording::RecordedSample& sample, const Source& source, const std::vector<recording::Value>& values) {
-          for (const std::size_t i : source.wanted) {
-            const Wanted& wanted = chosen_.wanted[i];
-            const bool enumeration = !source.columns->all()[wanted.column].enumerators.empty();
-            series_[i].add(sample.time_ns, values[wanted.column].number(enumeration));
-          }
-        });
+    return read([&](const recording::RecordedSample& sample, const Source& source,
+                    const std::vector<recording::Value>& values) {
+      for (const std::size_t i : source.wanted) {
+        const Wanted& wanted = chosen_.wanted[i];
+        const bool enumeration = !source.columns->all()[wanted.column].enumerators.empty();
+        series_[i].add(sample.time_ns, values[wanted.column].number(enumeration));
+      }
+    });
   }
 
   Result<void> svg() {
@@ -228,8 +228,8 @@ class Plotter {
       if (series_[i].count() == 0) continue;
       if (++curves > kMostCurves)
         return Problem{on_one_line(options_.file),
-                       "a picture has room for " + std::to_string(kMostCurves) + " curves",
-                       "name fewer fields, or elements: position[0]"};
+                       "a drawing can have at most " + std::to_string(kMostCurves) + " curves",
+                       "name fewer fields, or single elements such as position[0]"};
       const recording::Column& column = chosen_.sources.at(wanted.port->id).columns->all()[wanted.column];
       auto panel = std::find_if(plot.panels.begin(), plot.panels.end(), [&](const PlotPanel& p) {
         return p.title == column.field && p.labels == column.enumerators;
@@ -245,7 +245,7 @@ class Plotter {
       panel->series.push_back(std::move(series));
     }
     if (plot.panels.empty())
-      return Problem{on_one_line(options_.file), "there is no number to draw", "text goes into --csv only"};
+      return Problem{on_one_line(options_.file), "has no number to draw", "use --csv for text"};
     auto output = Output::open(options_.svg);
     if (!output) return output.problems();
     output->write(plot_svg(plot));
@@ -297,8 +297,8 @@ class Plotter {
   Choice chosen_;
   recording::Selection selection_;
   recording::Series::Range range_;
-  std::map<std::int64_t, std::int64_t> pauses_;  // of a port, in ns
-  std::vector<recording::Series> series_;        // as what is wanted
+  std::map<std::int64_t, std::int64_t> pauses_;  // by port, in ns
+  std::vector<recording::Series> series_;        // in the order of Choice::wanted
   std::uint64_t wrong_ = 0;
 };
 
@@ -308,14 +308,14 @@ int plot(const PlotOptions& options) {
     return 1;
   };
   if (options.from && options.to && *options.from > *options.to)
-    return refuse({fail("--from lies after --to", "")});
+    return refuse({fail("--from is after --to", "")});
   auto recording = recording::Recording::open(options.file);
   if (!recording) return refuse(recording.problems());
   auto chosen = choose(*recording, options);
   if (!chosen) return refuse(chosen.problems());
   Plotter plotter{*recording, options, std::move(*chosen)};
   if (plotter.cut())
-    std::fprintf(stderr, "takt plot: of a port with more than %zu columns the first are there\n",
+    std::fprintf(stderr, "takt plot: a port has more columns than the limit of %zu; the rest are left out\n",
                  recording::Columns::kMost);
   if (!options.csv.empty()) {
     if (const auto done = plotter.csv(); !done) return refuse(done.problems());
@@ -329,7 +329,7 @@ int plot(const PlotOptions& options) {
     }
   }
   if (plotter.wrong() == 0) return 0;
-  std::fprintf(stderr, "takt plot: %llu samples are damaged and were left out\n",
+  std::fprintf(stderr, "takt plot: %llu damaged samples were left out\n",
                static_cast<unsigned long long>(plotter.wrong()));
   return 1;
 }
@@ -338,20 +338,24 @@ int plot(const PlotOptions& options) {
 
 void add_plot(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<PlotOptions>();
-  auto* command = app.add_subcommand(
-      "plot", "Fields of a recording as a picture or as CSV; without either, their least, mean and largest");
-  command->add_option("FILE", options->file, "what takt record wrote")->required();
+  auto* command = app.add_subcommand("plot",
+                                     "Draw fields of a recording, or write them as CSV; with neither, print "
+                                     "their minimum, mean and maximum");
+  command->add_option("FILE", options->file, "a recording made by takt record")->required();
   command
-      ->add_option("FIELD", options->fields,
-                   "DEVICE.MODULE.PORT.FIELD, or FIELD[0]; without a field, all of the port's")
+      ->add_option(
+          "FIELD", options->fields,
+          "DEVICE.MODULE.PORT.FIELD; FIELD[0] for one element; without FIELD, all fields of the port")
       ->required();
   command->add_option("--svg", options->svg, "draw the curves to this file")->type_name("OUT");
-  command->add_option("--csv", options->csv, "write a line for each sample to this file; -: standard output")
+  command
+      ->add_option("--csv", options->csv,
+                   "write one line for each sample to this file; - for standard output")
       ->type_name("OUT");
-  command->add_option("--from", options->from, "begin this long after the recording's first sample")
+  command->add_option("--from", options->from, "begin this long after the first sample of the recording")
       ->type_name("SECONDS")
       ->check(within(0, 1e9));
-  command->add_option("--to", options->to, "end this long after the recording's first sample")
+  command->add_option("--to", options->to, "end this long after the first sample of the recording")
       ->type_name("SECONDS")
       ->check(within(0, 1e9));
   command->callback([options, &chosen] { chosen = [options] { return plot(*options); }; });

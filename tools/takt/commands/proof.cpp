@@ -12,7 +12,7 @@ namespace takt::tool {
 
 namespace {
 
-/// A million modules would not fill it.
+/// Enough for more than a million modules; in bytes.
 constexpr std::size_t kLargestProfile = std::size_t{256} << 20U;
 
 }  // namespace
@@ -26,7 +26,7 @@ Result<model::Profile> read_profile(const std::string& file) {
 
 namespace {
 
-std::vector<int> processors(const std::optional<int>& count) {
+std::vector<int> cpus_of(const std::optional<int>& count) {
   if (!count) return os::allowed_cpus();
   std::vector<int> cpus(static_cast<std::size_t>(*count));
   std::iota(cpus.begin(), cpus.end(), 0);
@@ -49,8 +49,8 @@ Result<Proof> prove(const model::Cell& cell, const std::vector<schedule::DeviceP
   const auto runs = schedule::longest_runs(cell, proof.of_profile ? &profile : nullptr, options.factor);
   if (!runs) return runs.problems();
 
-  const std::vector<int> cpus = processors(options.processors);
-  proof.processors = cpus.size();
+  const std::vector<int> cpus = cpus_of(options.cpus);
+  proof.cpus = cpus.size();
   for (std::size_t i = 0; i < cell.devices.size(); ++i) {
     const model::Device& device = cell.devices[i];
     const schedule::Placement placement = schedule::place(device.executors, cpus);

@@ -1,4 +1,4 @@
-// Whether every deadline of a cell is kept, as `takt check` says it.
+// Proves whether a cell keeps every deadline, for `takt check`.
 #pragma once
 
 #include <cstddef>
@@ -13,28 +13,29 @@
 
 namespace takt::tool {
 
-/// Fails where there is no such file, or it is no profile, with every mistake at its line.
+/// Fails if the file does not exist or is not a profile; each mistake is reported with its line.
 Result<model::Profile> read_profile(const std::string& file);
 
-/// With what to reckon.
+/// The assumptions of a proof.
 struct ProofOptions {
-  std::string profile;            ///< the file of a profile; empty: the modules' budgets
-  double factor = 1;              ///< the longest run is this much longer than measured or stated; 1 to 1000
-  std::optional<int> processors;  ///< of each device, at least 1; none: as many as this program may use
+  std::string profile;      ///< the file of a profile; empty: use the modules' budgets
+  double factor = 1;        ///< by which run times or budgets are multiplied; 1 to 1000
+  std::optional<int> cpus;  ///< CPUs of each device, at least 1; none: as many as this program may use
 
-  [[nodiscard]] bool given() const { return !profile.empty() || factor != 1 || processors; }
+  [[nodiscard]] bool given() const { return !profile.empty() || factor != 1 || cpus; }
 };
 
 struct Proof {
-  bool of_profile = false;  ///< else of the budgets
+  bool of_profile = false;  ///< run times from a profile; else from the budgets
   double factor = 1;
-  std::size_t processors = 1;
+  std::size_t cpus = 1;                                   ///< of each device
   std::vector<std::vector<schedule::WorstCase>> devices;  ///< in the cell's order
   Problems missed;                                        ///< one for each deadline that is not kept
-  Problems warnings;  ///< wishes of the descriptor that a device of so many processors cannot fulfil
+  Problems warnings;  ///< requests of the descriptor that a device with so few CPUs cannot meet
 };
 
-/// Fails when the profile cannot be read, or a run time is neither in it nor stated. Reads a file.
+/// Fails if the profile cannot be read, or if a module has a run time neither in the profile nor as a budget.
+/// Reads a file.
 Result<Proof> prove(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans,
                     const ProofOptions& options);
 

@@ -1,5 +1,4 @@
-// What numbers on the command line may be. CLI::Range takes nan, and a whole number below 0 for one near
-// 2^64.
+// Checks numbers on the command line. CLI::Range accepts nan, and reads a negative number as one near 2^64.
 #pragma once
 
 #include <cctype>
@@ -20,12 +19,12 @@ inline CLI::Validator within(double from, double to) {
                           const double value = std::strtod(text.c_str(), &end);
                           const bool number = end != text.c_str() && *end == '\0';
                           if (number && value >= from && value <= to) return "";
-                          return fmt::format("'{}' is no number from {} to {}", text, from, to);
+                          return fmt::format("'{}' is not a number from {} to {}", text, from, to);
                         },
                         ""};
 }
 
-/// CLI::PositiveNumber takes inf, and says its range with 308 digits.
+/// CLI::PositiveNumber accepts inf, and prints its range with 308 digits.
 inline CLI::Validator positive_seconds() {
   return CLI::Validator{[](const std::string& text) -> std::string {
                           constexpr double kLongest = 1e9;
@@ -47,7 +46,7 @@ inline CLI::Validator whole_number() {
                           errno = 0;
                           if (digits) static_cast<void>(std::strtoull(text.c_str(), nullptr, 10));
                           if (digits && errno == 0) return "";
-                          return "'" + text + "' is no whole number from 0 to 18446744073709551615";
+                          return "'" + text + "' is not a whole number from 0 to 18446744073709551615";
                         },
                         ""};
 }

@@ -1,4 +1,4 @@
-// takt record: samples of ports to a file.
+// takt record: records the samples of ports to a file.
 #include <memory>
 
 #include <takt/recording/recorder.hpp>
@@ -18,29 +18,31 @@ void add_record(CLI::App& app, Chosen& chosen) {
     double flush = 0.5;
   };
   auto options = std::make_shared<Options>();
-  auto* command =
-      app.add_subcommand("record", "Record the samples of ports to a file of SQLite, until Ctrl-C");
-  command->add_option("PORT", options->record.ports, "DEVICE.MODULE.PORT, with * for any characters")
+  auto* command = app.add_subcommand("record", "Record the samples of ports to an SQLite file, until Ctrl-C");
+  command->add_option("PORT", options->record.ports, "DEVICE.MODULE.PORT; * matches any characters")
       ->required();
-  command->add_option("--out", options->record.recording.file, "the file")->type_name("FILE")->required();
-  command->add_flag("--append", options->record.recording.append, "add to a recording that is there");
+  command->add_option("--out", options->record.recording.file, "the file to write")
+      ->type_name("FILE")
+      ->required();
+  command->add_flag("--append", options->record.recording.append, "continue an existing recording");
   auto* limit = command->add_option("--for", options->seconds, "end after this long")
                     ->type_name("SECONDS")
                     ->check(within(0.001, 1e9));
   command
       ->add_option("--max-size", options->megabytes,
-                   "what it may take on the disk, 1 MB at least; 0: no bound")
+                   "the maximum size on the disk, at least 1 MB; 0: no limit")
       ->type_name("MB")
       ->check(within(0, 1e9))
       ->capture_default_str();
   command
       ->add_option("--full", options->record.recording.full,
-                   "when it has reached that: stop, or oldest: drop the oldest samples")
+                   "what to do at the maximum size: stop, or drop the oldest samples (default stop)")
       ->type_name("stop|oldest")
       ->transform(
-          CLI::CheckedTransformer(std::map<std::string, recording::Full>{{"stop", recording::Full::stop}, {"oldest", recording::Full::oldest}})
+          CLI::CheckedTransformer(std::map<std::string, recording::Full>{{"stop", recording::Full::stop},
+                                                                         {"oldest", recording::Full::oldest}})
               .description(""));
-  command->add_option("--flush", options->flush, "a sample is on the disk after this long")
+  command->add_option("--flush", options->flush, "the maximum time until a sample is on the disk")
       ->type_name("SECONDS")
       ->check(within(0.01, 3600))
       ->capture_default_str();

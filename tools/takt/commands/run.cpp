@@ -1,5 +1,5 @@
-// Runs a descriptor on this machine: starts one takt-node for each device, and deploys to them as to any
-// other.
+// takt run: runs a descriptor on this machine. It starts one takt-node for each device and deploys to these
+// nodes as to any others.
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
@@ -40,7 +40,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// All nodes are here: from the moment on that all are ready to the first row.
+/// From the moment at which all nodes are ready to the first row. Short, because all nodes are on this
+/// machine.
 constexpr std::chrono::milliseconds kLead{500};
 constexpr std::chrono::milliseconds kMargin{50};
 
@@ -50,20 +51,20 @@ struct RunOptions {
   std::optional<double> seconds;  ///< none: until Ctrl-C
   bool json = false;
   bool require_real_time = false;
-  bool check_real_time = false;  ///< what modules do that no real-time code may is seen, and fails the run
+  bool check_real_time = false;  ///< the run fails if a module does what real-time code must not do
   bool quiet = false;
   std::string state_folder;  ///< where the nodes keep their fault records; empty: in memory
   std::string profile;       ///< where to write the run times at the end; empty: nowhere
 };
 
-/// One device's node, seen from here.
+/// The node of one device, as this program sees it.
 struct Node {
   std::string device;
   os::Child process;
   int pid = 0;
-  os::MessageSocket lifetime;  ///< it ends in order when this closes
-  bool ended = false;          ///< the process
-  bool told = false;           ///< what it has to say at the end is known
+  os::MessageSocket lifetime;  ///< the node shuts down cleanly when this closes
+  bool ended = false;          ///< the process has ended
+  bool reported = false;       ///< its closing report, or the reason for its end, is known
   Json report{};
   std::vector<std::string> failures{};
 };
@@ -75,17 +76,16 @@ class Run {
 
   Result<void> start_nodes(int domain);
   Result<void> deploy(const client::Connection& client);
-  /// Until it is time, somebody asks, or every device has ended.
+  /// Returns when the time is over, a signal asks for the end, or every device has ended.
   void serve(const client::Connection& client);
-  /// Ends what still runs.
+  /// Takes down the devices that still run.
   void undeploy(const client::Connection& client);
-  /// Ends the nodes.
   void end_nodes();
 
   [[nodiscard]] Json report() const;
   [[nodiscard]] std::vector<std::string> failures() const;
-  /// Whether the first row was agreed; else there is nothing to report but why not.
-  [[nodiscard]] bool went() const noexcept { return went_; }
+  /// Whether the nodes agreed on the first row. If not, there is nothing to report but the reason.
+  [[nodiscard]] bool started() const noexcept { return started_; }
 
  private:
   void watch();
@@ -98,7 +98,7 @@ class Run {
   const Loaded& loaded_;
   const os::SignalQueue& signals_;
   std::vector<std::unique_ptr<Node>> nodes_;
-  bool went_ = false;
+  bool started_ = false;
   bool asked_to_end_ = false;
   bool undeploying_ = false;
   std::optional<Instant> end_at_;
@@ -117,7 +117,7 @@ Result<void> Run::start_nodes(int domain) {
                            .arguments = {"--device", device.name, "--domain", std::to_string(domain)},
                            .environment = {{node::kLifetimeFd, std::to_string(theirs.fd().get())}},
                            .inherit = {&theirs.fd()},
-                           .dies_with_parent = false};  // it ends in order when the socket does
+                           .dies_with_parent = false};  // it shuts down cleanly when the socket closes
     const auto add = [&spawn](const std::string& option, const std::string& value) {
       spawn.arguments.push_back(option);
       spawn.arguments.push_back(value);
@@ -153,7 +153,7 @@ std::map<std::string, std::int32_t> Run::process_ids() const {
   return ids;
 }
 
-// Looks after signals and the nodes' processes, whatever else is waited for.
+// Handles signals and the ends of the nodes' processes. Called while anything else waits.
 void Run::watch() {
   while (signals_.next()) {
     if (asked_to_end_) {
@@ -166,49 +166,49 @@ void Run::watch() {
     const auto end = node.process.poll();
     if (!end) continue;
     node.ended = true;
-    if (node.told) continue;
-    // It had no time for a report: refused at once with a reason of its own, or killed.
-    node.told = true;
-    if (went_ && !undeploying_ && !options_.quiet)
+    if (node.reported) continue;
+    // It ended without a report: it rejected the cell and printed the reason, or it was killed.
+    node.reported = true;
+    if (started_ && !undeploying_ && !options_.quiet)
       node::log(node.device, "", "its node " + end->text() + "; the other devices run on");
-    const bool refused = !end->signalled && end->code != 0 && !went_;
+    const bool rejected = !end->signalled && end->code != 0 && !started_;
     node.failures.push_back("device " + node.device + ": error: its node " +
-                            (refused ? "refused to run it, see above" : end->text()));
+                            (rejected ? "rejected it, see above" : end->text()));
   }
 }
 
 Result<void> Run::deploy(const client::Connection& client) {
   std::vector<client::Undeployed> undone;
-  // Else the nodes say on the same terminal what they do.
-  std::optional<BringUpProgress> course;
-  if (options_.quiet) course.emplace(client, loaded_.cell);
+  // Without --quiet, the nodes print what they do on the same terminal.
+  std::optional<BringUpProgress> bring_up;
+  if (options_.quiet) bring_up.emplace(client, loaded_.cell);
   client::DeployOptions deploy{.lead = kLead,
                                .margin = kMargin,
                                .require_real_time = options_.require_real_time,
                                .process_ids = process_ids(),
                                .progress = {},
                                .cancelled =
-                                   [this, &course] {
+                                   [this, &bring_up] {
                                      watch();
-                                     if (course) course->look();
+                                     if (bring_up) bring_up->refresh();
                                      return asked_to_end_ ||
                                             std::any_of(nodes_.begin(), nodes_.end(),
                                                         [](const auto& n) { return n->ended; });
                                    },
                                .undone = &undone};
   const auto deployed = client::deploy(*client.asker, loaded_.cell, loaded_.text, deploy);
-  if (course) course->end(deployed.ok());
+  if (bring_up) bring_up->end(deployed.ok());
   for (const client::Undeployed& one : undone) note(one);
   if (!deployed) {
     watch();
-    for (auto& node : nodes_) node->told = true;
-    // Nobody has to be told that it was given up who asked for that, or is told why a node ended.
-    const bool said = asked_to_end_ || std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) {
-                        return node->ended && !node->failures.empty();
-                      });
-    return said ? Result<void>{} : deployed.problems();
+    for (auto& node : nodes_) node->reported = true;
+    // The user already knows the reason: they asked for the end, or the failure of a node is printed.
+    const bool known = asked_to_end_ || std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) {
+                         return node->ended && !node->failures.empty();
+                       });
+    return known ? Result<void>{} : deployed.problems();
   }
-  went_ = true;
+  started_ = true;
   const Instant t0 = os::instant_of_wall(deployed->t0_ns);
   if (options_.seconds) {
     end_at_ = t0 + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(*options_.seconds));
@@ -219,7 +219,7 @@ Result<void> Run::deploy(const client::Connection& client) {
 void Run::note(const client::Undeployed& undeployed) {
   for (auto& node : nodes_) {
     if (node->device != undeployed.device || node->ended || !undeployed.problems.empty()) continue;
-    node->told = true;
+    node->reported = true;
     node->report = undeployed.report;
     node->failures = undeployed.failures;
   }
@@ -228,7 +228,7 @@ void Run::note(const client::Undeployed& undeployed) {
 client::Devices Run::still_running() const {
   client::Devices devices{.names = {}, .process_ids = process_ids()};
   for (const auto& node : nodes_) {
-    if (!node->told) devices.names.push_back(node->device);
+    if (!node->reported) devices.names.push_back(node->device);
   }
   return devices;
 }
@@ -250,16 +250,16 @@ void Run::serve(const client::Connection& client) {
     watch();
     bool all = true;
     for (auto& node : nodes_) {
-      if (!node->told) ask_one(client, *node);
-      all &= node->told;
+      if (!node->reported) ask_one(client, *node);
+      all &= node->reported;
     }
     if (all) return;
   }
 }
 
-// A device that has ended by itself says why, and its node is not needed any more.
+// If a device has ended by itself, fetches its report and ends its node, which is not needed any more.
 void Run::ask_one(const client::Connection& client, Node& node) {
-  for (const dds::ObservedDevice& seen : client.observer->devices(node.device)) {
+  for (const wire::ObservedDevice& seen : client.observer->devices(node.device)) {
     if (!seen.alive || seen.status.process_id() != node.pid || seen.status.state() != DEVICE_ENDED) continue;
     client::Devices one{.names = {node.device}, .process_ids = {{node.device, node.pid}}};
     for (const auto& undeployed : client::undeploy(*client.asker, one, [this] { watch(); })) note(undeployed);
@@ -301,7 +301,7 @@ std::vector<std::string> Run::failures() const {
   return all;
 }
 
-/// What of this machine makes run times what they are.
+/// The properties of this machine on which run times depend.
 std::map<std::string, std::string> machine() {
   std::map<std::string, std::string> facts{{"host", os::host_name()},
                                            {"processors", std::to_string(os::allowed_cpus().size())}};
@@ -333,7 +333,8 @@ int run(const RunOptions& options) {
     return 1;
   }
   os::survive_broken_pipes();
-  const auto signals = os::SignalQueue::of_requests_to_end();  // before there are threads, which inherit it
+  const auto signals =
+      os::SignalQueue::of_requests_to_end();  // before any thread is started, so that all inherit it
   if (!signals) {
     complain(signals.problems());
     return 1;
@@ -348,7 +349,7 @@ int run(const RunOptions& options) {
     client::Network network = options.network;
     network.domain = *domain;
     const auto client = client::connect(network, &loaded->cell);
-    if (keep(client) && keep(run.deploy(*client)) && run.went()) {
+    if (keep(client) && keep(run.deploy(*client)) && run.started()) {
       run.serve(*client);
       run.undeploy(*client);
     }
@@ -356,19 +357,20 @@ int run(const RunOptions& options) {
   run.end_nodes();
 
   const Json report = run.report();
-  if (run.went() && !options.profile.empty()) {
+  if (run.started() && !options.profile.empty()) {
     const auto written = write_profile(options.profile, report);
     if (!written) problems.insert(problems.end(), written.problems().begin(), written.problems().end());
   }
-  const bool printed = print(options.json ? run_json(report)
-                             : run.went() ? run_text(report) + violations_text(report)
-                                          : "");
+  const bool printed = print(options.json    ? run_json(report)
+                             : run.started() ? run_text(report) + violations_text(report)
+                                             : "");
   if (!problems.empty()) complain(problems);
   const auto failures = run.failures();
   for (const std::string& failure : failures) {
-    const bool said = std::any_of(problems.begin(), problems.end(),
-                                  [&](const Problem& problem) { return to_text(problem) == failure; });
-    if (!said) std::fprintf(stderr, "%s\n", failure.c_str());
+    const bool printed_above = std::any_of(problems.begin(), problems.end(), [&](const Problem& problem) {
+      return to_text(problem) == failure;
+    });
+    if (!printed_above) std::fprintf(stderr, "%s\n", failure.c_str());
   }
   return problems.empty() && failures.empty() && printed ? 0 : 1;
 }
@@ -385,16 +387,17 @@ void add_run(CLI::App& app, Chosen& chosen) {
       ->check(positive_seconds());
   command->add_flag("--json", options->json, "print the closing report as one JSON object");
   command->add_flag("--require-realtime", options->require_real_time,
-                    "do not run where the system denies real-time scheduling");
+                    "do not run if the system denies real-time scheduling");
   command
-      ->add_option("--profile", options->profile, "at the end, write how long each module ran to this file")
+      ->add_option("--profile", options->profile,
+                   "at the end, write the run times of each module to this file")
       ->type_name("OUT");
   command
       ->add_option("--state-dir", options->state_folder,
                    "keep the fault record of each device in this folder (default: in memory, for this run)")
       ->type_name("DIR");
   command->add_flag("--check-realtime", options->check_real_time,
-                    "name every allocation, lock, system call and page fault in a module's run() or "
+                    "report every allocation, lock, system call and page fault in a module's run() or "
                     "condition(), with the calls that led there; exit with 1 if there were any. Slower");
   command->add_flag("--quiet", options->quiet, "print only the closing report, no line for each event");
   add_network_options(*command, options->network);

@@ -1,4 +1,5 @@
-// takt secure: the authority of a cell, and whom it knows.
+// takt secure: creates and maintains the authority of a cell and the identities that it issues. takt sign:
+// signs components.
 #include <algorithm>
 #include <array>
 #include <ctime>
@@ -49,7 +50,7 @@ std::string date(std::int64_t seconds) {
   return {text.data(), length};
 }
 
-/// The cell of a descriptor, whose topics can all be granted.
+/// The cell of a descriptor. Fails if DDS Security cannot grant access to one of its topics.
 Result<Plan> plan_of(const std::string& file, const client::Network& network, std::string& text) {
   auto cell = descriptor::load(file, &text);
   if (!cell) return cell.problems();
@@ -59,7 +60,7 @@ Result<Plan> plan_of(const std::string& file, const client::Network& network, st
   return Plan{std::move(*cell), *domain};
 }
 
-/// The one that the authority has kept.
+/// The cell that is stored with the authority.
 Result<Plan> kept_plan(const Authority& authority) {
   const auto text = authority.descriptor();
   if (!text) return text.problems();
@@ -92,7 +93,7 @@ int show_authority(const std::string& folder) {
     const std::string state = member.revoked            ? "revoked"
                               : member.until <= now     ? "expired " + date(member.until)
                               : member.problems.empty() ? "until " + date(member.until)
-                                                        : "not in order";
+                                                        : "not valid";
     text += fmt::format("  {:<9} {:<24} {}{}\n", to_text(member.subject.role), member.subject.name, state,
                         warning.empty() || member.revoked || member.until <= now ? "" : ": " + warning);
     problems.insert(problems.end(), member.problems.begin(), member.problems.end());
@@ -108,8 +109,8 @@ int init(const SecureOptions& options) {
   for (const auto* names : {&options.operators, &options.observers}) {
     for (const std::string& name : *names) {
       if (!model::is_valid_name(name))
-        return refuse(
-            {fail(in_quotes(name) + " is no name", "a letter or '_', then letters, digits, '_' and '-'")});
+        return refuse({fail(in_quotes(name) + " is not a valid name",
+                            "use a letter or '_', then letters, digits, '_' and '-', at most 63")});
     }
   }
   auto authority = Authority::create(options.folder, plan->cell.name, now_s());
@@ -135,8 +136,8 @@ int add(const SecureOptions& options) {
   const auto plan = kept_plan(*authority);
   if (!plan) return refuse(plan.problems());
   if (!model::is_valid_name(options.name)) {
-    return refuse({fail(in_quotes(options.name) + " is no name",
-                        "a letter or '_', then letters, digits, '_' and '-', at most 63")});
+    return refuse({fail(in_quotes(options.name) + " is not a valid name",
+                        "use a letter or '_', then letters, digits, '_' and '-', at most 63")});
   }
   const auto role = std::find_if(security::kRoles.begin(), security::kRoles.end(),
                                  [&](Role each) { return to_text(each) == options.role; });
@@ -144,7 +145,7 @@ int add(const SecureOptions& options) {
   if (security::access_of(plan->cell, plan->domain, subject).empty()) {
     return refuse({fail("cell " + authority->cell() +
                             " has no topics for a program: each of its connections " + "has two ends",
-                        "leave out from or to of a connection, and takt secure update")});
+                        "leave out from= or to= of a connection, then run takt secure update")});
   }
   if (auto issued = authority->issue(subject, *plan, options.days, now_s()); !issued)
     return refuse(issued.problems());
@@ -162,8 +163,8 @@ int update_authority(const SecureOptions& options) {
   if (plan->cell.name != authority->cell()) {
     return refuse(
         {{options.file,
-          "it is cell " + plan->cell.name + ", and this is the authority of cell " + authority->cell(),
-          "make an authority for each cell"}});
+          "describes cell " + plan->cell.name + ", but this is the authority of cell " + authority->cell(),
+          "create an authority for each cell: takt secure init"}});
   }
   if (auto kept = authority->keep(text, plan->domain); !kept) return refuse(kept.problems());
   if (auto admitted = admit_devices(*authority, *plan, options.days); !admitted)
@@ -177,20 +178,22 @@ int update_authority(const SecureOptions& options) {
     if (member.subject.role != Role::device || member.revoked || in_cell) continue;
     std::fprintf(
         stderr,
-        "device %s is not in the cell any more, and its identity is valid; takt secure revoke %s %s\n",
+        "device %s is no longer in the cell, but its identity is still valid; takt secure revoke %s %s\n",
         member.subject.name.c_str(), options.folder.c_str(), member.subject.name.c_str());
   }
   return show_authority(options.folder);
 }
 
-/// Those that are meant; all where none is named. A problem for a name that nobody has.
-Result<std::vector<Subject>> meant(const Authority& authority, const std::vector<std::string>& names) {
+/// The identities with these names. Fails for a name that does not exist.
+Result<std::vector<Subject>> subjects_named(const Authority& authority,
+                                            const std::vector<std::string>& names) {
   std::vector<Subject> subjects;
   Problems problems;
   for (const std::string& name : names) {
     const auto found = authority.named(name);
     if (found.empty())
-      problems.push_back(fail("nobody here is named " + in_quotes(name), "takt secure show"));
+      problems.push_back(
+          fail("there is no identity " + in_quotes(name), "takt secure show lists the identities"));
     subjects.insert(subjects.end(), found.begin(), found.end());
   }
   if (!problems.empty()) return problems;
@@ -200,12 +203,14 @@ Result<std::vector<Subject>> meant(const Authority& authority, const std::vector
 int revoke(const SecureOptions& options) {
   auto authority = Authority::open(options.folder);
   if (!authority) return refuse(authority.problems());
-  const auto subjects = meant(*authority, options.names);
+  const auto subjects = subjects_named(*authority, options.names);
   if (!subjects) return refuse(subjects.problems());
   for (const Subject& subject : *subjects) {
     if (auto revoked = authority->revoke(subject, now_s()); !revoked) return refuse(revoked.problems());
   }
-  std::printf("copy crl.pem to every machine of the cell; its nodes refuse it from their next start on\n");
+  std::printf(
+      "copy crl.pem to every machine of the cell; its nodes reject revoked identities from their next start "
+      "on\n");
   return show_authority(options.folder);
 }
 
@@ -214,7 +219,7 @@ int renew(const SecureOptions& options) {
   if (!authority) return refuse(authority.problems());
   const auto plan = kept_plan(*authority);
   if (!plan) return refuse(plan.problems());
-  auto subjects = meant(*authority, options.names);
+  auto subjects = subjects_named(*authority, options.names);
   if (!subjects) return refuse(subjects.problems());
   if (options.names.empty()) {
     for (const security::Member& member : authority->members(now_s())) {
@@ -232,13 +237,14 @@ int renew(const SecureOptions& options) {
 
 void add_secure(CLI::App& app, Chosen& chosen) {
   auto* secure = app.add_subcommand(
-      "secure", "Make and keep the identities of a cell whose network is not trusted (DDS Security)");
+      "secure", "Issue and renew the identities of a cell whose network is not trusted (DDS Security)");
   secure->require_subcommand(1);
   secure->footer(
-      "A folder DIR/devices/NAME, DIR/operators/NAME or DIR/observers/NAME is copied to the machine that it "
-      "is for,\n"
-      "and named there by --security or TAKT_SECURITY. DIR/authority stays at home: who has it can make "
-      "anybody.");
+      "Copy each folder DIR/devices/NAME, DIR/operators/NAME or DIR/observers/NAME to the machine that it "
+      "is\n"
+      "for, and name it there with --security or TAKT_SECURITY. Never copy DIR/authority: anyone who has it "
+      "can\n"
+      "issue any identity.");
   const auto command = [&](const char* name, const char* text, int (*run)(const SecureOptions&)) {
     auto options = std::make_shared<SecureOptions>();
     auto* made = secure->add_subcommand(name, text);
@@ -246,14 +252,14 @@ void add_secure(CLI::App& app, Chosen& chosen) {
     return std::pair{made, options};
   };
   const auto days = [](CLI::App* made, SecureOptions& options) {
-    made->add_option("--days", options.days, "how long the identities are valid: 1 to 3650")
+    made->add_option("--days", options.days, "how long the identities are valid, in days: 1 to 3650")
         ->type_name("N")
         ->check(CLI::Range(1, 3650).description(""))
         ->capture_default_str();
   };
   const auto domain = [](CLI::App* made, SecureOptions& options) {
     made->add_option("--domain", options.network.domain,
-                     "the DDS domain that it is for (else TAKT_DOMAIN, else the descriptor's, else 0)")
+                     "the DDS domain of the cell (default: TAKT_DOMAIN, else the descriptor's, else 0)")
         ->type_name("N")
         ->check(CLI::Range(0, 232).description(""));
   };
@@ -262,53 +268,55 @@ void add_secure(CLI::App& app, Chosen& chosen) {
   };
   {
     const auto [made, options] = command(
-        "init", "A new authority, with an identity for each device of the cell and for operators", init);
+        "init", "Create an authority, with an identity for each device of the cell and for operators", init);
     made->add_option("FILE", options->file, "the cell")->required();
     folder(made, *options);
-    made->add_option("--operator", options->operators, "who may command (unless given one, named operator)")
+    made->add_option("--operator", options->operators,
+                     "an operator, who may command (default: one named operator); may be repeated")
         ->type_name("NAME");
-    made->add_option("--observer", options->observers, "who may look and not command")->type_name("NAME");
+    made->add_option("--observer", options->observers, "an observer, who may only read; may be repeated")
+        ->type_name("NAME");
     days(made, *options);
     domain(made, *options);
   }
   {
     const auto [made, options] =
-        command("add", "One more operator, observer, or program that is not Takt's", add);
+        command("add", "Issue an identity to another operator, observer, or program outside Takt", add);
     folder(made, *options);
-    made->add_option(
-            "ROLE", options->role,
-            "operator, observer, or program: that writes and reads what connections with one end leave "
-            "to it")
+    made->add_option("ROLE", options->role,
+                     "operator, observer, or program; a program may write and read the topics of connections "
+                     "that have "
+                     "only one end")
         ->required()
         ->check(CLI::IsMember({"operator", "observer", "program"}).description(""));
-    made->add_option("NAME", options->name, "a name")->required();
+    made->add_option("NAME", options->name, "the name of the new identity")->required();
     days(made, *options);
   }
   {
     const auto [made, options] = command(
-        "update", "The cell has changed: permissions for all anew, identities for devices that are new",
+        "update", "After the cell has changed: issue new permissions to all, and identities to new devices",
         update_authority);
     folder(made, *options);
     made->add_option("FILE", options->file, "the cell")->required();
     days(made, *options);
-    made->add_option("--domain", options->network.domain, "another DDS domain than before")
+    made->add_option("--domain", options->network.domain, "the new DDS domain, if it has changed")
         ->type_name("N")
         ->check(CLI::Range(0, 232).description(""));
   }
   {
     const auto [made, options] =
-        command("renew", "New keys and certificates, before the old ones expire", renew);
+        command("renew", "Issue new keys and certificates before the old ones expire", renew);
     folder(made, *options);
-    made->add_option("NAME", options->names, "whose (all, unless named)");
+    made->add_option("NAME", options->names, "the identities to renew (default: all)");
     days(made, *options);
   }
   {
-    const auto [made, options] = command("revoke", "Take identities back", revoke);
+    const auto [made, options] = command("revoke", "Revoke identities", revoke);
     folder(made, *options);
-    made->add_option("NAME", options->names, "whose")->required();
+    made->add_option("NAME", options->names, "the identities to revoke")->required();
   }
   {
-    const auto [made, options] = command("show", "Who there is, and how long each is valid",
+    const auto [made, options] = command("show", "List the identities and how long each is valid",
                                          [](const SecureOptions& o) { return show_authority(o.folder); });
     folder(made, *options);
   }
@@ -317,21 +325,22 @@ void add_secure(CLI::App& app, Chosen& chosen) {
 void add_sign(CLI::App& app, Chosen& chosen) {
   auto files = std::make_shared<std::vector<std::string>>();
   auto folder = std::make_shared<std::string>();
-  auto* made = app.add_subcommand("sign", "Sign the files of components, each as FILE.sig beside it");
-  made->add_option("FILE", *files, "files of components")->required();
-  made->add_option("--key", *folder, "the folder of the authority that signs (takt secure init)")
+  auto* made = app.add_subcommand("sign", "Sign components: write FILE.sig beside each FILE");
+  made->add_option("FILE", *files, "components (.so or .exe)")->required();
+  made->add_option("--key", *folder, "the folder of the authority that signs, from takt secure init")
       ->type_name("DIR")
       ->required();
   made->footer(
-      "A node uses signed components alone where --signed-by or TAKT_SIGNED_BY names the certificate that is "
-      "printed,\nor where it lies as components.cert.pem in the node's folder of --security.");
+      "This prints the name of a certificate. A node accepts only signed components if it has that "
+      "certificate:\n"
+      "named by --signed-by or TAKT_SIGNED_BY, or as components.cert.pem in the folder of its identity.");
   made->callback([files, folder, &chosen] {
     chosen = [files, folder] {
       auto authority = Authority::open(*folder);
       if (!authority) return refuse(authority.problems());
       const auto certificate = authority->sign_components(*files, now_s());
       if (!certificate) return refuse(certificate.problems());
-      return print(fmt::format("{} signed; checked with {}\n", files->size(), *certificate)) ? 0 : 1;
+      return print(fmt::format("{} signed; certificate: {}\n", files->size(), *certificate)) ? 0 : 1;
     };
   });
 }

@@ -1,4 +1,4 @@
-// Runs a cell on virtual time, in this process alone.
+// takt simulate: runs a cell on virtual time, in a single process.
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -31,7 +31,7 @@ namespace takt::tool {
 
 namespace {
 
-/// Bytes of a script.
+/// The maximum size of a script, in bytes.
 constexpr std::size_t kMostScript = std::size_t{16} * 1024 * 1024;
 
 struct SimulateOptions {
@@ -56,14 +56,14 @@ class Trace final : public simulation::Listener {
     std::FILE* to = file == "-" ? stdout : std::fopen(file.c_str(), "w");
     if (to == nullptr)
       return Problem{file, std::string{"cannot be written: "} + std::strerror(errno),
-                     "give another file for the trace"};
+                     "name another file for the trace"};
     return std::unique_ptr<Trace>(new Trace{to, cell});
   }
   ~Trace() override { close(); }
   Trace(const Trace&) = delete;
   Trace& operator=(const Trace&) = delete;
 
-  void hear(const simulation::Event& event) override {
+  void on_event(const simulation::Event& event) override {
     line_ = simulation::to_text(event, cell_, simulation::kT0);
     line_ += '\n';
     written_ &= std::fwrite(line_.data(), 1, line_.size(), to_) == line_.size();
@@ -108,7 +108,7 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
       const double took = std::chrono::duration<double>(os::now() - begun).count();
       progress.show(share_text(
           seconds / length,
-          fmt::format("{:.1f} of {:g} s simulated, {:.0f} times as fast", seconds, length, seconds / took),
+          fmt::format("{:.1f} of {:g} s simulated, {:.0f} times real time", seconds, length, seconds / took),
           {.unicode = is_utf8()}));
     };
   }
@@ -120,21 +120,22 @@ int show_simulation(const SimulateOptions& options, const model::Cell& cell,
     return 1;
   }
   if (trace && !trace->close()) {
-    complain({{options.trace, "the trace could not be written in full", "see whether the disk is full"}});
+    complain(
+        {{options.trace, "the trace could not be written completely", "check whether the disk is full"}});
     return 1;
   }
   const bool printed =
       print(options.json ? model::json_text(course->report) + "\n" : run_text(course->report));
   const double simulated_s = std::chrono::duration<double>(simulated.length).count();
-  std::fprintf(stderr, "takt: simulated %g s in %.3f s, %.0f times as fast; seed %llu\n", simulated_s,
+  std::fprintf(stderr, "takt: simulated %g s in %.3f s, %.0f times real time; seed %llu\n", simulated_s,
                took.count(), simulated_s / took.count(), static_cast<unsigned long long>(simulated.seed));
   if (!course->failures.empty()) complain(course->failures);
   for (const std::string& violation : course->violations)
-    std::fprintf(stderr, "takt: error: must not happen: %s\n", violation.c_str());
+    std::fprintf(stderr, "takt: error: invariant violated: %s\n", violation.c_str());
   return course->failures.empty() && course->violations.empty() && printed ? 0 : 1;
 }
 
-/// What nobody has a descriptor of.
+/// The random cell in words, because it has no descriptor.
 std::string words_of(const simulation::RandomCell& random) {
   const model::Cell& cell = random.cell;
   std::string text;
@@ -158,12 +159,12 @@ std::string words_of(const simulation::RandomCell& random) {
                         connection.deadline ? ", deadline " + to_text(*connection.deadline) : "",
                         connection.stale == model::Stale::error ? ", stale is an error" : "");
   }
-  return text + fmt::format("# {} faults a second for {}, {} processors a device\n",
+  return text + fmt::format("# {} faults a second for {}, {} CPUs per device\n",
                             random.options.faults_per_second, to_text(random.options.length),
                             random.options.cpus);
 }
 
-/// Names of modules that are scheduled and state no budget.
+/// The names of the scheduled modules that have no budget.
 std::string without_budget(const model::Cell& cell) {
   std::string names;
   for (const model::Device& device : cell.devices) {
@@ -181,7 +182,7 @@ int simulate(const SimulateOptions& options) {
     if (!options.json && !print(words_of(random))) return 1;
     return show_simulation(options, random.cell, random.plans, {}, random.options);
   }
-  Problems missing;  // the components themselves are not needed
+  Problems missing;  // not reported: a simulation does not need the components
   const auto loaded = load(options.file, &missing);
   if (!loaded) {
     complain(loaded.problems());
@@ -198,7 +199,7 @@ int simulate(const SimulateOptions& options) {
       complain(profile.problems());
       return 1;
     }
-    // Refused as `takt check` does: a profile that says nothing of a module would be a guess.
+    // Reject an incomplete profile, as `takt check` does: run times of other modules would be guesses.
     if (const auto runs = schedule::longest_runs(loaded->cell, &*profile, 1); !runs) {
       complain(runs.problems());
       return 1;
@@ -208,7 +209,8 @@ int simulate(const SimulateOptions& options) {
   if (!options.script.empty()) {
     const auto text = os::read_file(options.script, kMostScript);
     if (!text || !*text) {
-      complain(text ? Problems{{options.script, "there is no such file", "one with a fault a line"}}
+      complain(text ? Problems{{options.script, "there is no such file",
+                                "name a script with one fault per line; see takt simulate --help"}}
                     : text.problems());
       return 1;
     }
@@ -222,8 +224,8 @@ int simulate(const SimulateOptions& options) {
   if (const std::string guessed = without_budget(loaded->cell); options.profile.empty() && !guessed.empty()) {
     std::fprintf(
         stderr,
-        "takt: warning: nothing is known of how long these run, so they are given 5 %% of their period or "
-        "deadline: %s; state their budgets, or measure them: takt run --profile\n",
+        "takt: warning: the run times of these modules are not known, so each is assumed to take 5 %% of its "
+        "period or deadline: %s; give them a <budget>, or measure them with takt run --profile\n",
         guessed.c_str());
   }
   return show_simulation(options, loaded->cell, loaded->plans, loaded->ports, std::move(simulated));
@@ -234,59 +236,61 @@ int simulate(const SimulateOptions& options) {
 void add_simulate(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<SimulateOptions>();
   auto* command = app.add_subcommand(
-      "simulate",
-      "Run a descriptor on virtual time: the whole cell in one process, faster than it would run");
+      "simulate", "Run a descriptor on virtual time: the whole cell in one process, faster than real time");
   auto* file =
-      command->add_option("FILE", options->file, "a cell, or a module.xml; its components are not called");
+      command->add_option("FILE", options->file, "a cell, or a module.xml; components are not called");
   auto* length =
-      command->add_option("--for", options->seconds, "from the first row to the end; 10 unless given")
+      command
+          ->add_option("--for", options->seconds, "simulated time from the first row to the end (default 10)")
           ->type_name("SECONDS")
           ->check(within(1e-6, 1e6));
   auto* seed =
       command
-          ->add_option("--seed", options->seed, "what is left to chance; the same seed gives the same trace")
+          ->add_option("--seed", options->seed,
+                       "the seed of the random numbers; the same seed gives the same trace (default 1)")
           ->type_name("N")
           ->check(whole_number());
   auto* script =
-      command->add_option("--script", options->script, "what is to go wrong, one fault a line; see below")
+      command->add_option("--script", options->script, "a file of faults to inject, one per line; see below")
           ->type_name("FILE");
-  auto* profile =
+  auto* profile = command
+                      ->add_option("--profile", options->profile,
+                                   "the run times that takt run --profile wrote (default: the budgets)")
+                      ->type_name("FILE");
+  auto* faults = command->add_option("--faults", options->faults, "add this many random faults per second")
+                     ->type_name("PER_SECOND")
+                     ->check(within(0.0, 1e5));
+  auto* cpus =
       command
-          ->add_option("--profile", options->profile,
-                       "how long modules run, as takt run --profile wrote it; else by their budgets")
-          ->type_name("FILE");
-  auto* faults =
-      command->add_option("--faults", options->faults, "so many more a second, drawn from the seed")
-          ->type_name("PER_SECOND")
-          ->check(within(0.0, 1e5));
-  auto* cpus = command
-                   ->add_option("--cpus", options->cpus,
-                                "processors of each device that executors without a cpu share")
-                   ->type_name("N")
-                   ->check(CLI::Range(1, 1024).description(""));
+          ->add_option("--cpus", options->cpus, "the CPUs of each device that executors without a cpu share")
+          ->type_name("N")
+          ->check(CLI::Range(1, 1024).description(""));
   command
       ->add_option("--trace", options->trace,
-                   "write everything that happens to this file, a line each; - is standard output")
+                   "write every event to this file, one per line; - for standard output")
       ->type_name("FILE");
   auto* json = command->add_flag("--json", options->json, "print the closing report as one JSON object");
-  auto* random = command
-                     ->add_option("--random-cell", options->random_cell,
-                                  "a small cell by chance instead of a file, as the tests use it")
-                     ->type_name("N")
-                     ->check(whole_number())
-                     ->excludes(file);
-  for (auto* fixed : {length, seed, script, profile, faults, cpus}) random->excludes(fixed);  // by N
+  auto* random =
+      command
+          ->add_option("--random-cell", options->random_cell,
+                       "simulate the small random cell number N instead of FILE; used by the tests")
+          ->type_name("N")
+          ->check(whole_number())
+          ->excludes(file);
+  // N determines all of these.
+  for (auto* fixed : {length, seed, script, profile, faults, cpus}) random->excludes(fixed);
   command->footer(
-      "Status: 0 when the cell ended in order, 1 when a module or device was given up or something happened "
-      "that must\n"
-      "not, whatever the faults. A module without a budget, and without a profile, takes 5 % of its period "
-      "or deadline.\n\n"
-      "A script, times from the first row on, in ns, us, ms or s:\n" +
+      "Exit status: 0 the cell ended cleanly; 1 a module or device was given up, or an invariant was "
+      "violated\n"
+      "that must hold whatever the faults. Without a budget and a profile, a module takes 5 % of its period "
+      "or\n"
+      "deadline.\n\n"
+      "A script; times count from the first row, in ns, us, ms or s:\n" +
       simulation::script_help());
   command->callback([options, file, random, json, &chosen] {
     if (file->count() == 0 && random->count() == 0) throw CLI::RequiredError("FILE");
     if (options->trace == "-" && json->count() != 0)
-      throw CLI::ValidationError("--trace", "- and --json both want standard output");
+      throw CLI::ValidationError("--trace", "- and --json both need standard output");
     options->is_random = random->count() != 0;
     chosen = [options] { return simulate(*options); };
   });

@@ -1,4 +1,4 @@
-// takt trace: what a device's executors did last, and why something began late.
+// takt trace: shows what the executors of a device did in the last seconds, and why a release was late.
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -29,7 +29,7 @@ struct TraceOptions {
   client::Network network;
 };
 
-Result<std::string> of_device(const TraceOptions& options) {
+Result<std::string> read_trace_of_device(const TraceOptions& options) {
   const auto client = client::connect(options.network);
   if (!client) return client.problems();
   auto answer =
@@ -50,26 +50,26 @@ int trace(const TraceOptions& options) {
   if (!content) return refuse(content.problems());
   const bool is_file = content->has_value();
   if (!is_file && options.target.find_first_of("/.") != std::string::npos) {
-    return refuse({{options.target, "there is no such file, and a device is not called like that",
-                    "say the name of a device, or a file that takt trace wrote"}});
+    return refuse({{options.target, "is not a file that exists, and not a valid device name",
+                    "give the name of a device, or a file that takt trace wrote"}});
   }
-  const auto text = is_file ? Result<std::string>{std::move(**content)} : of_device(options);
+  const auto text = is_file ? Result<std::string>{std::move(**content)} : read_trace_of_device(options);
   if (!text) return refuse(text.problems());
   if (!options.output.empty()) {
     if (const auto written = os::replace_file(options.output, *text); !written)
       return refuse(written.problems());
   }
-  const auto of_target = [&](Problems problems) {
+  const auto refuse_target = [&](Problems problems) {
     for (Problem& problem : problems) problem.where = options.target;
     return refuse(problems);
   };
   const nlohmann::ordered_json trace = model::parse_json(*text);
   const auto summary = summary_of(trace);
-  if (!summary) return of_target(summary.problems());
+  if (!summary) return refuse_target(summary.problems());
   if (!options.svg.empty()) {
-    const auto picture = trace_svg(trace);
-    if (!picture) return of_target(picture.problems());
-    if (const auto written = os::replace_file(options.svg, *picture); !written)
+    const auto drawing = trace_svg(trace);
+    if (!drawing) return refuse_target(drawing.problems());
+    if (const auto written = os::replace_file(options.svg, *drawing); !written)
       return refuse(written.problems());
   }
   return print(options.json ? model::json_text(trace_json_report(*summary)) + "\n"
@@ -83,14 +83,17 @@ int trace(const TraceOptions& options) {
 void add_trace(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<TraceOptions>();
   auto* command = app.add_subcommand(
-      "trace", "Show what a device's executors did in the last seconds, and why something began late");
-  command->add_option("DEVICE|FILE", options->target, "a device, or a trace that was written")->required();
-  command->add_option("--last", options->seconds, "of a device: how far back")
+      "trace",
+      "Show what the executors of a device did in the last seconds, and why a row or module was late");
+  command->add_option("DEVICE|FILE", options->target, "a device, or a trace written with -o")->required();
+  command->add_option("--last", options->seconds, "how far back to look; for a device only (default 5)")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.001, 3600.0));
-  command->add_option("-o,--output", options->output, "write the trace to this file, for ui.perfetto.dev too")
+  command
+      ->add_option("-o,--output", options->output,
+                   "write the trace to this file; ui.perfetto.dev can read it too")
       ->type_name("FILE");
-  command->add_option("--svg", options->svg, "draw what ran when into this file; best of --last 0.1 or less")
+  command->add_option("--svg", options->svg, "draw what ran when to this file; best with --last 0.1 or less")
       ->type_name("OUT");
   command->add_flag("--json", options->json, "print the summary as one JSON object");
   add_network_options(*command, options->network);

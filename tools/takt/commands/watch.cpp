@@ -1,5 +1,5 @@
-// takt watch: every device and module of a domain, live. In a terminal a screen with keys; else a line for
-// each transition.
+// takt watch: shows every device and module of a domain, live. In a terminal this is a screen with keys;
+// otherwise it prints a line for each transition.
 #include <atomic>
 #include <deque>
 #include <functional>
@@ -12,7 +12,7 @@
 
 #include <takt/client/connection.hpp>
 #include <takt/core/words.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/os/clock.hpp>
 #include <takt/os/keyboard.hpp>
@@ -37,12 +37,12 @@ struct WatchOptions {
   client::Network network;
 };
 
-/// What goes on, from the threads of DDS to ours.
+/// Queue of events from the DDS threads to the main thread.
 class News {
  public:
   struct Piece {
     std::string line;
-    std::optional<LifecycleStatus> transition{};  ///< that the line tells, if it tells one
+    std::optional<LifecycleStatus> transition{};  ///< if the line is about a transition
   };
   explicit News(os::Notice notice) : notice_(std::move(notice)) {}
 
@@ -58,7 +58,7 @@ class News {
     const std::lock_guard lock{mutex_};
     return std::exchange(pieces_, {});
   }
-  /// Can be read when there is something to take.
+  /// Readable when there is something to take.
   [[nodiscard]] const os::Fd& fd() const noexcept { return notice_.fd(); }
   [[nodiscard]] const os::Notice& notice() const noexcept { return notice_; }
 
@@ -76,7 +76,7 @@ std::string line_of(const LifecycleStatus& s) {
                      text.empty() ? "" : " (" + on_one_line(text) + ")");
 }
 
-std::string line_of(const dds::ObservedDevice& device) {
+std::string line_of(const wire::ObservedDevice& device) {
   const DeviceStatus& s = device.status;
   const std::string text = s.text().to_string();
   std::string state = device.alive ? to_text(s.state()) : "LOST";
@@ -117,10 +117,10 @@ CommandKind kind_of(watch::Verb verb) {
   return COMMAND_START;
 }
 
-/// Questions to nodes, each on a thread of its own: an answer may take seconds, and the screen goes on.
+/// Questions to nodes. Each runs on its own thread: an answer may take seconds, and the screen must not wait.
 class Questions {
  public:
-  /// `notice` is given whenever one has been answered; all of it outlives this.
+  /// `notice` is given for each answer. `asker` and `notice` outlive this object.
   Questions(client::Operator& asker, const os::Notice& notice) : asker_(asker), notice_(notice) {}
   Questions(const Questions&) = delete;
   Questions& operator=(const Questions&) = delete;
@@ -129,8 +129,8 @@ class Questions {
     for (auto& one : open_) one->thread.join();
   }
 
-  using Then = std::function<void(const Result<dds::WholeReply>&)>;
-  /// `then` is called by take_answers(). False: too many are open.
+  using Then = std::function<void(const Result<wire::WholeReply>&)>;
+  /// take_answers() calls `then` with the answer. False if too many questions are open.
   bool ask(client::Question question, std::string words, Then then) {
     if (open_.size() >= kMost) return false;
     auto one = std::make_unique<Open>();
@@ -145,7 +145,7 @@ class Questions {
     open_.push_back(std::move(one));
     return true;
   }
-  /// True when there was one.
+  /// Handles the answers that have arrived. True if there was at least one.
   bool take_answers() {
     bool any = false;
     for (auto at = open_.begin(); at != open_.end();) {
@@ -161,7 +161,7 @@ class Questions {
     }
     return any;
   }
-  /// Those that a person waits for: "stop of robot.servo, 3 s".
+  /// The open questions that the user waits for: "stop of robot.servo, 3 s".
   [[nodiscard]] std::vector<std::string> open() const {
     std::vector<std::string> all;
     for (const auto& one : open_) {
@@ -178,7 +178,7 @@ class Questions {
     std::string words;
     Instant since{};
     Then then;
-    std::optional<Result<dds::WholeReply>> answer{};
+    std::optional<Result<wire::WholeReply>> answer{};
     std::atomic<bool> done{false};
     std::thread thread{};
   };
@@ -188,7 +188,7 @@ class Questions {
   std::vector<std::unique_ptr<Open>> open_;
 };
 
-/// The screen as it is shown, from the first key to the last.
+/// The interactive screen, from its first drawing until the user quits.
 class Screen {
  public:
   Screen(const client::Connection& client, News& news)
@@ -197,10 +197,10 @@ class Screen {
   int show(const os::SignalQueue& signals, double seconds);
 
  private:
-  void hear();
-  void ask_for_descriptors(const std::vector<dds::ObservedDevice>& devices);
-  void order(const watch::Order& order);
-  /// False: asked to leave.
+  void take_news();
+  void ask_for_descriptors(const std::vector<wire::ObservedDevice>& devices);
+  void send(const watch::Command& command);
+  /// False if the user wants to quit.
   bool press_keys();
   bool draw();
 
@@ -209,63 +209,63 @@ class Screen {
   Watched watched_;
   os::Keyboard keyboard_;
   watch::View view_;
-  watch::Seen seen_;
+  watch::Snapshot snapshot_;
   watch::Shown shown_;
   std::vector<std::string> on_terminal_;
   os::Keyboard::Size size_{};
   std::optional<Questions> questions_;
 };
 
-void Screen::hear() {
+void Screen::take_news() {
   for (News::Piece& piece : news_.take()) {
-    if (piece.transition) watched_.hear(*piece.transition);
-    watched_.hear(piece.line);
+    if (piece.transition) watched_.add(*piece.transition);
+    watched_.add(piece.line);
   }
 }
 
-void Screen::ask_for_descriptors(const std::vector<dds::ObservedDevice>& devices) {
+void Screen::ask_for_descriptors(const std::vector<wire::ObservedDevice>& devices) {
   const auto unknown = watched_.unknown(devices, os::now());
   if (!unknown) return;
   const client::Question question{.kind = COMMAND_DESCRIPTOR, .device = unknown->device};
-  questions_->ask(question, "", [this, id = unknown->deployment](const Result<dds::WholeReply>& answer) {
+  questions_->ask(question, "", [this, id = unknown->deployment](const Result<wire::WholeReply>& answer) {
     if (!answer || answer->head.code() != REPLY_OK) return;
     auto cell = descriptor::parse(answer->data, answer->head.value().to_string());
-    if (cell) watched_.hear(id, std::make_shared<const model::Cell>(std::move(*cell)));
+    if (cell) watched_.add(id, std::make_shared<const model::Cell>(std::move(*cell)));
   });
 }
 
-void Screen::order(const watch::Order& order) {
-  const std::size_t dot = order.target.find('.');
-  const std::string module = dot == std::string::npos ? "" : order.target.substr(dot + 1);
-  const client::Question question{.kind = kind_of(order.verb),
-                                  .device = order.target.substr(0, dot),
+void Screen::send(const watch::Command& command) {
+  const std::size_t dot = command.target.find('.');
+  const std::string module = dot == std::string::npos ? "" : command.target.substr(dot + 1);
+  const client::Question question{.kind = kind_of(command.verb),
+                                  .device = command.target.substr(0, dot),
                                   .module = module,
                                   .limit = std::chrono::seconds{20}};
   const bool asked = questions_->ask(
-      question, fmt::format("{} of {}", to_text(order.verb), order.target),
-      [this, order, module](const Result<dds::WholeReply>& reply) {
+      question, fmt::format("{} of {}", to_text(command.verb), command.target),
+      [this, command, module](const Result<wire::WholeReply>& reply) {
         const auto answer = client::accepted(reply);
         if (answer) {
-          view_.message =
-              order.target + ": " + (module.empty() ? "all do it" : to_text(answer->head.state()));
+          view_.message = command.target + ": " +
+                          (module.empty() ? "done for all modules" : to_text(answer->head.state()));
           return;
         }
         Problems problems = answer.problems();
-        for (Problem& problem : problems)  // its device answered, and the order says which that is
-          if (problem.where == "device " + order.target.substr(0, order.target.find('.')))
-            problem.where = order.target;
+        for (Problem& problem : problems)  // the target already names the device
+          if (problem.where == "device " + command.target.substr(0, command.target.find('.')))
+            problem.where = command.target;
         view_.message = in_words(problems);
       });
-  if (!asked) view_.message = "too many orders are not answered yet: this one was not given";
+  if (!asked) view_.message = "not sent: too many commands have no answer yet";
 }
 
 bool Screen::press_keys() {
   while (const auto key = keyboard_.next()) {
     const watch::Done done = watch::press(view_, *key, shown_);
     if (done.quit) return false;
-    if (done.order) order(*done.order);
-    // The next key finds what this one has left.
-    shown_ = watch::draw(seen_, view_, size_.columns, size_.rows, screen_style()).shown;
+    if (done.command) send(*done.command);
+    // The next key may depend on what this one changed.
+    shown_ = watch::draw(snapshot_, view_, size_.columns, size_.rows, screen_style()).shown;
   }
   return true;
 }
@@ -274,8 +274,8 @@ bool Screen::draw() {
   const auto size = keyboard_.size();
   if (size.columns != size_.columns || size.rows != size_.rows) on_terminal_.clear();
   size_ = size;
-  seen_.orders = questions_->open();
-  watch::Screen screen = watch::draw(seen_, view_, size.columns, size.rows, screen_style());
+  snapshot_.commands = questions_->open();
+  watch::Screen screen = watch::draw(snapshot_, view_, size.columns, size.rows, screen_style());
   shown_ = std::move(screen.shown);
   const std::string changes = watch::changes(on_terminal_, screen.lines);
   on_terminal_ = std::move(screen.lines);
@@ -283,11 +283,11 @@ bool Screen::draw() {
 }
 
 int Screen::show(const os::SignalQueue& signals, double seconds) {
-  constexpr std::chrono::milliseconds kLooks{200};  // between two looks at what nobody tells
+  constexpr std::chrono::milliseconds kLooks{200};  // between two polls of what is not pushed as an event
   const Instant end =
       os::now() + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
   questions_.emplace(*client_.asker, news_.notice());
-  // A screen of its own, without a cursor, whose lines end at its edge.
+  // Switch to the alternate screen, hide the cursor, and turn line wrap off.
   static_cast<void>(print("\033[?1049h\033[?25l\033[?7l"));
   const auto leave = [](int status) {
     static_cast<void>(print("\033[?7h\033[?25h\033[?1049l"));
@@ -297,13 +297,13 @@ int Screen::show(const os::SignalQueue& signals, double seconds) {
   while (seconds == 0 || os::now() < end) {
     os::wait_readable({&signals.fd(), &keyboard_.fd(), &news_.fd()}, 50);
     if (signals.next()) return leave(0);
-    hear();
+    take_news();
     const bool answered = questions_->take_answers();
     if (answered || os::now() - looked >= kLooks) {
       looked = os::now();
       const auto devices = client_.observer->devices();
       ask_for_descriptors(devices);
-      seen_ = watched_.seen(devices, os::now());
+      snapshot_ = watched_.snapshot(devices, os::now());
     }
     if (!press_keys()) return leave(0);
     if (!draw()) return leave(1);
@@ -327,7 +327,7 @@ int follow(const WatchOptions& options) {
                     [&news](const LifecycleStatus& status) {
                       news.add({line_of(status), status});
                     },
-                .device = [&news](const dds::ObservedDevice& device) { news.add({line_of(device)}); }},
+                .device = [&news](const wire::ObservedDevice& device) { news.add({line_of(device)}); }},
        .statistics = true});
   if (!client) return refuse(client.problems());
   if (!os::Keyboard::is_terminal()) return print_lines(options, *signals, news);
@@ -339,10 +339,10 @@ int follow(const WatchOptions& options) {
 
 void add_watch(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<WatchOptions>();
-  auto* command = app.add_subcommand("watch",
-                                     "Show every device and module live, with keys to start, stop and "
-                                     "recover; not in a terminal, a line for each "
-                                     "transition");
+  auto* command =
+      app.add_subcommand("watch",
+                         "Show every device and module live, with keys to start, stop and recover; "
+                         "without a terminal, print a line for each transition");
   command->add_option("--for", options->seconds, "end after this long")
       ->type_name("SECONDS")
       ->check(within(0.0, 1e9));

@@ -1,4 +1,4 @@
-// takt web: the cell as a page for browsers.
+// takt web: serves a page of the cell for browsers.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -32,15 +32,15 @@ struct WebOptions {
   client::Network network;
 };
 
-/// Empty: nobody may command.
+/// The token that allows commands. Empty if commands are not allowed.
 Result<std::string> token_of(const WebOptions& options) {
   if (options.token_file.empty()) return options.commands ? web::random_word(16) : std::string{};
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::perms mode = fs::status(options.token_file, error).permissions();
   if (!error && (mode & (fs::perms::group_all | fs::perms::others_all)) != fs::perms::none) {
-    return Problem{options.token_file, "others may read it",
-                   "whoever has the token may command the cell: chmod 600 " + options.token_file};
+    return Problem{options.token_file, "is readable by other users",
+                   "anyone with the token may command the cell: chmod 600 " + options.token_file};
   }
   const auto content = os::read_file(options.token_file, kMostToken);
   if (!content) return content.problems();
@@ -49,7 +49,7 @@ Result<std::string> token_of(const WebOptions& options) {
   const bool plain =
       std::all_of(token.begin(), token.end(), [](unsigned char c) { return c > ' ' && c < 127; });
   if (token.size() < kLeastToken || !plain) {
-    return Problem{options.token_file, "its first line is no token",
+    return Problem{options.token_file, "its first line is not a valid token",
                    fmt::format("write at least {} letters and digits: openssl rand -hex 16", kLeastToken)};
   }
   return token;
@@ -60,7 +60,8 @@ int serve(const WebOptions& options) {
     complain(problems);
     return 1;
   };
-  const auto signals = os::SignalQueue::of_requests_to_end();  // before there are threads, which inherit it
+  const auto signals =
+      os::SignalQueue::of_requests_to_end();  // before any thread is started, so that all inherit it
   if (!signals) return refuse(signals.problems());
   os::survive_broken_pipes();
   web::ServerOptions server_options = options.server;
@@ -75,9 +76,9 @@ int serve(const WebOptions& options) {
   std::string host = everywhere ? os::host_name() : server_options.address;
   if (host.find(':') != std::string::npos) host = "[" + host + "]";
   const std::string url = fmt::format("http://{}:{}/", host, (*server)->port());
-  std::string text = "domain " + std::to_string((*gateway)->domain()) + " is to be seen at " + url + "\n";
+  std::string text = "domain " + std::to_string((*gateway)->domain()) + " is shown at " + url + "\n";
   if (options.token_file.empty() && !token->empty())
-    text += "whoever is to command it opens " + url + "#token=" + *token + "\n";
+    text += "operators open " + url + "#token=" + *token + "\n";
   if (!print(text)) return 1;
   while (!signals->next()) os::wait_readable({&signals->fd()}, 1000);
   return 0;
@@ -89,21 +90,22 @@ void add_web(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<WebOptions>();
   auto* command = app.add_subcommand(
       "web", "Serve a page that shows every device and module live, and metrics for Prometheus");
-  command->add_option("--port", options->server.port, "to listen on; 0: one that is free")
+  command->add_option("--port", options->server.port, "the TCP port to listen on; 0: any free port")
       ->type_name("N")
       ->check(CLI::Range(0, 65535).description(""))
       ->capture_default_str();
   command
       ->add_option("--listen", options->server.address,
-                   "the address to listen on; 0.0.0.0: all of this machine, for others to see")
+                   "the address to listen on; 0.0.0.0: all addresses, so that other machines see the page")
       ->type_name("ADDRESS")
       ->capture_default_str();
-  command->add_flag("--commands", options->commands,
-                    "let whoever has the token that is printed start, stop and recover modules and set "
-                    "properties; without it the page is only to look at");
+  command->add_flag(
+      "--commands", options->commands,
+      "print a token; anyone who has it may start, stop and recover modules and set properties. "
+      "Without this option the page is read-only");
   command
       ->add_option("--token-file", options->token_file,
-                   "the same with a token of your own: the first line of this file, which only you may read")
+                   "the same with your own token: the first line of this file, which only you may read")
       ->type_name("FILE");
   add_network_options(*command, options->network);
   command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });

@@ -1,5 +1,5 @@
-// A picture as SVG. Nobody can measure text here, so every text is given room for the widest letters of a
-// monospaced font, and the picture is made as large as what was drawn on it.
+// Draws SVG. The width of text cannot be measured here, so every text gets room for the widest letters of a
+// monospaced font. The drawing is as large as its content.
 #pragma once
 
 #include <iterator>
@@ -19,10 +19,10 @@ inline constexpr double kNormal = 12;
 inline constexpr double kLarge = 14;
 inline constexpr double kMargin = 20;
 
-/// What a text of this size takes at most.
+/// The maximum width of a text, in pixels.
 double width_of(std::string_view text, double size);
 
-/// For a text or an attribute of XML.
+/// The text, escaped for XML texts and attributes.
 std::string escaped(std::string_view text);
 
 struct Point {
@@ -30,25 +30,25 @@ struct Point {
   double y = 0;
 };
 
-/// Remembers how far the drawing reaches.
+/// Collects the elements of a drawing and its extent.
 class Canvas {
  public:
   void text(double x, double y, double size, std::string_view classes, std::string_view text);
   void centred(double x, double y, double size, std::string_view classes, std::string_view text);
-  /// Ends at x.
+  /// Text that ends at x.
   void text_before(double x, double y, double size, std::string_view classes, std::string_view text);
   void rectangle(double x, double y, double width, double height, std::string_view classes,
                  double radius = 0);
   void line(double x1, double y1, double x2, double y2, std::string_view classes);
   void diamond(double x, double y, double size, std::string_view classes);
-  /// At least two points; from the last back to the first if it is closed.
+  /// A line through at least two points; a closed path returns to the first point.
   void path(const std::vector<Point>& points, std::string_view classes, bool closed = false);
   void circle(double x, double y, double radius, std::string_view classes);
   void open_group(std::string_view title) { append("<g><title>{}</title>", escaped(title)); }
   void open_group(std::string_view title, std::string_view classes) {
     append(R"(<g class="{}"><title>{}</title>)", classes, escaped(title));
   }
-  /// With an attribute data-NAME, by which a page that has the picture in it finds the group.
+  /// With an attribute data-NAME, by which a page that contains the drawing finds the group.
   void open_group(std::string_view title, std::string_view classes, std::string_view name,
                   std::string_view value) {
     append(R"(<g class="{}" data-{}="{}"><title>{}</title>)", classes, name, escaped(value), escaped(title));
@@ -58,12 +58,12 @@ class Canvas {
   [[nodiscard]] double width() const { return width_; }
   [[nodiscard]] double height() const { return height_; }
 
-  /// The whole picture, light and dark as its surroundings are. `colours` are CSS, with `dark_colours` above
-  /// them in the dark; svg, text, title, faint, on, page, panel, odd, grid, lane, thread and process are
-  /// there.
+  /// The whole drawing as an SVG document that follows the light or dark theme of its surroundings. `colours`
+  /// is additional CSS, which `dark_colours` overrides in the dark theme. The classes svg, text, title,
+  /// faint, on, page, panel, odd, grid, lane, thread and process are defined.
   [[nodiscard]] std::string document(std::string_view title, std::string_view colours,
                                      std::string_view dark_colours) const;
-  /// The picture as a part of an HTML page, which has page_colours() among its styles.
+  /// The drawing for an HTML page, whose styles must contain page_colours().
   [[nodiscard]] std::string figure(std::string_view title) const;
 
  private:
@@ -81,7 +81,7 @@ class Canvas {
   double height_ = 0;
 };
 
-/// The CSS that document() begins with, light and dark, with `colours` and `dark_colours` after it.
+/// The CSS of document() for the light and the dark theme, followed by `colours` and `dark_colours`.
 std::string page_colours(std::string_view colours, std::string_view dark_colours);
 
 }  // namespace takt::tool

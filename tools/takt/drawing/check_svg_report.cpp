@@ -1,4 +1,4 @@
-// The table as a picture.
+// Draws the tables of a cell as SVG.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -27,7 +27,7 @@ constexpr double kBadge = 15;  // height of a release mark
 constexpr double kStrip = 44;  // height of the load
 constexpr double kPlot = 960;  // width of the rows, unless they need more
 
-// Loads, as a share of the row, above which they are shown as such.
+// Shares of a row's time above which its load is drawn as high or full.
 constexpr double kHigh = 0.7;
 constexpr double kFull = 0.9;
 
@@ -68,7 +68,7 @@ std::string timing_of(const Module& module) {
 
 std::string kind(const Module& module) { return module.type == ModuleType::thread ? "thread" : "process"; }
 
-/// One executor's rows.
+/// Draws the rows of one executor.
 class Panel {
  public:
   Panel(Canvas& canvas, const Device& device, const ExecutorPlan& plan, double y, double label)
@@ -82,7 +82,7 @@ class Panel {
     right_ = left_ + column_ * static_cast<double>(shown_);
   }
 
-  /// Returns where the next thing may begin.
+  /// Returns the y at which the next panel may begin.
   double draw() {
     const model::Executor& executor = device_.executors[plan_.executor];
     y_ += 30;
@@ -143,7 +143,7 @@ class Panel {
     for (std::size_t row = 0; row <= shown_; ++row) canvas_.line(at(row), y_, at(row), y_ + height, "grid");
   }
 
-  /// From the first in a row to the last, so that what runs later is further down.
+  /// The periodic modules in the order in which a row runs them, so that later ones are further down.
   [[nodiscard]] std::vector<std::uint32_t> by_priority() const {
     std::vector<std::uint32_t> tasks(plan_.periodic.size());
     std::iota(tasks.begin(), tasks.end(), 0U);
@@ -153,7 +153,7 @@ class Panel {
     return tasks;
   }
 
-  /// Every how many rows something of this width has room.
+  /// The number of columns that something of this width needs.
   [[nodiscard]] std::size_t step(double width) const {
     return static_cast<std::size_t>(std::max(1.0, std::ceil(width / column_)));
   }
@@ -169,7 +169,8 @@ class Panel {
     canvas_.open_group(module.name + ": " + timing_of(module));
     label(module);
     for (std::size_t row = 0; row < shown_; ++row) {
-      // Process modules run beside the row, thread modules after those before them.
+      // A process module runs in parallel to the row. A thread module runs after the thread modules before
+      // it.
       double before = 0;
       std::size_t order = 0;
       bool due = false;
@@ -194,8 +195,8 @@ class Panel {
     y_ += kScheduleLane;
   }
 
-  /// The condition is looked at when the thread modules of the row have run.
-  [[nodiscard]] double look(std::size_t row) const {
+  /// The x at which the condition is checked: after the thread modules of the row have run.
+  [[nodiscard]] double check_at(std::size_t row) const {
     const double load = ratio_of(plan_.load(device_, row).budget, plan_.basic_period);
     return at(row) +
            std::clamp(column_ * load, std::min(badge_, column_ / 2), std::max(column_ - 7, column_ / 2));
@@ -206,9 +207,9 @@ class Panel {
     canvas_.open_group(module.name + ": " + timing_of(module));
     label(module);
     const double middle = y_ + kScheduleLane / 2;
-    const double end = look(0) + column_ * ratio_of(*module.deadline, plan_.basic_period);
-    canvas_.line(look(0), middle, std::min(end, right_), middle, "deadline");
-    for (std::size_t row = 0; row < shown_; ++row) canvas_.diamond(look(row), middle, 5, kind(module));
+    const double end = check_at(0) + column_ * ratio_of(*module.deadline, plan_.basic_period);
+    canvas_.line(check_at(0), middle, std::min(end, right_), middle, "deadline");
+    for (std::size_t row = 0; row < shown_; ++row) canvas_.diamond(check_at(row), middle, 5, kind(module));
     if (end < right_) canvas_.line(end, middle - 9, end, middle + 9, "end");
     canvas_.close_group();
     y_ += kScheduleLane;
@@ -224,7 +225,7 @@ class Panel {
   void load_strip() {
     canvas_.text(kMargin + 6, y_ + 18, kNormal, "", "load");
     bool stated = false;
-    bool named = true;  // each with its share
+    bool named = true;  // each row shows its share as a number
     bool complete = true;
     const double tall = kStrip - 18;
     for (std::size_t row = 0; row < shown_; ++row) {
@@ -246,9 +247,9 @@ class Panel {
       }
     }
     canvas_.text(kMargin + 6, y_ + 32, kSmall, "faint",
-                 !stated    ? "no budgets are stated"
+                 !stated    ? "no budgets are given"
                  : complete ? "budgets of the row's threads"
-                            : "at least: some state no budget");
+                            : "at least: some have no budget");
     if (!named) {
       canvas_.line(left_, y_ + kStrip - tall, right_, y_ + kStrip - tall, "grid");
       canvas_.text_before(left_ - 4, y_ + kStrip - tall + 2, kSmall, "faint", "100%");
@@ -256,7 +257,7 @@ class Panel {
     y_ += kStrip;
   }
 
-  /// Times under the grid; the last is always there.
+  /// Times below the grid; the last time is always shown.
   void axis() {
     canvas_.line(left_, y_, right_, y_, "grid");
     const auto time = [&](std::size_t row) {
@@ -289,9 +290,9 @@ class Panel {
   std::size_t shown_ = 0;
 };
 
-/// What stands left of the rows of all panels, so that they begin in one line.
+/// The width of the labels left of the rows; the same for all panels, so that their rows are aligned.
 double label_width(const model::Cell& cell) {
-  double widest = width_of("at least: some state no budget", kSmall);
+  double widest = width_of("at least: some have no budget", kSmall);
   for (const Device& device : cell.devices) {
     for (const Module& module : device.modules) {
       if (module.operation == model::Operation::non_real) continue;
@@ -301,7 +302,7 @@ double label_width(const model::Cell& cell) {
   return widest + 20;
 }
 
-/// As many a line as the width allows.
+/// Lists the modules that are not real-time, wrapped to the width of the drawing.
 double names_below(Canvas& canvas, double y, const Device& device,
                    const std::vector<std::uint32_t>& modules) {
   std::string line = device.name + ", not real-time:";
@@ -323,7 +324,7 @@ double names_below(Canvas& canvas, double y, const Device& device,
   return y + 8;
 }
 
-/// What a picture shows, of what it can show.
+/// Which kinds of elements a drawing contains, for the legend.
 struct Shown {
   bool threads = false;
   bool processes = false;
@@ -371,15 +372,17 @@ double legend(Canvas& canvas, double y, const Shown& shown) {
   if (shown.thread_budgets || shown.process_budgets) {
     if (shown.thread_budgets) canvas.rectangle(sample, y + 2, 36, 5, "thread-budget");
     if (shown.process_budgets) canvas.rectangle(sample, y + 9, 36, 5, "process-budget");
-    entry("budget, to the scale of time; a thread begins when those before it have used theirs");
+    entry("budget, to scale; a thread module begins when those before it have used their budgets");
   }
   if (shown.sporadic()) {
     if (shown.sporadic_threads) canvas.diamond(sample + 6, y + 8, 5, "thread");
     if (shown.sporadic_processes) canvas.diamond(sample + 24, y + 8, 5, "process");
-    entry("after the row: the condition of a sporadic thread is looked at, a sporadic process is released");
+    entry(
+        "after the row: a sporadic thread module's condition is checked, a sporadic process module is "
+        "released");
     canvas.line(sample, y + 8, sample + 34, y + 8, "deadline");
     canvas.line(sample + 34, y + 2, sample + 34, y + 14, "end");
-    entry("deadline of a sporadic module that is ready in the first row; without an end it lies outside");
+    entry("deadline of a sporadic module that is ready in the first row; without an end mark it is outside");
   }
   if (shown.thread_budgets) {
     canvas.rectangle(sample, y + 9, 10, 5, "low");

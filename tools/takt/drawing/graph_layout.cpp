@@ -20,11 +20,11 @@ using model::Module;
 constexpr double kTrack = 12;  // between two lines side by side
 constexpr double kStub = 18;   // from a column to the first track, at least
 
-/// Of a line with its label; of a cell that runs there is a line of health below.
+/// The distance of two wires with their labels. A running cell needs more, for a line with the health below.
 constexpr double kPitchAtRest = 20;
 constexpr double kPitchLive = 32;
-/// Heights are whole steps, and every other column stands half a step lower, so that what leaves two columns
-/// for one channel is never on one line.
+/// Heights are whole steps. Every second column is half a step lower, so that wires which enter a channel
+/// from its two columns never have the same height.
 constexpr double kStepAtRest = 20;
 constexpr double kStepLive = 16;
 
@@ -33,25 +33,25 @@ Look look_of_state(std::string_view state) {
   return state == "RECOVER" || state == "DESTRUCT" ? kBad : kPoor;
 }
 
-/// The middle of a long text left out.
+/// Shortens a long text by leaving out its middle.
 std::string shortened(const std::string& text, std::size_t most) {
   if (text.size() <= most) return text;
   return text.substr(0, most / 2) + "..." + text.substr(text.size() - (most - most / 2 - 3));
 }
 
-/// A line up or down in a channel.
+/// A vertical line in a channel.
 struct Track {
   std::size_t wire = 0;
-  double from = 0;            // the height at the left
-  double to = 0;              // and at the right; of one that turns back, or goes below, where it goes
-  bool leaves_left = false;   // it has to do with the column at the left of the channel
-  bool leaves_right = false;  // and with that at the right
+  double from = 0;            // the height at its left end
+  double to = 0;              // the height at its right end, or where it goes if it turns back or goes below
+  bool leaves_left = false;   // it ends at the column left of the channel
+  bool leaves_right = false;  // it ends at the column right of the channel
   double x = 0;
 };
 
 /// The space to the right of a column.
 struct Channel {
-  double left_zone = kStub;  // room for what stands at arrows
+  double left_zone = kStub;  // room for the labels at arrows
   double right_zone = kStub;
   std::vector<Track> tracks;
 
@@ -61,10 +61,10 @@ struct Channel {
   }
 };
 
-/// The channel that an end goes to.
+/// The channel that the end of a wire enters.
 std::size_t channel_of(const Place& place) { return place.at_right ? place.column : place.column - 1; }
 
-/// It goes below all columns.
+/// Whether the wire goes below all columns.
 bool passes(const Wire& wire) {
   return wire.from.column > wire.to.column + 1 || wire.to.column > wire.from.column + 1;
 }
@@ -93,7 +93,7 @@ class Builder {
   }
 
  private:
-  /// A port by its name, while ports are added and before they have their order.
+  /// Names a port while ports are still added and not yet sorted.
   struct Named {
     Place place;
     std::string port;
@@ -126,7 +126,7 @@ class Builder {
   double step_;
   Layout layout_;
   std::map<std::string, Place> modules_;       // by "device.module"
-  std::map<std::string, std::size_t> topics_;  // boxes of outside()
+  std::map<std::string, std::size_t> topics_;  // index of the box in outside()
   std::vector<std::pair<Named, Named>> ends_;  // of the wires
   std::vector<Channel> channels_;
 };
@@ -140,7 +140,7 @@ Box Builder::box_of(const model::Device& device, const Module& module, bool aliv
               (module.executor.empty() ? "" : ", executor " + module.executor) +
               (module.budget ? ", budget " + to_text(*module.budget) : "");
   if (const auto state = health_.modules.find(path); state != health_.modules.end()) {
-    box.state = alive ? state->second : state->second + " when last heard";
+    box.state = alive ? state->second : state->second + " (last known)";
     box.look = alive ? look_of_state(state->second) : kPoor;
     box.title += "; " + box.state;
   }
@@ -168,7 +168,7 @@ void Builder::add_device(const model::Device& device) {
   layout_.columns.push_back(std::move(column));
 }
 
-/// The last column, made when somebody needs it.
+/// The last column, for programs outside Takt. Created on first use.
 Column& Builder::outside() {
   if (layout_.columns.empty() || !layout_.columns.back().outside) {
     Column& column = layout_.columns.emplace_back();
@@ -220,7 +220,7 @@ void Builder::add_wires() {
   }
 }
 
-/// Else as they were named.
+/// Puts the inputs first; otherwise the ports keep the order in which the connections name them.
 void Builder::inputs_first(Box& box) {
   std::stable_partition(box.ports.begin(), box.ports.end(), [](const Port& port) { return port.input; });
 }
@@ -237,7 +237,7 @@ void Builder::name_places() {
   }
 }
 
-/// Towards the other end; within a device at the right.
+/// Each wire leaves its port towards its other end; within a device, on the right.
 void Builder::choose_sides() {
   for (std::size_t i = 0; i < layout_.wires.size(); ++i) {
     Wire& wire = layout_.wires[i];
@@ -282,7 +282,8 @@ void Builder::set_heights() {
   }
 }
 
-/// A wire within a device or to the next has one track; one past a device has two, and a line below all.
+/// A wire within a device or to the next device has one track. One that passes a device has two tracks, and a
+/// horizontal line below all columns.
 void Builder::add_tracks(std::size_t index) {
   const Wire& wire = layout_.wires[index];
   if (passes(wire)) {
@@ -304,8 +305,9 @@ void Builder::add_tracks(std::size_t index) {
        .leaves_right = !wire.from.at_right || !wire.to.at_right});
 }
 
-/// For few crossings: what turns back or goes below stays near its column, the shorter the nearer; of what
-/// goes down to the right the lower goes first, of what goes up the higher.
+/// Orders the tracks of a channel for few crossings. Wires that turn back or go below stay near their column,
+/// short ones nearest. Of the wires that go down to the right, lower ones come first; of those that go up,
+/// higher ones.
 void Builder::order(Channel& channel) {
   const auto rank = [](const Track& track) { return !track.leaves_right ? 0 : track.leaves_left ? 1 : 2; };
   const auto length = [](const Track& track) { return std::abs(track.to - track.from); };

@@ -1,8 +1,7 @@
-// Where everything of a cell's graph stands. Devices stand side by side, their modules below each other, and
-// between two devices is a channel for what goes from port to port: each connection leaves its port sideways,
-// goes up or down on a track of its own, and enters the other port sideways. What goes past a device goes
-// below all of them. So no two lines ever lie on each other, no line crosses a box, and every word has its
-// place for itself.
+// The layout of a cell's graph. Devices are columns, with their modules as boxes below each other. Between
+// two columns is a channel for the connections: each connection leaves its port sideways, goes up or down on
+// its own track, and enters the other port sideways. A connection that passes a device goes below all
+// columns. So no two lines overlap, no line crosses a box, and no two texts overlap.
 #pragma once
 
 #include <cstddef>
@@ -18,14 +17,14 @@
 namespace takt::tool::graph {
 
 // Pixels.
-inline constexpr double kTop = 70;     ///< of the first column
-inline constexpr double kInside = 12;  ///< from a frame to what is in it
-inline constexpr double kArrow = 8;    ///< its head
+inline constexpr double kTop = 70;     ///< y of the first column
+inline constexpr double kInside = 12;  ///< from a frame to its content
+inline constexpr double kArrow = 8;    ///< length of an arrow head
 
-/// How a state is drawn, beside the word for it: classes of the picture.
+/// The CSS classes for a state.
 struct Look {
-  std::string_view line;  ///< of a connection
-  std::string_view word;
+  std::string_view line;  ///< of the line of a connection
+  std::string_view word;  ///< of the word for the state
 };
 inline constexpr Look kUnknown{"", "faint"};
 inline constexpr Look kGood{"good", "good-word"};
@@ -34,18 +33,18 @@ inline constexpr Look kBad{"bad", "bad-word"};
 inline constexpr Look kBroken{"broken", "bad-word"};
 Look look_of(const CellHealth::Connection& health);
 
-/// What stands at the arrow: what a reader of the picture asks first.
+/// The label at the arrow of a connection: its most important properties.
 std::string label_of(const model::Connection& connection);
 
 struct Port {
   std::string name;
   bool input = false;
-  std::vector<std::size_t> left;  ///< wires that go to this side, from above
-  std::vector<std::size_t> right;
-  double y = 0;  ///< of its name and of the first of them; the others are a pitch apart
+  std::vector<std::size_t> left;   ///< wires on the left side, from top to bottom
+  std::vector<std::size_t> right;  ///< wires on the right side
+  double y = 0;                    ///< of its name and its first wire; the other wires follow at the pitch
 
   [[nodiscard]] std::size_t lines() const;
-  /// Its name stands where its wires are.
+  /// The name is on the side of the wires.
   [[nodiscard]] bool named_at_right() const {
     return left.empty() ? !right.empty() || !input : !right.empty() && !input;
   }
@@ -57,7 +56,7 @@ struct Box {
   std::string about;
   std::string state;
   Look look = kUnknown;
-  std::string title;  ///< everything, for who points at it
+  std::string title;  ///< tooltip with all details
   std::vector<Port> ports;
   double top = 0;
   double height = 0;
@@ -70,7 +69,7 @@ struct Column {
   std::string state;
   Look look = kUnknown;
   bool outside = false;
-  std::size_t left_out = 0;  ///< modules
+  std::size_t left_out = 0;  ///< modules that are not drawn
   std::vector<Box> boxes;
   double left = 0;
   double width = 0;
@@ -93,14 +92,14 @@ struct Wire {
   std::size_t connection = 0;  ///< index in Cell::connections
   Place from;
   Place to;
-  std::vector<Point> way;  ///< from port to port
+  std::vector<Point> way;  ///< the corners of the line, from port to port
 };
 
 struct Layout {
   std::vector<Column> columns;
   std::vector<Wire> wires;
-  double bottom = 0;  ///< of all of it
-  double pitch = 0;   ///< between two wires of one port
+  double bottom = 0;  ///< of the whole graph
+  double pitch = 0;   ///< distance of two wires of one port
   std::size_t connections_left_out = 0;
 };
 

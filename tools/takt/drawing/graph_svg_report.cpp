@@ -78,10 +78,11 @@ class GraphDrawing {
   [[nodiscard]] const Connection& connection_of(const Wire& wire) const {
     return cell_.connections[wire.connection];
   }
-  /// A state or a health, which a page that has the picture in it puts others in place of.
+  /// The CSS classes of a state or health. A page that contains the drawing replaces the words of these
+  /// classes.
   [[nodiscard]] static std::string word_of(Look look) { return std::string{look.word} + " state"; }
   [[nodiscard]] std::string title_of(const Wire& wire) const;
-  /// Null where nothing is known.
+  /// Null if nothing is known.
   [[nodiscard]] const CellHealth::Connection* health_of(const Wire& wire) const {
     const auto found = health_.connections.find(wire.connection);
     return found == health_.connections.end() ? nullptr : &found->second;
@@ -106,7 +107,7 @@ void GraphDrawing::draw_title() {
 void GraphDrawing::draw_column(const Column& column) {
   const double x = column.left + kInside;
   if (column.outside)
-    canvas_.open_group("programs that are not Takt's");
+    canvas_.open_group("programs outside Takt");
   else
     canvas_.open_group("device " + column.name, "column", "device", column.name);
   canvas_.rectangle(column.left, column.top, column.width, column.bottom - column.top,
@@ -143,7 +144,7 @@ std::string GraphDrawing::title_of(const Wire& wire) const {
          (health == nullptr ? "" : "; " + health_text(*health));
 }
 
-/// Its name and a mark that points as the data goes, at the side of its wires.
+/// Draws the name of a port and a mark that points in the direction of the data, on the side of its wires.
 void GraphDrawing::draw_port(double left, double right, const Port& port) {
   const bool at_right = port.named_at_right();
   const double outer = at_right ? right - 5 : left + 5;
@@ -156,13 +157,13 @@ void GraphDrawing::draw_port(double left, double right, const Port& port) {
   } else {
     canvas_.text(inner + 3, port.y + 4, kSmall, "", port.name);
   }
-  // What leaves at the other side too has its name here.
+  // If the port has wires on both sides, a line leads from its name to the other side.
   if (!port.left.empty() && !port.right.empty()) {
     const double named = inner + (at_right ? -1 : 1) * (width_of(port.name, kSmall) + 9);
     canvas_.line(std::min(named, at_right ? left : right), port.y, std::max(named, at_right ? left : right),
                  port.y, "grid");
   }
-  // Several wires at one side are of one port.
+  // A bar joins several wires of one port on the same side.
   for (const bool side : {false, true}) {
     const auto& wires = side ? port.right : port.left;
     const double x = side ? right : left;
@@ -176,7 +177,7 @@ void GraphDrawing::draw_wire(const Wire& wire) {
   const CellHealth::Connection* health = health_of(wire);
   std::string classes = connection.kind == ConnectionKind::queue ? "wire queue" : "wire";
   if (health != nullptr) classes += " " + std::string{look_of(*health).line};
-  // The line ends where the head begins.
+  // The line ends where the arrow head begins.
   std::vector<Point> way = wire.way;
   const Point tip = way.back();
   way.back().x += wire.to.at_right ? kArrow : -kArrow;
@@ -204,7 +205,7 @@ void GraphDrawing::draw_label(const Wire& wire) {
   canvas_.close_group();
 }
 
-/// Of what is in the picture.
+/// Explains the line styles that occur in the drawing, and says what is not drawn.
 void GraphDrawing::draw_legend() {
   const double left = kMargin + 6;
   double y = layout_.bottom + 24;
@@ -231,7 +232,7 @@ void GraphDrawing::draw_legend() {
   sample("good", "ok", with(kGood));
   sample("poor", "no value yet, or samples were lost, dropped or late", with(kPoor));
   sample("bad", "stale: the value is older than its deadline", with(kBad));
-  sample("broken", "not matched: nobody is at the other end", with(kBroken));
+  sample("broken", "not matched: the other end was not found", with(kBroken));
   if (cell_.devices.size() > kGraphDevices) {
     entry(fmt::format("only {} of {} devices are drawn; takt graph --json has them all", kGraphDevices,
                       cell_.devices.size()));

@@ -30,13 +30,13 @@ constexpr std::string_view kDarkTraceColours = R"(
 
 constexpr double kTraceWide = 900;
 constexpr double kTraceLane = 18;
-constexpr double kThin = 0.8;  // of a bar at least
+constexpr double kThin = 0.8;  // minimum width of a bar
 constexpr std::size_t kNamedLate = 8;
 
 struct Bar {
   double begin_us = 0;
   double took_us = 0;
-  double late_us = 0;  ///< 0: it was not late
+  double late_us = 0;  ///< 0: not late
   std::string why{};
 };
 
@@ -46,7 +46,7 @@ struct Lane {
   std::vector<Bar> bars{};
 };
 
-/// An executor, or all programs.
+/// The lanes of one executor, or of all programs.
 struct Group {
   std::string title;
   std::vector<Lane> lanes{};
@@ -69,7 +69,7 @@ Bar bar_of(const Json& event) {
 
 std::vector<Group> groups_of(const Json& trace) {
   std::vector<Group> groups;
-  std::map<double, std::size_t> of_thread;  // which group
+  std::map<double, std::size_t> of_thread;  // thread id to index in `groups`
   for (const Json& thread : trace.at("otherData").at("threads")) {
     const auto executor = thread.at("executor").get<std::string>();
     const std::string title = "executor " + executor;
@@ -124,7 +124,7 @@ class TraceDrawing {
   }
 
  private:
-  /// The oldest bars, of more than can be told from each other.
+  /// Removes the oldest bars if there are too many to distinguish.
   void leave_out() {
     std::vector<double> begins;
     for (const Group& group : groups_) {
@@ -180,7 +180,7 @@ class TraceDrawing {
     canvas_.close_group();
   }
 
-  /// An empty lane.
+  /// Draws an empty lane.
   double nothing(double y) {
     canvas_.rectangle(left_, y, kTraceWide, kTraceLane, "panel");
     grid(y, y + kTraceLane);
@@ -192,7 +192,7 @@ class TraceDrawing {
     return ticks(from_us_ / 1e6 / unit_.seconds, to_us_ / 1e6 / unit_.seconds, 9);
   }
 
-  /// Behind the bars, and not through a title, which may be longer than the names of the lanes.
+  /// Drawn behind the bars. Leaves the titles out, which may be longer than the names of the lanes.
   void grid(double top, double bottom) {
     for (const double mark : marks()) {
       const double x = x_of(mark * unit_.seconds * 1e6);
@@ -220,14 +220,14 @@ class TraceDrawing {
     canvas_.text(
         kMargin + 14, y, kNormal, "late-word",
         "began late: " + count(summary_.late.size(), "start") +
-            (summary_.late.size() > kNamedLate ? fmt::format(", of which the worst {}", kNamedLate) : ""));
+            (summary_.late.size() > kNamedLate ? fmt::format("; the worst {} are:", kNamedLate) : ""));
     for (std::size_t i = 0; i < std::min(summary_.late.size(), kNamedLate); ++i) {
       const TracedStart& start = summary_.late[i];
       y += 16;
       canvas_.text(kMargin + 14, y, kSmall, "",
                    fmt::format("at {}{}: {}, {} late: {}; {}", span(start.at_us),
-                               start.at_us < from_us_ ? ", before what is drawn" : "", start.what,
-                               span(start.late_us), start.cause, start.why));
+                               start.at_us < from_us_ ? " (not drawn)" : "", start.what, span(start.late_us),
+                               start.cause, start.why));
     }
   }
 
@@ -248,7 +248,7 @@ Result<std::string> trace_svg(const Json& trace) {
   try {
     return TraceDrawing{*summary, groups_of(trace)}.svg();
   } catch (const Json::exception&) {
-    return fail("its events are not those of a trace of takt");
+    return fail("its events are not those of a Takt trace");
   }
 }
 

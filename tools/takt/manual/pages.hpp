@@ -1,4 +1,4 @@
-// The manual pages and the completion of a program, made of what its --help is made of.
+// Makes the manual pages and the bash completion of a program from its command line definition.
 #pragma once
 
 #include <string>
@@ -11,25 +11,24 @@ class App;
 
 namespace takt::tool {
 
-/// What the build calls a program with to have its pages written: PROGRAM write-pages FOLDER. No user needs
-/// it.
+/// The hidden command with which the build writes the pages of a program: PROGRAM write-pages FOLDER.
 inline constexpr const char* kWritePages = "write-pages";
 
-/// The manual page of the program itself (`command` empty) or of one of its commands; those within a command
-/// have their place on its page. As roff with the man macros.
+/// The manual page of the program (`command` empty) or of one of its commands, as roff with the man macros.
+/// The page of a command also describes its subcommands.
 std::string manual_page(const CLI::App& program, const std::string& command, int section);
 
-/// A script for bash that completes commands, options and files.
+/// A bash script that completes commands, options and file names.
 std::string bash_completion(const CLI::App& program);
 
-/// Labels that say nothing are left out of --help.
+/// Removes the type "TEXT" of arguments from --help.
 void tidy_help(CLI::App& program);
 
-/// Wrong usage is told with how the command is used, and no more.
+/// Makes wrong usage print the error and the usage line, not the whole help.
 void shorten_errors(CLI::App& program);
 
-/// FOLDER/man/manN/NAME.N for the program and each of its commands, and FOLDER/completions/NAME. Returns the
-/// exit status, with a reason on standard error.
+/// Writes FOLDER/man/manN/NAME.N for the program and each of its commands, and FOLDER/completions/NAME.
+/// Returns the exit status; prints the reason for a failure on standard error.
 int write_pages(const CLI::App& program, const std::string& folder, int section);
 
 }  // namespace takt::tool

@@ -13,9 +13,9 @@
 #include "reports/page.hpp"
 
 namespace takt::tool {
-using Json = nlohmann::ordered_json;
-
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 using model::Device;
 using model::Module;
@@ -26,7 +26,7 @@ using Words = Page::Words;
 
 constexpr std::size_t kDetailIndent = 4;
 
-/// "vision (process)"; a thread module is only named.
+/// "vision (process)"; for a thread module only its name.
 std::string called(const Module& module) {
   return module.type == ModuleType::process ? module.name + " (process)" : module.name;
 }
@@ -48,7 +48,7 @@ std::string percent(Nanoseconds part, Nanoseconds whole) {
                      100.0 * static_cast<double>(part.count()) / static_cast<double>(whole.count()));
 }
 
-/// Below this no row is over when the next is due.
+/// With a shorter basic period, no row is done before the next one is due.
 constexpr Nanoseconds kShortest = std::chrono::microseconds{1};
 
 std::string in_words(const model::OverrunContract& contract) {
@@ -66,7 +66,7 @@ void executor_heading(Page& page, const model::Executor& executor, int priority)
   page.heading(2, "executor " + executor.name, text);
 }
 
-/// How full a row is, by modules and by the budgets of its threads.
+/// How full a row is: the number of its modules, and the budgets of its thread modules.
 struct RowLoad {
   std::size_t modules = 0;
   Nanoseconds budget{};
@@ -95,7 +95,7 @@ std::string share_of(const RowLoad& load, Nanoseconds basic) {
   return (load.complete ? "" : ">= ") + percent(load.budget, basic);
 }
 
-/// The table as it would be without the offsets that were found; none where none were.
+/// The table without the offsets that offsets="auto" has found; none if it has found none.
 std::optional<schedule::Table> unshifted(const Device& device, const ExecutorPlan& plan) {
   if (device.executors[plan.executor].offsets != model::Offsets::automatic) return std::nullopt;
   std::vector<schedule::Task> tasks;
@@ -124,12 +124,12 @@ std::string fullest(const Device& device, const ExecutorPlan& plan, const schedu
   return count(modules, "module") + (share == "-" || most.budget == Nanoseconds{} ? "" : ", " + share);
 }
 
-/// What offsets="auto" has made of the table.
+/// The effect of offsets="auto" on the table.
 void flattened(Page& page, const Device& device, const ExecutorPlan& plan) {
   const auto before = unshifted(device, plan);
   if (!before) return;
   page.sentence(kDetailIndent, "offsets: the fullest row has " + fullest(device, plan, plan.table) +
-                                   "; without them " + fullest(device, plan, *before));
+                                   "; without offsets " + fullest(device, plan, *before));
   Words shifted;
   for (std::size_t i = 0; i < plan.periodic.size(); ++i) {
     if (plan.offsets[i] == Nanoseconds{}) continue;
@@ -138,7 +138,7 @@ void flattened(Page& page, const Device& device, const ExecutorPlan& plan) {
   page.words(kDetailIndent, "shifted: ", shifted);
 }
 
-/// Modules that do not go by their executor's contract.
+/// Modules with an overrun contract of their own.
 void contracts(Page& page, const Device& device, const ExecutorPlan& plan) {
   Words own;
   for (const auto index : plan.periodic) {
@@ -148,7 +148,7 @@ void contracts(Page& page, const Device& device, const ExecutorPlan& plan) {
   if (!own.empty()) page.words(kDetailIndent, "overrun: ", own);
 }
 
-/// Figure 3 of the paper, with equal neighbours in one line.
+/// Figure 3 of the paper, with consecutive equal rows on one line.
 void periodic_table(Page& page, const Device& device, const ExecutorPlan& plan) {
   const bool budgets = states_budget(device, plan);
   const auto before = unshifted(device, plan);
@@ -195,11 +195,11 @@ void periodic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
   }
 }
 
-/// Figure 4 of the paper, and beside it what some of the modules say of their releases.
+/// Figure 4 of the paper, with columns for settings that some of the modules have.
 void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) {
-  const auto some = [&](auto says) {
+  const auto some = [&](auto holds) {
     return std::any_of(plan.sporadic.begin(), plan.sporadic.end(),
-                       [&](auto index) { return says(device.modules[index]); });
+                       [&](auto index) { return holds(device.modules[index]); });
   };
   const bool immediate = some([](const Module& m) { return m.dispatch == model::Dispatch::immediate; });
   const bool bounded = some([](const Module& m) { return m.interarrival.has_value(); });
@@ -211,8 +211,8 @@ void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
   Words hasty;
   for (const auto index : plan.sporadic) {
     const Module& module = device.modules[index];
-    const bool looked_at_in_rows = module.dispatch == model::Dispatch::row;
-    if (looked_at_in_rows && *module.deadline < plan.basic_period) hasty.push_back(module.name);
+    const bool checked_in_rows = module.dispatch == model::Dispatch::row;
+    if (checked_in_rows && *module.deadline < plan.basic_period) hasty.push_back(module.name);
     if (rows.size() > kTextRows) continue;
     Words row{module.name, model::to_text(module.type), to_text(*module.deadline),
               fmt::format("{}", module.priority), module.budget ? to_text(*module.budget) : "-"};
@@ -228,7 +228,7 @@ void sporadic_table(Page& page, const Device& device, const ExecutorPlan& plan) 
   }
   if (!hasty.empty()) {
     page.line(kDetailIndent,
-              page.warning("late by design, looked at only once in " + to_text(plan.basic_period) + ":"));
+              page.warning("late by design, checked only every " + to_text(plan.basic_period) + ":"));
     page.words(kDetailIndent + 2, "", hasty);
   }
 }
@@ -237,19 +237,19 @@ double ratio(Nanoseconds part, Nanoseconds whole) {
   return static_cast<double>(part.count()) / static_cast<double>(whole.count());
 }
 
-/// The least time between two releases; none when there is no bound. What rows look at is released in a row,
-/// so at most once in each, and after the interarrival time in the next.
+/// The minimum time between two releases; none if there is no bound. A module with dispatch "row" is released
+/// at most once per row, and after its interarrival time in the next row.
 std::optional<Nanoseconds> least_spacing(const Module& module, const ExecutorPlan& plan) {
   if (module.dispatch == model::Dispatch::immediate) return module.interarrival;
   const Nanoseconds basic = plan.basic_period;
   if (!module.interarrival || *module.interarrival <= basic) return basic;
   const std::int64_t rest = *module.interarrival % basic == Nanoseconds{} ? 0 : 1;
   const std::int64_t rows = *module.interarrival / basic + rest;
-  // So rarely that the sum would not fit: it is as rare as can be said.
+  // Saturate if the product does not fit.
   return rows > Nanoseconds::max() / basic ? Nanoseconds::max() : basic * rows;
 }
 
-/// The share of time that periodic threads use by their budgets, and those that state none.
+/// The share of time that the budgets of the periodic thread modules use, and the modules without a budget.
 struct Share {
   double value = 0;
   Words unknown;
@@ -271,7 +271,7 @@ Share periodic_share(const Device& device, const ExecutorPlan& plan) {
 
 void predicted_load(Page& page, const Device& device, const ExecutorPlan& plan) {
   const Share share = periodic_share(device, plan);
-  if (!states_budget(device, plan) && share.unknown.empty()) return;  // all of them are processes
+  if (!states_budget(device, plan) && share.unknown.empty()) return;  // all are process modules
   page.blank();
   if (states_budget(device, plan)) {
     std::size_t fullest = 0;
@@ -295,7 +295,8 @@ void predicted_load(Page& page, const Device& device, const ExecutorPlan& plan) 
   }
 }
 
-/// Sporadic threads run below the rows and on their core: what they need comes on top.
+/// Sporadic thread modules run on the same CPU as the rows, with a lower priority. Their load adds to that of
+/// the rows.
 void sporadic_load(Page& page, const Device& device, const ExecutorPlan& plan) {
   Words known;
   Words without_budget;
@@ -314,19 +315,19 @@ void sporadic_load(Page& page, const Device& device, const ExecutorPlan& plan) {
       known.push_back(fmt::format("{} every {}", module.name, to_text(*spacing)));
     }
   }
-  if (known.empty() && without_bound.empty()) return;  // of a cell without budgets nothing is expected
+  if (known.empty() && without_bound.empty()) return;  // a cell without budgets has no prediction
   page.blank();
   if (!known.empty()) {
     page.words(kDetailIndent, fmt::format("sporadic load, at most {:.4g} %: ", 100.0 * most), known);
   }
   if (!without_budget.empty()) page.words(kDetailIndent, "sporadic without a budget: ", without_budget);
   if (!without_bound.empty())
-    page.words(kDetailIndent, "sporadic at once and without an interarrival: ", without_bound);
+    page.words(kDetailIndent, "sporadic, immediate and without interarrival: ", without_bound);
   const double together = most + periodic_share(device, plan).value;
   if (together > 1) {
-    page.line(kDetailIndent, page.warning(fmt::format(
-                                 "more than a processor can do when all come as often as they may: {:.4g} %",
-                                 100.0 * together)));
+    page.line(kDetailIndent,
+              page.warning(fmt::format("more than one CPU can do if all occur as often as allowed: {:.4g} %",
+                                       100.0 * together)));
   }
 }
 
@@ -338,7 +339,7 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
   }
   if (plan.periodic.empty()) {
     page.sentence(kDetailIndent, "basic period " + to_text(plan.basic_period) +
-                                     ", half the shortest deadline: there is no periodic module");
+                                     ", half the shortest deadline, because there is no periodic module");
   } else {
     page.sentence(
         kDetailIndent,
@@ -348,8 +349,8 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
     if (plan.basic_period < kShortest) {
       page.line(
           kDetailIndent,
-          page.warning("no machine walks rows as often as that: choose periods and offsets that have more in "
-                       "common"));
+          page.warning("no machine can run rows this often: choose periods and offsets with a larger common "
+                       "divisor"));
     }
     flattened(page, device, plan);
     contracts(page, device, plan);
@@ -364,15 +365,14 @@ void executor_text(Page& page, const Device& device, const ExecutorPlan& plan) {
   sporadic_load(page, device, plan);
 }
 
-/// How long each module may take from its release, and whether that is soon enough.
+/// The worst-case response time of each module, and whether it keeps the deadline.
 void proof_text(Page& page, const Device& device, const Proof& proof, std::size_t index) {
   const auto& worst_cases = proof.devices[index];
   if (worst_cases.empty()) return;
   page.blank();
-  page.sentence(2,
-                fmt::format("worst case, by {}{}, on {}:", proof.of_profile ? "the profile" : "the budgets",
-                            proof.factor == 1 ? "" : fmt::format(" x {}", proof.factor),
-                            count(proof.processors, "processor")));
+  page.sentence(
+      2, fmt::format("worst case, by {}{}, on {}:", proof.of_profile ? "the profile" : "the budgets",
+                     proof.factor == 1 ? "" : fmt::format(" x {}", proof.factor), count(proof.cpus, "CPU")));
   std::vector<Words> rows{{"module", "cpu", "longest run", "response", "deadline", "slack", ""}};
   for (const schedule::WorstCase& worst : worst_cases) {
     if (rows.size() > kTextRows && worst.kept()) continue;
@@ -403,7 +403,7 @@ nlohmann::ordered_json proof_json(const Device& device, const Proof& proof, std:
          {"kept", worst.kept()}});
     if (!worst.why.empty()) modules.back()["why"] = worst.why;
   }
-  return {{"processors", proof.processors},
+  return {{"processors", proof.cpus},
           {"factor", proof.factor},
           {"run_times", proof.of_profile ? "profile" : "budgets"},
           {"modules", std::move(modules)}};
@@ -459,7 +459,7 @@ nlohmann::ordered_json check_json(const model::Cell& cell, const std::vector<Dev
                                {"macro_period_ns", plan.macro_period.count()},
                                {"rows", std::move(rows)},
                                {"sporadic", names(device, plan.sporadic)}});
-      // Beside what every table has: what was decided here.
+      // Only values that Takt has chosen itself: automatic priorities and offsets.
       if (device.executors[plan.executor].rate_monotonic) executors.back()["priority"] = plan.priority;
       for (std::size_t p = 0; p < plan.periodic.size(); ++p) {
         if (plan.offsets[p] == Nanoseconds{}) continue;

@@ -16,7 +16,7 @@ std::string own_topic(const Connection& connection) {
   return connection.topic + (connection.domain ? fmt::format(" in domain {}", *connection.domain) : "");
 }
 
-/// What a column says of a connection; empty when nothing.
+/// A column of the table; `of` may return an empty text.
 struct TableColumn {
   const char* name;
   std::string (*of)(const Connection&);
@@ -33,7 +33,7 @@ const TableColumn kColumns[] = {
     {"topic", [](const Connection& c) { return c.topic.empty() ? "" : own_topic(c); }},
 };
 
-/// Without the columns that say nothing.
+/// Rows of the table, without columns that are empty in every row.
 std::vector<Page::Words> connection_rows(const std::vector<Connection>& connections, std::size_t shown,
                                          const std::map<std::size_t, std::string>& states) {
   std::vector<Page::Words> rows(1 + shown);
@@ -62,8 +62,8 @@ std::map<std::string, const model::Module*> modules_of(const model::Cell& cell) 
   return modules;
 }
 
-/// Every connection whose reader runs, between two writes, at a time when the value is too old: on whatever
-/// grid both are, the last run before a write sees an age of at least the writer's period less its own.
+/// The connections whose reader runs, between two writes, at a time when the value is too old. Whatever the
+/// phase of both, the last run before a write sees an age of at least the writer's period minus the reader's.
 std::vector<std::string> stale_by_design(const model::Cell& cell) {
   const auto modules = modules_of(cell);
   const auto period_of = [&](const model::Endpoint& end) {
@@ -77,12 +77,13 @@ std::vector<std::string> stale_by_design(const model::Cell& cell) {
     const auto written = period_of(connection.from);
     const auto read = period_of(connection.to);
     if (!written || !read || *written - *read <= *connection.deadline) continue;
-    stale.push_back(fmt::format("{}, which is written every {}", end_text(connection.to), to_text(*written)));
+    stale.push_back(
+        fmt::format("{}, which is written only every {}", end_text(connection.to), to_text(*written)));
   }
   return stale;
 }
 
-/// The readers of an output that the descriptor gives a safe value which do not get it.
+/// The readers that do not get the safe value that the descriptor gives to their output.
 std::vector<std::string> without_safe_value(const model::Cell& cell) {
   const auto modules = modules_of(cell);
   std::vector<std::string> without;
@@ -144,8 +145,8 @@ std::string operation_text(const model::Module& module) {
   std::string text = model::to_text(module.operation);
   if (module.period) text += ", every " + to_text(*module.period);
   if (module.deadline) text += ", deadline " + to_text(*module.deadline);
-  if (module.dispatch == model::Dispatch::immediate) text += ", at once";
-  if (module.interarrival) text += ", not before " + to_text(*module.interarrival);
+  if (module.dispatch == model::Dispatch::immediate) text += ", immediate";
+  if (module.interarrival) text += ", interarrival " + to_text(*module.interarrival);
   return text;
 }
 
@@ -176,8 +177,8 @@ void connections_text(Page& page, const model::Cell& cell, const std::map<std::s
     for (std::size_t i = 0; i < named; ++i) page.sentence(4, of[i]);
     if (named < of.size()) page.line(4, fmt::format("and {} more", of.size() - named));
   };
-  warn("stale by design, older than the deadline between two writes:", stale_by_design(cell));
-  warn("gets no safe value, though the output has one:", without_safe_value(cell));
+  warn("stale by design, because the value gets too old between two writes:", stale_by_design(cell));
+  warn("gets no safe value, although the output has one:", without_safe_value(cell));
 }
 
 }  // namespace takt::tool

@@ -1,4 +1,5 @@
-// What check and graph tell alike: connections, how modules are released, how nodes find each other.
+// Texts that `takt check` and `takt graph` share: connections, how modules are released, how nodes discover
+// each other.
 #pragma once
 
 #include <cstddef>
@@ -11,26 +12,28 @@
 
 namespace takt::tool {
 
-/// "robot.servo.setpoint"; "other programs" for an end that is not Takt's.
+/// "robot.servo.setpoint"; "other programs" for an end outside Takt.
 std::string end_text(const model::Endpoint& end);
 
-/// "latest", "queue of 8"; "requests" and "replies" of a service.
+/// "latest" or "queue of 8"; for a service "requests" or "replies".
 std::string kind_text(const model::Connection& connection);
 
 /// "queue of 8, reliable, deadline 20 ms, error when stale, lifespan 1 s, topic rt/x in domain 3".
 std::string described(const model::Connection& connection);
 
-/// Whether it has something to do with other devices or programs, or says that it may.
+/// Whether the cell communicates over the network, or its descriptor has network settings.
 bool is_on_network(const model::Cell& cell);
 /// "domain 7, discovery by multicast"
 std::string network_text(const model::Cell& cell);
 
-/// "periodic, every 1 ms", "sporadic, deadline 10 ms, at once, not before 1 ms"; how it is released.
+/// How a module is released: "periodic, every 1 ms" or
+/// "sporadic, deadline 10 ms, immediate, interarrival 1 ms".
 std::string operation_text(const model::Module& module);
 
-/// A table, a line a connection; where that is too wide, two. The first kConnectionRows, and how many more.
-/// Names those that are stale between two writes of their writer. `states` are what is to be said of some of
-/// them besides, by their index. Nothing where there are no connections.
+/// Adds a table with one line per connection, or a list with two lines each if the table is too wide. Shows
+/// the first kConnectionRows and counts the rest. Warns of inputs that become stale between two writes, and
+/// of inputs that do not get a safe value. `states`: an additional text for some connections, by index. Adds
+/// nothing if the cell has no connections.
 void connections_text(Page& page, const model::Cell& cell,
                       const std::map<std::size_t, std::string>& states = {});
 inline constexpr std::size_t kConnectionRows = 100;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kWidth = 100;
 
-/// The text in lines of at most `width`, broken between its words.
+/// The text, wrapped between words to lines of at most `width` characters.
 Page::Words wrapped_words(const std::string& text, std::size_t width) {
   Page::Words lines{""};
   std::istringstream words{text};
@@ -36,8 +36,8 @@ Page::Words wrapped_words(const std::string& text, std::size_t width) {
   return lines;
 }
 
-/// recording::Columns beside each other; the last one, a sentence, goes on in lines below where it does not
-/// fit beside them, and begins there where the columns leave it little room.
+/// Adds rows with aligned columns. The last column is a sentence, which is wrapped; if the other columns
+/// leave it little room, it goes below them.
 void rows(Page& page, std::size_t indent, const std::vector<Page::Words>& all) {
   constexpr std::size_t kLittle = 30;
   std::vector<Page::Words> columns;
@@ -79,8 +79,8 @@ void add_module(Page& page, const model::Module& module) {
   page.line(2, "module      " + how);
 }
 
-/// Of a request or a reply, without what Takt adds to it.
-const std::string& asked_type(const model::Type& type) {
+/// The type of a request or a reply, without the envelope that Takt adds.
+const std::string& inner_type(const model::Type& type) {
   const auto inner = std::find_if(type.fields.begin(), type.fields.end(), [](const model::Field& field) {
     return field.scalar == model::Scalar::structure;
   });
@@ -98,7 +98,7 @@ void add_services(Page& page, const std::vector<model::Port>& ports) {
     });
     table.push_back(
         {request.role == model::Role::client ? "client" : "service", name,
-         asked_type(request.type) + " -> " + (reply == ports.end() ? "?" : asked_type(reply->type)),
+         inner_type(request.type) + " -> " + (reply == ports.end() ? "?" : inner_type(reply->type)),
          request.text});
   }
   if (table.empty()) return;
@@ -126,10 +126,10 @@ void add_ports(Page& page, const Described& described) {
     for (const model::Field& field : ports[i].type.fields)
       fields.push_back(spelled(field) + " " + field.name);
     page.words(11, "", fields);
-    std::set<std::string> told;
+    std::set<std::string> listed;
     for (const model::Field& field : ports[i].type.fields) {
       Page::Words values = field.enumerators;
-      if (values.empty() || !told.insert(field.type_name).second) continue;
+      if (values.empty() || !listed.insert(field.type_name).second) continue;
       values[0] = field.type_name + ": " + values[0];
       page.words(11, "", values);
     }
@@ -164,7 +164,7 @@ void add_properties(Page& page, const Described& described) {
   }
 }
 
-/// The file's stem, as far as a module may be named so.
+/// The file's stem, changed where it is not a valid module name.
 std::string proposed_name(const std::string& path) {
   std::string name = model::file_stem(path).substr(0, model::kMaxNameLength);
   for (char& c : name) {
@@ -174,8 +174,8 @@ std::string proposed_name(const std::string& path) {
   return name;
 }
 
-/// A descriptor could not say it, so the component keeps its default.
-bool is_unsayable(const host::PropertyDescription& property) {
+/// Whether a descriptor cannot express the default. Then describe_xml() leaves the property out.
+bool is_inexpressible(const host::PropertyDescription& property) {
   const std::string& value = property.default_value;
   return property.type == "double" && (value.ends_with("inf") || value.ends_with("nan"));
 }
@@ -266,11 +266,11 @@ std::string describe_xml(const Described& described) {
     if (has_event(component)) text += "  <dispatch>immediate</dispatch> <!-- connect an event port -->\n";
   }
   if (operation != model::Operation::non_real)
-    text += "  <priority>1</priority> <!-- the lowest value goes first -->\n";
-  if (!std::all_of(component.properties.begin(), component.properties.end(), is_unsayable)) {
+    text += "  <priority>1</priority> <!-- the lowest value runs first -->\n";
+  if (!std::all_of(component.properties.begin(), component.properties.end(), is_inexpressible)) {
     text += "  <property>\n";
     for (const auto& p : component.properties) {
-      if (is_unsayable(p)) continue;
+      if (is_inexpressible(p)) continue;
       text += fmt::format("    <value name=\"{}\">{}</value>\n", escaped(p.name), escaped(p.default_value));
     }
     text += "  </property>\n";

@@ -1,5 +1,5 @@
-// What `takt describe` says of components: for a person, for a program, to paste into a descriptor, and as a
-// module profile.
+// The output of `takt describe`: components as text, as JSON, as XML for a descriptor, and as a module
+// profile.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace takt::tool {
 
-/// A component, and, where a descriptor names it, the module that is made of it.
+/// A component and, if a descriptor was given, a module that is made from it.
 struct Described {
   std::string path;
   host::Description component;
@@ -28,23 +28,23 @@ std::string describe_text(const Described& described, Style style);
 /// The object of docs/describe.md, on one line.
 std::string describe_json(const Described& described);
 
-/// A <module> element of a descriptor, with the defaults. What has an event port is offered as sporadic and
-/// released by it; what has a condition as sporadic; a program as what it calls; everything else as periodic.
+/// A <module> element for a descriptor, with the defaults. The operation type is that of the program, if
+/// known. Otherwise a component with an event port or a condition is sporadic, and any other is periodic.
 std::string describe_xml(const Described& described);
 
-/// A module profile in the terms of ISO 22166-202; docs/describe.md says which of its terms, and why no more.
-/// `operation`: how it is released, where it is known.
+/// A module profile with the terms of ISO 22166-202; docs/describe.md lists the terms that are used, and why.
+/// `operation`: how the module is released, if known.
 std::string iso22166_profile(const Described& described, std::optional<model::Operation> operation);
 
-/// How it is released, as far as that is known: by the descriptor, or by what the program calls.
+/// How the module is released, if known from the descriptor or from the functions that the program calls.
 std::optional<model::Operation> operation_of(const Described& described);
 
-/// A line for each component, by its folder.
+/// A line for each component, grouped by folder.
 std::string component_list_text(const std::vector<host::ComponentFile>& files, Style style);
 /// One object, {"components": [{"file", "path", "interface", "text"}, ...]}.
 std::string component_list_json(const std::vector<host::ComponentFile>& files);
 
-/// The text as XML has it.
+/// The text, escaped for XML.
 std::string escaped(const std::string& text);
 
 }  // namespace takt::tool

@@ -20,7 +20,8 @@ void add_bad(Page& page, const Json& finding, const std::string& mark) {
   const std::string cure = text_of(finding, "cure");
   if (cure.empty()) return;
   const std::string elsewhere = text_of(finding, "mend_on");
-  page.line(kIndent, "cure: " + (elsewhere.empty() ? "" : "not from in here; on " + elsewhere + ": ") + cure);
+  page.line(kIndent,
+            "cure: " + (elsewhere.empty() ? "" : "not possible from here; on " + elsewhere + ": ") + cure);
 }
 
 }  // namespace
@@ -46,7 +47,7 @@ std::string doctor_text(const Json& report, Style style) {
       page.sentence(2, fmt::format("good    {}: {}", text_of(finding, "check"), text_of(finding, "found")));
   }
   if (!report["root"].get<bool>())
-    page.sentence(2, "Not run as root: what only root may read or set is named where it matters.");
+    page.sentence(2, "Not run as root: a finding says so where it would need root.");
   return std::move(page).take();
 }
 

@@ -1,4 +1,4 @@
-// What `takt doctor` says.
+// The output of `takt doctor`.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace takt::tool {
 
-/// The object of `takt doctor --json` for a person: what spoils real time first, then the notes, each with
-/// its reason and its cure, then what is good, a line each. A command stands alone on its line, however long,
-/// so that it can be copied. Ends with a line feed.
+/// The object of `takt doctor --json` as text: first what spoils real time, then the notes, each with its
+/// reason and its cure, then one line for each check that is good. A command is never wrapped, so that it can
+/// be copied. Ends with a line feed.
 std::string doctor_text(const nlohmann::ordered_json& report, Style style);
 
 }  // namespace takt::tool

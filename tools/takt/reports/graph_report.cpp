@@ -31,7 +31,7 @@ void device_state(Page& page, const CellHealth& health, const Device& device) {
   if (!known->text.empty()) page.sentence(2, known->text);
 }
 
-/// A table; where that is too wide, two lines a module.
+/// A table, or a list with two lines per module if the table is too wide.
 void modules_text(Page& page, const Device& device, const CellHealth& health) {
   const auto state_of = [&](const Module& module) {
     return find(health.modules, device.name + "." + module.name);
@@ -120,19 +120,19 @@ Json discovery_json(const Cell& cell) {
 
 }  // namespace
 
-CellHealth health_of(const Cell& cell, const HeardCell& heard) {
+CellHealth health_of(const Cell& cell, const ObservedCell& observed) {
   CellHealth health;
   for (const Device& device : cell.devices) {
-    if (const auto* known = find(heard.devices, device.name)) health.devices[device.name] = *known;
+    if (const auto* known = find(observed.devices, device.name)) health.devices[device.name] = *known;
     for (const Module& module : device.modules) {
       const std::string name = device.name + "." + module.name;
-      if (const auto* state = find(heard.modules, name)) health.modules[name] = *state;
+      if (const auto* state = find(observed.modules, name)) health.modules[name] = *state;
     }
   }
   for (std::size_t i = 0; i < cell.connections.size(); ++i) {
     const Connection& connection = cell.connections[i];
-    // Who reads knows more; of a topic for others there is only who writes.
-    const auto* port = find(heard.ports, to_text(connection.to.given() ? connection.to : connection.from));
+    // The reader knows more. A topic for other programs has only a writer in the cell.
+    const auto* port = find(observed.ports, to_text(connection.to.given() ? connection.to : connection.from));
     if (port == nullptr) continue;
     const auto is_lost = [&](const model::Endpoint& end) {
       const auto* device = find(health.devices, end.device);
@@ -144,7 +144,8 @@ CellHealth health_of(const Cell& cell, const HeardCell& heard) {
   return health;
 }
 
-CellHealth::Connection health_of(const HeardCell::Port& port, const Connection* connection, bool end_lost) {
+CellHealth::Connection health_of(const ObservedCell::Port& port, const Connection* connection,
+                                 bool end_lost) {
   const bool reads = connection != nullptr && connection->to.given();
   return {.matched = !end_lost && port.matched,
           .stale = reads && connection->deadline && (!port.age || *port.age > *connection->deadline),
@@ -159,36 +160,36 @@ CellHealth::Connection health_of(const HeardCell::Port& port, const Connection* 
 CellHealth health_of(const Cell& cell, const Json& status) {
   const std::string cells = ", " + status.at("cell").get<std::string>() + ", ";
   if (cells.find(", " + cell.name + ", ") == std::string::npos) return {};
-  HeardCell heard;
+  ObservedCell observed;
   for (const Json& device : status.at("devices")) {
     const auto name = device.at("name").get<std::string>();
-    heard.devices[name] = {.alive = device.at("alive").get<bool>()};
+    observed.devices[name] = {.alive = device.at("alive").get<bool>()};
     for (const Json& module : device.at("modules")) {
       const std::string path = name + "." + module.at("name").get<std::string>();
-      heard.modules[path] = module.at("state").get<std::string>();
+      observed.modules[path] = module.at("state").get<std::string>();
       if (!module.contains("ports")) continue;
       for (const Json& port : module["ports"]) {
-        HeardCell::Port one{.matched = port.at("matched").get<std::uint64_t>() > 0,
-                            .safe = port.value("safe", false),
-                            .lost = port.at("lost").get<std::uint64_t>(),
-                            .dropped = port.at("dropped").get<std::uint64_t>(),
-                            .late = port.at("late").get<std::uint64_t>()};
+        ObservedCell::Port one{.matched = port.at("matched").get<std::uint64_t>() > 0,
+                               .safe = port.value("safe", false),
+                               .lost = port.at("lost").get<std::uint64_t>(),
+                               .dropped = port.at("dropped").get<std::uint64_t>(),
+                               .late = port.at("late").get<std::uint64_t>()};
         if (const Json& age = port.at("age_us"); !age.is_null()) {
           one.age =
               std::chrono::round<Nanoseconds>(std::chrono::duration<double, std::micro>(age.get<double>()));
         }
         if (const Json& policy = port.at("incompatible"); !policy.is_null())
           one.incompatible = policy.get<std::string>();
-        heard.ports[path + "." + port.at("name").get<std::string>()] = std::move(one);
+        observed.ports[path + "." + port.at("name").get<std::string>()] = std::move(one);
       }
     }
   }
-  return health_of(cell, heard);
+  return health_of(cell, observed);
 }
 
 namespace {
 
-// As exact as is of use to a reader.
+// Rounded to a precision that is useful to a reader.
 Nanoseconds rounded(Nanoseconds age) {
   if (age < std::chrono::milliseconds{10}) return std::chrono::round<std::chrono::microseconds>(age);
   return std::chrono::round<std::chrono::milliseconds>(age);

@@ -1,5 +1,5 @@
-// What `takt graph` says of a cell: its devices, their modules, and what goes from port to port; of one that
-// runs also how that goes. For a person, for a program, and as a picture.
+// The output of `takt graph`: devices, modules and connections of a cell, and their health if it runs. As
+// text, as JSON, and as a drawing.
 #pragma once
 
 #include <cstddef>
@@ -17,29 +17,30 @@
 
 namespace takt::tool {
 
-/// What was heard of a cell that runs. What is not in it is not known, and is drawn as in a cell at rest.
+/// The reported health of a running cell. Devices, modules and connections that are missing here have not
+/// been reported, and are drawn as in a cell that does not run.
 struct CellHealth {
   struct Device {
     bool alive = true;
-    std::string text{};  ///< why its health is not good; may be empty
+    std::string text{};  ///< the reason if its health is not good; may be empty
   };
   struct Connection {
-    bool matched = true;               ///< there is somebody at the other end
-    bool stale = false;                ///< its value is older than its deadline
-    bool safe = false;                 ///< its reader gets the safe value
-    std::optional<Nanoseconds> age{};  ///< of the newest value; none: there is none yet
-    std::uint64_t lost = 0;            ///< on the way between devices
-    std::uint64_t dropped = 0;         ///< from a full queue
-    std::uint64_t late = 0;            ///< times that the value became stale
-    std::string incompatible{};        ///< the QoS policy that kept them from matching; empty: none
+    bool matched = true;               ///< both ends have found each other
+    bool stale = false;                ///< the value is older than the deadline
+    bool safe = false;                 ///< the reader gets the safe value
+    std::optional<Nanoseconds> age{};  ///< of the newest value; none: no value yet
+    std::uint64_t lost = 0;            ///< samples lost between devices
+    std::uint64_t dropped = 0;         ///< samples dropped from a full queue
+    std::uint64_t late = 0;            ///< how often the value became stale
+    std::string incompatible{};        ///< the QoS policy that prevents matching; empty: none
   };
   std::map<std::string, Device> devices;          ///< by name
-  std::map<std::string, std::string> modules;     ///< states in the words of reports, by "device.module"
+  std::map<std::string, std::string> modules;     ///< states as in reports ("EXECUTING"), by "device.module"
   std::map<std::size_t, Connection> connections;  ///< by their index in Cell::connections
 };
 
-/// What devices say of themselves, by names: "device", "device.module", "device.module.port".
-struct HeardCell {
+/// What the devices report about themselves, by name: "device", "device.module", "device.module.port".
+struct ObservedCell {
   struct Port {
     bool matched = false;
     bool safe = false;
@@ -53,31 +54,32 @@ struct HeardCell {
   std::map<std::string, std::string> modules{};
   std::map<std::string, Port> ports{};
 };
-/// Devices that are not of this cell are left out.
-CellHealth health_of(const model::Cell& cell, const HeardCell& heard);
-/// Of one port. `connection`: of the cell, with the port at its end; null: there is none, or it is not known.
-/// `end_lost`: the device at one of its ends is.
-CellHealth::Connection health_of(const HeardCell::Port& port, const model::Connection* connection,
+/// The health of a cell. Devices of other cells are ignored.
+CellHealth health_of(const model::Cell& cell, const ObservedCell& observed);
+/// The health of one port. `connection`: the connection that ends at the port; null: none, or not known.
+/// `end_lost`: the device at one of its ends is lost.
+CellHealth::Connection health_of(const ObservedCell::Port& port, const model::Connection* connection,
                                  bool end_lost);
 
-/// Of what `takt status --json` says. Empty where no device of this cell is in it.
+/// The health of a cell from the object of `takt status --json`. Empty if the object has no device of this
+/// cell.
 CellHealth health_of(const model::Cell& cell, const nlohmann::ordered_json& status);
 
 /// "not matched (reliability)", "STALE, 400 ms old, late 2", "ok, 1.2 ms old, lost 3".
 std::string health_text(const CellHealth::Connection& health);
 
-/// Devices, modules and connections as lists, as wide as check_text(). Ends with a line feed.
+/// Devices, modules and connections as lists, with the same width as check_text(). Ends with a line feed.
 std::string graph_text(const model::Cell& cell, const CellHealth& health, Style style);
 
 /// {"cell", "domain", "discovery", "devices": [{"name", "modules": [{"name", "type", "operation", ...}]}],
-/// "connections": [{"from", "to", "kind", ...}]}. Times in ns. What is not said or not known is not there,
-/// but for an end that is not Takt's, which is null.
+/// "connections": [{"from", "to", "kind", ...}]}. Times in ns. Members that are not given or not known are
+/// left out. An end outside Takt is null.
 nlohmann::ordered_json graph_json(const model::Cell& cell, const CellHealth& health);
 
-/// A box a device with its modules and, of their ports, those that connections name; an arrow a connection.
-/// Draws the first kGraphDevices devices with kGraphModules modules each, the first kGraphConnections
-/// connections between those, and says so where there are more. A health is told by words and by the kind of
-/// a line, and also by colour.
+/// The cell as SVG: a box for each device with its modules and their connected ports, an arrow for each
+/// connection. Draws the first kGraphDevices devices with kGraphModules modules each, and the first
+/// kGraphConnections connections between them; a note says how many more there are. Words and line styles
+/// show the health, not only colours.
 std::string graph_svg(const model::Cell& cell, const CellHealth& health);
 inline constexpr std::size_t kGraphDevices = 50;
 inline constexpr std::size_t kGraphModules = 100;

@@ -6,7 +6,8 @@ namespace takt::tool {
 
 namespace {
 
-/// Elements, indented by their depth; one without content is left out, for it is not known.
+/// Writes XML elements, indented by their depth. Elements without content are left out, because it is not
+/// known.
 class Elements {
  public:
   void open(const char* name) {

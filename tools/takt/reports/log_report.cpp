@@ -34,7 +34,7 @@ const char* colour_of(model::Severity severity) {
   return "";
 }
 
-/// Seen without colours too.
+/// Marks the severity without colours.
 char mark_of(model::Severity severity) {
   switch (severity) {
     case model::Severity::note:
@@ -47,14 +47,14 @@ char mark_of(model::Severity severity) {
   return '?';
 }
 
-// Each character takes a column.
+// The number of columns; each character takes one.
 std::size_t printed_columns(std::string_view text) {
   std::size_t columns = 0;
   for (; !text.empty(); ++columns) text.remove_prefix(std::max<std::size_t>(utf8_length(text), 1));
   return columns;
 }
 
-// In lines of at most `width` columns, broken at blanks; a word that is longer has a line of its own.
+// Wraps a text to `width` columns, at spaces. A longer word gets its own line.
 std::vector<std::string> lines_of(const std::string& text, std::size_t width) {
   std::vector<std::string> lines;
   std::string_view rest = text;
@@ -123,8 +123,8 @@ std::string log_json(const std::vector<model::Fault>& events) {
 
 Result<std::int64_t> since_from(const std::string& text, std::int64_t now_ns) {
   const auto wrong =
-      fail(in_quotes(text) + " is no time",
-           "say how long ago (90s, 10m, 2h, 7d) or when (14:30, 2026-03-01, 2026-03-01T14:30:05)");
+      fail(in_quotes(text) + " is not a time",
+           "write how long ago (90s, 10m, 2h, 7d) or when (14:30, 2026-03-01, 2026-03-01T14:30:05)");
   // How long ago.
   const std::size_t digits = text.find_first_not_of("0123456789");
   if (digits != std::string::npos && digits > 0 && digits < 10 && digits + 1 == text.size()) {

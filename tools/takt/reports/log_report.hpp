@@ -1,4 +1,4 @@
-// What `takt log` prints.
+// The output of `takt log`: events as text or JSON.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,15 @@
 
 namespace takt::tool {
 
-/// Events for a person, in local time: a line with time, module, kind and cause; of a longer cause the rest
-/// below it. `day` is that of the line before ("": there is none), for a line of its own where it changes.
+/// Events as text, in local time: a line with time, module, kind and cause. A cause that does not fit goes
+/// below. A change of the day gets its own line. `day` is the day of the previous event (empty: none) and is
+/// updated.
 std::string log_text(const std::vector<model::Fault>& events, std::string& day, Style style);
-/// One object a line.
+/// One JSON object per line.
 std::string log_json(const std::vector<model::Fault>& events);
 
-/// The instant (since 1970, ns) that "10m", "2h", "14:30", "2026-03-01", "2026-03-01 14:30:05" or the same
-/// with a T means, in local time. Fails with what would be right.
+/// Converts "10m", "2h" (ago) or "14:30", "2026-03-01", "2026-03-01 14:30:05", also with a T (local time), to
+/// ns since 1970. Fails with examples of valid times.
 Result<std::int64_t> since_from(const std::string& text, std::int64_t now_ns);
 
 }  // namespace takt::tool

@@ -1,4 +1,4 @@
-// A report for a person as it is put together: lines, headings, lists and tables that keep to the width.
+// Builds a text report: lines, headings, lists and tables that keep to the width.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@ namespace takt::tool {
 /// "1 row", "2 rows".
 std::string count(std::size_t number, std::string_view noun);
 
-/// Lines up columns, marks what matters, and never passes the width: what does not fit beside the first
-/// column goes below.
+/// The text of a report. Aligns columns, highlights words, and wraps lists, sentences and headings to the
+/// width. In a table that is too wide, the other columns go below the first one.
 class Page {
  public:
   using Words = std::vector<std::string>;
@@ -23,25 +23,25 @@ class Page {
 
   void line(std::size_t indent, std::string_view text);
   void dim(std::size_t indent, std::string_view text);
-  /// "TITLE: rest", with the rest below where it does not fit beside.
+  /// "TITLE: rest"; if it does not fit on one line, the rest goes below the title.
   void heading(std::size_t indent, const std::string& title, const std::string& rest);
   void blank() { text_ += '\n'; }
 
   [[nodiscard]] std::string bold(std::string_view text) const { return in_colour("1", text); }
   [[nodiscard]] std::string warning(std::string_view text) const { return in_colour("33", text); }
 
-  /// `lead`, then the words with commas between them, as many on a line as fit; further lines begin under the
-  /// first word. A lead that leaves no room for the longest word stands alone. Of a longer list the first
-  /// kNamed are named.
+  /// `lead`, then the words, separated by commas and wrapped; further lines begin under the first word. A
+  /// lead that leaves no room for the longest word gets its own line. Of a longer list, only the first kNamed
+  /// words are shown.
   void words(std::size_t indent, std::string_view lead, Words words);
   static constexpr std::size_t kNamed = 32;
 
-  /// A sentence, broken between its words, and a word that is longer than a line after a dot or slash.
+  /// A sentence, wrapped between words. A word longer than a line is broken after a dot or slash.
   void sentence(std::size_t indent, std::string_view text);
 
-  /// The first row is the heading. All rows have as many cells.
+  /// The first row is the heading. All rows have the same number of cells.
   void table(std::size_t indent, const std::vector<Words>& rows);
-  /// Whether table() has room for each row on one line.
+  /// Whether table() can show each row on one line.
   [[nodiscard]] bool fits(std::size_t indent, const std::vector<Words>& rows) const;
   static std::vector<std::size_t> widths_of(const std::vector<Words>& rows);
 

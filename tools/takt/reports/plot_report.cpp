@@ -15,11 +15,11 @@ namespace {
 
 // Pixels.
 constexpr double kPanel = 200;
-constexpr double kGap = 34;  // between panels, for a title and the legend's first line
+constexpr double kGap = 34;  // between panels, for a title and the first line of the legend
 constexpr double kPlotWide = static_cast<double>(kPlotColumns);
-constexpr std::size_t kCurveColours = 8;  // then from the first again
-constexpr std::size_t kShapes = 5;        // so that the first 40 curves differ in one of both
-constexpr double kApart = 90;             // from a curve's shape to its next
+constexpr std::size_t kCurveColours = 8;  // then the colours repeat
+constexpr std::size_t kShapes = 5;        // so that the first 40 curves differ in colour or shape
+constexpr double kApart = 90;             // between two shapes on a curve
 
 constexpr std::string_view kColourWords = R"(.axis { stroke: #8a96a3; stroke-width: 1; }
 .curve { fill: none; stroke-width: 1.4; stroke-linejoin: round; }
@@ -49,7 +49,7 @@ struct Extent {
   double high = 1;
 };
 
-/// What a panel's axis shows: a little more than its values.
+/// The range of a panel's axis: a little more than its values.
 Extent extent_of(const PlotPanel& panel) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -66,16 +66,16 @@ Extent extent_of(const PlotPanel& panel) {
     high = static_cast<double>(panel.labels.size() - 1);
   }
   if (low > high) return {};
-  // Halves, for what spans nearly all that a double can hold.
+  // Halves, so that a span over nearly the whole range of a double does not overflow.
   const double span = high / 2 - low / 2;
   const double margin = span > 0 ? span * 0.1 : std::max(std::abs(low) * 0.1, 0.5);
-  constexpr double kMost = std::numeric_limits<double>::max() * 0.99;  // and room for a mark beyond it
+  constexpr double kMost = std::numeric_limits<double>::max() * 0.99;  // leaves room for a mark beyond it
   return {std::max(low - margin, -kMost), std::min(high + margin, kMost)};
 }
 
 bool is_whole(double value) { return std::abs(value) < 1e15 && value == std::round(value); }
 
-/// Counts, which have nothing between one and the next.
+/// Whether all values are whole numbers; then the axis has no marks between them.
 bool are_whole(const PlotPanel& panel) {
   return std::all_of(panel.series.begin(), panel.series.end(), [](const PlotSeries& series) {
     return std::all_of(series.curves.begin(), series.curves.end(), [](const auto& curve) {
@@ -85,7 +85,7 @@ bool are_whole(const PlotPanel& panel) {
   });
 }
 
-/// With as many digits as marks that are a step apart differ in.
+/// A number with enough digits to tell marks that are one step apart.
 std::string mark_text(double value, double step) {
   if (value == 0) return "0";
   const double size = std::abs(value);
@@ -150,7 +150,7 @@ class PlotDrawing {
     return left_ + kPlotWide * (length > 0 ? std::clamp((time - plot_.from) / length, 0.0, 1.0) : 0.5);
   }
 
-  /// Returns where the next one may begin.
+  /// Returns where the next panel may begin.
   double draw(const PlotPanel& panel, double y) {
     y += 16;
     canvas_.text(kMargin, y, kNormal, "title", panel.title);
@@ -168,7 +168,7 @@ class PlotDrawing {
     for (const double mark : time_marks()) canvas_.line(x_of(mark), y, x_of(mark), y + kPanel, "lane");
     for (std::size_t i = 0; i < panel.series.size(); ++i) {
       canvas_.open_group(panel.series[i].name);
-      // Beside those of the others, for curves that lie on each other.
+      // Shift the shapes of each curve, so that they stay visible when curves overlap.
       double next =
           left_ + kApart * (static_cast<double>(i) + 0.5) / static_cast<double>(panel.series.size());
       for (const auto& curve : panel.series[i].curves) {
@@ -183,7 +183,7 @@ class PlotDrawing {
         std::vector<Point> points;
         points.reserve(curve.size());
         for (const PlotPoint& point : curve) {
-          // An enumerator holds until the next one comes.
+          // An enumerator is valid until the next sample, so draw steps.
           if (!panel.labels.empty() && !points.empty()) points.push_back({x_of(point.time), points.back().y});
           points.push_back({x_of(point.time), y_of(point.value)});
         }
@@ -197,7 +197,7 @@ class PlotDrawing {
     return y + kPanel + kGap - 20;
   }
 
-  /// A curve is told from the others by a shape too: by who sees no colours, and on paper that has none.
+  /// Curves also differ by a shape, for readers who cannot see the colours.
   void shape(std::size_t series, Point at) {
     const std::string look = fmt::format("d{}", series % kCurveColours);
     constexpr double r = 3.5;
@@ -215,7 +215,7 @@ class PlotDrawing {
     }
   }
 
-  /// On a curve, from `next` to the right. Returns where the next one belongs.
+  /// Draws the shapes on a curve, from x = `next` to the right. Returns the place of the next shape.
   double shapes(std::size_t series, const std::vector<Point>& curve, double next) {
     while (next < curve.front().x) next += kApart;
     for (std::size_t i = 1; i < curve.size(); ++i) {
@@ -227,7 +227,7 @@ class PlotDrawing {
     return next;
   }
 
-  /// As many on a line as fit.
+  /// Wraps to as many lines as needed. Returns the y of the last one.
   double legend(const PlotPanel& panel, double y) {
     double x = kMargin;
     y += 12;
@@ -253,7 +253,7 @@ class PlotDrawing {
   void time_axis(double y) {
     const std::vector<double> all = time_marks();
     const double step = all.size() > 1 ? (all[1] - all[0]) / unit_.seconds : 1;
-    double free = 0;  // from here on
+    double free = 0;  // from here on, there is room for a label
     for (const double mark : all) {
       const std::string text = mark_text(mark / unit_.seconds, step);
       const double half = width_of(text, kSmall) / 2;
@@ -294,7 +294,7 @@ std::vector<double> ticks(double from, double to, std::size_t about) {
   std::vector<double> marks;
   for (double n = std::ceil(from / step - 1e-9); n * step <= to + step * 1e-9; ++n) {
     marks.push_back(n * step);
-    if (marks.size() > 4 * about) break;  // a span too small for its numbers
+    if (marks.size() > 4 * about) break;  // the span is too small for the precision of a double
   }
   if (marks.empty()) marks.push_back(from);
   return marks;

@@ -1,4 +1,4 @@
-// Curves as a picture: a panel for each field, one axis of time for all.
+// Draws curves as SVG: a panel for each field, with a common time axis.
 #pragma once
 
 #include <cstdint>
@@ -14,33 +14,34 @@ struct PlotPoint {
 
 struct PlotSeries {
   std::string name;
-  std::vector<std::vector<PlotPoint>> curves{};  ///< what is connected; a lone point is a curve of one
+  std::vector<std::vector<PlotPoint>>
+      curves{};  ///< each is drawn as one line; a single point is a curve of one
 };
 
 struct PlotPanel {
   std::string title;
   std::vector<PlotSeries> series{};
-  std::vector<std::string> labels{};  ///< of the values 0, 1, ...: an enumeration; empty: numbers
+  std::vector<std::string> labels{};  ///< enumerators for the values 0, 1, ...; empty: the values are numbers
 };
 
 struct Plot {
   std::string title;
   std::string subtitle{};
-  double from = 0;  ///< s, what the axis of time shows
-  double to = 0;
+  double from = 0;  ///< begin of the time axis, in s
+  double to = 0;    ///< end of the time axis, in s
   std::vector<PlotPanel> panels{};
 };
 
-/// How wide the curves are drawn, in pixels: more points than four for each would not be seen.
+/// The width of the curves in pixels. More than four points per pixel would not be visible.
 inline constexpr std::size_t kPlotColumns = 900;
 
 std::string plot_svg(const Plot& plot);
 
-/// Marks of an axis: 1, 2 or 5 times a power of ten apart, all within from and to, about so many. At least
-/// one.
+/// About `about` marks for an axis between `from` and `to`, spaced by 1, 2 or 5 times a power of ten. At
+/// least one.
 std::vector<double> ticks(double from, double to, std::size_t about);
 
-/// The unit in which so many seconds are read best: "us", "ms", "s", "min" or "h", and how many s it has.
+/// The best unit for a duration: "us", "ms", "s", "min" or "h", and its length in seconds.
 struct TimeUnit {
   const char* name;
   double seconds;

@@ -1,4 +1,4 @@
-// The run times of a cell, from what its devices said when they ended.
+// Makes a profile (run times) from the closing report of a cell.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,8 +7,8 @@
 
 namespace takt::tool {
 
-/// Of the status object of the contract, whose run times are microseconds. A module of a device that said
-/// nothing is left out; one that never ran has 0 runs.
+/// The profile from a status object (as printed by `takt status --json`), whose run times are in
+/// microseconds. A device without a report contributes no modules; a module that never ran has 0 runs.
 model::Profile profile_of(const nlohmann::ordered_json& status);
 
 }  // namespace takt::tool

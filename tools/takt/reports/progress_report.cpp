@@ -16,15 +16,15 @@ std::string share_text(double share, const std::string& of, ScreenStyle style) {
 
 std::vector<std::string> BringUp::news(const std::vector<BroughtUp>& devices) {
   std::vector<std::string> lines;
-  const auto tell = [&](const std::string& who, const std::string& state) {
-    if (std::exchange(told_[who], state) != state) lines.push_back(who + ": " + state);
+  const auto report = [&](const std::string& name, const std::string& state) {
+    if (std::exchange(reported_[name], state) != state) lines.push_back(name + ": " + state);
   };
   for (const BroughtUp& device : devices) {
     for (const auto& [name, state] : device.modules) {
       if (state == "START" || state == "EXECUTING" || state == "RECOVER" || state == "DESTRUCT")
-        tell(device.device + "." + name, state);
+        report(device.device + "." + name, state);
     }
-    if (device.state != "waiting") tell(device.device, device.state);
+    if (device.state != "waiting") report(device.device, device.state);
   }
   return lines;
 }

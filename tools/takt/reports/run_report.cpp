@@ -14,17 +14,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Three digits that matter: 0.05, 12.3, 1450.
+// Three significant digits: 0.05, 12.3, 1450.
 std::string us(const Json& value) {
   const double v = value.get<double>();
   const double size = v < 0 ? -v : v;
   return fmt::format("{:.{}f}", v, size < 10 ? 2 : size < 100 ? 1 : 0);
 }
 
-// What an error says in its first line.
+// The first line of an error.
 std::string one_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-// The ports that a connection names.
+// A table of the ports that are connected.
 std::string ports_text(const Json& device) {
   struct Row {
     std::string name;
@@ -51,13 +51,14 @@ std::string ports_text(const Json& device) {
         p["direction"].get<std::string>(), fmt::format("{}/{}", count("matched"), count("connections")),
         count("samples"), count("lost"), count("dropped"), count("late"),
         p["age_us"].is_null() ? "-" : us(p["age_us"]),
-        p["incompatible"].is_null() ? "" : "  does not match by " + p["incompatible"].get<std::string>());
+        p["incompatible"].is_null() ? ""
+                                    : "  not matched: incompatible " + p["incompatible"].get<std::string>());
   }
   return text;
 }
 
 std::string device_text(const Json& device, std::size_t width) {
-  // A word on what it does, but for one that runs as it should.
+  // The state of the device, unless it is running.
   std::string state = device.value("state", "");
   if (state == "running") state.clear();
   const std::string why = one_line(device.value("text", ""));
@@ -68,7 +69,7 @@ std::string device_text(const Json& device, std::size_t width) {
       device["real_time"].get<bool>() || !device["alive"].get<bool>() ? "" : "  NOT REAL-TIME", state);
   if (!device["alive"].get<bool>()) {
     for (const Json& m : device["modules"]) {
-      text += fmt::format("  {:<{}} {:<10} when it was last heard\n", m["name"].get<std::string>(), width,
+      text += fmt::format("  {:<{}} {:<10} (last known state)\n", m["name"].get<std::string>(), width,
                           m["state"].get<std::string>());
     }
     return text;
@@ -110,15 +111,12 @@ std::string run_text(const Json& status) {
   std::string text = fmt::format("\ncell {}\n", status["cell"].get<std::string>());
   for (const Json& device : status["devices"]) text += device_text(device, width);
   return text +
-         "\n  times in us. jitter: release minus start, its mean; p50, p99 and max are of its size. missed: "
-         "rows\n"
-         "  whose time passed because the row before, or the wake-up, was too late. margin: awake so long "
-         "before a\n"
-         "  release. overruns: not done by the next release or by the deadline. matched: connections with "
-         "somebody\n"
-         "  at the other end, of all. lost: on the way; dropped: from a full queue. late: times that the "
-         "newest\n"
-         "  value was older than its deadline.\n";
+         "\n  Times are in us. jitter: release minus start, as a signed mean; p50, p99 and max are of the\n"
+         "  absolute value. missed: rows skipped because the row before, or the wake-up, was too late.\n"
+         "  margin: how long before a release the executor is awake. overruns: not done by the next release\n"
+         "  or by the deadline. matched: connections whose other end was found, of all connections.\n"
+         "  lost: samples lost on the way. dropped: samples dropped from a full queue. late: how often the\n"
+         "  newest value was older than its deadline.\n";
 }
 
 std::string run_json(Json status) {

@@ -1,4 +1,4 @@
-// What `takt run` says when it ends.
+// The closing report of `takt run` and the output of `takt status`.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace takt::tool {
 
-/// The status object of the contract as tables, one line an executor and one a module, at most 100 columns
-/// wide for names of up to 20 characters. Times in microseconds. Ends with a line feed.
+/// A status object as tables with one line per executor and per module, at most 100 columns wide for names of
+/// up to 20 characters. Times in microseconds. Ends with a line feed.
 std::string run_text(const nlohmann::ordered_json& status);
-/// The same for programs: without what is for people only (the margins of the executors). Ends with a line
-/// feed.
+/// A status object as JSON, without the margins of the executors, which are only for the tables. Ends with a
+/// line feed.
 std::string run_json(nlohmann::ordered_json status);
 
 }  // namespace takt::tool

@@ -1,4 +1,4 @@
-// How a report for a person is printed. The command line decides it once, from the terminal it writes to.
+// The style of a text report. The command line sets it once, from the terminal to which it writes.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@ namespace takt::tool {
 
 struct Style {
   bool colour = false;      ///< ANSI escapes; never counted in the width
-  std::size_t width = 100;  ///< columns; a report uses 80 to 100 of them, whatever this says
+  std::size_t width = 100;  ///< columns; clamped to 80 to 100
 };
 
 }  // namespace takt::tool

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kWorst = 10;
 constexpr const char* kFormat = "takt trace 1";
-/// In the order in which they are looked for.
+/// In the order in which the causes are checked.
 constexpr std::array<const char*, 7> kCauses{"own overrun", "predecessor", "wake-up", "preemption",
                                              "page fault",  "hypervisor",  "unknown"};
 
@@ -34,7 +34,7 @@ std::string utc(std::int64_t ns) {
   return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(second));
 }
 
-/// Of sorted values: the smallest that a share `q` of them does not pass.
+/// The quantile `q` of sorted values.
 double quantile(const std::vector<double>& values, double q) {
   const auto place = static_cast<std::size_t>(q * static_cast<double>(values.size()));
   return values[std::min(place, values.size() - 1)];
@@ -61,12 +61,12 @@ std::vector<OfCause> by_cause(const TraceSummary& summary) {
 }  // namespace
 
 Result<TraceSummary> summary_of(const Json& trace) {
-  const auto none = [](const std::string& what) {
+  const auto rejected = [](const std::string& what) {
     return fail(what, "give a file that takt trace or a node wrote");
   };
-  const bool ours = trace.is_object() && trace.contains("otherData") && trace["otherData"].is_object() &&
-                    trace["otherData"].contains("format") && trace["otherData"]["format"] == kFormat;
-  if (!ours) return none("it is no trace of takt");
+  const bool is_trace = trace.is_object() && trace.contains("otherData") && trace["otherData"].is_object() &&
+                        trace["otherData"].contains("format") && trace["otherData"]["format"] == kFormat;
+  if (!is_trace) return rejected("is not a Takt trace");
   TraceSummary summary;
   try {
     const Json& about = trace.at("otherData");
@@ -95,17 +95,17 @@ Result<TraceSummary> summary_of(const Json& trace) {
       if (kind == "state") ++summary.changes[event.at("name")];
       if ((kind != "row" && kind != "run") || !event.contains("args") || !event["args"].contains("cause"))
         continue;
-      const Json& said = event["args"];
+      const Json& details = event["args"];
       const std::string executor = names[event.at("tid")];
       summary.late.push_back(
           {.what = kind == "row" ? executor : executor + "." + event.at("name").get<std::string>(),
-           .at_us = said.at("due_us"),
-           .late_us = said.at("begins_late_us"),
-           .cause = said.at("cause"),
-           .why = said.at("why")});
+           .at_us = details.at("due_us"),
+           .late_us = details.at("begins_late_us"),
+           .cause = details.at("cause"),
+           .why = details.at("why")});
     }
   } catch (const Json::exception& exception) {
-    return none(std::string{"something is missing in it: "} + exception.what());
+    return rejected(std::string{"is an incomplete Takt trace: "} + exception.what());
   }
   std::stable_sort(summary.late.begin(), summary.late.end(),
                    [](const TracedStart& a, const TracedStart& b) { return a.late_us > b.late_us; });
@@ -118,11 +118,12 @@ std::string trace_report(const TraceSummary& s, const Style& style) {
                fmt::format("{} until {}, on {}", time_text(s.lasts_us), utc(s.taken_utc_ns), s.machine));
   page.sentence(2, "Taken: " + s.why);
   if (s.left_out_us > 0)
-    page.sentence(2, fmt::format("The {} before it did not fit and are left out.", time_text(s.left_out_us)));
+    page.sentence(2,
+                  fmt::format("The {} before that did not fit and were left out.", time_text(s.left_out_us)));
   if (s.lost != 0)
     page.sentence(2, page.warning(fmt::format("{} entries were overwritten while they were read.", s.lost)));
   page.blank();
-  std::vector<Page::Words> rows{{"executor", "rows", "late starts", "late is beyond", "record of", "lost"}};
+  std::vector<Page::Words> rows{{"executor", "rows", "late starts", "late from", "recorded", "lost"}};
   for (const TracedExecutor& e : s.executors) {
     rows.push_back({e.name, std::to_string(e.rows), std::to_string(e.late), time_text(e.late_beyond_us),
                     time_text(e.holds_us), std::to_string(e.lost)});
@@ -141,8 +142,8 @@ std::string trace_report(const TraceSummary& s, const Style& style) {
   }
   page.table(0, rows);
   page.blank();
-  page.line(0, s.late.size() > kWorst ? fmt::format("The worst {} of {}:", kWorst, s.late.size())
-                                      : "Each of them:");
+  page.line(
+      0, s.late.size() > kWorst ? fmt::format("The worst {} of {}:", kWorst, s.late.size()) : "All of them:");
   for (std::size_t i = 0; i < std::min(kWorst, s.late.size()); ++i) {
     const TracedStart& start = s.late[i];
     page.sentence(2, fmt::format("{} late: {}, due at {}", time_text(start.late_us), start.what,

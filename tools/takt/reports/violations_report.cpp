@@ -12,16 +12,16 @@ std::string violations_text(const nlohmann::ordered_json& status) {
     checked = true;
     for (const auto& v : device["realtime_violations"]) {
       const auto of = [&v](const char* key) { return v[key].get<std::string>(); };
-      const std::string who = v.contains("executor") ? "executor " + of("executor") : of("module");
+      const std::string name = v.contains("executor") ? "executor " + of("executor") : of("module");
       text += fmt::format(
-          "  {}.{}{}: {}{}, {}\n", device["name"].get<std::string>(), who,
+          "  {}.{}{}: {}{}, {}\n", device["name"].get<std::string>(), name,
           of("hook").empty() ? "" : " " + of("hook"), of("kind"), of("what").empty() ? "" : " " + of("what"),
           v["count"] == 1 ? "once" : fmt::format("{} times", v["count"].get<std::uint64_t>()));
       for (const auto& call : v["backtrace"]) text += "      " + call.get<std::string>() + "\n";
     }
   }
   if (!checked) return "";
-  return text.empty() ? "\nno module did what no real-time code may\n" : "\nnot real-time:\n" + text;
+  return text.empty() ? "\nno real-time violations\n" : "\nreal-time violations:\n" + text;
 }
 
 }  // namespace takt::tool

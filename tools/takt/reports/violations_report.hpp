@@ -1,4 +1,4 @@
-// What `takt run --check-realtime` says when it ends.
+// The report of `takt run --check-realtime` at the end of a run.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace takt::tool {
 
-/// The lists `realtime_violations` of a status object: each with how often it happened and the calls that led
-/// there, or that there were none. Empty where nothing was checked. Ends with a line feed.
+/// The `realtime_violations` of a status object as text: each with its count and the calls that led there, or
+/// a line that there were none. Empty if nothing was checked. Ends with a line feed.
 std::string violations_text(const nlohmann::ordered_json& status);
 
 }  // namespace takt::tool

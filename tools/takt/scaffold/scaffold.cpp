@@ -24,7 +24,7 @@ constexpr Template kTemplates[] = {
 
 using Values = std::map<std::string, std::string, std::less<>>;
 
-/// Every @word@ that has a value gets it.
+/// Replaces each @word@ that has a value.
 std::string filled(std::string_view text, const Values& values) {
   std::string result;
   while (!text.empty()) {
@@ -32,7 +32,7 @@ std::string filled(std::string_view text, const Values& values) {
     const std::size_t end = begin == text.npos ? text.npos : text.find('@', begin + 1);
     if (end == text.npos) break;
     const auto found = values.find(text.substr(begin + 1, end - begin - 1));
-    if (found == values.end()) {  // an @ of the text's own
+    if (found == values.end()) {  // an @ that is part of the text
       result += text.substr(0, end);
       text.remove_prefix(end);
       continue;
@@ -44,7 +44,7 @@ std::string filled(std::string_view text, const Values& values) {
   return result += text;
 }
 
-/// "belt_drive" is the class BeltDrive.
+/// "BeltDrive" for "belt_drive".
 std::string class_name(std::string_view name) {
   std::string result;
   bool up = true;
@@ -59,23 +59,23 @@ std::string class_name(std::string_view name) {
   return result;
 }
 
-/// Also the name of a C++ namespace, of an IDL module and of a target of CMake.
+/// The name is also used for a C++ namespace, an IDL module and a CMake target.
 Result<void> check_name(const std::string& name) {
   constexpr const char* kRule =
-      "a component is named as in belt_drive: a small letter, then small letters, digits and single _, 48 at "
-      "most";
+      "use a small letter, then small letters, digits and single underscores, at most 48 characters, such as "
+      "belt_drive";
   const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
   const bool letter = !name.empty() && name[0] >= 'a' && name[0] <= 'z';
   if (!letter || name.size() > 48 || !std::all_of(name.begin(), name.end(), fits) || name.back() == '_' ||
       name.find("__") != name.npos) {
-    return fail("'" + name + "' does not do as the name of a component", kRule);
+    return fail("'" + name + "' is not a valid component name", kRule);
   }
-  // Targets that CMake or Takt have already, and the folder that a build is made in.
+  // Names of targets of CMake and Takt, and of the build folder.
   constexpr std::array<std::string_view, 9> kTaken{"all",  "build", "clean",   "help",      "install",
                                                    "test", "takt",  "package", "edit_cache"};
   if (std::find(kTaken.begin(), kTaken.end(), name) != kTaken.end())
-    return fail("'" + name + "' is a name that the build has already",
-                "take another one, as " + name + "_module");
+    return fail("'" + name + "' is reserved by the build",
+                "choose another name, such as " + name + "_module");
   return {};
 }
 
@@ -118,8 +118,8 @@ Result<std::vector<NewFile>> new_component(const NewComponent& wanted) {
 
 Result<std::vector<NewFile>> new_cell(const std::string& name) {
   if (!model::is_valid_name(name)) {
-    return fail("'" + name + "' does not do as the name of a cell",
-                "a name has a letter or _, then letters, digits, _ and -; 63 at most");
+    return fail("'" + name + "' is not a valid cell name",
+                "use a letter or '_', then letters, digits, '_' and '-', at most 63");
   }
   return files_of("cell", {{"name", name}}, {});
 }

@@ -1,4 +1,4 @@
-// What `takt new` writes, apart from writing it.
+// Makes the files of `takt new` from templates. The command itself writes them.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 namespace takt::tool {
 
 struct NewFile {
-  std::string name;  ///< in the new folder
+  std::string name;  ///< path in the new folder
   std::string text;
 };
 
@@ -22,10 +22,10 @@ struct NewComponent {
   bool in_c = false;
 };
 
-/// A component with its types, its descriptor, its tests and its page. Fails on a name that would not do in
-/// C++, IDL or CMake.
+/// A component with its types, descriptor, tests and README. Fails if the name is not valid in C++, IDL or
+/// CMake.
 Result<std::vector<NewFile>> new_component(const NewComponent& wanted);
-/// A cell of two devices, made of ready components.
+/// A cell of two devices that uses ready-made components.
 Result<std::vector<NewFile>> new_cell(const std::string& name);
 
 }  // namespace takt::tool

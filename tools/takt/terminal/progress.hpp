@@ -1,4 +1,4 @@
-// A line that says how far something is, for what takes longer than a second.
+// A progress line for commands that take longer than a second.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,8 @@
 
 namespace takt::tool {
 
-/// Redrawn in place on standard error, and gone at the end. Where that is no terminal there is nothing of it.
+/// A line on standard error that is redrawn in place and removed at the end. If standard error is not a
+/// terminal, nothing is shown.
 class Progress {
  public:
   Progress();
@@ -20,15 +21,15 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Whether anybody sees it: what is not seen need not be made.
+  /// Whether there is a terminal. If not, the caller need not compute the progress.
   [[nodiscard]] bool is_seen() const noexcept { return seen_; }
-  /// Whether it is time for another one: a few times a second.
+  /// Whether it is time for the next update: a few times a second.
   [[nodiscard]] bool is_due() const;
-  /// In place of the one before, cut to the terminal's width.
+  /// Replaces the line by this text, cut to the width of the terminal.
   void show(const std::string& text);
-  /// The line goes, so that something else can be written there.
+  /// Removes the line, so that something else can be written there.
   void clear();
-  /// A line that stays, above this one.
+  /// Prints a line that stays, above the progress line.
   void keep(const std::string& text);
 
  private:
@@ -37,31 +38,31 @@ class Progress {
   Instant shown_at_{};
 };
 
-/// "[####......]  42 %  " and what it is a share of; a share below 0 counts as 0, above 1 as 1.
+/// "[####......]  42 %  " followed by `of`. The share is clamped to 0 to 1.
 std::string share_text(double share, const std::string& of, ScreenStyle style);
 
-/// A device of a cell as it is brought up, as far as was heard.
+/// A device of a cell during bring-up, as last reported.
 struct BroughtUp {
   std::string device;
   std::string state;                           ///< "preparing"
   std::map<std::string, std::string> modules;  ///< states by name
 };
 
-/// What a cell's devices do until all of its modules run.
+/// Follows the devices of a cell until all of its modules run.
 class BringUp {
  public:
-  /// `modules`: of all devices together.
+  /// `modules`: the number of modules of all devices together.
   explicit BringUp(std::size_t modules) : modules_(modules) {}
 
-  /// The lines to be kept of what has changed since the last time: each module that got to START or
-  /// EXECUTING, each device that got to another state.
+  /// A line for each change since the last call: a module that reached START or EXECUTING, or a device whose
+  /// state changed.
   std::vector<std::string> news(const std::vector<BroughtUp>& devices);
-  /// How far all of it is, and what is waited for.
+  /// The progress of all devices together, and what is still missing.
   [[nodiscard]] std::string text(const std::vector<BroughtUp>& devices, ScreenStyle style) const;
 
  private:
   std::size_t modules_;
-  std::map<std::string, std::string> told_;  // states by DEVICE or DEVICE.MODULE
+  std::map<std::string, std::string> reported_;  // states by DEVICE or DEVICE.MODULE
 };
 
 }  // namespace takt::tool

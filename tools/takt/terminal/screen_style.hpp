@@ -1,17 +1,17 @@
-// How a terminal that is drawn on shows things.
+// What a terminal can show: colours and Unicode.
 #pragma once
 
 namespace takt::tool {
 
 struct ScreenStyle {
   bool colour = false;   ///< ANSI escapes; never counted in the width
-  bool unicode = false;  ///< it shows more than ASCII
+  bool unicode = false;  ///< the terminal shows more than ASCII
 };
 
-/// Colour where standard output is a terminal and NO_COLOR is not set; Unicode where the locale has it.
+/// Colour if standard output is a terminal and NO_COLOR is not set; Unicode if the locale is UTF-8.
 ScreenStyle screen_style();
 
-/// Whether the locale that was chosen (LC_ALL, LC_CTYPE, LANG) is one of UTF-8.
+/// Whether the locale (LC_ALL, else LC_CTYPE, else LANG) is a UTF-8 locale.
 bool is_utf8();
 
 }  // namespace takt::tool

@@ -1,4 +1,4 @@
-// The terminal that a report goes to.
+// Writes reports to standard output, in colour if it is a terminal.
 #pragma once
 
 #include <string>
@@ -7,10 +7,11 @@
 
 namespace takt::tool {
 
-/// Colour where standard output is a terminal and NO_COLOR is not set.
+/// Colour if standard output is a terminal and NO_COLOR is not set.
 Style terminal_style();
 
-/// Writes to standard output; false and a reason on standard error when it is full or closed.
+/// Writes to standard output. If that fails (disk full, pipe closed), prints the reason on standard error and
+/// returns false.
 bool print(const std::string& text);
 
 }  // namespace takt::tool

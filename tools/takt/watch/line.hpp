@@ -1,4 +1,4 @@
-// A line of a terminal's screen, put together from pieces whose colours take no column.
+// A line on a terminal, made of pieces of text with colours. Colours do not count in the width.
 #pragma once
 
 #include <cstddef>
@@ -13,36 +13,37 @@ namespace takt::tool::watch {
 
 enum class Ink { plain, good, warning, bad, dim, title };
 
-/// Each character takes a column.
+/// The number of columns of a text; each character takes one column.
 std::size_t columns_of(std::string_view text);
-/// Microseconds, with fewer decimals the more there are.
+/// Microseconds, with fewer decimals for larger values.
 std::string in_us(double us);
 
-/// What others wrote is shown as one line; where the terminal has no Unicode, "?" stands for what it cannot
-/// show.
+/// Control characters and line feeds in a text are escaped, so that it stays on one line. Without Unicode,
+/// "?" replaces characters that the terminal cannot show.
 class Line {
  public:
   Line& add(std::string_view text, Ink ink = Ink::plain);
   Line& add(const Line& other);
-  /// Exactly `columns` wide: filled up, or cut with a sign that it was.
+  /// Adds a text exactly `columns` wide: padded, or cut with a mark that shows it.
   Line& left(std::string_view text, std::size_t columns, Ink ink = Ink::plain);
   Line& right(std::string_view text, std::size_t columns, Ink ink = Ink::plain);
-  /// To the right. What has no room is told in thousands, millions and so on, rounded down: 12k, 3M.
+  /// Adds a right-aligned number. One that does not fit is shown in thousands, millions and so on, rounded
+  /// down: 12k, 3M.
   Line& count(std::uint64_t number, std::size_t columns, Ink ink = Ink::plain);
   Line& gap(std::size_t columns = 1);
-  /// All of it stands out.
+  /// Highlights the whole line.
   Line& chosen();
 
   [[nodiscard]] std::size_t width() const noexcept { return width_; }
   [[nodiscard]] bool empty() const noexcept { return pieces_.empty(); }
-  /// At most `columns` wide, no character cut in two, with a sign that it was cut.
+  /// The line, at most `columns` wide. If it is cut, no character is split, and a mark shows the cut.
   [[nodiscard]] std::string shown(std::size_t columns, ScreenStyle style) const;
 
  private:
   struct Piece {
     std::string text;
     Ink ink;
-    bool cut = false;  // something was left out after it
+    bool cut = false;  // the rest of its text was cut off
   };
   std::vector<Piece> pieces_;
   std::size_t width_ = 0;

@@ -37,7 +37,7 @@ State state(const Sign& sign, const std::string& word, Ink ink, ScreenStyle styl
   return {std::string{style.unicode ? sign.unicode : sign.ascii} + " " + word, ink};
 }
 
-// The worst first.
+// The worst state has the lowest rank.
 int rank_of(const Row& row) {
   if (!row.device->alive) return 0;
   if (row.module == nullptr) return row.device->health == "ok" ? 7 : 1;
@@ -85,15 +85,15 @@ std::string words_of(const Device& device, const Module& module) {
   return device.name + "." + module.name + " " + (device.alive ? module.state : "LOST") + " " + module.text;
 }
 
-// Devices in the order of their names, each with its modules, all of it from the other end where it is
-// reversed.
-std::vector<Row> below_their_devices(const Seen& seen, const View& view) {
+// Devices sorted by name, each followed by its modules sorted by name; both in reverse order if the view asks
+// for it.
+std::vector<Row> below_their_devices(const Snapshot& snapshot, const View& view) {
   const auto ends = [&view](auto& all, const auto& is_less) {
     std::stable_sort(all.begin(), all.end(), is_less);
     if (view.reversed) std::reverse(all.begin(), all.end());
   };
   std::vector<const Device*> devices;
-  for (const Device& device : seen.devices) devices.push_back(&device);
+  for (const Device& device : snapshot.devices) devices.push_back(&device);
   ends(devices, [](const Device* a, const Device* b) { return a->name < b->name; });
   std::vector<Row> rows;
   for (const Device* device : devices) {
@@ -109,7 +109,7 @@ std::vector<Row> below_their_devices(const Seen& seen, const View& view) {
   return rows;
 }
 
-/// A column as it is laid out. Those that are needed less come later in kNeed.
+/// The layout of a column. kNeed lists the columns from the most to the least important.
 struct Laid {
   const char* heading;
   std::size_t width;
@@ -221,7 +221,7 @@ State state_of(const Device& device, const Module& module, ScreenStyle style) {
 }
 
 State state_of(const Connection& connection, ScreenStyle style) {
-  if (!connection.health) return state(kNotYet, "not heard of", Ink::dim, style);
+  if (!connection.health) return state(kNotYet, "not reported", Ink::dim, style);
   const CellHealth::Connection& health = *connection.health;
   const std::string text = health_text(health);
   if (!health.incompatible.empty() || !health.matched) return state(kLost, text, Ink::bad, style);
@@ -230,10 +230,10 @@ State state_of(const Connection& connection, ScreenStyle style) {
   return state(kRuns, text, health.lost + health.dropped + health.late > 0 ? Ink::warning : Ink::good, style);
 }
 
-std::vector<Row> rows_of(const Seen& seen, const View& view) {
-  if (view.column == Column::name) return below_their_devices(seen, view);
+std::vector<Row> rows_of(const Snapshot& snapshot, const View& view) {
+  if (view.column == Column::name) return below_their_devices(snapshot, view);
   std::vector<Row> rows;
-  for (const Device& device : seen.devices) {
+  for (const Device& device : snapshot.devices) {
     if (device.modules.empty() && matches(words_of(device), view.filter))
       rows.push_back({.device = &device, .alone = true});
     for (const Module& module : device.modules) {
@@ -277,7 +277,7 @@ Line list_line(const Row& row, bool chosen, std::size_t columns, ScreenStyle sty
   Line line;
   line.add(chosen ? "> " : "  ").left(name, widths.at(kName));
   if (widths.at(kState) > 0) line.gap().left(state.text, widths.at(kState), state.ink);
-  // The reason matters more than the numbers, which the details have too.
+  // If there is no room for both, the reason replaces the numbers, which are also on the details page.
   if (row.module == nullptr || (!why.empty() && widths.at(kWhy) == 0)) {
     if (!why.empty()) line.gap().add(why);
   } else {

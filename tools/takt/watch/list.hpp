@@ -1,4 +1,4 @@
-// The list of devices and modules: which rows, in which order, in which columns.
+// The list of devices and modules in `takt watch`: its rows, their order, and the columns.
 #pragma once
 
 #include <cstddef>
@@ -14,24 +14,24 @@ namespace takt::tool::watch {
 struct Row {
   const Device* device = nullptr;
   const Module* module = nullptr;  ///< null: the row of the device
-  bool alone = false;              ///< not below its device, so it names it
+  bool alone = false;              ///< not listed below its device, so the row also names the device
 
   [[nodiscard]] std::string target() const;
 };
 
-/// By name each device and its modules below it; by anything else the modules of all devices, and those
-/// devices of which no module is known. The filter's words are looked for in name, state and reason; what a
-/// device has in its name its modules have too.
-std::vector<Row> rows_of(const Seen& seen, const View& view);
+/// The rows that match the filter. Sorted by name, each device is followed by its modules. Sorted by another
+/// column, there are only modules, and devices without known modules. The filter searches name, state and
+/// reason; the name of a module includes that of its device.
+std::vector<Row> rows_of(const Snapshot& snapshot, const View& view);
 
-/// The heading, with a sign at the column by which the rows are sorted.
+/// The heading, with a mark at the column by which the rows are sorted.
 Line list_heading(const View& view, std::size_t columns, ScreenStyle style);
 Line list_line(const Row& row, bool chosen, std::size_t columns, ScreenStyle style);
 
-/// Whether all words of `filter` are in `text`, upper and lower case alike.
+/// Whether `text` contains all words of `filter`, ignoring case.
 bool matches(const std::string& text, const std::string& filter);
 
-/// A sign and a word, the first for those who cannot see the colour at a glance.
+/// A symbol and a word, so that the state does not depend on colour.
 struct State {
   std::string text;  ///< "● EXECUTING"
   Ink ink = Ink::plain;

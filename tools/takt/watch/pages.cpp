@@ -1,4 +1,4 @@
-#include "manual/pages.hpp"
+#include "watch/pages.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ Line labelled(const std::string& label) {
   return line;
 }
 
-/// A text that may be long, on as many lines as it takes.
+/// Adds a text, wrapped to as many lines as it needs.
 void add_wrapped(std::vector<Line>& page, const std::string& label, const std::string& text,
                  std::size_t columns, Ink ink = Ink::plain) {
   const std::size_t room = columns > kLabel + 12 ? columns - kLabel - 2 : 10;
@@ -66,14 +66,14 @@ void last_minute(std::vector<Line>& page, const Module& module, std::size_t colu
   double most = -1;
   for (const double value : module.minute_us) most = std::isnan(value) ? most : std::max(most, value);
   if (most < 0) {
-    page.push_back(labelled("last minute").add("it did not run", Ink::dim));
+    page.push_back(labelled("last minute").add("did not run", Ink::dim));
     return;
   }
   const std::size_t room = columns > kLabel + 24 ? std::min<std::size_t>(columns - kLabel - 16, 60) : 20;
-  const std::vector<std::string> picture = chart(module.minute_us, room, kHeight, style);
+  const std::vector<std::string> bars = chart(module.minute_us, room, kHeight, style);
   for (std::size_t i = 0; i < kHeight; ++i) {
     Line line = labelled(i == 0 ? "last minute" : i == 1 ? "  rms of each" : "  second");
-    line.add(picture[i]);
+    line.add(bars[i]);
     line.gap().add(i == 0 ? in_us(most) + " us" : i + 1 == kHeight ? "0" : "", Ink::dim);
     page.push_back(line);
   }
@@ -149,7 +149,8 @@ std::vector<Line> module_page(const Device& device, const Module& module, std::s
   const State state = state_of(device, module, style);
   page.push_back(labelled("state").add(state.text, state.ink));
   if (!device.alive)
-    page.push_back(labelled("").add("the node of its device is gone; this was heard last", Ink::dim));
+    page.push_back(
+        labelled("").add("the node of its device is lost; these are the last known values", Ink::dim));
   if (!module.text.empty()) add_wrapped(page, "why", module.text, columns);
   if (module.planned) {
     const Planned& planned = *module.planned;
@@ -166,7 +167,7 @@ std::vector<Line> module_page(const Device& device, const Module& module, std::s
     last_minute(page, module, columns, style);
     run_time(page, module, columns, style);
   } else {
-    page.push_back(labelled("measured").add("nothing was heard yet", Ink::dim));
+    page.push_back(labelled("measured").add("no data yet", Ink::dim));
   }
   transitions(page, module);
   ports(page, module, columns, style);
@@ -179,7 +180,7 @@ std::vector<Line> device_page(const Device& device, std::size_t columns, ScreenS
   page.push_back(labelled("state").add(state.text, state.ink));
   page.push_back(labelled("health").add(device.health, device.health == "ok" ? Ink::good : Ink::bad));
   if (!device.text.empty()) add_wrapped(page, "why", device.text, columns);
-  page.push_back(labelled("cell").add(device.cell.empty() ? "none; it waits for a deployment" : device.cell));
+  page.push_back(labelled("cell").add(device.cell.empty() ? "none; waiting for a deployment" : device.cell));
   page.push_back(labelled("machine").add(device.machine));
   page.push_back(labelled("node").add(fmt::format("process {}", device.process_id)));
   Line host = labelled("host");
@@ -188,13 +189,13 @@ std::vector<Line> device_page(const Device& device, std::size_t columns, ScreenS
   else
     host.add(fmt::format("process {}", device.host_process_id));
   if (device.host_restarts > 0)
-    host.add(fmt::format(", started again {} {}", device.host_restarts,
-                         device.host_restarts == 1 ? "time" : "times"),
-             Ink::warning);
+    host.add(
+        fmt::format(", restarted {} {}", device.host_restarts, device.host_restarts == 1 ? "time" : "times"),
+        Ink::warning);
   page.push_back(host);
   if (!device.cell.empty()) {
     page.push_back(device.real_time ? labelled("real time").add("yes")
-                                    : labelled("real time").add("NO: the system refuses it", Ink::warning));
+                                    : labelled("real time").add("NO: the system denies it", Ink::warning));
   }
   const auto in = [&device](const char* name) {
     return std::count_if(device.modules.begin(), device.modules.end(),
@@ -223,35 +224,35 @@ std::vector<Line> device_page(const Device& device, std::size_t columns, ScreenS
 
 }  // namespace
 
-std::vector<Line> details_page(const Seen& seen, const std::string& target, std::size_t columns,
+std::vector<Line> details_page(const Snapshot& snapshot, const std::string& target, std::size_t columns,
                                ScreenStyle style) {
-  const Device* const device = seen.device(target);
-  const Module* const module = seen.module(target);
+  const Device* const device = snapshot.device(target);
+  const Module* const module = snapshot.module(target);
   if (device == nullptr || (module == nullptr && target.find('.') != std::string::npos))
-    return {Line{}.gap(2).add(target + " is not there any more", Ink::warning)};
+    return {Line{}.gap(2).add(target + " no longer exists", Ink::warning)};
   return module != nullptr ? module_page(*device, *module, columns, style)
                            : device_page(*device, columns, style);
 }
 
-std::vector<Line> connections_page(const Seen& seen, const std::string& filter, std::size_t columns,
+std::vector<Line> connections_page(const Snapshot& snapshot, const std::string& filter, std::size_t columns,
                                    ScreenStyle style) {
-  const auto say = [](const char* text) { return std::vector{Line{}.gap(2).add(text, Ink::dim)}; };
-  if (!seen.connections_known) return say("no node has said yet what is connected");
-  if (seen.connections.empty()) return say("nothing is connected");
+  const auto note = [](const char* text) { return std::vector{Line{}.gap(2).add(text, Ink::dim)}; };
+  if (!snapshot.connections_known) return note("no node has reported the connections yet");
+  if (snapshot.connections.empty()) return note("the cell has no connections");
   std::vector<const Connection*> shown;
   std::size_t from = 4;
   std::size_t to = 2;
-  for (const Connection& each : seen.connections) {
+  for (const Connection& each : snapshot.connections) {
     if (!matches(each.from + " " + each.to + " " + each.kind + " " + state_of(each, style).text, filter))
       continue;
     shown.push_back(&each);
     from = std::max(from, columns_of(each.from));
     to = std::max(to, columns_of(each.to));
   }
-  if (shown.empty()) return say("none is as the filter says");
+  if (shown.empty()) return note("no connections match the filter");
   std::stable_partition(shown.begin(), shown.end(),
                         [style](const Connection* each) { return state_of(*each, style).ink == Ink::bad; });
-  // The health is what one looks for: names are cut before it is.
+  // The health matters most, so names are shortened first.
   constexpr std::size_t kHealth = 26;
   const std::size_t names = columns > kHealth + 20 ? columns - kHealth - 5 : 20;
   if (from + to > names) {
@@ -279,19 +280,19 @@ std::vector<Line> help_page(ScreenStyle style) {
     const char* text;
   };
   const Entry entries[] = {
-      {"up down", "the row before, the next (k j); PgUp, PgDn, Home, End (g G)"},
-      {"Enter", "one module or device: n, p the next, the one before; Esc back"},
-      {"/", "find: rows that have all these words in name, state or reason"},
-      {"< >", "sort by the column before, by the next; v turns the order round"},
-      {"c", "the connections, and how each is"},
-      {"s t r", "start, stop, recover: a module, or all of a device"},
+      {"up down", "select a row (also k j); PgUp, PgDn, Home, End (also g G)"},
+      {"Enter", "details of the row: n and p show the next, previous; Esc back"},
+      {"/", "find rows that have all these words in name, state or reason"},
+      {"< >", "sort by the previous or next column; v reverses the order"},
+      {"c", "show the connections and their health"},
+      {"s t r", "start, stop, recover the module, or all modules of the device"},
       {"x i", "reset, initialize"},
-      {"D", "destruct, once y has confirmed it"},
-      {"? q", "this page; leave"},
+      {"D", "destruct; confirm with y"},
+      {"? q", "this help; quit"},
       {"", ""},
-      {"p50 p99", "jitter since it was loaded: what half, what 99 of 100 are below"},
-      {"budget", "what 99 of 100 runs took at most, as a share of its budget"},
-      {"over err", "overruns: it was not done by its next release; errors"},
+      {"p50 p99", "jitter since the module was loaded: median, 99th percentile"},
+      {"budget", "99th percentile of the run time, as a share of the budget"},
+      {"over err", "overruns (not done by the next release); errors"},
   };
   std::vector<Line> page;
   for (const Entry& entry : entries)
@@ -303,7 +304,7 @@ std::vector<Line> help_page(ScreenStyle style) {
                      .add("jitter of each second, ")
                      .add(sparkline(steps, steps.size(), style))
                      .add(": below 1, from 1, 3, 10,"));
-  page.push_back(Line{}.gap(14).add("30, 100, 300, 1000 us; a gap: it did not run"));
+  page.push_back(Line{}.gap(14).add("30, 100, 300, 1000 us; a gap: did not run"));
   const auto sign = [style](const char* state) {
     return state_of(Device{.name = {}, .cell = {}, .state = {}, .health = {}},
                     Module{.name = {}, .state = state}, style);

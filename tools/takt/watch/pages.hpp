@@ -1,4 +1,4 @@
-// What is shown in place of the list: one module or device, the connections, the keys.
+// The pages of `takt watch` other than the list: one module or device, the connections, the help.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,12 @@
 
 namespace takt::tool::watch {
 
-/// Of "DEVICE" or "DEVICE.MODULE"; says so where it is there no more.
-std::vector<Line> details_page(const Seen& seen, const std::string& target, std::size_t columns,
+/// The details of `target`, "DEVICE" or "DEVICE.MODULE", or a note that it no longer exists.
+std::vector<Line> details_page(const Snapshot& snapshot, const std::string& target, std::size_t columns,
                                ScreenStyle style);
 
-/// Those that the filter takes, what is wrong first.
-std::vector<Line> connections_page(const Seen& seen, const std::string& filter, std::size_t columns,
+/// The connections that match the filter, those with a problem first.
+std::vector<Line> connections_page(const Snapshot& snapshot, const std::string& filter, std::size_t columns,
                                    ScreenStyle style);
 
 std::vector<Line> help_page(ScreenStyle style);

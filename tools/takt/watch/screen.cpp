@@ -6,37 +6,37 @@
 
 #include <fmt/format.h>
 
-#include "manual/pages.hpp"
 #include "reports/page.hpp"
 #include "watch/line.hpp"
 #include "watch/list.hpp"
+#include "watch/pages.hpp"
 
 namespace takt::tool::watch {
 
 namespace {
 
-std::string cells_of(const Seen& seen) {
+std::string cells_of(const Snapshot& snapshot) {
   std::set<std::string> names;
-  for (const Device& device : seen.devices) {
+  for (const Device& device : snapshot.devices) {
     if (!device.cell.empty()) names.insert(device.cell);
   }
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// What is not as it should be is counted, the rest is not.
-Line title(const Seen& seen, std::size_t columns) {
+/// The title counts only devices and modules with a problem.
+Line title(const Snapshot& snapshot, std::size_t columns) {
   std::map<std::string, std::size_t> states;
   std::size_t modules = 0;
-  for (const Device& device : seen.devices) {
+  for (const Device& device : snapshot.devices) {
     modules += device.modules.size();
     for (const Module& module : device.modules) ++states[device.alive ? module.state : "LOST"];
   }
-  const auto lost =
-      std::count_if(seen.devices.begin(), seen.devices.end(), [](const Device& d) { return !d.alive; });
+  const auto lost = std::count_if(snapshot.devices.begin(), snapshot.devices.end(),
+                                  [](const Device& d) { return !d.alive; });
   Line counts;
-  counts.add(fmt::format("domain {}", seen.domain), Ink::dim)
+  counts.add(fmt::format("domain {}", snapshot.domain), Ink::dim)
       .gap(2)
-      .add(count(seen.devices.size(), "device"));
+      .add(count(snapshot.devices.size(), "device"));
   if (lost > 0) counts.add(fmt::format(", {} LOST", lost), Ink::bad);
   counts.gap(2).add(count(modules, "module"));
   for (const char* state : {"LOST", "RECOVER", "DESTRUCT", "IDLE", "INITIALIZE", "START"}) {
@@ -46,30 +46,30 @@ Line title(const Seen& seen, std::size_t columns) {
     counts.gap(2).add(fmt::format("{} {}", found->second, state), bad ? Ink::bad : Ink::warning);
   }
   if (modules > 0 && states["EXECUTING"] == modules) counts.gap(2).add("all EXECUTING", Ink::good);
-  const std::string cells = cells_of(seen);
+  const std::string cells = cells_of(snapshot);
   const std::size_t needed = counts.width() + cells.size() + (cells.empty() ? 0 : 2);
   const std::string program = "takt watch";
   Line line;
   if (needed + program.size() + 2 <= columns) line.add(program, Ink::dim).gap(2);
   if (!cells.empty()) line.add(cells, Ink::title).gap(2);
   line.add(counts);
-  if (line.width() + 2 + seen.clock.size() <= columns)
-    line.gap(columns - line.width() - seen.clock.size()).add(seen.clock, Ink::dim);
+  if (line.width() + 2 + snapshot.clock.size() <= columns)
+    line.gap(columns - line.width() - snapshot.clock.size()).add(snapshot.clock, Ink::dim);
   return line;
 }
 
-Line question(const Seen& seen, const View& view) {
+Line question(const Snapshot& snapshot, const View& view) {
   Line line;
   if (view.typing) return line.add("/", Ink::title).add(view.filter).add("_");
   if (view.asked)
-    return line.add(fmt::format("{} {}? y does it, any other key does not", to_text(view.asked->verb),
-                                view.asked->target),
-                    Ink::warning);
+    return line.add(
+        fmt::format("{} {}? y: yes, any other key: no", to_text(view.asked->verb), view.asked->target),
+        Ink::warning);
   if (!view.filter.empty() && (view.place == Place::list || view.place == Place::connections))
-    line.add("/" + view.filter, Ink::title).gap().add("(Esc: all)", Ink::dim).gap(2);
+    line.add("/" + view.filter, Ink::title).gap().add("(Esc: show all)", Ink::dim).gap(2);
   line.add(view.message);
-  for (const std::string& order : seen.orders)
-    line.gap(line.empty() ? 0 : 2).add(order + " ...", Ink::warning);
+  for (const std::string& command : snapshot.commands)
+    line.gap(line.empty() ? 0 : 2).add(command + " ...", Ink::warning);
   return line;
 }
 
@@ -80,10 +80,10 @@ Line keys(const View& view) {
   };
   std::vector<Key> all;
   if (view.typing)
-    all = {{"Enter", "keep"}, {"Esc", "all again"}};
+    all = {{"Enter", "keep"}, {"Esc", "show all"}};
   else if (view.place == Place::details)
-    all = {{"Esc", "back"},  {"n p", "next, last"}, {"s", "start"}, {"t", "stop"},
-           {"r", "recover"}, {"?", "all keys"},     {"q", "quit"}};
+    all = {{"Esc", "back"},  {"n p", "next, previous"}, {"s", "start"}, {"t", "stop"},
+           {"r", "recover"}, {"?", "all keys"},         {"q", "quit"}};
   else if (view.place == Place::list)
     all = {{"Enter", "details"}, {"/", "find"}, {"< >", "sort"}, {"c", "connections"},
            {"s", "start"},       {"t", "stop"}, {"?", "keys"},   {"q", "quit"}};
@@ -97,57 +97,58 @@ Line keys(const View& view) {
   return line;
 }
 
-/// What is above and below what can be scrolled.
+/// The fixed lines above and below the part that scrolls.
 struct Around {
   std::vector<Line> above;
   std::vector<Line> below;
 };
 
-Around around(const Seen& seen, const View& view, std::size_t columns, std::size_t lines, ScreenStyle style) {
+Around around(const Snapshot& snapshot, const View& view, std::size_t columns, std::size_t lines,
+              ScreenStyle style) {
   Around around;
-  around.above.push_back(title(seen, columns));
+  around.above.push_back(title(snapshot, columns));
   if (view.place == Place::list) {
     around.above.push_back(list_heading(view, columns, style));
-    const std::size_t events = std::min({seen.events.size(), lines / 6, std::size_t{8}});
-    for (std::size_t i = seen.events.size() - events; i < seen.events.size(); ++i)
-      around.below.push_back(Line{}.gap(2).add(seen.events[i], Ink::dim));
+    const std::size_t events = std::min({snapshot.events.size(), lines / 6, std::size_t{8}});
+    for (std::size_t i = snapshot.events.size() - events; i < snapshot.events.size(); ++i)
+      around.below.push_back(Line{}.gap(2).add(snapshot.events[i], Ink::dim));
   } else {
     around.above.push_back(Line{}.add(view.place == Place::details       ? view.chosen
                                       : view.place == Place::connections ? "connections"
-                                                                         : "keys, columns and signs",
+                                                                         : "keys, columns and symbols",
                                       Ink::title));
   }
-  around.below.push_back(question(seen, view));
+  around.below.push_back(question(snapshot, view));
   around.below.push_back(keys(view));
   return around;
 }
 
 }  // namespace
 
-Screen draw(const Seen& seen, View& view, std::size_t columns, std::size_t lines, ScreenStyle style) {
+Screen draw(const Snapshot& snapshot, View& view, std::size_t columns, std::size_t lines, ScreenStyle style) {
   Screen screen;
-  const std::vector<Row> rows = rows_of(seen, view);
+  const std::vector<Row> rows = rows_of(snapshot, view);
   for (const Row& row : rows) screen.shown.targets.push_back(row.target());
-  Around outside = around(seen, view, columns, lines, style);
+  Around outside = around(snapshot, view, columns, lines, style);
   const std::size_t taken = outside.above.size() + outside.below.size();
   screen.shown.room = lines > taken ? lines - taken : 1;
   std::vector<Line> page;
-  if (view.place == Place::details) page = details_page(seen, view.chosen, columns, style);
-  if (view.place == Place::connections) page = connections_page(seen, view.filter, columns, style);
+  if (view.place == Place::details) page = details_page(snapshot, view.chosen, columns, style);
+  if (view.place == Place::connections) page = connections_page(snapshot, view.filter, columns, style);
   if (view.place == Place::help) page = help_page(style);
   screen.shown.length = page.size();
   settle(view, screen.shown);
   if (view.place == Place::list) {
     if (rows.empty()) {
       page.push_back(Line{}.gap(2).add(
-          seen.devices.empty() ? "no device is to be seen on this domain" : "nothing is as the filter says",
+          snapshot.devices.empty() ? "no devices found on this domain" : "no rows match the filter",
           Ink::dim));
     }
     for (std::size_t i = view.first; i < rows.size() && i < view.first + screen.shown.room; ++i)
       page.push_back(list_line(rows[i], i == view.chosen_at, columns, style));
   } else {
     page.erase(page.begin(), page.begin() + static_cast<std::ptrdiff_t>(std::min(view.scroll, page.size())));
-    if (page.size() > screen.shown.room) {  // the last line that is seen says that there is more
+    if (page.size() > screen.shown.room) {  // the last visible line says how many more there are
       page.resize(screen.shown.room - 1);
       page.push_back(Line{}.gap(2).add(
           fmt::format("... {} more below", screen.shown.length - view.scroll - page.size()), Ink::dim));
@@ -169,7 +170,8 @@ std::string changes(const std::vector<std::string>& before, const std::vector<st
   if (all) text += "\033[H\033[J";
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (!all && before[i] == now[i]) continue;
-    // Cleared before it is written: after a character in the last column the cursor is still on it.
+    // Clear the line before writing it: after a character in the last column, the cursor is still on that
+    // character.
     text += fmt::format("\033[{};1H\033[K{}", i + 1, now[i]);
   }
   return text;

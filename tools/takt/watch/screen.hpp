@@ -1,4 +1,4 @@
-// The whole screen of `takt watch`.
+// Draws the screen of `takt watch`.
 #pragma once
 
 #include <cstddef>
@@ -12,16 +12,16 @@
 namespace takt::tool::watch {
 
 struct Screen {
-  std::vector<std::string> lines;  ///< as many as the terminal has, none wider than it is
+  std::vector<std::string> lines;  ///< as many as the terminal has, none wider than the terminal
   Shown shown;
 };
 
-/// `view` is settled on what there is: its row is among those that are shown, and nothing is scrolled past
-/// its end. States are words; colour comes on top where `style` has it.
-Screen draw(const Seen& seen, View& view, std::size_t columns, std::size_t lines, ScreenStyle style);
+/// Draws a snapshot. Adapts `view` to it: the selected row is visible, and no page is scrolled past its end.
+/// States are shown as words; `style` may add colour.
+Screen draw(const Snapshot& snapshot, View& view, std::size_t columns, std::size_t lines, ScreenStyle style);
 
-/// What a terminal that shows `before` is sent so that it shows `now`; all of it where the number of lines
-/// differs.
+/// What to send to a terminal that shows `before` so that it shows `now`. If the number of lines differs,
+/// that is the whole screen.
 std::string changes(const std::vector<std::string>& before, const std::vector<std::string>& now);
 
 }  // namespace takt::tool::watch

@@ -22,11 +22,11 @@ std::optional<double> Module::share(double run_us) const {
   return run_us * 1e3 / static_cast<double>(planned->budget->count());
 }
 
-const Device* Seen::device(const std::string& target) const {
+const Device* Snapshot::device(const std::string& target) const {
   return named(devices, target.substr(0, target.find('.')));
 }
 
-const Module* Seen::module(const std::string& target) const {
+const Module* Snapshot::module(const std::string& target) const {
   const std::size_t dot = target.find('.');
   const Device* const on = device(target);
   return on == nullptr || dot == std::string::npos ? nullptr : named(on->modules, target.substr(dot + 1));

@@ -1,5 +1,5 @@
-// What the screen of `takt watch` shows, as plain data: what was heard of a domain, and what the descriptor
-// that runs says of it.
+// A snapshot of a domain, as plain data for the screen of `takt watch`: what its nodes report, and what the
+// running descriptor says.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct Measured {
   Quantiles run_us{};
 };
 
-/// What the descriptor says of a module.
+/// What the descriptor says about a module.
 struct Planned {
   std::string words;  ///< "thread, periodic, every 1 ms"
   std::string executor{};
@@ -58,14 +58,15 @@ struct Transition {
 struct Module {
   std::string name;
   std::string state;   ///< "EXECUTING"
-  std::string text{};  ///< why it is in that state; may be empty
+  std::string text{};  ///< the reason for the state; may be empty
   std::optional<Measured> measured{};
   std::optional<Planned> planned{};
-  std::vector<double> minute_us{};  ///< jitter, a value a second, the newest last; NaN: it did not run
+  std::vector<double>
+      minute_us{};  ///< jitter of each second of the last minute, newest last; NaN: did not run
   std::vector<Port> ports{};
-  std::vector<Transition> transitions{};  ///< the oldest first
+  std::vector<Transition> transitions{};  ///< oldest first
 
-  /// How much of its budget a run of this length is; none: it has no budget, or was not measured.
+  /// A run of this length as a share of the budget. None if the module has no budget or no measurements.
   [[nodiscard]] std::optional<double> share(double run_us) const;
 };
 
@@ -83,8 +84,8 @@ struct Device {
   std::string cell;    ///< empty: it has no deployment
   std::string state;   ///< "running"
   std::string health;  ///< "ok"
-  std::string text{};  ///< why it is not
-  bool alive = true;   ///< false: its node is lost, and the rest is what was heard last
+  std::string text{};  ///< the reason if the health is not "ok"
+  bool alive = true;   ///< false: its node is lost, and the other values are the last known ones
   bool real_time = true;
   std::string machine{};
   std::int32_t process_id = 0;
@@ -98,19 +99,19 @@ struct Connection {
   std::string from;
   std::string to;
   std::string kind;
-  std::optional<CellHealth::Connection> health{};  ///< none: nothing was heard of it
+  std::optional<CellHealth::Connection> health{};  ///< none: no node has reported it
 };
 
-struct Seen {
+struct Snapshot {
   int domain = 0;
   std::string clock{};  ///< "12:34:56"
   std::vector<Device> devices{};
   std::vector<Connection> connections{};
-  bool connections_known = false;     ///< false: no node has said yet what is connected
-  std::vector<std::string> events{};  ///< what happened last, the oldest first
-  std::vector<std::string> orders{};  ///< those that are not answered yet: "stop of robot.servo, 3 s"
+  bool connections_known = false;       ///< false: no node has reported the connections yet
+  std::vector<std::string> events{};    ///< the last events, oldest first
+  std::vector<std::string> commands{};  ///< commands without an answer yet: "stop of robot.servo, 3 s"
 
-  /// "DEVICE" or "DEVICE.MODULE"; null where there is none any more.
+  /// `target`: "DEVICE" or "DEVICE.MODULE". Null if it no longer exists.
   [[nodiscard]] const Device* device(const std::string& target) const;
   [[nodiscard]] const Module* module(const std::string& target) const;
 };

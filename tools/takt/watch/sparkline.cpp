@@ -11,7 +11,7 @@ namespace {
 constexpr std::array kBlocks{"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
 constexpr std::array kMarks{"_", ".", ",", "-", "=", "+", "*", "#"};
 constexpr std::size_t kLevels = kBlocks.size();
-/// Below the first is the lowest level, from the last on the highest.
+/// Values below the first step have the lowest level, values from the last step on the highest.
 constexpr std::array kSteps_us{1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
 static_assert(kSteps_us.size() + 1 == kLevels);
 
@@ -19,7 +19,7 @@ const char* level(std::size_t of, ScreenStyle style) {
   return style.unicode ? kBlocks.at(of) : kMarks.at(of);
 }
 
-/// The newest, with gaps in front where there are fewer.
+/// The newest values, with gaps in front if there are fewer than `columns`.
 std::vector<double> newest(const std::vector<double>& values, std::size_t columns) {
   std::vector<double> shown(columns, std::nan(""));
   const std::size_t taken = std::min(columns, values.size());
@@ -45,22 +45,22 @@ std::vector<std::string> chart(const std::vector<double>& values, std::size_t co
   const std::vector<double> shown = newest(values, columns);
   double most = 0;
   for (const double value : shown) most = std::isnan(value) ? most : std::max(most, value);
-  std::vector<std::string> picture(lines);
+  std::vector<std::string> rows(lines);
   for (const double value : shown) {
     if (std::isnan(value)) {
-      for (std::string& line : picture) line += " ";
+      for (std::string& line : rows) line += " ";
       continue;
     }
-    // Of each value at least one step is seen.
+    // Each value shows at least one step.
     const double steps = static_cast<double>(lines * kLevels);
     const double height = most > 0 ? std::max(value / most * steps, 1.0) : 1.0;
     for (std::size_t i = 0; i < lines; ++i) {
       const double above = height - static_cast<double>((lines - 1 - i) * kLevels);
       const auto filled = static_cast<std::size_t>(std::clamp(std::round(above), 0.0, double{kLevels}));
-      picture[i] += filled == 0 ? " " : level(filled - 1, style);
+      rows[i] += filled == 0 ? " " : level(filled - 1, style);
     }
   }
-  return picture;
+  return rows;
 }
 
 std::string bar(double share, std::size_t columns, ScreenStyle style) {

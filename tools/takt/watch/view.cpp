@@ -31,7 +31,7 @@ std::optional<Verb> verb_of(int key) {
   }
 }
 
-/// How far a key moves, where there are `room` lines on the screen.
+/// By how many rows a key moves, if `room` rows fit on the screen.
 std::optional<std::ptrdiff_t> steps_of(int key, std::size_t room) {
   const auto page = static_cast<std::ptrdiff_t>(std::max<std::size_t>(room, 2) - 1);
   constexpr std::ptrdiff_t kAll = 1'000'000'000;
@@ -70,7 +70,7 @@ void choose(View& view, std::ptrdiff_t steps, const Shown& shown) {
   view.slipped = false;
 }
 
-// A character of the filter may have several bytes, which come one by one.
+// A UTF-8 character of the filter may have several bytes, which arrive one by one.
 void type(View& view, int key) {
   if (key == Keyboard::kEscape) view.filter.clear();
   if (key == Keyboard::kEscape || key == '\r' || key == '\n') {
@@ -90,19 +90,19 @@ void sort_by_neighbour(View& view, int key) {
   view.reversed = false;
 }
 
-void look_at(View& view, Place place) {
+void open_page(View& view, Place place) {
   view.place = place;
   view.scroll = 0;
 }
 
 void leave(View& view) {
   if (view.place != Place::list)
-    look_at(view, Place::list);
+    open_page(view, Place::list);
   else
     view.filter.clear();
 }
 
-// The list or what is longer than the screen moves.
+// Moves the selection in the list, or scrolls another page.
 void move(View& view, std::ptrdiff_t steps, const Shown& shown) {
   if (view.place == Place::list)
     choose(view, steps, shown);
@@ -135,10 +135,10 @@ void settle(View& view, const Shown& shown) {
   if (!view.pressed && rows > 0) view.chosen = shown.targets.front();
   const bool stays = view.chosen_at < rows && shown.targets[view.chosen_at] == view.chosen;
   const auto found = std::find(shown.targets.begin(), shown.targets.end(), view.chosen);
-  if (stays) {  // two nodes of one name have a row each
+  if (stays) {  // checked first: two nodes with the same name have a row each
   } else if (found != shown.targets.end()) {
     view.chosen_at = static_cast<std::size_t>(found - shown.targets.begin());
-  } else if (view.place == Place::list) {  // who looks at its details goes on doing so
+  } else if (view.place == Place::list) {  // the details page stays on its module
     view.chosen_at = rows == 0 ? 0 : std::min(view.chosen_at, rows - 1);
     view.chosen = rows == 0 ? "" : shown.targets[view.chosen_at];
     view.slipped = view.pressed;
@@ -158,14 +158,14 @@ Done press(View& view, int key, const Shown& shown) {
     return {};
   }
   view.message.clear();
-  if (view.asked) {  // any other key means no
-    const Order order = *view.asked;
+  if (view.asked) {  // any key but y means no
+    const Command command = *view.asked;
     view.asked.reset();
     if (key == 'y' || key == 'Y') {
       view.slipped = false;
-      return {.order = order};
+      return {.command = command};
     }
-    view.message = std::string{"no "} + to_text(order.verb) + " of " + order.target;
+    view.message = std::string{to_text(command.verb)} + " of " + command.target + " cancelled";
     return {};
   }
   if (const auto steps = steps_of(key, shown.room)) {
@@ -174,8 +174,8 @@ Done press(View& view, int key, const Shown& shown) {
   }
   const bool modules = view.place == Place::list || view.place == Place::details;
   if (const auto verb = verb_of(key); verb && modules && !view.chosen.empty()) {
-    if (*verb != Verb::destruct && !view.slipped) return {.order = Order{*verb, view.chosen}};
-    view.asked = Order{*verb, view.chosen};
+    if (*verb != Verb::destruct && !view.slipped) return {.command = Command{*verb, view.chosen}};
+    view.asked = Command{*verb, view.chosen};
     return {};
   }
   switch (key) {
@@ -184,7 +184,7 @@ Done press(View& view, int key, const Shown& shown) {
     case '\r':
     case '\n':
       if (view.place == Place::list && !view.chosen.empty()) {
-        look_at(view, Place::details);
+        open_page(view, Place::details);
         view.slipped = false;
       }
       break;
@@ -194,10 +194,10 @@ Done press(View& view, int key, const Shown& shown) {
       break;
     case '?':
     case 'h':
-      look_at(view, view.place == Place::help ? Place::list : Place::help);
+      open_page(view, view.place == Place::help ? Place::list : Place::help);
       break;
     case 'c':
-      look_at(view, view.place == Place::connections ? Place::list : Place::connections);
+      open_page(view, view.place == Place::connections ? Place::list : Place::connections);
       break;
     case 'n':
     case 'p':

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/os/clock.hpp>
 
 #include "reports/connections_report.hpp"
@@ -18,11 +18,12 @@ namespace takt::tool {
 namespace {
 
 constexpr std::size_t kMinute = 60;
-constexpr std::size_t kTransitions = 100;  // of a module
+constexpr std::size_t kTransitions = 100;  // per module
 constexpr std::size_t kGone = 1000;        // modules that are gone, or whose device is not known yet
 constexpr std::size_t kEvents = 100;
-/// A descriptor is asked for again: where there was no answer, and because an update changes it.
+/// After this time a node is asked for its descriptor again, if it did not answer.
 constexpr std::chrono::seconds kAgain{5};
+/// The same if it did answer, because an update may have changed the descriptor.
 constexpr std::chrono::seconds kFresh{30};
 
 watch::Quantiles quantiles(const Distribution& d) {
@@ -40,7 +41,7 @@ watch::Measured measured(const ModuleStatistics& s) {
           .run_us = quantiles(s.run_us())};
 }
 
-// A second in which nothing was heard is a gap.
+// A second without statistics is a gap.
 std::vector<double> minute_of(const client::Series& series) {
   std::vector<double> minute(kMinute, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < series.times_ms.size(); ++i) {
@@ -70,20 +71,20 @@ watch::Planned planned(const model::Module& module) {
           .budget = module.budget};
 }
 
-const dds::ObservedDevice* device_of(const std::vector<dds::ObservedDevice>& devices,
+const wire::ObservedDevice* device_of(const std::vector<wire::ObservedDevice>& devices,
                                      const std::string& name) {
   const auto found =
       std::find_if(devices.begin(), devices.end(), [&](const auto& device) { return device.name() == name; });
   return found == devices.end() ? nullptr : &*found;
 }
 
-bool is_lost(const std::vector<dds::ObservedDevice>& devices, const std::string& name) {
-  const dds::ObservedDevice* const device = device_of(devices, name);
+bool is_lost(const std::vector<wire::ObservedDevice>& devices, const std::string& name) {
+  const wire::ObservedDevice* const device = device_of(devices, name);
   return device != nullptr && !device->alive;
 }
 
-std::vector<watch::Port> ports_of(const std::vector<dds::ObservedDevice>& devices,
-                                  const dds::ObservedDevice& device, const std::string& module,
+std::vector<watch::Port> ports_of(const std::vector<wire::ObservedDevice>& devices,
+                                  const wire::ObservedDevice& device, const std::string& module,
                                   const model::Cell* cell) {
   std::vector<watch::Port> ports;
   const auto& all = device.deployment.ports;
@@ -103,13 +104,13 @@ std::vector<watch::Port> ports_of(const std::vector<dds::ObservedDevice>& device
                      .type = status.type().to_string(),
                      .connected = status.connections() > 0,
                      .samples = status.samples(),
-                     .health = health_of(web::heard_of(status), into,
+                     .health = health_of(web::observed(status), into,
                                          into != nullptr && is_lost(devices, into->from.device))});
   }
   return ports;
 }
 
-std::vector<watch::Connection> connections_of(const std::vector<dds::ObservedDevice>& devices,
+std::vector<watch::Connection> connections_of(const std::vector<wire::ObservedDevice>& devices,
                                               const model::Cell& cell) {
   const CellHealth health = web::health_of(cell, devices);
   std::vector<watch::Connection> connections;
@@ -125,7 +126,7 @@ std::vector<watch::Connection> connections_of(const std::vector<dds::ObservedDev
 
 }  // namespace
 
-void Watched::hear(const LifecycleStatus& s) {
+void Watched::add(const LifecycleStatus& s) {
   auto& all = transitions_[s.device().to_string() + "." + s.name().to_string()];
   std::string text;
   if (s.event() != EVENT_NONE) text = std::string{to_text(s.previous_state())} + " -> ";
@@ -136,18 +137,18 @@ void Watched::hear(const LifecycleStatus& s) {
   if (all.size() > kTransitions) all.erase(all.begin());
 }
 
-void Watched::hear(const std::string& event) {
+void Watched::add(const std::string& event) {
   events_.push_back(event);
   if (events_.size() > kEvents) events_.pop_front();
 }
 
-void Watched::hear(const std::string& deployment, std::shared_ptr<const model::Cell> cell) {
+void Watched::add(const std::string& deployment, std::shared_ptr<const model::Cell> cell) {
   if (cell != nullptr) cells_[deployment].cell = std::move(cell);
 }
 
-std::optional<Watched::Unknown> Watched::unknown(const std::vector<dds::ObservedDevice>& devices,
+std::optional<Watched::Unknown> Watched::unknown(const std::vector<wire::ObservedDevice>& devices,
                                                  Instant now) {
-  for (const dds::ObservedDevice& device : devices) {
+  for (const wire::ObservedDevice& device : devices) {
     const std::string deployment = device.status.deployment().to_string();
     if (!device.alive || deployment.empty()) continue;
     const auto [at, is_new] = cells_.try_emplace(deployment);
@@ -159,8 +160,8 @@ std::optional<Watched::Unknown> Watched::unknown(const std::vector<dds::Observed
   return std::nullopt;
 }
 
-void Watched::add_missed(watch::Seen& seen, Known& known, const std::vector<dds::ObservedDevice>& devices,
-                         Instant now) {
+void Watched::add_missed(watch::Snapshot& snapshot, Known& known,
+                         const std::vector<wire::ObservedDevice>& devices, Instant now) {
   for (const model::Device& device : known.cell->devices) {
     if (device_of(devices, device.name) != nullptr) {
       known.missed.erase(device.name);
@@ -169,28 +170,28 @@ void Watched::add_missed(watch::Seen& seen, Known& known, const std::vector<dds:
     if (now - known.missed.try_emplace(device.name, now).first->second < kFound) continue;
     watch::Device lost{.name = device.name,
                        .cell = known.cell->name,
-                       .state = "not there",
+                       .state = "not found",
                        .health = to_text(HEALTH_FAILED),
-                       .text = "it was gone before this began to look",
+                       .text = "it was lost before takt watch started",
                        .alive = false};
     for (const model::Module& module : device.modules)
-      lost.modules.push_back({.name = module.name, .state = "not known", .planned = planned(module)});
-    seen.devices.push_back(std::move(lost));
+      lost.modules.push_back({.name = module.name, .state = "unknown", .planned = planned(module)});
+    snapshot.devices.push_back(std::move(lost));
   }
 }
 
-watch::Seen Watched::seen(const std::vector<dds::ObservedDevice>& devices, Instant now) {
+watch::Snapshot Watched::snapshot(const std::vector<wire::ObservedDevice>& devices, Instant now) {
   history_.hear(devices);
-  // Of what is gone nothing is kept.
+  // Forget cells that no device runs any more.
   std::erase_if(cells_, [&](const auto& entry) {
     return std::none_of(devices.begin(), devices.end(),
                         [&](const auto& d) { return d.status.deployment() == entry.first; });
   });
-  watch::Seen seen{.domain = domain_,
-                   .clock = watch::clock_text(os::wall_ns()).substr(0, 8),
-                   .events = {events_.begin(), events_.end()}};
+  watch::Snapshot snapshot{.domain = domain_,
+                           .clock = watch::clock_text(os::wall_ns()).substr(0, 8),
+                           .events = {events_.begin(), events_.end()}};
   std::set<std::string> modules;
-  for (const dds::ObservedDevice& each : devices) {
+  for (const wire::ObservedDevice& each : devices) {
     const DeviceStatus& s = each.status;
     const auto known = cells_.find(s.deployment().to_string());
     const model::Cell* const cell = known == cells_.end() ? nullptr : known->second.cell.get();
@@ -227,18 +228,18 @@ watch::Seen Watched::seen(const std::vector<dds::ObservedDevice>& devices, Insta
       module.transitions = transitions_[path];
       device.modules.push_back(std::move(module));
     }
-    seen.devices.push_back(std::move(device));
+    snapshot.devices.push_back(std::move(device));
   }
   for (auto& [deployment, known] : cells_) {
     if (known.cell == nullptr) continue;
-    add_missed(seen, known, devices, now);
-    seen.connections_known = true;
+    add_missed(snapshot, known, devices, now);
+    snapshot.connections_known = true;
     const auto of_cell = connections_of(devices, *known.cell);
-    seen.connections.insert(seen.connections.end(), of_cell.begin(), of_cell.end());
+    snapshot.connections.insert(snapshot.connections.end(), of_cell.begin(), of_cell.end());
   }
   if (transitions_.size() > modules.size() + kGone)
     std::erase_if(transitions_, [&](const auto& entry) { return !modules.contains(entry.first); });
-  return seen;
+  return snapshot;
 }
 
 }  // namespace takt::tool

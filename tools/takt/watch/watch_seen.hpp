@@ -1,4 +1,4 @@
-// From what is heard of a domain to what the screen of `takt watch` shows.
+// Makes the snapshots for the screen of `takt watch` from what the nodes of a domain publish.
 #pragma once
 
 #include <deque>
@@ -10,41 +10,41 @@
 
 #include <takt/client/history.hpp>
 #include <takt/core/time.hpp>
-#include <takt/dds/cell_state.hpp>
+#include <takt/wire/cell_state.hpp>
 #include <takt/model/cell.hpp>
 
 #include "watch/seen.hpp"
 
 namespace takt::tool {
 
-/// What has to be kept between two screens. One thread.
+/// Keeps what is needed between two snapshots: transitions, events, descriptors. For one thread only.
 class Watched {
  public:
   explicit Watched(int domain) : domain_(domain) {}
 
-  /// Of every transition, in order.
-  void hear(const LifecycleStatus& status);
-  /// A line about what happened.
-  void hear(const std::string& event);
-  /// The descriptor that runs; null: the node that was asked did not say.
-  void hear(const std::string& deployment, std::shared_ptr<const model::Cell> cell);
+  /// Adds a transition. Call it for every transition, in order.
+  void add(const LifecycleStatus& status);
+  /// Adds a line to the list of events.
+  void add(const std::string& event);
+  /// Sets the cell of a deployment. Null, if the node did not send its descriptor, changes nothing.
+  void add(const std::string& deployment, std::shared_ptr<const model::Cell> cell);
 
-  /// A device that is to be asked for its descriptor now: it counts as asked.
+  /// The next device to ask for its descriptor. The device then counts as asked.
   struct Unknown {
     std::string device;
     std::string deployment;
   };
-  std::optional<Unknown> unknown(const std::vector<dds::ObservedDevice>& devices, Instant now);
+  std::optional<Unknown> unknown(const std::vector<wire::ObservedDevice>& devices, Instant now);
 
-  /// Everything, as it is now. A device of a cell that was lost before anybody looked is heard of no more; it
-  /// is shown as lost where it is not found within kFound.
-  watch::Seen seen(const std::vector<dds::ObservedDevice>& devices, Instant now);
+  /// The state of the domain now. A device that was lost before this program started no longer publishes
+  /// anything: it is shown as lost if it is not found within kFound.
+  watch::Snapshot snapshot(const std::vector<wire::ObservedDevice>& devices, Instant now);
   static constexpr std::chrono::seconds kFound{2};
 
  private:
   struct Known;
-  static void add_missed(watch::Seen& seen, Known& known, const std::vector<dds::ObservedDevice>& devices,
-                         Instant now);
+  static void add_missed(watch::Snapshot& snapshot, Known& known,
+                         const std::vector<wire::ObservedDevice>& devices, Instant now);
 
   int domain_;
   client::History history_;
@@ -53,7 +53,7 @@ class Watched {
   struct Known {
     std::shared_ptr<const model::Cell> cell;
     Instant asked{};
-    std::map<std::string, Instant> missed{};  ///< devices of it that are not there, since when
+    std::map<std::string, Instant> missed{};  ///< devices of the cell that are not found, and since when
   };
   std::map<std::string, Known> cells_;  // by deployment
 };

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include <takt/core/words.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/descriptor/descriptor.hpp>
 #include <takt/model/json.hpp>
 #include <takt/os/clock.hpp>
@@ -18,10 +18,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::size_t kMostFaults = 500;   // that a page is told when it is opened
-constexpr std::size_t kMostProblems = 20;  // of reading records that are kept
-constexpr std::size_t kTrend = 120;        // seconds of jitter that a page is told when it is opened
-constexpr milliseconds kTogether{20};      // news so close are told at once
+constexpr std::size_t kMostFaults = 500;   // sent to a page when it opens
+constexpr std::size_t kMostProblems = 20;  // kept from reading records
+constexpr std::size_t kTrend = 120;        // seconds of jitter sent to a page when it opens
+constexpr milliseconds kTogether{20};      // changes within this time are sent together
 constexpr milliseconds kTurn{100};
 constexpr seconds kMeasures{1};
 constexpr seconds kNodeAnswered{3};
@@ -41,7 +41,7 @@ Json values_of(const std::map<std::string, Json>& all) {
 
 }  // namespace
 
-/// From the threads of DDS to the one that tells.
+/// Queue from the DDS threads to the sender.
 struct Gateway::News {
   void add(const LifecycleStatus& status) {
     {
@@ -49,26 +49,26 @@ struct Gateway::News {
       if (steps.size() < kMost) steps.push_back(status);
       there = true;
     }
-    came.notify_one();
+    arrived.notify_one();
   }
   void wake() {
     {
       const std::lock_guard lock{mutex};
       there = true;
     }
-    came.notify_one();
+    arrived.notify_one();
   }
-  /// What came, after at most so long.
+  /// Waits for news, at most `limit`, and returns the new steps.
   std::vector<LifecycleStatus> wait(milliseconds limit) {
     std::unique_lock lock{mutex};
-    came.wait_for(lock, limit, [this] { return there; });
+    arrived.wait_for(lock, limit, [this] { return there; });
     there = false;
     return std::exchange(steps, {});
   }
 
   static constexpr std::size_t kMost = 100'000;
   std::mutex mutex;
-  std::condition_variable came;
+  std::condition_variable arrived;
   std::vector<LifecycleStatus> steps;
   bool there = false;
 };
@@ -81,7 +81,7 @@ Result<std::unique_ptr<Gateway>> Gateway::create(const client::Network& network)
   std::unique_ptr<Gateway> gateway{new Gateway{std::move(news)}};
   auto client = client::connect(network, nullptr,
                                 {.news = {.module = [to](const LifecycleStatus& status) { to->add(status); },
-                                          .device = [to](const dds::ObservedDevice&) { to->wake(); }},
+                                          .device = [to](const wire::ObservedDevice&) { to->wake(); }},
                                  .statistics = true});
   if (!client) return client.problems();
   gateway->client_ = std::move(*client);
@@ -91,16 +91,16 @@ Result<std::unique_ptr<Gateway>> Gateway::create(const client::Network& network)
   gateway->questions_ = std::make_unique<Questions>(*gateway->client_.asker);
   gateway->watched_ = std::make_unique<WatchedPorts>(gateway->client_, gateway->streams_);
   gateway->cell_text_ = event_text("cell", model::json_text(cell_json(nullptr, gateway->client_.domain, "")));
-  gateway->telling_ = std::thread{[self = gateway.get()] { self->tell(); }};
-  gateway->asking_ = std::thread{[self = gateway.get()] { self->ask(); }};
+  gateway->sender_ = std::thread{[self = gateway.get()] { self->run_sender(); }};
+  gateway->fetcher_ = std::thread{[self = gateway.get()] { self->run_fetcher(); }};
   return gateway;
 }
 
 Gateway::~Gateway() {
   ended_ = true;
   news_->wake();
-  if (telling_.joinable()) telling_.join();
-  if (asking_.joinable()) asking_.join();
+  if (sender_.joinable()) sender_.join();
+  if (fetcher_.joinable()) fetcher_.join();
 }
 
 std::shared_ptr<const model::Cell> Gateway::cell() const {
@@ -108,7 +108,8 @@ std::shared_ptr<const model::Cell> Gateway::cell() const {
   return cell_;
 }
 
-// Under the lock under which everything is told, so that nothing falls between the whole and what follows it.
+// Holds the lock under which all changes are sent, so that no change is lost between the complete state and
+// the changes after it.
 std::shared_ptr<Stream> Gateway::open() {
   const std::lock_guard lock{mutex_};
   auto stream = streams_.open();
@@ -124,12 +125,11 @@ std::shared_ptr<Stream> Gateway::open() {
   return stream;
 }
 
-// ---- What is told
-// ------------------------------------------------------------------------------------------
+// ---- Sending
 
-void Gateway::tell() {
+void Gateway::run_sender() {
   Instant measured{};
-  Instant told{};
+  Instant sent{};
   while (!ended_) {
     auto steps = news_->wait(kTurn);
     if (ended_) return;
@@ -138,25 +138,25 @@ void Gateway::tell() {
       auto more = news_->wait(milliseconds{0});
       steps.insert(steps.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
     }
-    tell_states(std::move(steps));
+    send_states(std::move(steps));
     const Instant now = os::now();
-    if (now - told >= kTurn) {
-      watched_->tell();
-      told = now;
+    if (now - sent >= kTurn) {
+      watched_->send();
+      sent = now;
     }
     if (now - measured >= kMeasures) {
-      tell_measures();
+      send_measures();
       measured = now;
     }
   }
 }
 
-void Gateway::tell_states(std::vector<LifecycleStatus> steps) {
-  const std::vector<dds::ObservedDevice> seen = client_.observer->devices();
+void Gateway::send_states(std::vector<LifecycleStatus> steps) {
+  const std::vector<wire::ObservedDevice> seen = client_.observer->devices();
   Json devices = Json::array();
   Json modules = Json::array();
   const std::lock_guard lock{mutex_};
-  // Each step in its order; what then differs from the cell state is as it is there.
+  // First each step, in order. Then the modules whose current state is newer than their last step.
   for (const LifecycleStatus& step : steps) {
     Json json = module_json(step);
     Json& known = modules_[json["name"].get<std::string>()];
@@ -165,7 +165,7 @@ void Gateway::tell_states(std::vector<LifecycleStatus> steps) {
     modules.push_back(std::move(json));
   }
   std::set<std::string> there;
-  for (const dds::ObservedDevice& device : seen) {
+  for (const wire::ObservedDevice& device : seen) {
     there.insert(device.name());
     if (Json json = device_json(device); devices_[device.name()] != json) {
       devices_[device.name()] = json;
@@ -197,12 +197,12 @@ void Gateway::tell_states(std::vector<LifecycleStatus> steps) {
   streams_.send(state_event(false, std::move(devices), std::move(modules)));
 }
 
-void Gateway::tell_measures() {
-  const std::vector<dds::ObservedDevice> seen = client_.observer->devices();
+void Gateway::send_measures() {
+  const std::vector<wire::ObservedDevice> seen = client_.observer->devices();
   const auto running = cell();
   Json measures = measures_json(seen, running.get(), os::wall_ns());
-  std::set<std::string> lost;  // what they measured last is not of now
-  for (const dds::ObservedDevice& device : seen) {
+  std::set<std::string> lost;  // their last measurements are old
+  for (const wire::ObservedDevice& device : seen) {
     if (!device.alive) lost.insert(device.name());
   }
   const std::lock_guard lock{mutex_};
@@ -217,7 +217,7 @@ void Gateway::tell_measures() {
   measures_ = std::move(text);
 }
 
-// Under the lock.
+// Called with the lock held.
 std::string Gateway::all_faults() const {
   Json events = Json::array();
   for (const Json& fault : faults_) events.push_back(fault);
@@ -225,7 +225,7 @@ std::string Gateway::all_faults() const {
       "faults", model::json_text({{"whole", true}, {"events", std::move(events)}, {"problems", problems_}}));
 }
 
-// Under the lock.
+// Called with the lock held.
 void Gateway::keep_problems(const Problems& problems) {
   for (const Problem& problem : problems) {
     problems_.push_back(in_words({problem}));
@@ -250,7 +250,7 @@ void Gateway::add_faults(const std::vector<model::Fault>& faults, const Problems
       model::json_text({{"whole", false}, {"events", std::move(events)}, {"problems", problems_}})));
 }
 
-// These are no news, and have their place among the others.
+// Events of a record are old: they are sorted in by time, and not counted as new.
 void Gateway::add_record(const client::Log& read) {
   if (read.events.empty() && read.problems.empty()) return;
   const std::lock_guard lock{mutex_};
@@ -265,22 +265,21 @@ void Gateway::add_record(const client::Log& read) {
   streams_.send(all_faults());
 }
 
-// ---- What is asked
-// -----------------------------------------------------------------------------------------
+// ---- Asking devices
 
-void Gateway::ask() {
+void Gateway::run_fetcher() {
   client_.observer->settle(seconds{1});
   while (!ended_) {
     look_for_cell();
     read_records();
     follow_faults();
-    watched_->look_after();
+    watched_->maintain();
   }
 }
 
-// Of each device once: what it had before it was found, or before this began.
+// Reads the record of each device once, for events from before the device was found or this program started.
 void Gateway::read_records() {
-  for (const dds::ObservedDevice& seen : client_.observer->devices()) {
+  for (const wire::ObservedDevice& seen : client_.observer->devices()) {
     if (!seen.alive || ended_ || !recorded_.insert(seen.name()).second) continue;
     const client::Log read =
         client::read_log(*client_.asker, {.device = seen.name(), .last = kMostFaults}, kNodeAnswered);
@@ -296,12 +295,13 @@ void Gateway::follow_faults() {
   add_faults(events, problems);
 }
 
-// A cell whose devices are all lost is shown on; one that was taken down from a device that is there is not.
+// A cell stays on the page while all of its devices are lost. It goes if it was taken down from a device that
+// is alive.
 bool Gateway::is_lost() const {
   if (!cell_) return false;
   bool lost = false;
   for (const model::Device& device : cell_->devices) {
-    for (const dds::ObservedDevice& seen : client_.observer->devices(device.name)) {
+    for (const wire::ObservedDevice& seen : client_.observer->devices(device.name)) {
       if (seen.alive) return false;
       lost = true;
     }
@@ -309,12 +309,12 @@ bool Gateway::is_lost() const {
   return lost;
 }
 
-// The newest deployment that somebody has who is there. Devices of two cells on one domain are all shown; the
-// cell state and the tables are of one.
+// Finds the cell that runs on the devices that are alive. If the domain has devices of two cells, the page
+// shows all of them, but the graph and the tables of one cell only.
 void Gateway::look_for_cell() {
-  std::string deployment;  // an update keeps its name, and changes its descriptor
+  std::string deployment;  // an update keeps the deployment's name, but changes the descriptor
   std::string device;
-  for (const dds::ObservedDevice& seen : client_.observer->devices()) {
+  for (const wire::ObservedDevice& seen : client_.observer->devices()) {
     const std::string id = seen.status.deployment().to_string();
     if (!seen.alive || id.empty()) continue;
     if (deployment.empty() || id == deployment_) {
@@ -330,13 +330,13 @@ void Gateway::look_for_cell() {
   if (!deployment.empty()) {
     const auto reply = client::accepted(
         client_.asker->ask({.kind = COMMAND_DESCRIPTOR, .device = device, .limit = kNodeAnswered}));
-    if (!reply) return;  // asked again at the next turn
+    if (!reply) return;  // ask again in the next turn
     asked_ = now;
     if (deployment == deployment_ && reply->data == descriptor_) return;
     descriptor = reply->data;
     auto read = descriptor::parse(descriptor, reply->head.value().to_string());
     if (read) {
-      read->domain = client_.domain;  // nodes may be told another than the descriptor says
+      read->domain = client_.domain;  // --domain may differ from the descriptor
       cell = std::make_shared<const model::Cell>(std::move(*read));
     }
   }
@@ -349,23 +349,22 @@ void Gateway::look_for_cell() {
   streams_.send(cell_text_);
 }
 
-// ---- What a page asks
-// -----------------------------------------------------------------------------------------
+// ---- Requests of pages
 
 Answer Gateway::watch(const std::string& id, const std::string& body) {
   const auto stream = streams_.find(id);
-  if (!stream) return answer_of(404, fail("there is no such stream of events", "open /api/events anew"));
+  if (!stream) return answer_of(404, fail("there is no such event stream", "open /api/events again"));
   const Json asked = model::parse_json(body);
   std::vector<std::string> ports;
-  bool right = asked.is_object() && asked.contains("ports") && asked["ports"].is_array() &&
+  bool valid = asked.is_object() && asked.contains("ports") && asked["ports"].is_array() &&
                asked["ports"].size() <= WatchedPorts::kMost;
-  for (std::size_t i = 0; right && i < asked["ports"].size(); ++i) {
-    right = asked["ports"][i].is_string();
-    if (right) ports.push_back(asked["ports"][i].get<std::string>());
+  for (std::size_t i = 0; valid && i < asked["ports"].size(); ++i) {
+    valid = asked["ports"][i].is_string();
+    if (valid) ports.push_back(asked["ports"][i].get<std::string>());
   }
-  if (!right) {
-    return answer_of(400, fail("this names no ports: " + in_quotes(body.substr(0, 100)),
-                               R"(say {"ports": ["device.module.port"]}, at most )" +
+  if (!valid) {
+    return answer_of(400, fail("not a valid list of ports: " + in_quotes(body.substr(0, 100)),
+                               R"(send {"ports": ["device.module.port"]}, with at most )" +
                                    std::to_string(WatchedPorts::kMost)));
   }
   Json problems = Json::array();
@@ -398,8 +397,8 @@ std::string Gateway::metrics() {
   }
   counted.viewers = streams_.count();
   const auto devices = client_.observer->devices();
-  // An increase is only seen of what was 0 before.
-  for (const dds::ObservedDevice& device : devices) counted.faults.try_emplace(device.name());
+  // Prometheus sees an increase only if the series existed before, so begin each series with 0.
+  for (const wire::ObservedDevice& device : devices) counted.faults.try_emplace(device.name());
   return metrics_text(devices, running.get(), counted);
 }
 

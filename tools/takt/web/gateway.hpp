@@ -1,8 +1,8 @@
-// What a page of a cell is told and may ask, apart from how it travels.
+// What pages get from a cell and may ask of it, independent of HTTP.
 //
-// Everything that is shown comes from the topics on which nodes speak anyway; devices are asked only for what
-// somebody looks at (the ports, properties and tables of one module or device), and that by the node, never
-// by a real-time thread.
+// Everything that a page shows comes from the topics on which nodes publish anyway. The gateway asks a device
+// only for what a page shows at the moment: ports, properties and tables of one module or device. The node
+// answers, never a real-time thread.
 #pragma once
 
 #include <atomic>
@@ -29,16 +29,16 @@
 
 namespace takt::tool::web {
 
-/// Any thread.
+/// Any thread may call it.
 class Gateway {
  public:
   static Result<std::unique_ptr<Gateway>> create(const client::Network& network);
   ~Gateway();
 
-  /// A stream that has been told everything as it is. None where there are too many.
+  /// A new stream, to which the complete current state has been sent. Null if there are too many streams.
   std::shared_ptr<Stream> open();
   void close(const std::shared_ptr<Stream>& stream) { streams_.close(stream); }
-  /// Ends every stream, and opens no other.
+  /// Ends all streams and allows no new ones.
   void end_streams() { streams_.end(); }
 
   Questions& questions() noexcept { return *questions_; }
@@ -54,12 +54,12 @@ class Gateway {
   struct News;
   explicit Gateway(std::unique_ptr<News> news) noexcept;
 
-  void tell();  // the thread that tells
-  void ask();   // the thread that asks
-  void tell_states(std::vector<LifecycleStatus> steps);
-  void tell_measures();
+  void run_sender();   // on the thread that sends to the pages
+  void run_fetcher();  // on the thread that asks devices
+  void send_states(std::vector<LifecycleStatus> steps);
+  void send_measures();
   void look_for_cell();
-  [[nodiscard]] bool is_lost() const;  // the cell that is shown
+  [[nodiscard]] bool is_lost() const;  // whether the shown cell is lost
   void follow_faults();
   void read_records();
   void add_faults(const std::vector<model::Fault>& faults, const Problems& problems);
@@ -68,31 +68,31 @@ class Gateway {
   [[nodiscard]] std::string all_faults() const;
   [[nodiscard]] std::shared_ptr<const model::Cell> cell() const;
 
-  std::unique_ptr<News> news_;  // before the client, whose threads give it
+  std::unique_ptr<News> news_;  // declared before the client, whose threads use it
   client::Connection client_;
   Streams streams_;
   std::unique_ptr<Questions> questions_;
   std::unique_ptr<WatchedPorts> watched_;
   std::unique_ptr<client::LogFollower> follower_;
 
-  mutable std::mutex mutex_;             // of what follows
-  std::map<std::string, Json> devices_;  // as they were told last
+  mutable std::mutex mutex_;             // protects the members below
+  std::map<std::string, Json> devices_;  // as sent last
   std::map<std::string, Json> modules_;
-  std::string measures_;                     // the last event
+  std::string measures_;                     // the last `measures` event
   std::shared_ptr<const model::Cell> cell_;  // null: not known
-  std::string cell_text_;                    // the event that tells it
-  std::string deployment_;                   // that it is of
-  std::string descriptor_;                   // that it was read from
-  Instant asked_{};                          // for the descriptor
+  std::string cell_text_;                    // the `cell` event
+  std::string deployment_;                   // the deployment of cell_
+  std::string descriptor_;                   // the descriptor of cell_
+  Instant asked_{};                          // when the descriptor was asked for
   std::deque<Json> faults_;
   std::deque<std::string> problems_;
-  std::set<std::string> recorded_;  // devices whose record was read
+  std::set<std::string> recorded_;  // devices whose fault record was read
   Counted counted_;
   client::History history_;
 
   std::atomic<bool> ended_{false};
-  std::thread telling_;
-  std::thread asking_;
+  std::thread sender_;
+  std::thread fetcher_;
 };
 
 }  // namespace takt::tool::web

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 
 #include "web/said.hpp"
 
@@ -34,7 +34,7 @@ std::string number(double value) {
   return fmt::format("{}", value);
 }
 
-/// One metric with all of its samples, as the format wants them: together.
+/// One metric with all of its samples; the format requires them to be together.
 class Metric {
  public:
   Metric(std::string_view name, std::string_view type, std::string_view help)
@@ -62,7 +62,7 @@ class Metric {
   std::string samples_;
 };
 
-/// The quantiles that nodes tell, and the largest, in seconds.
+/// Adds the quantiles that nodes publish, and the maximum, in seconds.
 void add_quantiles(Metric& quantiles, Metric& largest, const Labels& labels, const Distribution& us) {
   const std::pair<const char*, double> all[] = {{"0.5", us.p50()}, {"0.99", us.p99()}, {"0.999", us.p999()}};
   for (const auto& [quantile, value] : all) {
@@ -76,14 +76,15 @@ void add_quantiles(Metric& quantiles, Metric& largest, const Labels& labels, con
 constexpr const char* kGauge = "gauge";
 constexpr const char* kCounter = "counter";
 
-std::string of_devices(const std::vector<dds::ObservedDevice>& devices, const model::Cell* cell) {
-  Metric up{"takt_device_up", kGauge, "Whether the device's node is there; 0: it is lost."};
-  Metric state{"takt_device_state", kGauge, "1 for the state that the device is in."};
-  Metric health{"takt_device_health", kGauge, "1 for how the device's health is."};
-  Metric real_time{"takt_device_real_time", kGauge, "Whether the system lets the device run in real time."};
+std::string of_devices(const std::vector<wire::ObservedDevice>& devices, const model::Cell* cell) {
+  Metric up{"takt_device_up", kGauge, "1 if the node of the device is alive, 0 if it is lost."};
+  Metric state{"takt_device_state", kGauge, "1 for the current state of the device."};
+  Metric health{"takt_device_health", kGauge, "1 for the current health of the device."};
+  Metric real_time{"takt_device_real_time", kGauge,
+                   "1 if the system allows the device real-time scheduling."};
   Metric restarts{"takt_device_host_restarts_total", kCounter,
-                  "Restarts of the device's real-time processes."};
-  for (const dds::ObservedDevice& device : devices) {
+                  "Restarts of the real-time processes of the device."};
+  for (const wire::ObservedDevice& device : devices) {
     const DeviceStatus& s = device.status;
     const Labels labels{{"cell", s.cell().to_string()}, {"device", device.name()}};
     const auto with = [&labels](std::string_view name, const char* value) {
@@ -102,29 +103,30 @@ std::string of_devices(const std::vector<dds::ObservedDevice>& devices, const mo
     real_time.add(labels, s.real_time());
     restarts.add(labels, std::uint64_t{s.host_restarts()});
   }
-  // One that was lost before this gateway began is heard of no more.
+  // A device that was lost before the gateway started publishes nothing, but belongs to the cell.
   for (const model::Device& device : cell == nullptr ? std::vector<model::Device>{} : cell->devices) {
-    const bool heard = std::any_of(devices.begin(), devices.end(),
-                                   [&](const dds::ObservedDevice& one) { return one.name() == device.name; });
-    if (!heard) up.add({{"cell", cell->name}, {"device", device.name}}, false);
+    const bool found = std::any_of(devices.begin(), devices.end(),
+                                   [&](const wire::ObservedDevice& one) { return one.name() == device.name; });
+    if (!found) up.add({{"cell", cell->name}, {"device", device.name}}, false);
   }
   return up.text() + state.text() + health.text() + real_time.text() + restarts.text();
 }
 
-std::string of_modules(const std::vector<dds::ObservedDevice>& devices) {
-  Metric state{"takt_module_state", kGauge, "1 for the state that the module is in."};
+std::string of_modules(const std::vector<wire::ObservedDevice>& devices) {
+  Metric state{"takt_module_state", kGauge, "1 for the current state of the module."};
   Metric cycles{"takt_module_cycles_total", kCounter, "Releases of the module."};
-  Metric missed{"takt_module_missed_total", kCounter, "Releases that were left out."};
+  Metric missed{"takt_module_missed_total", kCounter, "Releases that were skipped."};
   Metric overruns{"takt_module_overruns_total", kCounter, "Releases that found the module still running."};
   Metric over_budget{"takt_module_over_budget_total", kCounter, "Runs that took longer than the budget."};
   Metric errors{"takt_module_errors_total", kCounter, "Errors of the module."};
   Metric recoveries{"takt_module_recoveries_total", kCounter, "Recoveries of the module."};
   Metric jitter{"takt_module_jitter_seconds", kGauge,
-                "How far from its release the module begins, by quantile."};
-  Metric jitter_max{"takt_module_jitter_max_seconds", kGauge, "The largest distance from a release."};
-  Metric run{"takt_module_run_seconds", kGauge, "How long the module runs, by quantile."};
-  Metric run_max{"takt_module_run_max_seconds", kGauge, "The longest run."};
-  for (const dds::ObservedDevice& device : devices) {
+                "Time between the release of the module and its start, by quantile."};
+  Metric jitter_max{"takt_module_jitter_max_seconds", kGauge,
+                    "Maximum time between a release and the start."};
+  Metric run{"takt_module_run_seconds", kGauge, "Run time of the module, by quantile."};
+  Metric run_max{"takt_module_run_max_seconds", kGauge, "Maximum run time."};
+  for (const wire::ObservedDevice& device : devices) {
     if (!device.alive) continue;
     const auto labels_of = [&](const std::string& module) {
       return Labels{
@@ -153,15 +155,16 @@ std::string of_modules(const std::vector<dds::ObservedDevice>& devices) {
          recoveries.text() + jitter.text() + jitter_max.text() + run.text() + run_max.text();
 }
 
-std::string of_executors(const std::vector<dds::ObservedDevice>& devices) {
-  Metric cycles{"takt_executor_cycles_total", kCounter, "Rows that the executor walked."};
-  Metric missed{"takt_executor_missed_total", kCounter, "Rows that could not begin in their slot."};
+std::string of_executors(const std::vector<wire::ObservedDevice>& devices) {
+  Metric cycles{"takt_executor_cycles_total", kCounter, "Rows that the executor ran."};
+  Metric missed{"takt_executor_missed_total", kCounter, "Rows that were skipped."};
   Metric late{"takt_executor_late_total", kCounter, "Rows that began late."};
   Metric margin{"takt_executor_margin_seconds", kGauge, "How long before a release the executor is awake."};
   Metric jitter{"takt_executor_jitter_seconds", kGauge,
-                "How far from its release a row begins, by quantile."};
-  Metric jitter_max{"takt_executor_jitter_max_seconds", kGauge, "The largest distance from a release."};
-  for (const dds::ObservedDevice& device : devices) {
+                "Time between the release of a row and its start, by quantile."};
+  Metric jitter_max{"takt_executor_jitter_max_seconds", kGauge,
+                    "Maximum time between a release and the start."};
+  for (const wire::ObservedDevice& device : devices) {
     if (!device.alive) continue;
     for (const auto& [name, e] : device.deployment.executors) {
       const Labels labels{
@@ -176,14 +179,15 @@ std::string of_executors(const std::vector<dds::ObservedDevice>& devices) {
   return cycles.text() + missed.text() + late.text() + margin.text() + jitter.text() + jitter_max.text();
 }
 
-std::string of_connections(const std::vector<dds::ObservedDevice>& devices, const model::Cell& cell) {
-  Metric matched{"takt_connection_matched", kGauge, "Whether there is somebody at the other end."};
-  Metric stale{"takt_connection_stale", kGauge, "Whether the value is older than the connection's deadline."};
-  Metric safe{"takt_connection_safe", kGauge, "Whether its reader gets the safe value."};
-  Metric age{"takt_connection_age_seconds", kGauge, "How old the newest value is."};
+std::string of_connections(const std::vector<wire::ObservedDevice>& devices, const model::Cell& cell) {
+  Metric matched{"takt_connection_matched", kGauge, "1 if both ends have found each other."};
+  Metric stale{"takt_connection_stale", kGauge,
+               "1 if the value is older than the deadline of the connection."};
+  Metric safe{"takt_connection_safe", kGauge, "1 if the reader gets the safe value."};
+  Metric age{"takt_connection_age_seconds", kGauge, "Age of the newest value."};
   Metric lost{"takt_connection_lost_total", kCounter, "Samples that were lost on the way."};
-  Metric dropped{"takt_connection_dropped_total", kCounter, "Samples that a full queue dropped."};
-  Metric late{"takt_connection_late_total", kCounter, "Times that the value became older than the deadline."};
+  Metric dropped{"takt_connection_dropped_total", kCounter, "Samples that were dropped from a full queue."};
+  Metric late{"takt_connection_late_total", kCounter, "How often the value became older than the deadline."};
   for (const auto& [index, health] : health_of(cell, devices).connections) {
     const model::Connection& connection = cell.connections[index];
     const auto end = [](const model::Endpoint& e) { return e.given() ? to_text(e) : std::string{}; };
@@ -203,31 +207,31 @@ std::string of_connections(const std::vector<dds::ObservedDevice>& devices, cons
          late.text();
 }
 
-/// Two nodes of one name are one series: that of the first that is there.
-std::vector<dds::ObservedDevice> one_of_each(std::vector<dds::ObservedDevice> devices) {
+/// Two nodes with the same name would be the same series. Keeps the first one that is alive.
+std::vector<wire::ObservedDevice> one_of_each(std::vector<wire::ObservedDevice> devices) {
   std::stable_partition(devices.begin(), devices.end(),
-                        [](const dds::ObservedDevice& one) { return one.alive; });
-  std::set<std::string> said;
-  std::erase_if(devices, [&said](const dds::ObservedDevice& one) {
-    return !said.insert(one.status.cell().to_string() + '/' + one.name()).second;
+                        [](const wire::ObservedDevice& one) { return one.alive; });
+  std::set<std::string> known;
+  std::erase_if(devices, [&known](const wire::ObservedDevice& one) {
+    return !known.insert(one.status.cell().to_string() + '/' + one.name()).second;
   });
   return devices;
 }
 
 }  // namespace
 
-std::string metrics_text(const std::vector<dds::ObservedDevice>& seen, const model::Cell* cell,
+std::string metrics_text(const std::vector<wire::ObservedDevice>& seen, const model::Cell* cell,
                          const Counted& counted) {
-  const std::vector<dds::ObservedDevice> devices = one_of_each(seen);
+  const std::vector<wire::ObservedDevice> devices = one_of_each(seen);
   std::string text = of_devices(devices, cell) + of_modules(devices) + of_executors(devices);
   if (cell != nullptr) text += of_connections(devices, *cell);
-  Metric faults{"takt_faults_total", kCounter, "Events of the fault records since the gateway began."};
+  Metric faults{"takt_faults_total", kCounter, "Events of the fault records since the gateway started."};
   for (const auto& [device, numbers] : counted.faults) {
     for (std::size_t severity = 0; severity < numbers.size(); ++severity)
       faults.add({{"device", device}, {"severity", model::to_text(static_cast<model::Severity>(severity))}},
                  numbers[severity]);
   }
-  Metric viewers{"takt_web_viewers", kGauge, "Pages that are open."};
+  Metric viewers{"takt_web_viewers", kGauge, "Open pages."};
   viewers.add({}, std::uint64_t{counted.viewers});
   return text + faults.text() + viewers.text();
 }

@@ -1,5 +1,5 @@
-// What nodes say, for Prometheus: its text format 0.0.4, with names as its guide has them (base units, _total
-// for what only grows).
+// What nodes publish, for Prometheus: its text format 0.0.4. Names follow its guide: base units, and _total
+// for counters.
 #pragma once
 
 #include <array>
@@ -8,21 +8,21 @@
 #include <string>
 #include <vector>
 
-#include <takt/dds/cell_state.hpp>
+#include <takt/wire/cell_state.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/fault.hpp>
 
 namespace takt::tool::web {
 
-/// What the gateway has counted since it began.
+/// What the gateway has counted since it started.
 struct Counted {
-  /// Events of the fault records, by device and severity (the place of model::Severity).
+  /// Events of the fault records, by device and severity (index: model::Severity).
   std::map<std::string, std::array<std::uint64_t, 3>> faults{};
-  std::size_t viewers = 0;  ///< pages that are open
+  std::size_t viewers = 0;  ///< open pages
 };
 
-/// `cell`: what runs; null: not known, and nothing is said of connections.
-std::string metrics_text(const std::vector<dds::ObservedDevice>& devices, const model::Cell* cell,
+/// `cell`: the running cell. Null if it is not known; then there are no metrics of connections.
+std::string metrics_text(const std::vector<wire::ObservedDevice>& devices, const model::Cell* cell,
                          const Counted& counted);
 
 }  // namespace takt::tool::web

@@ -20,7 +20,7 @@ constexpr double kNone = -1;
 double in_us(Nanoseconds duration) { return static_cast<double>(duration.count()) / 1e3; }
 std::int64_t in_ns(double us) { return std::llround(us * 1e3); }
 
-/// The threads of a trace by what they are of.
+/// The ids of the threads in a trace.
 struct Threads {
   std::map<std::string, double> rows;      // by executor
   std::map<std::string, double> sporadic;  // by executor
@@ -59,7 +59,7 @@ bool is(const Json& event, const char* category, double thread) {
   return event.value("cat", "") == category && event.value("tid", kNone) == thread;
 }
 
-/// Rows are in the order in which they began, each before its runs.
+/// The rows of a window. A trace has the rows in the order in which they began, each followed by its runs.
 Json rows_json(const Json& trace, double thread, const Window& window, double basic_us) {
   Json rows = Json::array();
   double row_end = 0;
@@ -67,7 +67,7 @@ Json rows_json(const Json& trace, double thread, const Window& window, double ba
   for (const Json& event : trace.at("traceEvents")) {
     if (is(event, "row", thread)) {
       const double release = event.at("args").at("release_us").get<double>();
-      // The releases are on the grid, but as numbers in a text.
+      // Releases are on the grid, but the text of the trace rounds them.
       const double row = std::round((release - window.from_us) / basic_us);
       within = row >= 0 && release < window.to_us - basic_us / 2 && rows.size() < kMostRows;
       if (!within) continue;
@@ -86,7 +86,7 @@ Json rows_json(const Json& trace, double thread, const Window& window, double ba
   return rows;
 }
 
-/// A run of a sporadic module stands in the row in whose time it began.
+/// Adds each run of a sporadic module to the row during which it began.
 void add_sporadic(Json& rows, const Json& trace, double thread, const Window& window, double basic_us) {
   for (const Json& event : trace.at("traceEvents")) {
     if (!is(event, "run", thread)) continue;
@@ -118,7 +118,7 @@ Result<Json> period_json(const Json& trace, const model::Cell& cell, const model
   try {
     const Json& about = trace.at("otherData");
     if (!about.contains("t0_us"))
-      return fail("device " + device.name + " has not begun its rows", "look again when it runs");
+      return fail("device " + device.name + " has not run a row yet", "try again when it runs");
     const double t0 = about["t0_us"].get<double>();
     const double end = about.at("lasts_us").get<double>();
     const auto begins_ns = about.at("begins_utc_ns").get<std::int64_t>();
@@ -139,7 +139,7 @@ Result<Json> period_json(const Json& trace, const model::Cell& cell, const model
                 {"rows", Json::array()}};
       const auto thread = threads.rows.find(name);
       if (window.from_us < 0 || periods < 1 || thread == threads.rows.end()) {
-        json["text"] = "no whole macro period is recorded";
+        json["text"] = "no complete macro period is recorded";
       } else {
         json["rows"] = rows_json(trace, thread->second, window, basic);
         if (const auto other = threads.sporadic.find(name); other != threads.sporadic.end())
@@ -155,7 +155,7 @@ Result<Json> period_json(const Json& trace, const model::Cell& cell, const model
     }
     return Json{{"executors", std::move(executors)}, {"programs", std::move(programs)}};
   } catch (const Json::exception&) {
-    return fail("the device's trace is of another version of Takt",
+    return fail("the trace of the device is from another version of Takt",
                 "install the same version on all machines");
   }
 }

@@ -1,5 +1,5 @@
-// The last macro period of a device, from what its flight recorder kept: which row began when, which module
-// took how long in it, and why something was late.
+// The last macro period of a device, from its flight record: when each row began, how long each module ran in
+// it, and why something was late.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,14 +10,15 @@
 
 namespace takt::tool::web {
 
-/// How far back a trace must go to hold a whole macro period of each executor of the device; at most 10 s.
+/// How far back a trace must go to contain a complete macro period of each executor of the device. At most
+/// 10 s.
 Nanoseconds trace_needed(const model::Cell& cell, const model::Device& device);
 
 /// {"executors": [{"name", "basic_period_ns", "macro_period_ns", "begin_ms", "rows": [...]}], "programs":
-/// [...]}: of each executor the last macro period that had ended when the trace was taken, from its beginning
-/// in ns; rows that were missed are not there. At most kMostRows rows. An executor whose macro period is
-/// longer than the trace has the reason in "text" and no rows. Fails on what is no trace of takt, or of one
-/// that has not begun its rows.
+/// [...]}: for each executor the last macro period that was complete when the trace was taken. Times are in
+/// ns from its begin. Missed rows are left out, and there are at most kMostRows rows. An executor whose macro
+/// period is longer than the trace has no rows, and the reason in "text". Fails if `trace` is not a Takt
+/// trace, or if the device has not yet run a row.
 Result<nlohmann::ordered_json> period_json(const nlohmann::ordered_json& trace, const model::Cell& cell,
                                            const model::Device& device);
 

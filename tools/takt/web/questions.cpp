@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <takt/core/words.hpp>
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/model/json.hpp>
 
 #include "web/period.hpp"
@@ -19,10 +19,10 @@ namespace {
 using std::chrono::seconds;
 
 constexpr seconds kQuestionAnswered{3};
-constexpr seconds kLong{30};  // a component may take so long to stop
+constexpr seconds kLong{30};  // a component may take this long to stop
 
-/// "device.module" in two.
-std::optional<std::pair<std::string, std::string>> in_two(const std::string& name) {
+/// Splits "device.module". None if the name is not valid.
+std::optional<std::pair<std::string, std::string>> split(const std::string& name) {
   const std::size_t dot = name.find('.');
   if (dot == std::string::npos || dot == 0 || dot + 1 == name.size() ||
       name.find('.', dot + 1) != std::string::npos)
@@ -30,7 +30,7 @@ std::optional<std::pair<std::string, std::string>> in_two(const std::string& nam
   return std::pair{name.substr(0, dot), name.substr(dot + 1)};
 }
 
-/// A member that is a text; empty where there is none.
+/// A member of JSON as text; empty if it is missing or not a text.
 std::string text_in(const Json& json, const char* name) {
   return json.is_object() && json.contains(name) && json[name].is_string() ? json[name].get<std::string>()
                                                                            : "";
@@ -41,14 +41,14 @@ constexpr std::pair<const char*, CommandKind> kVerbs[] = {
     {"recover", COMMAND_RECOVER},       {"reset", COMMAND_RESET}, {"destruct", COMMAND_DESTRUCT},
 };
 
-Answer refused(const Result<dds::WholeReply>& reply) {
+Answer rejected(const Result<wire::WholeReply>& reply) {
   if (!reply) return answer_of(504, reply.problems().front());
   const Problems problems = client::problems_of(*reply);
-  Problem problem = problems.empty() ? fail("it is refused", "") : problems.front();
+  Problem problem = problems.empty() ? fail("the node rejected the request", "") : problems.front();
   return answer_of(409, problem);
 }
 
-/// Null where it is none, or not known.
+/// The process module with this name. Null if there is none, or if the cell is not known.
 const model::Module* program_of(const model::Cell* cell, const std::pair<std::string, std::string>& name) {
   if (cell == nullptr) return nullptr;
   for (const model::Device& device : cell->devices) {
@@ -76,13 +76,13 @@ Answer Questions::command(const std::string& body) {
   const auto kind = std::find_if(std::begin(kVerbs), std::end(kVerbs),
                                  [&verb](const auto& known) { return verb == known.first; });
   if (kind == std::end(kVerbs) || device.empty()) {
-    return answer_of(400, fail("this is no command: " + in_quotes(body.substr(0, 100)),
-                               R"(say {"device": "d", "module": "m", "verb": "start"}, where verb is )"
+    return answer_of(400, fail("not a valid command: " + in_quotes(body.substr(0, 100)),
+                               R"(send {"device": "d", "module": "m", "verb": "start"}, where verb is )"
                                "initialize, start, stop, recover, reset or destruct"));
   }
   const auto reply = asker_.ask(
       {.kind = kind->second, .device = device, .module = text_in(asked, "module"), .limit = kLong});
-  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
+  if (!reply || reply->head.code() != REPLY_OK) return rejected(reply);
   Json json{{"text", reply->head.text().to_string()}};
   if (!text_in(asked, "module").empty()) json["state"] = to_text(reply->head.state());
   return answer_of(json);
@@ -90,11 +90,11 @@ Answer Questions::command(const std::string& body) {
 
 Answer Questions::set_property(const std::string& body) {
   const Json asked = model::parse_json(body);
-  const auto name = in_two(text_in(asked, "module"));
+  const auto name = split(text_in(asked, "module"));
   const std::string property = text_in(asked, "property");
   if (!name || property.empty() || !asked.contains("value") || !asked["value"].is_string()) {
-    return answer_of(400, fail("this sets no property: " + in_quotes(body.substr(0, 100)),
-                               R"(say {"module": "d.m", "property": "p", "value": "1.5"})"));
+    return answer_of(400, fail("not a valid request to set a property: " + in_quotes(body.substr(0, 100)),
+                               R"(send {"module": "d.m", "property": "p", "value": "1.5"})"));
   }
   const auto reply = asker_.ask({.kind = COMMAND_SET,
                                  .device = name->first,
@@ -102,17 +102,17 @@ Answer Questions::set_property(const std::string& body) {
                                  .property = property,
                                  .value = text_in(asked, "value"),
                                  .limit = kLong});
-  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
+  if (!reply || reply->head.code() != REPLY_OK) return rejected(reply);
   return answer_of(Json{{"value", reply->head.value().to_string()}});
 }
 
-// An answer that is no failure leaves the device's description.
+// If the answer is not a failure, `description` is set.
 Answer Questions::described(const std::string& device, Json& description) {
   const auto reply = asker_.ask({.kind = COMMAND_DESCRIBE, .device = device, .limit = seconds{10}});
-  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
+  if (!reply || reply->head.code() != REPLY_OK) return rejected(reply);
   description = model::parse_json(reply->data);
   if (!description.is_object() || !description.contains("modules"))
-    return answer_of(504, fail("the device's answer is of another version of Takt",
+    return answer_of(504, fail("the answer of the device is from another version of Takt",
                                "install the same version on all machines"));
   return {};
 }
@@ -122,7 +122,7 @@ Answer Questions::ports(const std::string& device) {
   if (Answer answer = described(device, description); answer.status != 200) return answer;
   Json ports = Json::array();
   for (const Json& module : description["modules"]) {
-    const auto known = module.find("ports");  // as model::ports_json() writes them; null: not known
+    const auto known = module.find("ports");  // in the format of model::ports_json(); null: not known
     if (known == module.end() || !known->is_object() || !known->contains("ports")) continue;
     for (const Json& port : (*known)["ports"]) {
       ports.push_back({{"name", device + "." + text_in(module, "name") + "." + text_in(port, "name")},
@@ -134,20 +134,21 @@ Answer Questions::ports(const std::string& device) {
 }
 
 Answer Questions::properties(const std::string& module, const std::shared_ptr<const model::Cell>& running) {
-  const auto name = in_two(module);
-  if (!name) return answer_of(400, fail(in_quotes(module) + " names no module", "say DEVICE.MODULE"));
+  const auto name = split(module);
+  if (!name)
+    return answer_of(400, fail(in_quotes(module) + " is not the name of a module", "write DEVICE.MODULE"));
   Json description;
   if (Answer answer = described(name->first, description); answer.status != 200) return answer;
   const Json& modules = description["modules"];
   const auto found = std::find_if(modules.begin(), modules.end(),
                                   [&](const Json& one) { return text_in(one, "name") == name->second; });
   if (found == modules.end())
-    return answer_of(404, fail("there is no module " + module, "takt status names those that there are"));
+    return answer_of(404, fail("there is no module " + module, "takt status lists the modules"));
   Json properties = found->contains("properties") && (*found)["properties"].is_array()
                         ? (*found)["properties"]
                         : Json::array();
-  // A program has what it was given when it was started, and its node would refuse to say what that leaves
-  // out.
+  // A program has the values that it was started with. Its node would reject questions for properties that
+  // were not given.
   if (const model::Module* const program = program_of(running.get(), *name)) {
     for (Json& property : properties) {
       const auto given = model::given_property(*program, text_in(property, "name"));
@@ -181,7 +182,7 @@ Answer Questions::table(const std::string& device, const std::shared_ptr<const m
                                  .device = device,
                                  .value = std::to_string(trace_needed(*running, *found).count()),
                                  .limit = seconds{10}});
-  if (!reply || reply->head.code() != REPLY_OK) return refused(reply);
+  if (!reply || reply->head.code() != REPLY_OK) return rejected(reply);
   const auto json = period_json(model::parse_json(reply->data), *running, *found);
   if (!json) return answer_of(409, json.problems().front());
   return answer_of(*json);

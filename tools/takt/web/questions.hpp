@@ -1,5 +1,5 @@
-// What a page asks of a device, and its answer. Each waits for the device, at most a few seconds; of a
-// component that takes long to stop or to begin, longer.
+// Forwards questions and commands of pages to devices. Each call waits for the device: usually at most a few
+// seconds, longer if a component takes long to stop or to start.
 #pragma once
 
 #include <memory>
@@ -12,24 +12,24 @@
 
 namespace takt::tool::web {
 
-/// A status of HTTP, and JSON.
+/// An HTTP status, and JSON as the body.
 struct Answer {
   int status = 200;
   std::string body;
 };
 Answer answer_of(const Json& json);
-/// {"what", "fix"}; what it is about stands before `what`.
+/// {"what", "fix"}; `problem.where` is put in front of "what".
 Answer answer_of(int status, const Problem& problem);
 
-/// Any thread. Bodies are what a browser sent: whatever they are, they are answered.
+/// Any thread may call it. A body is untrusted input from a browser; invalid ones get an answer too.
 class Questions {
  public:
-  /// The asker outlives it.
+  /// `asker` outlives this object.
   explicit Questions(client::Operator& asker) noexcept : asker_(asker) {}
 
   Answer command(const std::string& body);
   Answer set_property(const std::string& body);
-  /// `running`, here and below: null where nothing is known to run.
+  /// `running`, here and below: the running cell; null if none is known.
   Answer properties(const std::string& module, const std::shared_ptr<const model::Cell>& running);
   Answer ports(const std::string& device);
   Answer table(const std::string& device, const std::shared_ptr<const model::Cell>& running);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <takt/dds/words.hpp>
+#include <takt/wire/words.hpp>
 #include <takt/schedule/plan.hpp>
 
 #include "reports/connections_report.hpp"
@@ -24,14 +24,14 @@ Json executor_json(const model::Device& device, const schedule::ExecutorPlan& pl
     return list;
   };
   Json rows = Json::array();
-  const std::size_t told = plan.periodic.empty() ? 0 : std::min(plan.rows(), kMostRows);
-  for (std::size_t row = 0; row < told; ++row) rows.push_back(names(plan.row(row)));
+  const std::size_t sent = plan.periodic.empty() ? 0 : std::min(plan.rows(), kMostRows);
+  for (std::size_t row = 0; row < sent; ++row) rows.push_back(names(plan.row(row)));
   Json json{{"name", device.executors[plan.executor].name},
             {"basic_period_ns", plan.basic_period.count()},
             {"macro_period_ns", plan.macro_period.count()},
             {"rows", std::move(rows)},
             {"sporadic", names(plan.sporadic)}};
-  if (!plan.periodic.empty() && plan.rows() > told) json["rows_left_out"] = plan.rows() - told;
+  if (!plan.periodic.empty() && plan.rows() > sent) json["rows_left_out"] = plan.rows() - sent;
   return json;
 }
 
@@ -49,8 +49,8 @@ Json module_json(const model::Module& module) {
 
 Json end_json(const model::Endpoint& end) { return end.given() ? Json(to_text(end)) : Json(); }
 
-/// The cell state with room for every word that may come to stand in it.
-std::string picture_of(const model::Cell& cell) {
+/// The graph of the cell, with room for every state that the page may write into it.
+std::string graph_of(const model::Cell& cell) {
   CellHealth health;
   for (const model::Device& device : cell.devices) {
     health.devices[device.name] = {};
@@ -64,7 +64,7 @@ std::string picture_of(const model::Cell& cell) {
 
 }  // namespace
 
-Json device_json(const dds::ObservedDevice& device) {
+Json device_json(const wire::ObservedDevice& device) {
   const DeviceStatus& s = device.status;
   return {{"name", device.name()},
           {"alive", device.alive},
@@ -103,34 +103,34 @@ Json fault_json(const model::Fault& f) {
           {"time_ms", in_ms(f.time_ns)}};
 }
 
-HeardCell::Port heard_of(const PortStatus& port) {
-  HeardCell::Port heard{.matched = port.matched() > 0,
-                        .safe = !port.output() && port.safe(),
-                        .lost = port.lost(),
-                        .dropped = port.dropped(),
-                        .late = port.late(),
-                        .incompatible = port.incompatible().to_string()};
-  if (port.age_ns() >= 0) heard.age = Nanoseconds{port.age_ns()};
-  return heard;
+ObservedCell::Port observed(const PortStatus& port) {
+  ObservedCell::Port result{.matched = port.matched() > 0,
+                            .safe = !port.output() && port.safe(),
+                            .lost = port.lost(),
+                            .dropped = port.dropped(),
+                            .late = port.late(),
+                            .incompatible = port.incompatible().to_string()};
+  if (port.age_ns() >= 0) result.age = Nanoseconds{port.age_ns()};
+  return result;
 }
 
-CellHealth health_of(const model::Cell& cell, const std::vector<dds::ObservedDevice>& devices) {
-  HeardCell heard;
-  for (const dds::ObservedDevice& device : devices) {
+CellHealth health_of(const model::Cell& cell, const std::vector<wire::ObservedDevice>& devices) {
+  ObservedCell result;
+  for (const wire::ObservedDevice& device : devices) {
     if (device.status.cell().to_string() != cell.name) continue;
-    heard.devices[device.name()] = {.alive = device.alive, .text = device.status.text().to_string()};
+    result.devices[device.name()] = {.alive = device.alive, .text = device.status.text().to_string()};
     for (const auto& [name, port] : device.deployment.ports) {
-      heard.ports[device.name() + "." + name] = heard_of(port);
+      result.ports[device.name() + "." + name] = observed(port);
     }
   }
-  return tool::health_of(cell, heard);
+  return tool::health_of(cell, result);
 }
 
-Json measures_json(const std::vector<dds::ObservedDevice>& devices, const model::Cell* cell,
+Json measures_json(const std::vector<wire::ObservedDevice>& devices, const model::Cell* cell,
                    std::int64_t time_ns) {
   Json modules = Json::object();
   Json executors = Json::object();
-  for (const dds::ObservedDevice& device : devices) {
+  for (const wire::ObservedDevice& device : devices) {
     for (const auto& [name, m] : device.deployment.statistics) {
       modules[device.name() + "." + name] = {{"cycles", m.cycles()},
                                              {"missed", m.missed()},
@@ -196,7 +196,7 @@ Json cell_json(const model::Cell* cell, int domain, const std::string& deploymen
                                    {"text", described(connection)}});
     if (connection.deadline) json["connections"].back()["deadline_ns"] = connection.deadline->count();
   }
-  json["graph"] = picture_of(*cell);
+  json["graph"] = graph_of(*cell);
   return json;
 }
 

@@ -1,5 +1,5 @@
-// What nodes say, as the page of a cell is told it. Pure: tests read it without a network. The members are
-// those that the page of this folder names.
+// Converts what nodes publish to the JSON that pages get. Pure functions, so that tests need no network.
+// README.md in this folder lists the members.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <takt/dds/cell_state.hpp>
+#include <takt/wire/cell_state.hpp>
 #include <takt/model/cell.hpp>
 #include <takt/model/fault.hpp>
 
@@ -18,23 +18,23 @@ namespace takt::tool::web {
 
 using Json = nlohmann::ordered_json;
 
-Json device_json(const dds::ObservedDevice& device);
-/// A state as it is, or a step to it.
+Json device_json(const wire::ObservedDevice& device);
+/// The current state of a module, or a step to a new state.
 Json module_json(const LifecycleStatus& status);
 Json fault_json(const model::Fault& fault);
 
-/// What is measured of all modules, executors and connections. `cell`: what runs; null: not known.
-Json measures_json(const std::vector<dds::ObservedDevice>& devices, const model::Cell* cell,
+/// The measurements of all modules, executors and connections. `cell`: the running cell; null: not known.
+Json measures_json(const std::vector<wire::ObservedDevice>& devices, const model::Cell* cell,
                    std::int64_t time_ns);
 
-/// What runs, as its descriptor says, with the tables and the cell_state of it. `cell` null: nothing is known
-/// to run.
+/// The running cell as its descriptor says, with its tables and its graph as SVG. `cell`: null if no cell is
+/// known to run.
 Json cell_json(const model::Cell* cell, int domain, const std::string& deployment);
-/// Rows of an executor's table that are told; it may have a million.
+/// The maximum number of rows of an executor's table that is sent; a table may have a million rows.
 inline constexpr std::size_t kMostRows = 200;
 
-HeardCell::Port heard_of(const PortStatus& port);
-/// How the connections of a cell are.
-CellHealth health_of(const model::Cell& cell, const std::vector<dds::ObservedDevice>& devices);
+ObservedCell::Port observed(const PortStatus& port);
+/// The health of the connections of a cell.
+CellHealth health_of(const model::Cell& cell, const std::vector<wire::ObservedDevice>& devices);
 
 }  // namespace takt::tool::web

@@ -24,9 +24,9 @@ using httplib::Request;
 using httplib::Response;
 
 constexpr std::size_t kMostBody = std::size_t{64} << 10;
-constexpr std::size_t kThreads = Streams::kMost + 16;  // a stream keeps one
-constexpr std::chrono::seconds kSign{10};              // of life, on a stream that has nothing to tell
-constexpr std::chrono::seconds kWrite{10};             // longer a browser may not refuse to read
+constexpr std::size_t kThreads = Streams::kMost + 16;  // each stream occupies one
+constexpr std::chrono::seconds kSign{10};              // interval of life signs on an idle stream
+constexpr std::chrono::seconds kWrite{10};             // maximum time for which a browser may not read
 
 struct File {
   std::string_view path;
@@ -47,8 +47,8 @@ const char* type_of(std::string_view path) {
   return "application/octet-stream";
 }
 
-/// Takes as long whatever is wrong with it.
-bool same(const std::string& a, const std::string& b) {
+/// Compares in constant time, so that the time does not reveal the token.
+bool is_equal(const std::string& a, const std::string& b) {
   unsigned char differs = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)
     differs |= static_cast<unsigned char>(a[i] ^ b[i]);
@@ -65,7 +65,8 @@ class HttpServer final : public Server {
     server_.set_read_timeout(5);
     server_.set_write_timeout(kWrite);
     server_.set_tcp_nodelay(true);
-    // Not with SO_REUSEPORT, as it would be: a second one on the same port would get half of the requests.
+    // Replaces the default, SO_REUSEPORT, with which a second server on the same port would get half of the
+    // requests.
     server_.set_socket_options([](socket_t socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -80,8 +81,8 @@ class HttpServer final : public Server {
       if (is_own_name(request.get_header_value("Host"), machine_))
         return httplib::Server::HandlerResponse::Unhandled;
       put(response, answer_of(421, {.where = "",
-                                    .what = "this is not the name of this machine",
-                                    .fix = "open the page by its address, or as http://" + machine_}));
+                                    .what = "the host name in the request is not the name of this machine",
+                                    .fix = "open the page by its IP address, or as http://" + machine_}));
       return httplib::Server::HandlerResponse::Handled;
     });
     server_.set_error_handler([](const Request& request, Response& response) {
@@ -90,7 +91,7 @@ class HttpServer final : public Server {
       put(response, answer_of(response.status,
                               {.where = "",
                                .what = large ? "the request is too long" : "there is no " + request.path,
-                               .fix = large ? "64 KiB are the most" : "the page is at /"}));
+                               .fix = large ? "send at most 64 KiB" : "the page is at /"}));
     });
     server_.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
       put(response, answer_of(500, {.where = "", .what = "the request could not be answered", .fix = ""}));
@@ -113,11 +114,11 @@ class HttpServer final : public Server {
     if (port_ < 0) {
       const int why = errno;
       return Problem{where,
-                     std::string{"the page cannot be served there"} +
+                     std::string{"cannot listen on this address"} +
                          (why == 0 || why == EINVAL ? "" : std::string{": "} + std::strerror(why)),
                      why == EADDRINUSE
-                         ? "choose another --port, or 0 for one that is free"
-                         : "--listen wants an address of this machine, or 0.0.0.0 for all of them"};
+                         ? "choose another --port, or 0 for any free port"
+                         : "--listen needs an address of this machine, or 0.0.0.0 for all of them"};
     }
     thread_ = std::thread{[this] { server_.listen_after_bind(); }};
     return {};
@@ -156,8 +157,8 @@ class HttpServer final : public Server {
       const std::string why = refusal(request);
       put(response, answer_of(Json{{"command", why.empty()}, {"why", why}}));
     });
-    order("/api/command", [&questions](const std::string& body) { return questions.command(body); });
-    order("/api/property", [&questions](const std::string& body) { return questions.set_property(body); });
+    post("/api/command", [&questions](const std::string& body) { return questions.command(body); });
+    post("/api/property", [&questions](const std::string& body) { return questions.set_property(body); });
   }
 
   using Answers = std::function<Answer(const std::string&)>;
@@ -166,8 +167,8 @@ class HttpServer final : public Server {
       put(response, answers(request.get_param_value(parameter)));
     });
   }
-  /// For who has the token.
-  void order(const char* path, Answers answers) {
+  /// Serves a request that needs the token.
+  void post(const char* path, Answers answers) {
     server_.Post(path, [this, answers = std::move(answers)](const Request& request, Response& response) {
       const std::string why = refusal(request);
       put(response, why.empty() ? answers(request.body)
@@ -178,12 +179,13 @@ class HttpServer final : public Server {
     });
   }
 
-  /// Why who asks may not command; empty: he may. By a header, which no page of somebody else can send.
+  /// Why the sender may not command; empty if it may. Checks a header, which a page of another site cannot
+  /// send.
   [[nodiscard]] std::string refusal(const Request& request) const {
-    if (token_.empty()) return "this page is only to look at: takt web was started without --commands";
+    if (token_.empty()) return "this page is read-only: takt web was started without --commands";
     const std::string given = request.get_header_value("Authorization");
-    if (given.empty()) return "whoever commands needs the token";
-    if (!same(given, "Bearer " + token_)) return "the token is not the right one";
+    if (given.empty()) return "commands need the token";
+    if (!is_equal(given, "Bearer " + token_)) return "the token is wrong";
     return "";
   }
 
@@ -192,7 +194,7 @@ class HttpServer final : public Server {
     if (!stream) {
       put(response, answer_of(503, {.where = "",
                                     .what = "too many pages are open: " + std::to_string(Streams::kMost),
-                                    .fix = "close one"}));
+                                    .fix = "close one of them"}));
       return;
     }
     response.set_chunked_content_provider(
@@ -242,7 +244,7 @@ bool is_own_name(const std::string& host, const std::string& machine) {
 
 Result<std::unique_ptr<Server>> Server::create(Gateway& gateway, const ServerOptions& options) {
   auto server = std::make_unique<HttpServer>(gateway, options.token);
-  if (const auto listens = server->listen(options); !listens) return listens.problems();
+  if (const auto listening = server->listen(options); !listening) return listening.problems();
   return std::unique_ptr<Server>{std::move(server)};
 }
 

@@ -1,4 +1,4 @@
-// The gateway by HTTP. cpp-httplib is named in its source and nowhere else.
+// Serves the gateway over HTTP. Only server.cpp uses cpp-httplib.
 #pragma once
 
 #include <memory>
@@ -12,14 +12,15 @@ class Gateway;
 
 struct ServerOptions {
   std::string address = "127.0.0.1";  ///< to listen on
-  int port = 8080;                    ///< 0: one that is free
-  std::string token{};                ///< who has it may command; empty: nobody may
+  int port = 8080;                    ///< 0: any free port
+  std::string token{};                ///< allows commands; empty: commands are not allowed
 };
 
-/// Serves from threads of its own until it is gone.
+/// Serves on its own threads until it is destroyed.
 class Server {
  public:
-  /// The gateway outlives it. Fails where the address is not this machine's, or the port is taken.
+  /// The gateway outlives the server. Fails if the address does not belong to this machine, or the port is in
+  /// use.
   static Result<std::unique_ptr<Server>> create(Gateway& gateway, const ServerOptions& options);
   virtual ~Server() = default;
   [[nodiscard]] virtual int port() const noexcept = 0;
@@ -28,9 +29,9 @@ class Server {
   Server() = default;
 };
 
-/// Whether a page may have been asked for under this name (the header Host, with a port or without): an
-/// address, localhost or this machine's name. Another name may be somebody's who made it lead here, so that
-/// his page could read ours.
+/// Whether the host name of a request (header Host, with or without a port) is valid: an IP address,
+/// localhost or the name of this machine. Other names are rejected, because the owner of a DNS name could
+/// point it to this machine so that a foreign page can read ours (DNS rebinding).
 bool is_own_name(const std::string& host, const std::string& machine);
 
 }  // namespace takt::tool::web

@@ -23,12 +23,12 @@ void Stream::send(const std::string& text) {
       waiting_ += text;
     }
   }
-  came_.notify_all();
+  arrived_.notify_all();
 }
 
 std::optional<std::string> Stream::next(std::chrono::milliseconds limit) {
   std::unique_lock lock{mutex_};
-  came_.wait_for(lock, limit, [this] { return ended_ || !waiting_.empty(); });
+  arrived_.wait_for(lock, limit, [this] { return ended_ || !waiting_.empty(); });
   if (ended_) return std::nullopt;
   return std::exchange(waiting_, {});
 }
@@ -38,7 +38,7 @@ void Stream::end() {
     const std::lock_guard lock{mutex_};
     ended_ = true;
   }
-  came_.notify_all();
+  arrived_.notify_all();
 }
 
 bool Stream::ended() const {
@@ -83,7 +83,7 @@ void Streams::end() {
 }
 
 std::string random_word(std::size_t bytes) {
-  std::random_device device;  // the system's
+  std::random_device device;  // reads the random numbers of the system
   std::string word;
   for (std::size_t i = 0; i < bytes; ++i) word += fmt::format("{:02x}", device() & 0xFFU);
   return word;

@@ -1,7 +1,7 @@
-// What goes to the browsers that look on, as server-sent events.
+// The streams of server-sent events to the browsers.
 //
-// A browser may be slow, or asleep on a tablet. So each has a queue of its own, and one whose queue is full
-// is let go: it comes back by itself and is told everything anew.
+// A browser may be slow, or a tablet may sleep. So each browser has its own queue. If the queue is full, the
+// stream ends. The browser then reconnects by itself and gets the complete state again.
 #pragma once
 
 #include <chrono>
@@ -17,20 +17,21 @@
 
 namespace takt::tool::web {
 
-/// An event as it goes over the wire. `data` is one line.
+/// An event in the format of server-sent events. `data` must be one line.
 std::string event_text(const std::string& name, const std::string& data);
 
-/// Of one browser. Any thread.
+/// The queue of one browser. Any thread may call it.
 class Stream {
  public:
-  static constexpr std::size_t kMostBytes = std::size_t{8} << 20;  ///< that wait to be sent
+  static constexpr std::size_t kMostBytes = std::size_t{8} << 20;  ///< that may wait to be sent
 
   explicit Stream(std::string id) : id_(std::move(id)) {}
 
   [[nodiscard]] const std::string& id() const noexcept { return id_; }
-  /// Ends the stream where it would be too much.
+  /// Queues an event. Ends the stream if the queue would exceed kMostBytes.
   void send(const std::string& text);
-  /// All that waits; empty when nothing came for so long. None: the stream has ended.
+  /// Waits for events, at most `limit`, and returns all of them. Empty if none arrived; none if the stream
+  /// has ended.
   std::optional<std::string> next(std::chrono::milliseconds limit);
   void end();
   [[nodiscard]] bool ended() const;
@@ -38,17 +39,17 @@ class Stream {
  private:
   const std::string id_;
   mutable std::mutex mutex_;
-  std::condition_variable came_;
+  std::condition_variable arrived_;
   std::string waiting_;
   bool ended_ = false;
 };
 
-/// All of them. Any thread.
+/// All streams. Any thread may call it.
 class Streams {
  public:
   static constexpr std::size_t kMost = 64;
 
-  /// None where there are so many already, or after end().
+  /// A new stream. Null if there are kMost streams, or after end().
   std::shared_ptr<Stream> open();
   void close(const std::shared_ptr<Stream>& stream);
   void send(const std::string& text);
@@ -62,7 +63,7 @@ class Streams {
   bool ended_ = false;
 };
 
-/// So many random bytes of the system, as hexadecimal digits.
+/// `bytes` random bytes from the system, as hexadecimal digits.
 std::string random_word(std::size_t bytes);
 
 }  // namespace takt::tool::web

@@ -27,7 +27,7 @@ struct WatchedPorts::Source {
     std::vector<double> values;
   };
 
-  /// On a thread of DDS.
+  /// Called on a DDS thread.
   void add(const std::byte* bytes, std::size_t size, std::int64_t time_ns) {
     const std::lock_guard lock{mutex};
     if (!points.empty()) {
@@ -55,7 +55,7 @@ struct WatchedPorts::Source {
     return {{"port", port}, {"type", flow.type.name}, {"fields", std::move(fields)}};
   }
 
-  /// The first of what came after the first `has`; none where nothing did.
+  /// The next values after the first `has`, which is updated; none if there are none.
   std::optional<Json> news(const std::string& port, std::uint64_t& has) {
     const std::lock_guard lock{mutex};
     const bool whole = has == 0;
@@ -81,7 +81,7 @@ struct WatchedPorts::Source {
   static constexpr std::size_t kMostPoints =
       static_cast<std::size_t>(std::chrono::milliseconds{kKept} / kApart);
 
-  static constexpr std::size_t kMostAtOnce = 1000;  // of 32 fields 600 kB: a stream takes some megabytes
+  static constexpr std::size_t kMostAtOnce = 1000;  // 600 kB for 32 fields; a stream may queue some megabytes
 
   const dds::Flow flow;
   const recording::Columns columns;
@@ -94,7 +94,7 @@ struct WatchedPorts::Source {
   std::uint64_t added = 0;
   std::vector<recording::Value> values;
 
-  std::unique_ptr<dds::Tap> tap;  // last: nothing comes after it is gone
+  std::unique_ptr<dds::Tap> tap;  // last member, so that it is destroyed first and adds no more values
 };
 
 WatchedPorts::WatchedPorts(client::Connection& client, Streams& streams)
@@ -120,7 +120,7 @@ Result<std::shared_ptr<WatchedPorts::Source>> WatchedPorts::source(const std::st
   if (!tap) return tap.problems();
   made->tap = std::move(*tap);
   const std::lock_guard lock{mutex_};
-  return sources_.try_emplace(port, std::move(made)).first->second;  // another stream may have been quicker
+  return sources_.try_emplace(port, std::move(made)).first->second;  // another stream may have been faster
 }
 
 Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const std::vector<std::string>& ports) {
@@ -142,7 +142,7 @@ Problems WatchedPorts::want(const std::shared_ptr<Stream>& stream, const std::ve
   return problems;
 }
 
-void WatchedPorts::tell() {
+void WatchedPorts::send() {
   const std::lock_guard lock{mutex_};
   for (auto view = views_.begin(); view != views_.end();) {
     const auto stream = streams_.find(view->first);
@@ -161,9 +161,10 @@ void WatchedPorts::tell() {
   }
 }
 
-void WatchedPorts::look_after() {
+void WatchedPorts::maintain() {
   std::vector<std::string> again;
-  std::vector<std::shared_ptr<Source>> gone;  // ended without the lock: its thread of DDS is waited for
+  std::vector<std::shared_ptr<Source>>
+      gone;  // destroyed without the lock, because that waits for a DDS thread
   {
     const std::lock_guard lock{mutex_};
     const Instant now = os::now();
@@ -183,10 +184,10 @@ void WatchedPorts::look_after() {
   std::vector<std::string> changed;
   for (const std::string& port : again) {
     const auto devices = client_.observer->devices(port.substr(0, port.find('.')));
-    if (std::none_of(devices.begin(), devices.end(), [](const dds::ObservedDevice& d) { return d.alive; }))
+    if (std::none_of(devices.begin(), devices.end(), [](const wire::ObservedDevice& d) { return d.alive; }))
       continue;
     const auto flow = client::tapped(*client_.asker, port);
-    if (!flow) continue;  // a device that is lost, or not yet back: the states say so
+    if (!flow) continue;  // the device is lost or not yet back; the states on the page show that
     const std::lock_guard lock{mutex_};
     const auto source = sources_.find(port);
     if (source == sources_.end()) continue;
@@ -199,20 +200,20 @@ void WatchedPorts::look_after() {
     sources_.erase(source);
     changed.push_back(port);
   }
-  for (const std::string& port : changed) show_anew(port);
+  for (const std::string& port : changed) resend(port);
 }
 
-// Whoever looks at this port is told what it is now.
-void WatchedPorts::show_anew(const std::string& port) {
+// Sends the new description of a port to all streams that show it; its values follow from the beginning.
+void WatchedPorts::resend(const std::string& port) {
   const auto now = source(port);
   if (!now) return;
   const std::string text = event_text("port", model::json_text((*now)->description(port)));
   const std::lock_guard lock{mutex_};
   for (auto& [id, view] : views_) {
-    const auto looked_at = view.find(port);
+    const auto shown = view.find(port);
     const auto stream = streams_.find(id);
-    if (looked_at == view.end() || !stream) continue;
-    looked_at->second = 0;
+    if (shown == view.end() || !stream) continue;
+    shown->second = 0;
     stream->send(text);
   }
 }

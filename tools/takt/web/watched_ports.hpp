@@ -1,4 +1,4 @@
-// The values of ports that somebody looks at, over the last minutes.
+// Collects the values of the ports that pages plot, over the last minutes.
 #pragma once
 
 #include <chrono>
@@ -17,38 +17,38 @@
 
 namespace takt::tool::web {
 
-/// Any thread. A port is asked for while somebody looks at it, and kept a minute longer, for whoever comes
-/// back.
+/// Any thread may call it. A port is collected while a page shows it, and for kUnused longer, in case the
+/// page returns.
 class WatchedPorts {
  public:
-  static constexpr std::size_t kMost = 8;         ///< that one stream looks at
-  static constexpr std::size_t kMostFields = 32;  ///< of a port that are kept
-  static constexpr std::chrono::minutes kKept{5};
-  static constexpr std::chrono::milliseconds kApart{20};  ///< values; those between are left out
+  static constexpr std::size_t kMost = 8;                 ///< ports of one stream
+  static constexpr std::size_t kMostFields = 32;          ///< fields of a port that are kept
+  static constexpr std::chrono::minutes kKept{5};         ///< how long values are kept
+  static constexpr std::chrono::milliseconds kApart{20};  ///< minimum distance of values; others are dropped
   static constexpr std::chrono::seconds kUnused{60};
 
   WatchedPorts(client::Connection& client, Streams& streams);
   ~WatchedPorts();
 
-  /// The stream is told of these ports from now on, and of no other. Asks their devices, which may take a few
-  /// seconds. Problems name their port in `where`; the others are told of.
+  /// Replaces the ports whose values the stream gets. Asks their devices, which may take a few seconds. A
+  /// problem names its port in `where`; the other ports are not affected.
   Problems want(const std::shared_ptr<Stream>& stream, const std::vector<std::string>& ports);
-  /// Sends what came since the last time.
-  void tell();
-  /// Asks devices to go on publishing, and forgets what nobody looks at. May take a few seconds.
-  void look_after();
+  /// Sends the values that have arrived since the last call.
+  void send();
+  /// Asks devices to continue publishing, and drops ports that no page shows. May take a few seconds.
+  void maintain();
 
  private:
   struct Source;
   using Sources = std::map<std::string, std::shared_ptr<Source>>;
   Result<std::shared_ptr<Source>> source(const std::string& port);
-  void show_anew(const std::string& port);
+  void resend(const std::string& port);
 
   client::Connection& client_;
   Streams& streams_;
   std::mutex mutex_;
   Sources sources_;
-  /// Of each stream: how much it has of each port.
+  /// For each stream: how many values of each port it has got.
   std::map<std::string, std::map<std::string, std::uint64_t>> views_;
 };
 

@@ -1,15 +1,15 @@
-// What the author of a component in C++ includes. A component is one class:
+// The header for authors of a component in C++. A component is one class:
 //
 //   class Ramp : public takt::Component {
-//     takt::Property<double> slope{*this, "slope", 1.0, {.unit = "1/s", .min = 0.0, .text = "How fast it
-//     rises."}}; double value_ = 0;
+//     takt::Property<double> slope{*this, "slope", 1.0, {.unit = "1/s", .min = 0.0}};
+//     double value_ = 0;
 //
 //     void run(const takt::Cycle& cycle) noexcept override { value_ += slope * cycle.seconds(); }
 //   };
 //   TAKT_COMPONENT(Ramp, "A value that rises.")
 //
-// built with takt_add_component(ramp ramp.cpp). Several modules may be made of one component: each is an
-// object of its own.
+// In CMake, takt_add_component(ramp ramp.cpp) builds it. A cell may have several modules of one component;
+// each module is an object of its own.
 #pragma once
 
 #include <cstdint>
@@ -27,35 +27,38 @@
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
 
+/// The interface of Takt for authors of components.
 namespace takt {
 
-/// One release of a module, by the paper's Eq. (1): `time` is P_n = T0 + n x period.
+/// One release of a module. By the paper's Eq. (1), `time` is P_n = T0 + n x period.
 struct Cycle {
-  std::uint64_t number = 0;  ///< n: the place in the module's grid, from 0; a missed release leaves a gap
-  Instant time{};            ///< when it was due, the same for all modules of a row
-  Nanoseconds period{};      ///< of the module; for a sporadic one, of its executor's rows
-  Instant start{};           ///< when run() was called: what ports stamp samples with and reckon ages from
+  std::uint64_t number = 0;  ///< n: number of the release on the module's grid, from 0; gap: missed releases
+  Instant time{};            ///< when the release was due; equal for all modules of a row
+  Nanoseconds period{};      ///< of the module; for a sporadic module, of its executor's rows
+  Instant start{};           ///< when run() was called; ports use it as the stamp of samples and for ages
 
+  /// The period in seconds. Real-time.
   [[nodiscard]] double seconds() const noexcept { return std::chrono::duration<double>(period).count(); }
 };
 
 /// Why a module was taken out of its table. The numbers are those of <takt/module.h>.
 enum class ErrorType : int {
-  none = 0,
+  none = 0,      ///< no error
   failure = 1,   ///< run() or condition() threw or called fail()
-  budget = 2,    ///< one run() took longer than <budget>
+  budget = 2,    ///< one run() took longer than `<budget>`
   start = 3,     ///< start() failed
   crash = 4,     ///< the host or the process module crashed or ended by itself
-  hang = 5,      ///< run() or a hook did not come back
-  deadline = 6,  ///< a sporadic module was not done by its deadline, and its descriptor calls that an error
-  stale = 7,     ///< an input is older than its connection's deadline, with stale="error"
-  overrun = 8,   ///< a release was not served in time, and the descriptor calls that an error
+  hang = 5,      ///< run() or another hook did not return
+  deadline = 6,  ///< a sporadic module missed its deadline, and its descriptor makes that an error
+  stale = 7,     ///< an input was older than its connection's deadline, with stale="error"
+  overrun = 8,   ///< a release was not served in time, and the descriptor makes that an error
 };
 /// "failure", "budget", ...
 const char* to_text(ErrorType type) noexcept;
 
-/// The base of every component. run() and condition() are called by a real-time thread, all other hooks by a
-/// thread that is not real-time, with the module out of the tables; never two at once.
+/// The base class of every component. A real-time thread calls run() and condition(). Another thread, which
+/// is not real-time, calls all other hooks while the module is out of the tables. Two hooks never run at the
+/// same time. An exception in a hook counts as a failure of the hook.
 class Component {
  public:
   Component() = default;
@@ -63,42 +66,47 @@ class Component {
   Component& operator=(const Component&) = delete;
   virtual ~Component() = default;
 
-  /// Properties are set. May allocate, open, connect. A failure says why and refuses the device's start:
+  /// Called when the properties are set. Not real-time: may allocate, open files, connect. If it fails, the
+  /// device does not start, and the reason is reported:
   /// `return takt::fail("the sensor does not answer", "switch it on");`
   virtual Result<void> initialize() { return {}; }
-  /// A former instance, of another version of this component, saved this in its Saved: to be put into ours as
-  /// far as it is still right. Between initialize() and start(). What is refused here is not restored, which
-  /// is said; the module starts all the same. What was saved with our own version is there without being
-  /// asked for. An instance that is swapped in is asked again, also after start(), until what it is given is
-  /// the newest; there a refusal ends the swap.
+  /// Called between initialize() and start() if a former instance saved a value of another version or size.
+  /// Put what is still valid into the Saved of this instance. If it fails, the value is not restored, the
+  /// reason is reported, and the module starts all the same. A value of the same version and size is restored
+  /// without this call. For an instance that is swapped in, it is called again, also after start(), until it
+  /// has been given the newest value; there a failure ends the swap. Not real-time. The default fails.
   virtual Result<void> restore(const SavedBefore& before);
-  /// Every module of the device is initialised.
+  /// Called when every module of the device is initialised. May fail. Not real-time.
   virtual Result<void> start() { return {}; }
-  /// Every period, or when condition() holds. No lock, no allocation, no system call, no log.
+  /// Called every period, or when condition() is true. Real-time: must not lock, allocate, make a system call
+  /// or log. Reports failures with fail().
   virtual void run(const Cycle& cycle) = 0;
-  /// Sporadic modules: whether run() is to be called. Same rules as run(). Unless it is overridden: an event
-  /// port has an event that was not read.
+  /// For a sporadic module: whether run() must be called. The default is true while an event port has an
+  /// unread event. Real-time, with the same rules as run().
   virtual bool condition();
-  /// An error took the module out of its table.
+  /// Called after an error took the module out of its table. Not real-time.
   virtual void error(ErrorType /*type*/) {}
-  /// Makes it fit to run again, or says why not.
+  /// Makes the module fit to run again, or fails with the reason. Not real-time.
   virtual Result<void> recover() { return {}; }
-  /// The last call.
+  /// The last call. Not real-time.
   virtual void destruct() {}
 
+  /// The properties, in the order of declaration.
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const noexcept { return properties_; }
+  /// The ports, in the order of declaration.
   [[nodiscard]] const std::vector<PortBase*>& ports() const noexcept { return ports_; }
-  /// Those that a handler answers.
+  /// The services that have a handler.
   [[nodiscard]] const std::vector<ServiceBase*>& services() const noexcept { return services_; }
-  /// What it saves; one at most is right.
+  /// The Saved members. A component may have only one.
   [[nodiscard]] const std::vector<SavedBase*>& saved() const noexcept { return saved_; }
 
  protected:
-  /// Of this module, in every hook: what initialize() holds its properties against. 0 of a module that has
-  /// none; in run() and condition() of a sporadic one, of its executor's rows. Real-time.
+  /// The period of this module, for every hook; initialize() can check properties against it. 0 if the module
+  /// has no period. In run() and condition() of a sporadic module it is the period of the executor's rows.
+  /// Real-time.
   static Nanoseconds period() noexcept;
-  /// From run() or condition(): takes the module out of its table after this call, with this reason (255
-  /// bytes are kept). Real-time.
+  /// Reports a failure from run() or condition(). The module is taken out of its table after the call, with
+  /// this text as the reason (255 bytes are kept). Returns; the hook must end by itself. Real-time.
   static void fail(const char* text) noexcept;
 
  private:
@@ -112,15 +120,15 @@ class Component {
   std::vector<SavedBase*> saved_;
 };
 
-/// What a .so of a C++ component exports.
+/// What the .so of a C++ component exports; TAKT_COMPONENT defines it.
 struct ComponentFactory {
-  static constexpr std::uint32_t kAbi = 5;
-  std::uint32_t abi;
-  std::uint32_t component_size;  ///< sizeof(Component) when the object was compiled
-  const char* name;              ///< of the class
-  Component* (*create)();
-  void (*destroy)(Component*);
-  bool own_condition;  ///< condition() is overridden
+  static constexpr std::uint32_t kAbi = 5;  ///< version of this interface
+  std::uint32_t abi;                        ///< kAbi when the component was compiled
+  std::uint32_t component_size;             ///< sizeof(Component) when the component was compiled
+  const char* name;                         ///< of the class
+  Component* (*create)();                   ///< creates an object of the class
+  void (*destroy)(Component*);              ///< destroys an object
+  bool own_condition;                       ///< whether the class overrides condition()
 };
 
 namespace detail {
@@ -129,14 +137,14 @@ constexpr bool overrides_condition() {
   if constexpr (requires { &Type::condition; })
     return !std::is_same_v<decltype(&Type::condition), bool (Component::*)()>;
   else
-    return true;  // it is there and private
+    return true;  // it is overridden as a private member
 }
 }  // namespace detail
 
 }  // namespace takt
 
-/// Once in each component's source, outside any namespace. The second argument, which may be left out, is one
-/// sentence that says what the component does, for `takt describe`.
+/// Exports a component. Use it once in each component's source, outside any namespace. The optional second
+/// argument describes the component in one sentence, for `takt describe`.
 #define TAKT_COMPONENT(Type, ...)                                                   \
   __VA_OPT__(TAKT_TEXT(__VA_ARGS__);)                                               \
   extern "C" __attribute__((visibility("default"))) const ::takt::ComponentFactory* \

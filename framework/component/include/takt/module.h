@@ -1,17 +1,19 @@
-/* The interface of a thread module (.so) in the form of the paper's Figures 8 and 10:
+/** @file
+ * The interface of a thread module (.so) in the form of the paper's Figures 8 and 10. The module defines
+ * these functions, all with C linkage:
  *
- *   void initialize(irp::Property const& property);   or  void initialize(void);
- *   void start(void);
- *   void run(void);            every period, or when condition() holds, on the real-time thread
- *   int  condition(void);      sporadic modules: TRUE when run() is to be called; on the real-time thread
- *   void error(int type);      after an error took the module out of its table; type is one of TAKT_ERROR_...
- *   void recover(void);        to make it fit to run again
- *   void destruct(void);
+ *     void initialize(irp::Property const& property);   or  void initialize(void);
+ *     void start(void);
+ *     void run(void);            every period, or when condition() returns TRUE
+ *     int  condition(void);      sporadic modules: returns TRUE if run() must be called
+ *     void error(int type);      after an error took the module out of its table; type is a TAKT_ERROR_...
+ *     void recover(void);        makes the module fit to run again
+ *     void destruct(void);
  *
- * all with C linkage. Only run() is required (and condition() of a sporadic module); a hook that is not there
- * is taken as empty. run() and condition() are called by a real-time thread and must not lock, allocate,
- * block or log; all others by a thread that is not real-time. A hook reports failure by takt_fail(text) or,
- * in C++, by throwing. */
+ * Only run() is required, and condition() in a sporadic module without an event port. A missing hook counts
+ * as empty. A real-time thread calls run() and condition(), which must not lock, allocate, block or log.
+ * Another thread, which is not real-time, calls all other hooks. A hook reports a failure with
+ * takt_fail(text) or, in C++, by throwing an exception. */
 #ifndef TAKT_MODULE_H
 #define TAKT_MODULE_H
 
@@ -29,34 +31,36 @@
 #define FALSE 0
 #endif
 
-/* What error(int type) is told. */
+/** The argument of error(int type): why the module was taken out of its table. */
 enum {
-  TAKT_ERROR_FAILURE = 1,  /* run() or condition() threw or called takt_fail() */
-  TAKT_ERROR_BUDGET = 2,   /* one run() took longer than <budget> */
-  TAKT_ERROR_START = 3,    /* start() failed */
-  TAKT_ERROR_CRASH = 4,    /* the process module crashed or ended by itself */
-  TAKT_ERROR_HANG = 5,     /* the process module did not come back from its body */
-  TAKT_ERROR_DEADLINE = 6, /* a sporadic module was not done by its deadline, with miss="error" */
-  TAKT_ERROR_STALE = 7,    /* an input is older than its connection's deadline, with stale="error" */
-  TAKT_ERROR_OVERRUN = 8   /* a release was not served in time, and the descriptor calls that an error */
+  TAKT_ERROR_FAILURE = 1,  /**< run() or condition() threw or called takt_fail() */
+  TAKT_ERROR_BUDGET = 2,   /**< one run() took longer than `<budget>` */
+  TAKT_ERROR_START = 3,    /**< start() failed */
+  TAKT_ERROR_CRASH = 4,    /**< the process module crashed or ended by itself */
+  TAKT_ERROR_HANG = 5,     /**< the process module did not return from its body */
+  TAKT_ERROR_DEADLINE = 6, /**< a sporadic module missed its deadline, with miss="error" */
+  TAKT_ERROR_STALE = 7,    /**< an input was older than its connection's deadline, with stale="error" */
+  TAKT_ERROR_OVERRUN = 8   /**< a release was not served in time, and the descriptor makes that an error */
 };
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* Says that the hook which calls it failed, and why (at most 255 bytes are kept). Returns; the hook ends by
- * itself. From any hook, also from a real-time one: no lock, no allocation. Links with libtakt_component,
- * which the host has loaded. */
+/** Reports that the calling hook failed, with a reason (at most 255 bytes are kept). Returns; the hook must
+ * end by itself. Any hook may call it. Real-time: no lock, no allocation. Links with libtakt_component, which
+ * the host has loaded. */
 void takt_fail(const char* text);
 
-/* The release that run() serves: its place in the module's grid, counting from 0 with gaps where releases
- * were missed; its instant in nanoseconds of CLOCK_MONOTONIC, P_n of the paper's Eq. (1); 0 outside of run().
- * Only on the thread that calls the hook. Real-time. */
+/** The number of the release that run() serves, on the module's grid. Counts from 0, with gaps for missed
+ * releases. 0 outside of run(). Only for the thread that calls the hook. Real-time. */
 uint64_t takt_cycle(void);
+/** The instant at which the release that run() serves was due: P_n of the paper's Eq. (1), in ns of
+ * CLOCK_MONOTONIC. 0 outside of run(). Only for the thread that calls the hook. Real-time. */
 int64_t takt_release_ns(void);
-/* The module's period in nanoseconds, in every hook; 0 when it has none, and of the executor's rows in run()
- * and condition() of a sporadic module. On the thread that calls the hook. Real-time. */
+/** The period of the module in ns, in every hook; 0 if it has no period. In run() and condition() of a
+ * sporadic module it is the period of the executor's rows. Only for the thread that calls the hook.
+ * Real-time. */
 int64_t takt_period_ns(void);
 
 #ifdef __cplusplus
@@ -72,40 +76,47 @@ int64_t takt_period_ns(void);
 #include <utility>
 #include <vector>
 
+/** The C++ types of the paper's interface. */
 namespace irp {
 
-/* The <property> of a module: named values as they stand in the descriptor. Not for real-time threads: read
- * what is needed in initialize(). */
+/** The properties of a module: the named values of the descriptor. Not for real-time threads: read them in
+ * initialize(). */
 class Property {
  public:
+  /** Names and texts. */
   using Values = std::vector<std::pair<std::string, std::string>>;
 
+  /** Without properties. */
   Property() = default;
+  /** With these properties. */
   explicit Property(Values values) : values_(std::move(values)) {}
 
+  /** Whether the descriptor sets the property. */
   bool contains(const std::string& name) const { return find(name) != nullptr; }
 
-  /* The text of a value. Throws std::out_of_range when the descriptor does not give it. */
+  /** The text of a property. Throws std::out_of_range if the descriptor does not set it. */
   const std::string& get(const std::string& name) const {
     const std::string* text = find(name);
-    if (text == nullptr) throw std::out_of_range("the descriptor gives no property '" + name + "'");
+    if (text == nullptr) throw std::out_of_range("the descriptor does not set property '" + name + "'");
     return *text;
   }
 
-  /* The value as bool (true, false, 1, 0), integer, floating point or std::string; `fallback` when the
-   * descriptor does not give it. Throws std::invalid_argument when the text is none or does not fit: "1.5"
-   * for an integer, "-1" for an unsigned one, "nan", a blank. */
+  /** The value of a property as bool (true, false, 1, 0), integer, floating point or std::string; `fallback`
+   * if the descriptor does not set it. Throws std::invalid_argument if the text is not a value of type T:
+   * "1.5" for an integer, "-1" for an unsigned integer, "nan", a blank. */
   template <class T>
   T get(const std::string& name, T fallback) const {
     const std::string* text = find(name);
     return text == nullptr ? fallback : convert<T>(name, *text);
   }
+  /** The text of a property; `fallback` if the descriptor does not set it. */
   std::string get(const std::string& name, const char* fallback) const {
     const std::string* text = find(name);
     return text == nullptr ? fallback : *text;
   }
 
-  /* The same for a number that must lie from `min` to `max`, both inclusive. */
+  /** The same for a number from `min` to `max`, both inclusive. Throws std::invalid_argument if the value is
+   * out of this range; the fallback is not checked. */
   template <class T>
   T get(const std::string& name, T fallback, std::common_type_t<T> min, std::common_type_t<T> max) const {
     const std::string* text = find(name);
@@ -115,7 +126,7 @@ class Property {
     return value;
   }
 
-  /* In the order of the descriptor. */
+  /** All properties, in the order of the descriptor. */
   const Values& values() const { return values_; }
 
  private:
@@ -144,8 +155,8 @@ class Property {
       if (text != "false" && text != "0") refuse(name, text, "true or false");
       return false;
     } else if constexpr (std::is_arithmetic_v<T>) {
-      // Not strtod(): it follows the locale, skips blanks and takes hexadecimal, so one text would mean
-      // different numbers.
+      // Not strtod(): it depends on the locale, skips blanks and accepts hexadecimal numbers, so the same
+      // text could mean different numbers.
       T value{};
       const char* const end = text.data() + text.size();
       const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';

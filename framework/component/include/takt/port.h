@@ -1,22 +1,23 @@
-/* Ports of modules in the C form, thread module (.so) or program (.exe). At file scope, each with a type that
- * takt_add_idl() made:
+/** @file
+ * Ports for modules in the C form: a thread module (.so) or a program (.exe). Declare them at file scope,
+ * each with a type that takt_add_idl() generated:
  *
- *   #include <takt/module.h>          or <takt/process.h>
- *   #include <motion_c.h>
+ *     #include <takt/module.h>          or <takt/process.h>
+ *     #include <motion_c.h>
  *
- *   TAKT_IN_PORT(motion_JointState, measured);
- *   TAKT_EVENT_PORT(motion_PickRequest, request);    makes a sporadic module ready to run
- *   TAKT_OUT_PORT(motion_JointEffort, effort);
+ *     TAKT_IN_PORT(motion_JointState, measured);
+ *     TAKT_EVENT_PORT(motion_PickRequest, request);    makes a sporadic module ready to run
+ *     TAKT_OUT_PORT(motion_JointEffort, effort);
  *
- *   void run(void) {
- *     motion_JointState state;
- *     if (takt_read(&measured, &state)) ...
- *     takt_write(&effort, &output);
- *   }
+ *     void run(void) {
+ *       motion_JointState state;
+ *       if (takt_read(&measured, &state)) ...
+ *       takt_write(&effort, &output);
+ *     }
  *
- * All of them are for every hook, also on the real-time thread: they neither wait nor allocate. One thread at
- * a time. In a program after initPeriodExe() or initSporadicExe(). A port that nobody is connected to never
- * has news, and writes nowhere. */
+ * Every hook may call these macros, also on the real-time thread: they neither wait nor allocate. One thread
+ * at a time. In a program, use them only after initPeriodExe() or initSporadicExe(). An unconnected input
+ * never has a new sample, and an unconnected output writes nowhere. */
 #ifndef TAKT_PORT_H
 #define TAKT_PORT_H
 
@@ -24,20 +25,26 @@
 
 #include <takt/type.h>
 
-enum takt_direction { TAKT_IN, TAKT_EVENT, TAKT_OUT };
+/** The direction of a port. */
+enum takt_direction {
+  TAKT_IN,    /**< an input */
+  TAKT_EVENT, /**< an input whose samples make a sporadic module ready to run */
+  TAKT_OUT    /**< an output */
+};
 
+/** A port, as the macros below declare it. */
 typedef struct takt_port {
-  const char* name;
-  const takt_type* type;
-  enum takt_direction direction;
-  void* inside; /* set when the module is loaded */
+  const char* name;              /**< the name of the port */
+  const takt_type* type;         /**< the type of its samples */
+  enum takt_direction direction; /**< its direction */
+  void* inside;                  /**< set when the module is loaded */
 } takt_port;
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* What the macros below call. */
+/* The functions behind the macros below. */
 void takt_add_port(takt_port* port);
 void takt_remove_port(takt_port* port);
 int takt_port_read(takt_port* port, void* value);
@@ -53,33 +60,38 @@ int64_t takt_port_age_ns(const takt_port* port);
 }
 #endif
 
+/** Declares an input. `Type`: a struct that takt_add_idl() generated; `port`: the name. At file scope. */
 #define TAKT_IN_PORT(Type, port) TAKT_PORT_OF_DIRECTION(Type, port, TAKT_IN)
+/** Declares an event input, whose samples make a sporadic module ready to run. At file scope. */
 #define TAKT_EVENT_PORT(Type, port) TAKT_PORT_OF_DIRECTION(Type, port, TAKT_EVENT)
+/** Declares an output. At file scope. */
 #define TAKT_OUT_PORT(Type, port) TAKT_PORT_OF_DIRECTION(Type, port, TAKT_OUT)
 
-/* Goes on to the next sample and returns 1: the newest of a connection that holds the latest value, the
- * oldest of a queue. Returns 0 when none has come. In either case *value is the last sample that was read,
- * all zero before the first. A safe value comes like a sample: once, when it takes the place of what was
- * there. */
+/** Takes the next sample and returns 1: the newest if the connection holds the latest value, the oldest if it
+ * is a queue. Returns 0 if no sample has arrived. In both cases it copies the sample that was read last to
+ * *value, all zero before the first. A safe value arrives like a sample: once, when it replaces the sample
+ * before. Real-time. */
 #define takt_read(port, value) takt_port_read(&(port)->base, TAKT_VALUE_OF(port, value))
-/* Returns 1, however many are connected; 0 when the value is none of the type: a length or an enumerator
- * beyond its bound. The sample's time is the beginning of the run() that it was written in. */
+/** Sends *value to all connected readers and returns 1, even if there are none. Returns 0 if the value does
+ * not fit its type: a length exceeds its bound, or an enumerator is invalid. The stamp of the sample is the
+ * start of the current run(). Real-time. */
 #define takt_write(port, value) takt_port_write(&(port)->base, TAKT_VALUE_OF(port, value))
-/* takt_read() would find a sample. */
+/** Returns 1 if takt_read() would find a sample. Real-time. */
 #define takt_has_news(port) takt_port_has_news(&(port)->base)
-/* The last takt_read() found one. */
+/** Returns 1 if the last takt_read() found a sample. Real-time. */
 #define takt_is_new(port) takt_port_is_new(&(port)->base)
-/* What takt_read() gave last is the safe value of the output that the port is connected to. */
+/** Returns 1 if the value of the last takt_read() is the safe value of the connected output. Real-time. */
 #define takt_is_safe(port) takt_port_is_safe(&(port)->base)
-/* Somebody is at the other end. */
+/** Returns 1 if another port is connected. Real-time. */
 #define takt_connected(port) takt_port_connected(&(port)->base)
-/* Of the last sample that was read: its number as its writer counts them, from 1; 0 before the first. */
+/** The number of the sample that was read last, as its writer counts, from 1; 0 before the first. Real-time.
+ * */
 #define takt_sequence(port) takt_port_sequence(&(port)->base)
-/* Of the last sample that was read: from the beginning of the run() that wrote it to the beginning of this
- * one, in nanoseconds; INT64_MAX before the first. */
+/** The age of the sample that was read last in ns: from the start of the run() that wrote it to the start of
+ * this run(). INT64_MAX before the first sample. Real-time. */
 #define takt_age_ns(port) takt_port_age_ns(&(port)->base)
 
-/* A pointer to another type than the port's is refused by the compiler. */
+/* Makes the compiler reject a pointer to another type than the port's. */
 #define TAKT_VALUE_OF(port, pointer) (1 ? (pointer) : (port)->value)
 
 #define TAKT_PORT_OF_DIRECTION(Type, port, direction_)                                               \

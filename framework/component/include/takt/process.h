@@ -1,30 +1,33 @@
-/* The interface of a process module (.exe) in the form of the paper's Figures 9 and 11. The program is the
- * user's own; it is started by takt-node and linked with libtakt_process:
+/** @file
+ * The interface of a process module (.exe) in the form of the paper's Figures 9 and 11. The module is a
+ * program of its own, which links with libtakt_process and which takt-node starts:
  *
- *   int main(int argc, char* argv[]) {          int main(int argc, char* argv[]) {
- *     initPeriodExe();                            initSporadicExe();
- *     while (1) {                                 while (1) {
- *       waitPeriod();                               if (!condition()) continue;   calls waitSporadic() first
- *       ... periodic body                           ... sporadic body
- *     }                                           }
- *   }                                           }
+ *     int main(int argc, char* argv[]) {      int main(int argc, char* argv[]) {
+ *       initPeriodExe();                        initSporadicExe();
+ *       while (1) {                             while (1) {
+ *         waitPeriod();                           if (!condition()) continue;   // calls waitSporadic() first
+ *         ... periodic body                       ... sporadic body
+ *       }                                       }
+ *     }                                       }
  *
- * The module's properties are the program's arguments, one "name=value" each, in the order of the descriptor.
- * A program that declares its properties (<takt/property.h>, in C++ <takt/process.hpp>) finds their values in
- * them, and takes no others; one that declares none takes any, and reads its arguments itself. Standard
- * output and error are shown with the module's name, line by line.
+ * Properties: the program gets the module's properties as arguments, one "name=value" each, in the order of
+ * the descriptor. If the program declares properties (<takt/property.h>, in C++ <takt/process.hpp>), they
+ * take their values from the arguments, and other arguments are rejected. A program without declared
+ * properties accepts any argument and reads the arguments itself.
  *
- * `takt check`, `takt describe` and a node start a program whose ports are connected, with its arguments, to
- * have it say its ports: initPeriodExe() or initSporadicExe() does so and ends it. What is before that call
- * in main() reads arguments, declares ports and, of arguments that it cannot take, says on standard error
- * what is wrong; what would be right, a line each, and ends with a status that is not 0. It starts nothing
- * else: no device is opened before the call.
+ * Output: takt-node shows the lines of standard output and standard error with the module's name.
  *
- * A program that is started again because it crashed finds there what it had saved: <takt/saved.h>, in C++
- * takt::Saved.
+ * Descriptions: if ports of the program are connected, `takt check`, `takt describe` and takt-node first
+ * start it with its arguments to learn its ports. initPeriodExe() or initSporadicExe() then reports the ports
+ * and ends the program. So the code before this call in main() must only read arguments and declare ports. It
+ * must not open devices or start anything else. If it cannot accept an argument, it prints "what is wrong;
+ * what to do" on standard error, one line for each argument, and exits with a status other than 0.
  *
- * When the device ends the module, waitPeriod() and waitSporadic() do not return but end the program by
- * exit(0), so that output is flushed and atexit() functions run. A program that never comes back to them gets
+ * Saved state: a program that is started again after a crash has its saved state back when initPeriodExe() or
+ * initSporadicExe() returns; see <takt/saved.h>, in C++ takt::Saved.
+ *
+ * End: when the device ends the module, waitPeriod() and waitSporadic() do not return. They end the program
+ * with exit(0), so output is flushed and atexit() functions run. A program that never calls them again gets
  * SIGTERM, then SIGKILL. */
 #ifndef TAKT_PROCESS_H
 #define TAKT_PROCESS_H
@@ -47,23 +50,28 @@
 extern "C" {
 #endif
 
-/* Ties this program to the node that started it; INITIALIZE is reached. Call it once, from the thread that
- * will wait. Ends the program with status 1 and a reason on standard error when it was not started by
- * takt-node, or as the other kind. */
+/** Connects a periodic program to the node that started it; the module is then in INITIALIZE. Call it once,
+ * from the thread that will wait. Not real-time. If takt-node did not start the program, or the descriptor
+ * does not say periodic, it prints the reason on standard error and ends the program with status 1. */
 void initPeriodExe(void);
+/** The same for a sporadic program. */
 void initSporadicExe(void);
 
-/* Says that the body is done (or, the first time, that the module is ready: START is reached) and waits for
- * the next release. Sleeps to a margin before the release, spins on a word in shared memory, and falls back
- * to a futex. */
+/** Reports that the body is done, and waits for the next release. The first call reports that the module is
+ * ready; the module is then in START. Sleeps until a margin before the release, then spins on a word in
+ * shared memory, and falls back to a futex. Call it from the thread that called initPeriodExe(). */
 void waitPeriod(void);
+/** Reports that the body is done, and waits for the next release of a sporadic module. The first call reports
+ * that the module is ready; the module is then in START. Call it from the thread that called
+ * initSporadicExe(). */
 void waitSporadic(void);
 
-/* The release that is being served: its place in the module's grid, counting from 0 with gaps where releases
- * were missed; its instant in nanoseconds of CLOCK_MONOTONIC; the period in nanoseconds (of the executor's
- * row for a sporadic module). */
+/** The number of the release that the body serves, on the module's grid. Counts from 0, with gaps for missed
+ * releases. Real-time. */
 uint64_t takt_cycle(void);
+/** The instant at which the release that the body serves was due, in ns of CLOCK_MONOTONIC. Real-time. */
 int64_t takt_release_ns(void);
+/** The period of the module in ns; for a sporadic module that of its executor's rows. Real-time. */
 int64_t takt_period_ns(void);
 
 #ifdef __cplusplus

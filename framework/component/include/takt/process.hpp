@@ -1,5 +1,6 @@
-// What the author of a program in C++ includes: the functions of <takt/process.h>, ports and properties.
-// These are global variables, or are there before initPeriodExe() or initSporadicExe() is called:
+// The header for authors of a program in C++: the functions of <takt/process.h>, ports and properties. Ports
+// and properties are global variables, or are constructed before initPeriodExe() or initSporadicExe() is
+// called:
 //
 //   TAKT_TEXT("Holds a joint in its place.");
 //   takt::InPort<motion::JointState> measured{"measured"};

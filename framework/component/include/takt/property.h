@@ -1,44 +1,57 @@
-/* Properties of modules in the C form, thread module (.so) or program (.exe). At file scope, each with its
- * default:
+/** @file
+ * Properties of modules in the C form: a thread module (.so) or a program (.exe). Declare them at file scope,
+ * each with its default:
  *
- *   #include <takt/module.h>          or <takt/process.h>
+ *     #include <takt/module.h>          or <takt/process.h>
  *
- *   TAKT_NUMBER(gain, 60, 1, 200, "1/s", "Proportional gain.");            static double gain
- *   TAKT_INTEGER(counter, 5, 1, 1000000, "periods", "How many to wait.");  static int64_t counter
- *   TAKT_FLAG(enabled, 1, "Whether the drive is on.");                     static int enabled, 0 or 1
- *   TAKT_STRING(label, "none", "Shown to the operator.");                  static const char* label
+ *     TAKT_NUMBER(gain, 60, 1, 200, "1/s", "Proportional gain.");            static double gain
+ *     TAKT_INTEGER(counter, 5, 1, 1000000, "periods", "How many to wait.");  static int64_t counter
+ *     TAKT_FLAG(enabled, 1, "Whether the drive is on.");                     static int enabled, 0 or 1
+ *     TAKT_STRING(label, "none", "Shown to the operator.");                  static const char* label
  *
- * A number lies from its minimum to its maximum, both inclusive; -INFINITY and INFINITY, INT64_MIN and
- * INT64_MAX are no bounds. The value is that of the descriptor: in a thread module from initialize() on, and
- * where `takt set` gives it another one, from the next call of a hook on; in a program from the first line of
- * main() on, for good.
+ * The arguments of a number are: name, default, minimum, maximum, unit, text. Both bounds are inclusive.
+ * -INFINITY and INFINITY, or INT64_MIN and INT64_MAX, mean no bound. The text is one sentence for
+ * `takt describe`.
  *
- * A module that declares a property has no others: what the descriptor says beside them, or out of range, is
- * refused by `takt check`, and again when the module starts. One that declares none takes any, and looks at
- * them itself. */
+ * The variable has the value of the descriptor. In a thread module, that holds from initialize() on; after
+ * `takt set`, the next call of a hook sees the new value. In a program, it holds from the first line of
+ * main() on, and the value never changes. Reading the variable is real-time.
+ *
+ * If a module declares properties, `takt check` rejects other names in the descriptor, and values out of
+ * range. So does the start of the module. A module that declares no property accepts any, and must check them
+ * itself. */
 #ifndef TAKT_PROPERTY_H
 #define TAKT_PROPERTY_H
 
 #include <stdint.h>
 
-enum takt_property_type { TAKT_IS_FLAG, TAKT_IS_INTEGER, TAKT_IS_NUMBER, TAKT_IS_STRING };
+/** The type of a property. */
+enum takt_property_type {
+  TAKT_IS_FLAG,    /**< int, 0 or 1 */
+  TAKT_IS_INTEGER, /**< int64_t */
+  TAKT_IS_NUMBER,  /**< double */
+  TAKT_IS_STRING   /**< const char* */
+};
 
+/** A property, as the macros below declare it. */
 typedef struct takt_property {
-  const char* name;
-  enum takt_property_type type;
-  void* value; /* the variable; it holds the default */
-  double min, max;
-  int64_t least, most;
-  const char* unit;
-  const char* text;
-  void* inside; /* set when the module is loaded */
+  const char* name;             /**< the name of the property */
+  enum takt_property_type type; /**< its type */
+  void* value;                  /**< the variable; it holds the default */
+  double min;                   /**< smallest value of a number; not finite: no bound */
+  double max;                   /**< largest value of a number; not finite: no bound */
+  int64_t least;                /**< smallest value of an integer; INT64_MIN: no bound */
+  int64_t most;                 /**< largest value of an integer; INT64_MAX: no bound */
+  const char* unit;             /**< the unit, such as "m/s"; may be empty */
+  const char* text;             /**< one sentence for `takt describe` */
+  void* inside;                 /**< set when the module is loaded */
 } takt_property;
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* What the macros below call. */
+/* The functions behind the macros below. */
 void takt_add_property(takt_property* property);
 void takt_remove_property(takt_property* property);
 
@@ -46,15 +59,19 @@ void takt_remove_property(takt_property* property);
 }
 #endif
 
+/** Declares a property `static double name`. At file scope. */
 #define TAKT_NUMBER(name, value, min, max, unit, text) \
   static double name = value;                          \
   TAKT_PROPERTY(name, TAKT_IS_NUMBER, min, max, 0, 0, unit, text)
+/** Declares a property `static int64_t name`. At file scope. */
 #define TAKT_INTEGER(name, value, min, max, unit, text) \
   static int64_t name = value;                          \
   TAKT_PROPERTY(name, TAKT_IS_INTEGER, 0, 0, min, max, unit, text)
+/** Declares a property `static int name`, which is 0 or 1. At file scope. */
 #define TAKT_FLAG(name, value, text) \
   static int name = value;           \
   TAKT_PROPERTY(name, TAKT_IS_FLAG, 0, 0, 0, 0, "", text)
+/** Declares a property `static const char* name`. At file scope. */
 #define TAKT_STRING(name, value, text) \
   static const char* name = value;     \
   TAKT_PROPERTY(name, TAKT_IS_STRING, 0, 0, 0, 0, "", text)

@@ -1,19 +1,28 @@
-/* What a module in C keeps when its process dies: one variable of the file, of at most 4096 bytes and without
- * pointers. static struct { double sum; } kept; TAKT_SAVED(1, kept)           1 is its version: count it up
- * when its meaning changes After each run() that did not fail, of a program in each waitPeriod() or
- * waitSporadic(), it is copied into memory that outlives the process; what was saved with the same version
- * and size is in it again before start() is called, of a program when initPeriodExe() or initSporadicExe()
- * returns. */
+/** @file
+ * The saved state of a module in C, which survives the death of the module's process: one variable of the
+ * file, with at most 4096 bytes and without pointers:
+ *
+ *     static struct { double sum; } kept;
+ *     TAKT_SAVED(1, kept)
+ *
+ * The 1 is the version of the variable: increase it when its meaning changes.
+ *
+ * After each run() that did not fail, Takt copies the variable into memory that outlives the process. In a
+ * program, waitPeriod() and waitSporadic() do so. After a crash, the variable has the saved value before
+ * start() is called; in a program, when initPeriodExe() or initSporadicExe() returns. A value that was saved
+ * with another version or size is not restored. */
 #ifndef TAKT_SAVED_H
 #define TAKT_SAVED_H
 
 #include <stdint.h>
 
+/** A saved variable, as TAKT_SAVED declares it. */
 struct takt_saved_state {
-  uint32_t version;
-  uint32_t size; /* bytes */
-  void* data;
+  uint32_t version; /**< version of the variable's meaning */
+  uint32_t size;    /**< bytes */
+  void* data;       /**< the variable */
 };
+/** Declares the saved variable of a module or program. At file scope, once. */
 #ifdef __cplusplus
 #define TAKT_SAVED(version, variable)                                                         \
   extern "C" __attribute__((visibility("default"))) const struct takt_saved_state takt_saved; \

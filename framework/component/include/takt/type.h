@@ -1,24 +1,28 @@
-/* What a port of a module in C must know of its type. takt_add_idl generates it for every struct of an IDL
- * file:
+/** @file
+ * takt_type: what a port of a module in C must know about its type. takt_add_idl generates it for every
+ * struct of an IDL file:
  *
- *   takt_add_idl(types motion.idl)          in CMake
- *   #include <motion_c.h>                   the struct motion_JointState and its motion_JointState_type
+ *     takt_add_idl(types motion.idl)          in CMake
+ *     #include <motion_c.h>                   the struct motion_JointState and its motion_JointState_type
  *
- * A string<N> is char[N + 1] with a zero in it; a sequence<T, N> is struct { uint32_t length; T items[N]; }.
- */
+ * A string<N> is a char[N + 1] that contains a zero. A sequence<T, N> is a
+ * struct { uint32_t length; T items[N]; }. */
 #ifndef TAKT_TYPE_H
 #define TAKT_TYPE_H
 
 #include <stdint.h>
 
+/** The description of a type, and its conversion to and from CDR. */
 typedef struct takt_type {
-  const char* name;        /* "motion::JointState", its name on DDS */
-  const char* description; /* JSON; two types are one when this is equal */
-  uint32_t max_size;       /* most bytes of a sample as CDR: with encapsulation, in whole words of 4 bytes */
-  uint32_t value_size;     /* of the struct in memory */
-  /* Bytes written; 0 when `size` is less than the sample needs or a field is beyond its bound. Real-time. */
+  const char* name;        /**< "motion::JointState", the name on DDS */
+  const char* description; /**< JSON; types with equal descriptions are the same type */
+  uint32_t max_size;       /**< most bytes of a sample as CDR: with encapsulation, a multiple of 4 */
+  uint32_t value_size;     /**< bytes of the struct in memory */
+  /** Writes the value as CDR and returns the bytes written. 0 if `size` is too small for the sample, or if a
+   * field exceeds its bound. Real-time. */
   uint32_t (*encode)(const void* value, unsigned char* to, uint32_t size);
-  /* 0 when the bytes are no sample, and what the value then holds is not said. Real-time. */
+  /** Reads a sample. 0 if the bytes are not a valid sample; the content of `value` is then unspecified.
+   * Real-time. */
   int (*decode)(const unsigned char* from, uint32_t size, void* value);
 } takt_type;
 

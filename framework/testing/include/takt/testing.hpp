@@ -1,4 +1,4 @@
-// What the author of a component includes to test it without a cell:
+// The header for tests of a component without a cell:
 //
 //   #include <takt/testing.hpp>
 //
@@ -13,9 +13,10 @@
 //     EXPECT_NEAR(out.value().value(), 1, 1e-6);
 //   }
 //
-// with takt_add_component_test(low_pass low_pass_test.cpp) in CMake. It is the component that was built,
-// called by the code that calls it in a cell, but on virtual time: no thread, no DDS, no clock, and a run()
-// that takes no time. Works with any test framework: wrong use throws takt::testing::Error.
+// In CMake, takt_add_component_test(low_pass low_pass_test.cpp) builds and registers the test. The test runs
+// the component that was built, called by the same code as in a cell, but on virtual time: without threads,
+// DDS or a clock, and run() takes no time. It works with any test framework: wrong use throws
+// takt::testing::Error.
 #pragma once
 
 #include <algorithm>
@@ -40,32 +41,37 @@
 #include <takt/lifecycle/table.hpp>
 
 namespace testing {
-class AssertionResult;  // of GoogleTest, where it is used
+class AssertionResult;  // of GoogleTest, if the test uses it
 }
 
 namespace takt {
+/// For GoogleTest: prints the name of an error type in messages.
 inline void PrintTo(ErrorType type, std::ostream* out) { *out << to_text(type); }
 namespace lifecycle {
+/// For GoogleTest: prints the name of a state in messages.
 inline void PrintTo(State state, std::ostream* out) { *out << to_text(state); }
 }  // namespace lifecycle
 }  // namespace takt
 
+/// Tests of a component without a cell, see takt::testing::Module.
 namespace takt::testing {
 
-/// A mistake of the test itself: a port that is not there, a step() before start().
+/// Thrown for a mistake in the test itself, such as an unknown port, or step() before start().
 class Error : public std::logic_error {
  public:
   using std::logic_error::logic_error;
 };
 
-/// What came of a call. ASSERT_TRUE(module.start()) prints the words of a failure.
+/// The outcome of a call. If it is a failure, ASSERT_TRUE(module.start()) prints the reason.
 class [[nodiscard]] Answer : public Result<void> {
  public:
   using Result<void>::Result;
+  /// Implicit, so that functions can return a Result.
   Answer(Result<void> result) : Result<void>(std::move(result)) {}  // NOLINT(google-explicit-constructor)
-  /// "WHAT; FIX", one problem after the other; empty when it went well.
+  /// "WHAT; FIX" for each problem, separated by ". "; empty if the call succeeded.
   [[nodiscard]] std::string text() const { return ok() ? std::string{} : in_words(problems()); }
 
+  /// Conversion for GoogleTest's ASSERT_TRUE and EXPECT_TRUE.
   template <std::same_as<::testing::AssertionResult> Assertion>
   operator Assertion() const {  // NOLINT(google-explicit-constructor)
     Assertion assertion{ok()};
@@ -73,11 +79,12 @@ class [[nodiscard]] Answer : public Result<void> {
   }
 };
 
-/// What a module is told by its descriptor.
+/// What the descriptor of a cell would state about the module.
 struct Options {
-  /// Of a periodic module; of a sporadic one, how often it is looked whether it has to run.
+  /// The period of a periodic module, in whole nanoseconds above 0. For a sporadic module, how often its
+  /// condition is checked.
   Nanoseconds period = std::chrono::milliseconds{1};
-  bool sporadic = false;
+  bool sporadic = false;  ///< whether the module is sporadic; otherwise it is periodic
   /// The .so of a thread module, or the .exe.so that takt_add_component_test() makes of a program. Empty: the
   /// component that takt_add_component_test() named.
   std::string file{};
@@ -85,31 +92,35 @@ struct Options {
 
 /// How an input is connected.
 struct Connection {
-  std::uint32_t queue = 0;      ///< samples that it holds; 0: the latest value, of an event port 64
-  Nanoseconds deadline{};       ///< a value that is older is late; 0: none is. Of thread modules
-  bool stale_is_error = false;  ///< a value that is late takes the module to RECOVER
+  std::uint32_t queue = 0;      ///< samples that it holds; 0: the latest value, or 64 for an event port
+  Nanoseconds deadline{};       ///< an older value is late; 0: no deadline. Only for thread modules
+  bool stale_is_error = false;  ///< a late value takes the module to RECOVER
 };
 
 /// The last error that took the module out of its table.
 struct Failure {
-  ErrorType type = ErrorType::none;
-  std::string text{};       ///< what run() said or threw
-  std::uint64_t cycle = 0;  ///< in which it was
+  ErrorType type = ErrorType::none;  ///< the type of the error; none if there was no error
+  std::string text{};                ///< the message of the exception, or of fail()
+  std::uint64_t cycle = 0;           ///< the number of the cycle in which the error occurred
 };
 
 /// One connection between the test and a port.
 class Wire {
  public:
+  /// For Module only; use Module::in() and Module::out().
   Wire(const TypeInfo& type, std::uint32_t depth, bool is_queue, Nanoseconds deadline);
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
   virtual ~Wire() = default;
+  /// The link between the test and the port.
   [[nodiscard]] channel::Link link() const { return link_; }
+  /// The type of the port's samples.
   [[nodiscard]] const TypeInfo& type() const { return type_; }
 
  protected:
-  /// A new step begins, and a run has ended.
+  /// Called at the beginning of each step().
   virtual void begin_step() {}
+  /// Called after each run of the module.
   virtual void collect() {}
 
  private:
@@ -124,20 +135,20 @@ class Wire {
 
 class Module;
 
-/// What the test writes to an input or event port of the module.
+/// The test's side of an input or event port of the module.
 template <class T>
 class In final : public Wire {
  public:
-  /// The next run() sees it `age` after the run() that wrote it began. Throws where the value is none of the
-  /// type: a string or sequence beyond its bound, an enumerator that is none.
+  /// Sends a sample. At the next release it has this `age`. Throws Error if the value does not fit its type:
+  /// a string or sequence exceeds its bound, or an enumerator is invalid.
   void write(const T& value, Nanoseconds age = Nanoseconds{0});
-  /// The output that the input is connected to has this safe value: the module gets it until the first
-  /// write(), after lose(), and when what was written last is older than the connection's deadline. Throws as
-  /// write(), and for a queue, whose readers get none.
+  /// Gives the output at the other end a safe value. The module gets it until the first write(), after
+  /// lose(), and when the last sample is older than the connection's deadline. Throws Error like write(), and
+  /// also for a queue, which has no safe value.
   void safe(const T& value);
-  /// The module that writes does not execute any more, or its device is lost; until the next write().
+  /// Simulates that the writing module stops or its device is lost, until the next write().
   void lose() { link().withhold(); }
-  /// Times that the newest value was found older than the connection's deadline.
+  /// How often the newest value was older than the connection's deadline.
   [[nodiscard]] std::uint64_t late() const { return link().block().late.load(); }
   /// Samples that were overwritten before the module read them.
   [[nodiscard]] std::uint64_t overwritten() const { return link().block().overwritten.load(); }
@@ -151,24 +162,27 @@ class In final : public Wire {
   channel::LinkWriter writer_;
 };
 
-/// What an output port of the module has written, from out() on.
+/// The test's side of an output port of the module. It has the values that the module writes after the call
+/// of out().
 template <class T>
 class Out final : public Wire {
  public:
-  /// Of values(), the newest are kept.
+  /// The most values that values() keeps: the newest.
   static constexpr std::size_t kMost = 100'000;
 
+  /// Whether the module has written a value.
   [[nodiscard]] bool has_value() const { return has_value_; }
-  /// The last one. Throws when there is none.
+  /// The last value. Throws Error if there is none.
   [[nodiscard]] const T& value() const {
     if (!has_value_) throw Error("nothing was written to output '" + name_ + "' since out() was called");
     return value_;
   }
-  /// Those of the last step(n), the oldest first; also those of hooks since then.
+  /// The values of the last step(n), the oldest first, and those that hooks wrote since then.
   [[nodiscard]] const std::deque<T>& values() const { return values_; }
-  /// How many there were.
+  /// The number of all values since out() was called.
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// Values that were none of the type and went nowhere: a string or sequence beyond its bound.
+  /// Number of values that were not sent because they did not fit their type: a string or sequence exceeded
+  /// its bound, or an enumerator was invalid.
   [[nodiscard]] std::uint64_t unfit() const { return link().block().unfit.load(); }
 
  private:
@@ -188,27 +202,31 @@ class Out final : public Wire {
   std::uint64_t count_ = 0;
 };
 
-/// What came of Module::call(): a reply, or why there is none.
+/// The outcome of Module::call(): a reply, or the reason why there is none.
 template <class Reply>
 class [[nodiscard]] Called : public Answer {
  public:
+  /// With a reply.
   Called(Reply reply) : reply_(std::move(reply)) {}  // NOLINT(google-explicit-constructor)
+  /// Without a reply, for this reason.
   Called(Problem problem)
       : Answer(Result<void>(std::move(problem))) {}  // NOLINT(google-explicit-constructor)
 
-  /// Throws where there is none, with text().
+  /// The reply. Throws Error with text() if there is none.
   [[nodiscard]] const Reply& value() const {
     if (!ok()) throw Error("there is no reply: " + text());
     return reply_;
   }
+  /// The reply, see value().
   const Reply& operator*() const { return value(); }
+  /// The reply, see value().
   const Reply* operator->() const { return &value(); }
 
  private:
   Reply reply_{};
 };
 
-/// What answers a client of the module.
+/// The base of Server.
 class Responder {
  public:
   Responder() = default;
@@ -221,15 +239,16 @@ class Responder {
   virtual void answer(Instant now) = 0;
 };
 
-/// The service that a client of the module asks, see Module::serve().
+/// The service that a client of the module calls, see Module::serve().
 template <class Request, class Reply>
 class Server final : public Responder {
  public:
+  /// Returns a reply, or takt::fail("why not").
   using Handler = std::function<Result<Reply>(const Request&)>;
 
-  /// How many requests there were.
+  /// The number of requests so far.
   [[nodiscard]] std::uint64_t asked() const { return asked_; }
-  /// The last one; Request{} before the first.
+  /// The last request; Request{} before the first.
   [[nodiscard]] const Request& request() const { return request_; }
 
  private:
@@ -251,77 +270,82 @@ class Server final : public Responder {
   In<ServiceReply<Reply>>& replies_;
   Handler handler_;
   Nanoseconds after_;
-  std::uint64_t seen_;  // of what was ever written there
+  std::uint64_t seen_;  // number of values of requests_ that were handled
   std::uint64_t asked_ = 0;
   Request request_{};
   std::deque<Due> due_;
 };
 
-/// One component, on virtual time. For one thread.
+/// A module of one component, on virtual time. For one thread.
 class Module {
  public:
-  /// Loads it; its constructors run. Throws Error when that fails.
+  /// Loads the component; its constructors run. Throws Error if that fails.
   explicit Module(Options options = {});
-  /// Calls destruct() where it was initialised and that was not done.
+  /// Calls destruct() if the module is neither in IDLE nor in DESTRUCT.
   ~Module();
   Module(const Module&) = delete;
   Module& operator=(const Module&) = delete;
 
-  /// A property, as the descriptor gives it before initialize(), and as `takt set` does after it: a value
-  /// that a C++ component is given between two cycles is in force from the next one on.
+  /// Sets a property: before initialize() like the descriptor, and afterwards like `takt set`. A C++
+  /// component sees a value that is set between two cycles from the next cycle on. Other modules take
+  /// properties only before initialize().
   Answer set(const std::string& property, const std::string& text);
-  /// The value of a property of a C++ component, or the one that was set.
+  /// The value of a property. For a C++ component its current value, otherwise the value that was set.
   [[nodiscard]] Result<std::string> get(const std::string& property) const;
 
-  /// Connects an input or event port, the first time that it is called for the port. The reference is good as
-  /// long as the module. Throws Error with the ports that there are when it has no such port, or one of
-  /// another direction or type. A port of which neither was called is one that nobody is connected to.
+  /// Connects an input or event port with the default Connection; further calls for the port return the same
+  /// object. The reference is valid as long as the module. Throws Error if the module has no such port, or if
+  /// it has another direction or type. A port is unconnected until in() or out() names it.
   template <class T>
   In<T>& in(const std::string& port);
+  /// The same with a Connection. Throws Error also if the port is connected already.
   template <class T>
   In<T>& in(const std::string& port, const Connection& connection);
-  /// The same for an output.
+  /// Connects an output; otherwise the same as in().
   template <class T>
   Out<T>& out(const std::string& port);
 
-  /// Asks a service of the module as another module does, and steps until it answers: its reply, or why it
-  /// refused, or that it had not answered when `timeout` was over. A handler is called between two rows,
-  /// while the module is EXECUTING. Throws Error as in(), and as step().
+  /// Calls a service of the module, as another module does, and steps until there is an answer. Returns the
+  /// reply, the reason of a rejection, or a failure if no answer came within `timeout`. A handler is called
+  /// between two rows, while the module is EXECUTING. Throws Error like in() and step().
   template <class Request, class Reply>
   Called<Reply> call(const std::string& service, const Request& request,
                      Nanoseconds timeout = std::chrono::seconds{1});
-  /// Answers what the module's client `client` asks, by `handler`: a reply, or takt::fail("why not"). The
-  /// module has it `after` later, at the earliest in its next run(); after its time-out, it is too late. The
-  /// reference is good as long as the module. Once for each client; throws Error as in().
+  /// Answers the requests of the module's client `client` with `handler`, which returns a reply or
+  /// takt::fail("why not"). The answer arrives `after` later, at the earliest in the next run(). The
+  /// reference is valid as long as the module. Call it once for each client. Throws Error like in().
   template <class Request, class Reply>
   Server<Request, Reply>& serve(const std::string& client, typename Server<Request, Reply>::Handler handler,
                                 Nanoseconds after = Nanoseconds{0});
 
-  // The lifecycle, as framework/lifecycle says: what is not allowed in a state is refused with the states in
-  // which it is, and changes nothing.
+  // The lifecycle, see framework/lifecycle. If a step is not allowed in the current state, nothing changes,
+  // and the problem names the states in which it is allowed.
 
+  /// Calls the hook initialize(): from IDLE to INITIALIZE.
   Answer initialize();
-  /// From IDLE also initialize(). Into the tables.
+  /// Calls the hook start() and puts the module into the tables. In IDLE it calls initialize() first.
   Answer start();
-  /// Out of the tables.
+  /// Takes the module out of the tables: from EXECUTING to START.
   Answer stop();
-  /// An error of this type comes upon it, as from outside.
+  /// Causes an error of this type from outside: the module goes to RECOVER, and its hook error() is called.
   Answer error(ErrorType type);
-  /// Its process dies under it, and no hook is called: RECOVER, with an error of type crash. recover() loads
-  /// it again, and what it saves comes back to it.
+  /// Simulates the death of the module's process, without calling a hook: the module goes to RECOVER with an
+  /// error of type crash. recover() then loads it again, and it gets its saved state back.
   Answer crash();
-  /// One attempt. A program that ended is started again.
+  /// Makes one recovery attempt. A program that has ended is started again.
   Answer recover();
+  /// Calls the hook destruct() and takes the module out of the tables: to DESTRUCT.
   Answer destruct();
-  /// Loaded afresh. What was set and connected stays, and what it saved is gone.
+  /// Loads the module again: from DESTRUCT to IDLE. Properties and connections stay; the saved state is lost.
   Answer reset();
+  /// The current state.
   [[nodiscard]] lifecycle::State state() const;
 
-  /// That many releases of its grid, one after the other; returns in how many the module ran (a sporadic one
-  /// when its condition held). In RECOVER and DESTRUCT time passes and nothing is called. Throws Error where
-  /// start() was never called.
+  /// Performs that many releases of the module's grid. Returns in how many of them the module ran; a sporadic
+  /// module runs if its condition is true. In RECOVER and DESTRUCT only time passes. Throws Error if start()
+  /// was never called.
   std::uint64_t step(std::uint64_t releases = 1);
-  /// Until `done()` holds after a release: true. False when it did not within `most`.
+  /// Steps until `done()` is true after a release, and returns true. Returns false after `most` releases.
   template <std::predicate Done>
   bool step_until(Done&& done, std::uint64_t most = 1'000'000) {
     for (std::uint64_t n = 0; n < most; ++n) {
@@ -330,34 +354,36 @@ class Module {
     }
     return false;
   }
-  /// The next releases are missed, as when the machine was busy: the cycle's number has a gap.
+  /// Makes the module miss its next releases, as if the machine was busy: the number of the next cycle has a
+  /// gap.
   void miss(std::uint64_t releases = 1);
 
-  /// When the next release is due, and which it is on the module's grid.
+  /// The virtual time at which the next release is due.
   [[nodiscard]] Instant next_release() const;
-  /// Times that it ran, or, of a program, was released.
+  /// How often the module ran, or, if it is a program, was released.
   [[nodiscard]] std::uint64_t runs() const;
+  /// How many releases the module missed.
   [[nodiscard]] std::uint64_t missed() const;
-  /// The last error, of type none where there was none.
+  /// The last error; of type none if there was none.
   [[nodiscard]] const Failure& last_error() const;
-  /// Fails with the words of the last error while the module is in RECOVER.
+  /// Fails with the text of the last error while the module is in RECOVER.
   [[nodiscard]] Answer healthy() const;
 
  private:
   enum class Side { in, out };
   struct Tie {
-    Wire* wire = nullptr;  // that there is already
+    Wire* wire = nullptr;  // the existing connection; null: none
     std::uint32_t queue = 0;
   };
   Tie find(const std::string& port, Side side, const TypeInfo& type, const Connection* wanted) const;
   void tie(const std::string& port, std::unique_ptr<Wire> wire, const Connection& connection);
-  /// So many samples that one run() hardly writes more, in memory that is bounded.
+  /// The depth of an output's queue: more samples than one run() should write, in bounded memory.
   static std::uint32_t most_of_a_run(const TypeInfo& type);
-  /// Throws where there is none of these types.
+  /// Throws Error if there is no such service or client with these types.
   void find_service(const std::string& name, bool is_client, const TypeInfo& request,
                     const TypeInfo& reply) const;
   void respond(const std::string& client, std::unique_ptr<Responder> responder);
-  /// Of the call that comes next.
+  /// The number of the next call.
   std::uint64_t call_number();
 
   struct Inside;
@@ -368,13 +394,14 @@ template <class T>
 std::uint32_t In<T>::encode(const T& value, std::byte* to) {
   const std::uint32_t size = PortType<T>::encode(value, to, PortType<T>::info.max_size);
   if (size != 0) return size;
-  throw Error("the value is no " + std::string{PortType<T>::info.name} +
-              ": a string or sequence is longer than its bound, or an enumerator is none");
+  throw Error("the value does not fit type " + std::string{PortType<T>::info.name} +
+              ": a string or sequence is longer than its bound, or an enumerator is invalid");
 }
 
 template <class T>
 void In<T>::safe(const T& value) {
-  if (!link().has_safe_place()) throw Error("readers of a queue get no safe value");
+  if (!link().has_safe_place())
+    throw Error("a queue has no safe value; connect the input with the latest value");
   std::vector<std::byte> bytes(PortType<T>::info.max_size);
   bytes.resize(encode(value, bytes.data()));
   link().give_safe(bytes);
@@ -392,7 +419,7 @@ void Out<T>::collect() {
   while (reader_.take()) {
     const channel::SampleInfo info = reader_.info();
     if (!PortType<T>::decode(link().payload(reader_.buffer()), info.size, value_))
-      throw Error("what was written to output '" + name_ + "' is no " + PortType<T>::info.name);
+      throw Error("output '" + name_ + "' has written bytes that are not a valid " + PortType<T>::info.name);
     has_value_ = true;
     ++count_;
     if (values_.size() == kMost) values_.pop_front();

@@ -1,5 +1,5 @@
-// The paper's Figure 10, with a user program of a line where it prints "...". Slips of the print: `extern
-// "C'`, braces that do not close.
+// The paper's Figure 10, with one line of user code where it prints "...". Misprints corrected here: `extern
+// "C'`, and unclosed braces.
 #include <takt/module.h>
 
 static int level = 0;

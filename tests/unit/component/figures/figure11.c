@@ -1,4 +1,4 @@
-// The paper's Figure 11 as C. Slips of the print: `char argv[]`, `while(1){}`, `retrun`.
+// The paper's Figure 11 as C. Misprints corrected here: `char argv[]`, `while(1){}`, and `retrun`.
 #include <takt/process.h>
 
 static int events = 0;

@@ -1,4 +1,4 @@
-// The paper's Figure 9 as C. Slips of the print: `char argv[]`, two braces that do not close.
+// The paper's Figure 9 as C. Misprints corrected here: `char argv[]`, and two unclosed braces.
 #include <takt/process.h>
 
 static long periods = 0;

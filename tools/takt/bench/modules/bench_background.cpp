@@ -1,4 +1,4 @@
-// A non-real-time program for `takt bench`: computes a tenth of its time.
+// A non-real-time program for `takt bench`: computes for a tenth of the time.
 #include <chrono>
 #include <thread>
 

@@ -1,14 +1,17 @@
-// A periodic thread module for `takt bench`: records when it was called, if it is given a file.
+// A periodic thread module for `takt bench`: records its jitter if `file` is given.
 #include <takt/component.hpp>
 
-#include "recording.hpp"
 #include "filter_step.hpp"
+#include "recording.hpp"
 
 class BenchPeriodic : public takt::Component {
   takt::Property<std::string> file{
-      *this, "file", "", {.text = "Where its jitter is written at the end; empty: nowhere."}};
+      *this, "file", "", {.text = "The file for the jitter, written at the end; empty: none."}};
   takt::Property<std::int64_t> releases{
-      *this, "releases", 0, {.min = 0, .max = 1'000'000'000, .text = "Those that are recorded."}};
+      *this,
+      "releases",
+      0,
+      {.min = 0, .max = 1'000'000'000, .text = "The maximum number of recorded releases."}};
 
   takt::bench::Recording jitter_;
   takt::bench::Work work_;

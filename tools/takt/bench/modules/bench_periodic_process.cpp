@@ -1,13 +1,13 @@
-// A periodic process module for `takt bench`, in the form of the paper's Figure 9: file=... and releases=...
-// as those of bench_periodic.so.
+// A periodic process module for `takt bench`, in the form of the paper's Figure 9. The arguments file=... and
+// releases=... are those of bench_periodic.so.
 #include <chrono>
 #include <cstdlib>
 #include <string>
 
 #include <takt/process.hpp>
 
-#include "recording.hpp"
 #include "filter_step.hpp"
+#include "recording.hpp"
 
 namespace {
 

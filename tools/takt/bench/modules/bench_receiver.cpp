@@ -1,5 +1,5 @@
-// A sporadic thread module for `takt bench cell`: records how long ago what it reads was written, on the same
-// machine.
+// A sporadic thread module for `takt bench cell`: records the age of each sample, which was written on the
+// same machine.
 #include <chrono>
 
 #include <takt/component.hpp>
@@ -11,9 +11,12 @@
 class BenchReceiver : public takt::Component {
   takt::EventPort<bench::Sample64> in{*this, "in", {.text = "Times of bench_sender.so."}};
   takt::Property<std::string> file{
-      *this, "file", "", {.text = "Where the ages are written at the end; empty: nowhere."}};
+      *this, "file", "", {.text = "The file for the ages, written at the end; empty: none."}};
   takt::Property<std::int64_t> samples{
-      *this, "samples", 0, {.min = 0, .max = 1'000'000'000, .text = "Those that are recorded."}};
+      *this,
+      "samples",
+      0,
+      {.min = 0, .max = 1'000'000'000, .text = "The maximum number of recorded samples."}};
 
   takt::bench::Recording ages_;
   std::int64_t count_ = 0;

@@ -1,4 +1,4 @@
-// A periodic thread module for `takt bench cell`: writes when it is.
+// A periodic thread module for `takt bench cell`: writes the current time.
 #include <chrono>
 
 #include <takt/component.hpp>

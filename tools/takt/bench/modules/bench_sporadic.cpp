@@ -1,10 +1,10 @@
-// A sporadic thread module for `takt bench`: has an event each `every` rows.
+// A sporadic thread module for `takt bench`: its condition holds every `every` rows.
 #include <takt/component.hpp>
 
 #include "filter_step.hpp"
 
 class BenchSporadic : public takt::Component {
-  takt::Property<std::int64_t> every{*this, "every", 10, {.min = 1, .text = "Rows from event to event."}};
+  takt::Property<std::int64_t> every{*this, "every", 10, {.min = 1, .text = "Rows between two events."}};
 
   std::int64_t rows_ = 0;
   takt::bench::Work work_;

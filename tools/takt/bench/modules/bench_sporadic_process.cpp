@@ -1,5 +1,5 @@
-// A sporadic process module for `takt bench`, in the form of the paper's Figure 11: it is released each row,
-// and every tenth time its condition holds.
+// A sporadic process module for `takt bench`, in the form of the paper's Figure 11: it is released in each
+// row, and its condition holds every tenth time.
 #include <takt/process.h>
 
 #include "filter_step.hpp"

@@ -1,13 +1,13 @@
-// What a bench module does when it is called: a small step of a filter, as a control module might.
+// The work of a bench module: a small filter step, as in a control module.
 #pragma once
 
 namespace takt::bench {
 
 class Work {
  public:
-  /// About 50 ns. Real-time.
+  /// Takes about 50 ns. Real-time.
   void step() noexcept { input_ = 1 - step(input_); }
-  /// The same with an input from elsewhere; returns the output.
+  /// The same with this input; returns the output.
   double step(double input) noexcept {
     for (double& value : state_) {
       input = value + 0.1 * (input - value);
@@ -20,7 +20,7 @@ class Work {
  private:
   double state_[16]{};
   double input_ = 1;
-  volatile double output_ = 0;  // so that the work is done
+  volatile double output_ = 0;  // so that the compiler does not remove the work
 };
 
 }  // namespace takt::bench

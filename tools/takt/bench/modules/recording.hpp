@@ -1,6 +1,6 @@
-// What a bench module has measured: one entry a release, kept in memory that is there before the first one,
-// and written to a file when everything is over. So measuring costs the real-time path one store, and a
-// module that is not asked to record nothing at all.
+// The recording of a bench module: one entry per release, in memory that is allocated before the first
+// release and written to a file at the end. So measuring costs one store on the real-time path, and nothing
+// if nothing is recorded.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,28 @@
 
 namespace takt::bench {
 
-/// One release that was served. Lies in the file as it does in memory: it is read on the same machine.
+/// One release that was served. The file has the memory layout, because it is read on the same machine.
 struct Served {
-  std::int64_t number = 0;  ///< its place in the module's grid; a missed one leaves a gap
-  std::int64_t value = 0;   ///< ns; what it means is said by who records it
+  std::int64_t number = 0;  ///< its place in the module's grid; a missed release leaves a gap
+  std::int64_t value = 0;   ///< ns; the recording module defines the meaning
 };
 
 class Recording {
  public:
-  /// Allocates and touches the memory. What comes after `most` entries is not kept.
+  /// Allocates and touches the memory. Only the first `most` entries are kept.
   void reserve(std::size_t most) { entries_.resize(most); }
   /// Real-time.
   void note(std::int64_t number, std::int64_t value) noexcept {
     if (count_ < entries_.size()) entries_[count_++] = {number, value};
   }
-  /// False when the file cannot be written.
+  /// False if the file cannot be written.
   [[nodiscard]] bool write(const std::string& path) const {
     std::FILE* const file = std::fopen(path.c_str(), "wb");
     if (file == nullptr) return false;
     const bool whole = std::fwrite(entries_.data(), sizeof(Served), count_, file) == count_;
     return std::fclose(file) == 0 && whole;
   }
-  /// What was written; empty when there is no such file.
+  /// The entries of a file; empty if it does not exist.
   static std::vector<Served> read(const std::string& path) {
     std::vector<Served> entries;
     std::FILE* const file = std::fopen(path.c_str(), "rb");

@@ -1,10 +1,10 @@
-// What is asked of the gateway, and the token with which it may be told something.
+// Requests to the gateway, and the token that commands need.
 
 const kKept = "takt-token";
-// Longer than the gateway itself waits for a device: a component may take so long to stop.
+// Longer than the gateway waits for a device, because a component may take long to stop.
 const kLimits_s = { GET: 20, POST: 40, PUT: 40 };
 
-/// What went wrong and what would help, both in words.
+/// A failed request: what is wrong and what to do.
 export class Problem extends Error {
   constructor(what, fix = "", status = 0) {
     super(what);
@@ -18,8 +18,8 @@ export class Problem extends Error {
   }
 }
 
-/// Takes the token out of the address, so that it is neither seen nor linked nor kept in the history. It lasts as long as the tab.
-/// Whether there was one.
+/// Moves the token from the address to the storage of the tab, so that it does not appear on the screen, in links or in the history.
+/// Returns whether the address had a token.
 export function keepToken() {
   const match = location.hash.match(/^#token=([^&]+)/);
   if (!match) return false;
@@ -53,8 +53,8 @@ async function ask(address, options) {
   try {
     response = await fetch(address, { ...options, headers, cache: "no-store", signal: AbortSignal.timeout(limit_s * 1000) });
   } catch (error) {
-    if (error.name !== "TimeoutError") throw new Problem("the gateway does not answer", "see whether takt web still runs");
-    const done = options.method === "GET" ? "" : "; whether it was done is not known";
+    if (error.name !== "TimeoutError") throw new Problem("the gateway does not answer", "check that takt web still runs");
+    const done = options.method === "GET" ? "" : "; it may or may not have been done";
     throw new Problem(`no answer within ${limit_s} s${done}`);
   }
   const answer = await response.json().catch(() => ({}));

@@ -1,13 +1,13 @@
-// A canvas that is as sharp as the screen and as wide as its place, and is drawn again when either changes.
+// A canvas with the resolution of the screen and the size of its place. It is redrawn when either changes.
 
 import { element } from "./dom.js";
 
 export class Canvas {
-  // As the observer says: to ask the element would lay out the page each time.
+  // From the observer: reading the element's size would force a layout each time.
   #width = 0;
   #height = 0;
 
-  /// `draw(context, width, height)`, in pixels of the page.
+  /// `draw(context, width, height)`, in CSS pixels.
   constructor(draw, attributes = {}) {
     this.draw = draw;
     this.element = element("canvas", attributes);

@@ -1,4 +1,4 @@
-// The health of every connection, worst first.
+// Lists the connections with their health, worst first.
 
 import { arrows, Bar, element, Mark, setAttribute, setText } from "./dom.js";
 import { ageOf, lookOfConnection } from "./looks.js";
@@ -47,7 +47,7 @@ export class Connections {
     const head = (text) => element("th", { scope: "col", text });
     this.element = element("div", { class: "scrolled" }, element("div", { class: "tools" }, this.filter, this.shown),
       element("table", { class: "list connections" }, element("caption", { class: "unseen", text: "connections of the cell" }),
-        element("thead", {}, element("tr", {}, head("from \u2192 to"), head("health"), head("age, of its deadline"), head("lost"),
+        element("thead", {}, element("tr", {}, head("from \u2192 to"), head("health"), head("age of deadline"), head("lost"),
           head("dropped"), head("late"))), this.body));
     arrows(this.body, "tr");
   }
@@ -89,7 +89,7 @@ export class Connections {
     shown.sort((a, b) => b.look.rank - a.look.rank || a.index - b.index);
     const bad = this.#rows.filter((row) => row.look.rank >= 2).length;
     const all = shown.length === this.#rows.length ? several(shown.length, "connection") : `${shown.length} of ${several(this.#rows.length, "connection")}`;
-    setText(this.shown, this.#rows.length === 0 ? "no connections" : `${all}; ${bad === 0 ? "all well" : `${bad} not well`}`);
+    setText(this.shown, this.#rows.length === 0 ? "no connections" : `${all}; ${bad === 0 ? "all ok" : `${bad} with problems`}`);
     const order = shown.map((row) => row.index).join(" ");
     if (order === this.#order) return;
     this.#order = order;

@@ -1,4 +1,4 @@
-// Everything about the module or device that is chosen, beside the view or, where the screen is narrow, instead of it.
+// All data of the selected module or device, beside the view or, on a narrow screen, instead of it.
 
 import { element } from "./dom.js";
 import { DeviceDetails } from "./device_details.js";
@@ -32,7 +32,7 @@ export class Details {
     this.body.replaceChildren(this.#shown.element);
     this.#shown.show(name);
     this.place.scrollTop = 0;
-    // Who opened it by a key reads on here; who came with the address stays at its beginning.
+    // If the user opened the details by a key, the focus moves here. If the page was opened with this address, it does not.
     if (first && document.activeElement !== document.body) this.title.focus({ preventScroll: true });
   }
 

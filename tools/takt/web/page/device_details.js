@@ -1,17 +1,17 @@
-// A device: whether it is there and well, its executors, and what all of its modules may be told together.
+// The details of a device: its state and health, commands to all of its modules, and its executors.
 
 import { element, Mark, setText } from "./dom.js";
 import { Distributions, Facts } from "./facts.js";
 import { LastFaults } from "./last_faults.js";
 import { lookOfDevice, lookOfModule } from "./looks.js";
-import { Orders } from "./orders.js";
+import { Commands } from "./orders.js";
 import { addressOf, linkTo } from "./route.js";
 import { count, exact, number } from "./words.js";
 
 export class DeviceDetails {
   #store;
   #name = null;
-  #modules = new Map();  // the mark of each
+  #modules = new Map();  // marks by name
   #executors = new Map();
 
   constructor(store) {
@@ -19,20 +19,20 @@ export class DeviceDetails {
     this.mark = new Mark("p");
     this.why = element("p", { class: "why" });
     this.facts = new Facts();
-    this.orders = new Orders(store);
+    this.commands = new Commands(store);
     this.executors = element("div");
     this.modules = element("ul", { class: "plain" });
-    this.table = element("a", { text: "its table over one macro period" });
+    this.table = element("a", { text: "table of one macro period" });
     this.faults = new LastFaults(store);
     const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
-    this.element = element("div", {}, this.mark.element, this.why, this.orders.element, part("Modules", this.modules), this.faults.element,
+    this.element = element("div", {}, this.mark.element, this.why, this.commands.element, part("Modules", this.modules), this.faults.element,
       part("Executors", this.executors, element("p", {}, this.table)), part("Node", this.facts.element));
   }
 
   show(name) {
     this.#name = name;
     this.#forgetExecutors();
-    this.orders.hold(name, null);
+    this.commands.hold(name, null);
     this.table.href = addressOf("table", { device: name });
     this.#showAll();
   }
@@ -46,7 +46,7 @@ export class DeviceDetails {
     if (changes.cell || changes.whole || changes.devices.has(this.#name) || changes.modules.size > 0) this.#showAll();
     else if (changes.measures) this.#showExecutors();
     if (changes.faults) this.faults.show(this.#name);
-    if (changes.rights || changes.link) this.orders.update();
+    if (changes.rights || changes.link) this.commands.update();
   }
 
   #showAll() {
@@ -54,18 +54,18 @@ export class DeviceDetails {
     this.mark.show(lookOfDevice(device));
     setText(this.why, device?.text ?? "");
     this.facts.show([
-      ["machine", device?.machine], ["real time", device ? (device.real_time ? "yes" : "no: the system refuses it") : ""],
+      ["machine", device?.machine], ["real time", device ? (device.real_time ? "yes" : "no: the system denies it") : ""],
       ["takt-node", device ? `process ${device.process_id}` : ""],
       ["takt-host", device?.host_process_id ? `process ${device.host_process_id}` : device ? "none" : ""],
       ["host restarts", count(device?.host_restarts)],
     ]);
     this.#showModules();
-    this.orders.update();
+    this.commands.update();
     this.faults.show(this.#name);
     this.#showExecutors();
   }
 
-  /// Those that are there stay, with the focus in them.
+  /// Keeps the existing elements, and with them the focus.
   #showModules() {
     const modules = this.#store.modulesOf(this.#name);
     const names = modules.map((module) => module.name);
@@ -92,9 +92,9 @@ export class DeviceDetails {
       const measures = this.#store.executors.get(`${this.#name}.${about.name}`);
       shown.distributions.show([["jitter", measures?.jitter_us]], number);
       shown.facts.show([
-        ["period", about.basic_period_ns ? `${exact(about.basic_period_ns)}; all comes again after ${exact(about.macro_period_ns)}` : ""],
+        ["period", about.basic_period_ns ? `${exact(about.basic_period_ns)}; macro period ${exact(about.macro_period_ns)}` : ""],
         ["cycles", count(measures?.cycles)], ["missed", count(measures?.missed)], ["late", count(measures?.late)],
-        ["awake before a release", measures ? `${number(measures.margin_us)} us` : ""],
+        ["margin before a release", measures ? `${number(measures.margin_us)} us` : ""],
       ]);
     }
   }

@@ -1,8 +1,8 @@
-// Elements of the page. What the cell says is put in as text only, never as markup.
+// Creates elements of the page. Data of the cell is inserted only as text, never as markup.
 
 const kSvg = "http://www.w3.org/2000/svg";
 
-/// `attributes`: text, on: {event: function}, dataset: {}, and attributes by their names; false and null leave one out.
+/// `attributes`: text, on: {event: function}, dataset: {}, and attributes by name; an attribute that is false or null is left out.
 export function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   fill(made, attributes, children);
@@ -26,12 +26,12 @@ function fill(made, attributes, children) {
   made.append(...children.filter((child) => child !== null && child !== undefined));
 }
 
-/// A shape of index.html. Words stand beside it, so it is not read aloud.
+/// A symbol of index.html. It always has a word beside it, so it is hidden from screen readers.
 export function sign(name) {
   return drawn("svg", { class: "sign", "aria-hidden": "true" }, drawn("use", { href: `#sign-${name}` }));
 }
 
-/// Writes only what differs: an unchanged text costs no layout.
+/// Writes only a changed text, because every write costs a layout.
 export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
@@ -44,7 +44,7 @@ export function setAttribute(node, name, value) {
   }
 }
 
-/// A sign and a word in the colour of its look; `show` changes it.
+/// A sign and a word in the colour of a look; show() changes them.
 export class Mark {
   constructor(name = "span") {
     this.use = drawn("use");
@@ -60,7 +60,7 @@ export class Mark {
   }
 }
 
-/// A share of something, with the words beside it; more than all of it is drawn full and marked.
+/// A bar for a share, with words beside it. A share above 1 fills the bar and is marked.
 export class Bar {
   constructor() {
     this.filled = element("span", { class: "filled" });
@@ -69,7 +69,7 @@ export class Bar {
       element("span", { class: "track", "aria-hidden": "true" }, this.filled), this.words);
   }
 
-  /// A share of null: there is nothing to compare with.
+  /// `share` null: no bar, because there is nothing to compare with.
   show(share, words) {
     setAttribute(this.element, "data-look", share === null ? "none" : share > 1 ? "bad" : share > 0.8 ? "poor" : "good");
     const width = `${Math.round(Math.min(share ?? 0, 1) * 100)}%`;
@@ -78,7 +78,7 @@ export class Bar {
   }
 }
 
-/// Arrows, Home and End move the focus within what `selector` finds in `root`, a list of which Tab stops at one.
+/// Lets arrows, Home and End move the focus among the elements of `selector` in `root`. Tab stops at only one of them.
 export function arrows(root, selector, { across = false, chosen = () => {} } = {}) {
   const back = across ? "ArrowLeft" : "ArrowUp";
   const on = across ? "ArrowRight" : "ArrowDown";

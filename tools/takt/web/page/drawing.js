@@ -1,5 +1,5 @@
-// The picture of the cell that the gateway sent, as elements of this page. It holds names that others chose, so it is copied
-// piece by piece: only what draws, and of that only what places it. No script, style, link or reference comes over.
+// Converts the drawing of the cell to elements of this page. The drawing contains names that others chose, so only drawing elements and
+// harmless attributes are copied: no scripts, styles, links or references.
 
 import { drawn } from "./dom.js";
 
@@ -9,9 +9,9 @@ const kAttributes = new Set([
   "data-module", "data-device", "data-connection",
 ]);
 
-/// Null where the text is no picture.
+/// Null if the text is not an SVG drawing.
 export function drawingOf(text) {
-  // The drawing's own colours go first: the policy of the page forbids them, and the browser would complain. drawing.css has them.
+  // Remove the styles before parsing: the policy of the page forbids them, and the browser would report that. drawing.css replaces them.
   const plain = text.replace(/<style>[^<]*<\/style>/, "");
   const parsed = new DOMParser().parseFromString(plain, "image/svg+xml").documentElement;
   return parsed.localName === "svg" ? copied(parsed) : null;

@@ -1,4 +1,4 @@
-// Facts under each other, each written anew only when it changed.
+// Lists of facts. A line is written to the page only if it has changed.
 
 import { element, setText } from "./dom.js";
 
@@ -9,7 +9,7 @@ export class Facts {
     this.element = element("dl", { class: "facts" });
   }
 
-  /// [what, text]; an empty text leaves the line out.
+  /// Pairs of a label and a text; an empty text hides the line.
   show(pairs) {
     for (const [what, text] of pairs) {
       let line = this.#values.get(what);
@@ -24,7 +24,7 @@ export class Facts {
   }
 }
 
-/// What was measured: a line for each, [what, {mean, p50, p99, p999, max}] in microseconds.
+/// A table of measurements with a line for each pair: a label, and {mean, p50, p99, p999, max} in microseconds.
 export class Distributions {
   constructor() {
     this.body = element("tbody");

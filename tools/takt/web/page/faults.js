@@ -1,4 +1,4 @@
-// The fault record as it grows, newest first.
+// The fault record, live, newest first.
 
 import { arrows, element, Mark, setText } from "./dom.js";
 import { lookOfSeverity } from "./looks.js";
@@ -11,10 +11,10 @@ const kSeverities = { "": "all", warning: "warnings and errors", error: "errors"
 export class Faults {
   #store;
   #shown = kPage;
-  #paused = null;  // what was there when it was
-  #come = 0;       // until then
+  #paused = null;  // the events at the time of the pause; null: not paused
+  #come = 0;       // the number of events at the time of the pause
   #known = new Map();
-  #day = "";  // of the lines that are known
+  #day = "";  // on which the known lines were made
 
   constructor(store) {
     this.#store = store;
@@ -34,12 +34,12 @@ export class Faults {
     this.count = element("span", { class: "faint", role: "status" });
     this.problems = element("p", { class: "answer", "data-look": "poor" });
     this.body = element("tbody");
-    this.more = element("button", { type: "button", text: "Show older ones", on: { click: () => { this.#shown += kPage; this.#rebuild(); } } });
+    this.more = element("button", { type: "button", text: "Show older events", on: { click: () => { this.#shown += kPage; this.#rebuild(); } } });
     const head = (text) => element("th", { scope: "col", text });
     this.element = element("div", { class: "scrolled" },
       element("div", { class: "tools" }, this.severity, this.device, this.text, this.pause, this.count), this.problems,
       element("table", { class: "list faults" }, element("caption", { class: "unseen", text: "fault record, newest first" }),
-        element("thead", {}, element("tr", {}, head("time"), head("severity"), head("of"), head("what"))), this.body), this.more);
+        element("thead", {}, element("tr", {}, head("time"), head("severity"), head("source"), head("event"))), this.body), this.more);
     arrows(this.body, "tr");
   }
 
@@ -74,7 +74,7 @@ export class Faults {
     this.#paused = this.#paused ? null : [...this.#store.faults];
     this.#come = this.#store.faultsCome;
     this.pause.setAttribute("aria-pressed", String(this.#paused !== null));
-    setText(this.pause, this.#paused ? "Go on" : "Pause");
+    setText(this.pause, this.#paused ? "Resume" : "Pause");
     this.#rebuild();
   }
 
@@ -90,12 +90,12 @@ export class Faults {
     const all = this.#paused ?? this.#store.faults;
     const taken = all.filter((event) => this.#takes(event)).reverse();
     const today = day(Date.now());
-    if (today !== this.#day) this.#known.clear();  // they say the day where it is not today
+    if (today !== this.#day) this.#known.clear();  // lines show the date if it is not today
     this.#day = today;
     const lines = new Map();
     for (const event of taken.slice(0, this.#shown)) lines.set(event, this.#known.get(event) ?? this.#line(event));
     this.#known = lines;
-    // New ones come at the top; what is there stays where it is, with the focus in it.
+    // New lines are inserted at the top. Existing lines stay in place, and keep the focus.
     let next = this.body.firstChild;
     const kept = new Set(lines.values());
     for (const line of lines.values()) {

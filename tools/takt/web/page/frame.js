@@ -1,11 +1,11 @@
-// A window onto a drawing: fits it to the width, and is moved and zoomed by touch, wheel, keys and buttons.
+// A viewport for a drawing: fits it to the width. Touch, wheel, keys and buttons move and zoom it.
 
 import { element } from "./dom.js";
 
 const kClosest = 4;      // times its own size
 const kStep = 1.25;
-const kAside = 60;       // pixels that an arrow moves
-const kClick = 5;        // a pointer that went less far has clicked
+const kAside = 60;       // pixels per arrow key
+const kClick = 5;        // a pointer movement up to this many pixels is a click
 
 export class Frame {
   #drawing = null;
@@ -26,7 +26,7 @@ export class Frame {
       "aria-label": "graph of the cell; arrows move it, plus and minus zoom, 0 fits it to the width",
     });
     this.element = element("div", { class: "frame" }, this.surface, element("div", { class: "zoom" },
-      button("+", "closer", () => this.zoom(kStep)), button("\u2212", "farther", () => this.zoom(1 / kStep)),
+      button("+", "zoom in", () => this.zoom(kStep)), button("\u2212", "zoom out", () => this.zoom(1 / kStep)),
       button("fit", "fit to the width", () => this.fit())));
     this.surface.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     this.surface.addEventListener("keydown", (event) => this.#press(event));
@@ -57,7 +57,7 @@ export class Frame {
     this.#place();
   }
 
-  /// About a point of the surface; its middle unless given.
+  /// Zooms about a point of the surface (default: its centre).
   zoom(factor, x = this.surface.clientWidth / 2, y = this.surface.clientHeight / 2) {
     const least = Math.min(this.surface.clientWidth / this.#width, this.surface.clientHeight / this.#height, 1) * 0.9;
     const scale = Math.max(least, Math.min(this.#scale * factor, kClosest));
@@ -69,7 +69,7 @@ export class Frame {
     this.#place();
   }
 
-  /// Moves no farther than needed for it to be seen.
+  /// Moves the drawing only as far as needed to make `node` visible.
   reveal(node) {
     const box = node.getBoundingClientRect();
     const here = this.surface.getBoundingClientRect();
@@ -85,7 +85,7 @@ export class Frame {
     this.#place();
   }
 
-  /// Something of it is always to be seen.
+  /// Applies position and scale, within limits that keep the drawing visible.
   #place() {
     if (!this.#drawing) return;
     const held = (at, size, of) => (size <= of ? Math.max(0, Math.min(at, of - size)) : Math.max(of - size, Math.min(at, 0)));

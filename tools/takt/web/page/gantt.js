@@ -1,5 +1,5 @@
-// The runs of an executor's modules on a common axis of time, a lane for each module. What began late is marked above its run, and a
-// run is never drawn narrower than one can see.
+// Draws the runs of an executor's modules over time, with a lane for each module. A mark above a run shows that it began late. Every run
+// is wide enough to be visible.
 
 import { Canvas } from "./canvas.js";
 import { element, setText } from "./dom.js";
@@ -26,14 +26,14 @@ export class Gantt {
     this.left = Math.min(Math.max(...this.lanes.map((name) => name.length), 4) * kLetter + 14, 180);
     this.canvas = new Canvas((context, width, height) => this.#draw(context, width, height), {
       class: "gantt", tabindex: "0", role: "img",
-      "aria-label": `runs of executor ${executor.name}; plus and minus zoom, arrows move; the same is in the tables below`,
+      "aria-label": `runs of executor ${executor.name}; plus and minus zoom, arrows move; the tables below have the same data`,
     });
     this.canvas.element.style.height = `${kHead + this.lanes.length * kLane + 6}px`;
     this.what = element("p", { class: "what faint", role: "status", text: "" });
     const button = (text, act) => element("button", { type: "button", text, on: { click: act } });
     this.element = element("div", { class: "gantt-view" }, element("div", { class: "tools" },
       button("all rows", () => this.#show(0, this.span)), button("one row", () => this.#showRow(this.#row)),
-      button("its runs", () => this.#showBusy(this.#row)), button("\u2039 row", () => this.#showNext(-1)),
+      button("runs of the row", () => this.#showBusy(this.#row)), button("\u2039 row", () => this.#showNext(-1)),
       button("row \u203a", () => this.#showNext(1)), button("+", () => this.#zoom(0.5)), button("\u2212", () => this.#zoom(2))),
     this.what, this.canvas.element, this.#legend());
     this.#listen();
@@ -58,13 +58,13 @@ export class Gantt {
     for (const runs of this.runs) runs.sort((a, b) => a.begin_ns - b.begin_ns);
   }
 
-  /// Of what is in the picture.
+  /// Explains what is drawn.
   #legend() {
     const runs = this.runs.flat();
     const entry = (look, text, holds) => (runs.some(holds) ? element("span", {}, element("span", { class: `swatch ${look}`, "aria-hidden": "true" }), text) : null);
     return element("p", { class: "legend faint small" }, entry("thread", "thread module", (run) => !run.program && !run.sporadic),
-      entry("sporadic", "sporadic", (run) => run.sporadic), entry("process", "program, on another processor", (run) => run.program),
-      entry("late", "began late, from when it was due", (run) => run.cause));
+      entry("sporadic", "sporadic", (run) => run.sporadic), entry("process", "program, on another CPU", (run) => run.program),
+      entry("late", "began late", (run) => run.cause));
   }
 
   #listen() {
@@ -80,7 +80,7 @@ export class Gantt {
       act();
     });
     canvas.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && !event.shiftKey) return;  // else the page is scrolled
+      if (!event.ctrlKey && !event.shiftKey) return;  // leave it to the page, which scrolls
       event.preventDefault();
       this.#zoom(Math.exp((event.deltaY || event.deltaX) / 300), this.#time(event.offsetX));
     }, { passive: false });
@@ -150,7 +150,7 @@ export class Gantt {
     else this.#showRow(this.#row + way);
   }
 
-  /// From when the row was due to when its last run ended, which may be a small part of the row.
+  /// Shows the time from the release of the row to the end of its last run, which may be a small part of the row.
   #showBusy(index) {
     this.#row = Math.max(0, Math.min(index, this.count - 1));
     const row = this.executor.rows.find((one) => one.row === this.#row);  // none: it was missed
@@ -184,10 +184,10 @@ export class Gantt {
     context.fillRect(this.#cursor.x, kHead, 1, height - kHead);
   }
 
-  /// A line for each row as long as they can be told apart, else for every tenth, hundredth.
+  /// A line for each row, or for every fifth, 25th and so on if they would be too close.
   #drawGrid(context, x, width, height) {
     const period = this.executor.basic_period_ns;
-    if (width <= this.left) return;  // there is no room for it, and none would ever come of wider steps
+    if (width <= this.left) return;  // no room: the loop below would not end
     let every = period;
     if (this.#to - this.#from < period * 1.5) every = nice((this.#to - this.#from) / 6);
     while ((width - this.left) * every / (this.#to - this.#from) < 64) every *= every < period ? 2 : 5;
@@ -217,7 +217,7 @@ export class Gantt {
       const left = Math.max(x(run.begin_ns), this.left - 2);
       const right = Math.min(Math.max(x(run.end_ns), left + kLeast), width + 2);
       const late = run.late_ns > 0 && run.cause;
-      if (right - drawn < 0.5 && !late) continue;  // it would hide behind the one before
+      if (right - drawn < 0.5 && !late) continue;  // hidden behind the previous run
       drawn = right;
       context.fillStyle = colour(run.program ? "process" : "thread");
       if (run.sporadic) {

@@ -1,4 +1,4 @@
-// The cell as a live graph: the gateway's drawing, to which states, health and the choice of a module are added.
+// The cell as a live graph: the gateway's drawing, with the states, the health and the selected module.
 
 import { drawn, element, setAttribute, setText } from "./dom.js";
 import { drawingOf } from "./drawing.js";
@@ -59,9 +59,9 @@ export class Graph {
     this.nothing.hidden = drawing !== null;
     this.#frame.element.hidden = drawing === null;
     const waiting = this.#store.cell === null;
-    setText(this.nothing, waiting ? "Waiting for what the gateway sees." :
-      this.#store.modules.size > 0 ? "What these modules are connected to has not been told yet; they are in the list of modules." :
-        "No cell is deployed: takt deploy CELL.xml deploys one, and its graph appears here.");
+    setText(this.nothing, waiting ? "Waiting for data from the gateway." :
+      this.#store.modules.size > 0 ? "The connections of the modules are not known yet. The modules are in the list of modules." :
+        "No cell is deployed. Deploy one with takt deploy CELL.xml, and its graph appears here.");
     if (!drawing) return;
     setAttribute(drawing, "class", "drawing");
     this.#frame.hold(drawing);
@@ -72,14 +72,14 @@ export class Graph {
     first?.setAttribute("tabindex", "0");
   }
 
-  /// What the drawing says of the state makes room for what the page says: a sign, a word, and at the right what was measured.
+  /// Replaces the state in the drawing by a sign, a word, and on the right the measured jitter.
   #prepare(group, name, known) {
     const box = group.querySelector("rect");
-    const told = group.querySelector("text.state");
-    if (!box || !told) return;
+    const state = group.querySelector("text.state");
+    if (!box || !state) return;
     const [x, y, width, height] = ["x", "y", "width", "height"].map((of) => Number(box.getAttribute(of)));
-    const [left, line] = ["x", "y"].map((of) => Number(told.getAttribute(of)));
-    told.remove();
+    const [left, line] = ["x", "y"].map((of) => Number(state.getAttribute(of)));
+    state.remove();
     const use = drawn("use", { width: kSmall, height: kSmall, x: left + 2, y: line - kSmall + 1 });
     const word = drawn("text", { "font-size": kSmall, class: "state-word", x: left + kSmall + 6, y: line });
     const measure = drawn("text", { "font-size": kSmall, class: "faint", "text-anchor": "end", x: x + width - 6, y: line });
@@ -87,7 +87,7 @@ export class Graph {
     group.append(...(known === this.#modules ? [strip] : []), use, word, measure);
     setAttribute(group, "role", "button");
     setAttribute(group, "tabindex", "-1");
-    // Of the drawing's own hint the state is left out: it is the one it was drawn with.
+    // Remove the state from the tooltip of the drawing: it is that of the time of drawing.
     const title = group.querySelector("title");
     known.set(name, { group, use, word, measure, title, about: title?.textContent.replace(/; [^;]*$/, "") });
   }
@@ -173,7 +173,7 @@ export class Graph {
     }
   }
 
-  /// Enter chooses the box in focus; arrows go to the nearest one in their direction.
+  /// Enter selects the focused box; an arrow moves the focus to the nearest box in its direction.
   #press(event) {
     const group = event.target.closest("[data-module], [data-device]");
     if (!group || event.shiftKey || event.ctrlKey || event.altKey || event.metaKey) return;
@@ -195,7 +195,7 @@ export class Graph {
   }
 }
 
-/// Of `groups` the one whose head lies that way and is the least way off; sideways counts threefold.
+/// The nearest of `groups` in a direction, measured at the top centre of each box. A sideways distance counts threefold.
 function nearest(group, groups, [dx, dy]) {
   const head = (of) => {
     const box = of.querySelector("rect").getBBox();

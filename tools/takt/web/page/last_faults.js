@@ -1,4 +1,4 @@
-// What went wrong last on a device or with a module, in its details.
+// The last faults of a device or module, for its details.
 
 import { element, Mark, setText } from "./dom.js";
 import { lookOfSeverity } from "./looks.js";
@@ -14,12 +14,12 @@ export class LastFaults {
   constructor(store) {
     this.#store = store;
     this.list = element("ul", { class: "last-faults" });
-    this.none = element("p", { class: "faint", text: "Nothing, as far as the fault record goes." });
-    this.all = element("a", { text: "its device's fault record" });
-    this.element = element("section", {}, element("h3", { text: "What went wrong last" }), this.list, this.none, element("p", {}, this.all));
+    this.none = element("p", { class: "faint", text: "The fault record has no errors or warnings." });
+    this.all = element("a", { text: "fault record of the device" });
+    this.element = element("section", {}, element("h3", { text: "Last faults" }), this.list, this.none, element("p", {}, this.all));
   }
 
-  /// `name`: of a device or module. What befell the whole device, as the end of its host, befell its modules too.
+  /// `name`: a device or module. A module also shows the faults of its whole device, such as the end of the host.
   show(name) {
     const [device, module] = name.split(".");
     this.all.href = addressOf("faults", { device, select: name });

@@ -1,4 +1,4 @@
-// How each state, severity and health is shown: a look (the colour), a sign (the shape) and a word.
+// How each state, severity and health is shown: by a look (colour), a sign (shape) and a word.
 
 import { duration } from "./words.js";
 
@@ -12,9 +12,9 @@ const kStates = {
 };
 const kLost = { look: "bad", sign: "lost" };
 
-/// `key` names it for sorting and filtering.
+/// `key` identifies the state for sorting and filtering.
 export function lookOfModule(module) {
-  if (!module.state) return { key: "none", word: "not seen", look: "faint", sign: "wait" };
+  if (!module.state) return { key: "none", word: "not found", look: "faint", sign: "wait" };
   const word = module.state.state;
   if (module.lost) return { ...kLost, key: "lost", word: `lost, was ${word}` };
   const look = kStates[word] ?? { look: "poor", sign: "poor" };
@@ -23,7 +23,7 @@ export function lookOfModule(module) {
 }
 
 export function lookOfDevice(device) {
-  if (!device) return { key: "none", word: "not seen", look: "bad", sign: "lost" };
+  if (!device) return { key: "none", word: "not found", look: "bad", sign: "lost" };
   if (!device.alive) return { ...kLost, key: "lost", word: "lost" };
   const health = String(device.health ?? "ok").toLowerCase();
   if (health === "failed") return { key: "failed", word: `${device.state}, failed`, look: "bad", sign: "recover" };
@@ -38,7 +38,7 @@ export function lookOfSeverity(severity) {
   return { look: "plain", sign: "note", word: severity };
 }
 
-/// `health` as in the measures; undefined: nothing is known of it. Worst first.
+/// `health` as in the measures; undefined: not known. A higher rank is worse.
 export function lookOfConnection(health) {
   if (!health) return { key: "none", rank: 1, look: "faint", sign: "wait", word: "not known", line: "" };
   if (!health.matched) {
@@ -57,15 +57,15 @@ export function lookOfConnection(health) {
   return { key: "good", rank: 0, look: "good", sign: "good", word: "ok", line: "good" };
 }
 
-/// Of the gateway; `since` in milliseconds of this machine's clock.
+/// The look of the connection to the gateway.
 export function lookOfLink(link) {
   if (link === "live") return { look: "good", sign: "good", word: "live" };
-  if (link === "quiet") return { look: "bad", sign: "lost", word: "no news, trying again" };
+  if (link === "quiet") return { look: "bad", sign: "lost", word: "no data, trying again" };
   if (link === "lost") return { look: "bad", sign: "lost", word: "connection lost, trying again" };
   return { look: "plain", sign: "wait", word: "connecting" };
 }
 
-/// The share of what it may take, or null; and the words for it.
+/// The run time as a share of the budget, period or deadline (null: none of them), and as words.
 export function useOf(module) {
   const run = module.measures?.run_us;
   const allowed = module.about?.budget_ns ?? module.about?.period_ns ?? module.about?.deadline_ns;
@@ -75,7 +75,7 @@ export function useOf(module) {
   return { share: run.p99 * 1000 / allowed, words: duration(run.p99), allowed, what };
 }
 
-/// The age of a value, of its deadline where it has one.
+/// The age of a value, and its share of the deadline if the connection has one.
 export function ageOf(connection, health) {
   if (!health || health.age_us === null || health.age_us === undefined) return { share: null, words: "-" };
   if (!connection.deadline_ns) return { share: null, words: duration(health.age_us) };

@@ -1,4 +1,4 @@
-// The page of takt web: one stream of news, a store of what is known, and views of it of which one is shown.
+// The page of takt web: a stream of events fills a store, and views show it. One view is visible at a time.
 
 import { get, keepToken } from "./api.js";
 import { arrows, element, Mark, setAttribute, setText, sign } from "./dom.js";
@@ -18,7 +18,7 @@ import { Table } from "./table.js";
 import { followTheme } from "./theme.js";
 import { clock } from "./words.js";
 
-const kQuiet_ms = 4000;  // measures come each second
+const kQuiet_ms = 4000;  // measures arrive every second
 
 const byId = (name) => document.getElementById(name);
 const store = new Store();
@@ -35,7 +35,7 @@ const views = {
 let shown = null;
 
 function showRoute() {
-  if (keepToken()) askRights();  // the address with the token was opened where the page was shown already
+  if (keepToken()) askRights();  // the address with the token was opened in a tab that already had the page
   const route = currentRoute();
   const name = Object.hasOwn(views, route.view) ? route.view : "cell";
   const { view, title } = views[name];
@@ -79,7 +79,7 @@ function showHeader(changes) {
   if (changes.link) showLink();
   if (changes.rights) {
     const { command, why } = store.rights;
-    rights.show({ look: command ? "good" : "faint", sign: command ? "good" : "note", word: command ? "may command" : `read-only${why.includes("not the right") ? `: ${why}` : ""}` });
+    rights.show({ look: command ? "good" : "faint", sign: command ? "good" : "note", word: command ? "may command" : `read-only${why.includes("is wrong") ? `: ${why}` : ""}` });
     setAttribute(byId("rights"), "title", why);
   }
 }
@@ -91,8 +91,8 @@ function showLink() {
   const banner = byId("stale");
   banner.hidden = !stale;
   if (!stale) return;
-  const what = store.link === "lost" ? "The connection to the gateway is lost" : "The gateway says nothing";
-  banner.replaceChildren(sign("lost"), `${what} since ${clock(store.linkSince)}; trying again. What is shown is from before.`);
+  const what = store.link === "lost" ? "The connection to the gateway has been lost" : "The gateway has sent nothing";
+  banner.replaceChildren(sign("lost"), `${what} since ${clock(store.linkSince)}; trying again. The page shows the last known state.`);
 }
 
 async function askRights() {
@@ -110,7 +110,7 @@ function listen() {
     points: (points) => views.plots.view.takePoints(points),
     cell: (news) => store.takeCell(news),
     state: (news) => {
-      speaker.hear(news);
+      speaker.take(news);
       store.takeState(news);
     },
     measures: (news) => store.takeMeasures(news),
@@ -121,7 +121,7 @@ function listen() {
     if (now === "live") askRights();
   });
   setInterval(() => {
-    stream.look();
+    stream.check();
     if (store.link === "live" && stream.silence > kQuiet_ms) store.setLink("quiet");
     else if (store.link === "quiet" && stream.silence <= kQuiet_ms) store.setLink("live");
   }, 500);

@@ -1,11 +1,11 @@
-// A module: its state and why, what was measured, what goes in and out, and what it may be told.
+// The details of a module: its state with the reason, commands, measurements, ports and properties.
 
 import { get } from "./api.js";
 import { Bar, element, Mark, setText } from "./dom.js";
 import { Distributions, Facts } from "./facts.js";
 import { LastFaults } from "./last_faults.js";
 import { lookOfConnection, lookOfModule, useOf } from "./looks.js";
-import { Orders } from "./orders.js";
+import { Commands } from "./orders.js";
 import { Properties } from "./properties.js";
 import { addressOf } from "./route.js";
 import { TimePlot } from "./time_plot.js";
@@ -30,7 +30,7 @@ export class ModuleDetails {
     this.use = new Bar();
     this.counts = new Facts();
     this.distributions = new Distributions();
-    this.orders = new Orders(store);
+    this.commands = new Commands(store);
     this.properties = new Properties(store);
     this.jitter = new TimePlot({ title: "jitter", unit: "us", lines: kLines, span_ms: kSpan_ms });
     this.run = new TimePlot({ title: "run time", unit: "us", lines: kLines, span_ms: kSpan_ms });
@@ -39,22 +39,22 @@ export class ModuleDetails {
     this.ports = element("ul", { class: "ports" });
     this.steps = element("ol", { class: "steps" });
     const part = (title, ...children) => element("section", {}, element("h3", { text: title }), ...children);
-    this.element = element("div", { class: "module-details" }, this.mark.element, this.why, this.orders.element, this.faults.element,
+    this.element = element("div", { class: "module-details" }, this.mark.element, this.why, this.commands.element, this.faults.element,
       part("Measured", this.use.element, this.distributions.element, this.counts.element, element("p", {}, this.table)),
       part("The last ten minutes", this.jitter.element, this.run.element),
-      part("Ports", this.ports), this.properties.element, part("States", this.steps), part("As deployed", this.facts.element));
+      part("Ports", this.ports), this.properties.element, part("State changes", this.steps), part("Descriptor", this.facts.element));
   }
 
   show(name) {
     this.#name = name;
     [this.#times, this.#history] = [[], { jitter: [[], []], run: [[], []] }];
     const [device] = name.split(".");
-    this.orders.hold(device, name);
+    this.commands.hold(device, name);
     this.table.href = addressOf("table", { device, select: name });
     this.properties.hold(name);
     this.#askHistory();
     this.#ports = null;
-    this.ports.replaceChildren(element("li", { class: "faint", text: "asking ..." }));
+    this.ports.replaceChildren(element("li", { class: "faint", text: "loading ..." }));
     this.#askPorts();
     this.#showAll();
   }
@@ -76,7 +76,7 @@ export class ModuleDetails {
       this.#showMeasures();
     }
     if (changes.rights || changes.link || changes.devices.size > 0) {
-      this.orders.update();
+      this.commands.update();
       this.properties.update();
     }
   }
@@ -107,7 +107,7 @@ export class ModuleDetails {
   #showState() {
     const module = this.#module;
     if (!module) {
-      this.mark.show({ look: "faint", sign: "wait", word: "there is no such module in the cell" });
+      this.mark.show({ look: "faint", sign: "wait", word: "the cell has no such module" });
       setText(this.why, "");
       this.steps.replaceChildren();
     } else {
@@ -117,7 +117,7 @@ export class ModuleDetails {
       setText(this.why, reason(module.state));
       this.#showSteps(module);
     }
-    this.orders.update();
+    this.commands.update();
   }
 
   #showSteps(module) {
@@ -134,8 +134,8 @@ export class ModuleDetails {
     const measures = module?.measures;
     this.distributions.show([["jitter", measures?.jitter_us], ["run time", measures?.run_us]], number);
     const use = module ? useOf(module) : { share: null, words: "-" };
-    const of = use.allowed ? `, p99, of its ${use.what} of ${exact(use.allowed)}` : "";
-    this.use.show(use.share, `run time ${use.words}${of}`);
+    const of = use.allowed ? ` of ${exact(use.allowed)} ${use.what}` : "";
+    this.use.show(use.share, `p99 run time ${use.words}${of}`);
     this.counts.show(["cycles", "missed", "overruns", "over_budget", "errors", "recoveries"]
       .map((what) => [what.replace("_", " "), count(measures?.[what])]));
     this.#showPortHealth();
@@ -157,13 +157,13 @@ export class ModuleDetails {
         run: kLines.map((line, i) => joined(history[`run_${line}_us`], this.#history.run[i])),
       };
       this.#showMeasures();
-    } catch { /* it has none yet: what comes from now on is drawn */ }
+    } catch { /* there is no history yet: the plots begin now */ }
   }
 
   #append() {
     const module = this.#module;
     const measures = module?.measures;
-    // Of one that is not heard of the measures are the last, and not of now.
+    // The measures of a lost module are old.
     if (!measures || !module.state || this.#store.isLost(module) || this.#store.time_ms <= (this.#times.at(-1) ?? 0)) return;
     this.#times.push(this.#store.time_ms);
     kLines.forEach((line, i) => {
@@ -175,7 +175,7 @@ export class ModuleDetails {
     }
   }
 
-  /// Once more where it is refused: a device may be told to run a moment before it can answer.
+  /// Asks a second time after a failure, because a device may start to run a moment before it can answer.
   async #askPorts(again = true) {
     const name = this.#name;
     try {
@@ -191,11 +191,11 @@ export class ModuleDetails {
     }
   }
 
-  /// Each with where it goes or comes from, and how that is.
+  /// Each port with its other ends and the health of these connections.
   #showPorts() {
     if (this.#ports === null) return;
     if (this.#ports.length === 0) {
-      this.ports.replaceChildren(element("li", { class: "faint", text: "It has none." }));
+      this.ports.replaceChildren(element("li", { class: "faint", text: "none" }));
       return;
     }
     this.ends = [];

@@ -1,4 +1,4 @@
-// Every module in a line, by device: what it does, how exactly, and how much of its budget it takes.
+// Lists all modules, grouped by device: state, jitter, and run time as a share of the budget.
 
 import { arrows, Bar, element, Mark, setAttribute, setText } from "./dom.js";
 import { lookOfDevice, lookOfModule, useOf } from "./looks.js";
@@ -14,7 +14,7 @@ const kColumns = [
   { key: "state", title: "state", of: (row) => kOrder.indexOf(row.look?.key) },
   { key: "p50", title: "jitter p50, us", of: (row) => row.module.measures?.jitter_us.p50, down: true },
   { key: "p99", title: "p99, us", of: (row) => row.module.measures?.jitter_us.p99, down: true },
-  { key: "run", title: "run time p99", about: "of its budget, else of its period", of: (row) => useOf(row.module).share, down: true },
+  { key: "run", title: "run time p99", about: "as a share of the budget; of the period if there is no budget", of: (row) => useOf(row.module).share, down: true },
   { key: "overruns", title: "over\u00adruns", of: (row) => row.module.measures?.overruns, down: true },
   { key: "recoveries", title: "recov\u00aderies", of: (row) => row.module.measures?.recoveries, down: true },
   { key: "trend", title: "jitter, 2 min" },
@@ -169,7 +169,7 @@ export class Modules {
     }
   }
 
-  /// Touches the list only where another order or choice came out.
+  /// Changes the list only if the order or the selection of rows has changed.
   #arrange() {
     const lines = [];
     let shown = 0;
@@ -210,7 +210,7 @@ export class Modules {
     return [...rows].sort((one, other) => {
       const [a, b] = [column.of(one), column.of(other)];
       if (a === b) return 0;
-      if (a === undefined || a === null) return 1;  // what is not known comes last either way
+      if (a === undefined || a === null) return 1;  // unknown values are last in both directions
       if (b === undefined || b === null) return -1;
       return (a < b ? -1 : 1) * sign;
     });
@@ -225,7 +225,7 @@ export class Modules {
     group.link = linkTo(device, device, { class: "name" });
     group.element = element("tr", { class: "group", dataset: { device } },
       element("th", { colspan: kColumns.length - 1, scope: "rowgroup" }, group.link, mark.element, about),
-      element("td", { class: "trend" }));  // hidden with the column where there is no room for it
+      element("td", { class: "trend" }));  // hidden with its column if there is no room
     this.#groups.set(device, group);
     this.#showGroup(device);
     return group;

@@ -1,10 +1,10 @@
-// What a module or a whole device may be told. An order that is not allowed cannot be given, and why not is written beside it.
+// The commands to a module or a device. The buttons of commands that are not allowed are disabled, and a text says why.
 
 import { post } from "./api.js";
 import { element, setText } from "./dom.js";
 
-/// The states in which each is allowed: the table of framework/lifecycle.
-const kOrders = [
+/// The states in which each command is allowed, as in the table of framework/lifecycle.
+const kCommands = [
   { verb: "start", title: "Start", in: ["START"] },
   { verb: "stop", title: "Stop", in: ["EXECUTING"] },
   { verb: "recover", title: "Recover", in: ["RECOVER"] },
@@ -13,25 +13,25 @@ const kOrders = [
   { verb: "destruct", title: "Destruct", in: ["IDLE", "INITIALIZE", "START", "EXECUTING", "RECOVER"], danger: true },
 ];
 
-export class Orders {
+export class Commands {
   #store;
   #device = "";
   #module = null;
-  #busy = new Set();  // of modules and devices: an order to it is under way, and not answered yet
+  #busy = new Set();  // modules and devices with a command that has no answer yet
 
   constructor(store) {
     this.#store = store;
-    this.buttons = kOrders.map((order) => element("button", {
-      type: "button", text: order.title, class: order.danger ? "danger" : null, "aria-describedby": "orders-why",
-      dataset: { verb: order.verb }, on: { click: () => this.#give(order) },
+    this.buttons = kCommands.map((command) => element("button", {
+      type: "button", text: command.title, class: command.danger ? "danger" : null, "aria-describedby": "commands-why",
+      dataset: { verb: command.verb }, on: { click: () => this.#send(command) },
     }));
-    this.why = element("p", { class: "faint small", id: "orders-why" });
+    this.why = element("p", { class: "faint small", id: "commands-why" });
     this.answer = element("p", { class: "answer", role: "status" });
-    this.element = element("section", { class: "orders" }, element("h3", { text: "Orders" }),
+    this.element = element("section", { class: "commands" }, element("h3", { text: "Commands" }),
       element("div", { class: "buttons" }, ...this.buttons), this.why, this.answer);
   }
 
-  /// To a module, or with null to all of the device's.
+  /// Selects the target: a module, or with null all modules of the device.
   hold(device, module) {
     [this.#device, this.#module] = [device, module];
     setText(this.answer, "");
@@ -41,51 +41,51 @@ export class Orders {
   update() {
     const module = this.#module === null ? null : this.#store.modules.get(this.#module);
     const state = module?.state?.state;
-    const why = this.#refusal(module);
+    const why = this.#obstacle(module);
     const busy = this.#busy.has(this.#module ?? this.#device);
-    kOrders.forEach((order, i) => {
-      this.buttons[i].disabled = busy || why !== null || (this.#module !== null && !order.in.includes(state));
+    kCommands.forEach((command, i) => {
+      this.buttons[i].disabled = busy || why !== null || (this.#module !== null && !command.in.includes(state));
     });
     if (why !== null) setText(this.why, why);
-    else if (this.#module === null) setText(this.why, `To all modules of ${this.#device} that are in a state for it.`);
-    else setText(this.why, `In ${state} allowed: ${kOrders.filter((order) => order.in.includes(state)).map((order) => order.verb).join(", ")}.`);
+    else if (this.#module === null) setText(this.why, `A command goes to all modules of ${this.#device} whose state allows it.`);
+    else setText(this.why, `Allowed in ${state}: ${kCommands.filter((command) => command.in.includes(state)).map((command) => command.verb).join(", ")}.`);
   }
 
-  #refusal(module) {
-    if (this.#store.link === "lost" || this.#store.link === "quiet") return "Not while the connection to the gateway is lost.";
+  #obstacle(module) {
+    if (this.#store.link === "lost" || this.#store.link === "quiet") return "No commands while the connection to the gateway is lost.";
     if (!this.#store.rights.command) return `Read-only: ${this.#store.rights.why}.`.replace(/\.\.$/, ".");
-    if (this.#store.devices.get(this.#device)?.alive !== true) return `Device ${this.#device} is lost: nobody would do it.`;
-    if (this.#module !== null && !module?.state) return "The module has not been seen yet.";
+    if (this.#store.devices.get(this.#device)?.alive !== true) return `Device ${this.#device} is lost and cannot execute commands.`;
+    if (this.#module !== null && !module?.state) return "The module has not reported its state yet.";
     return null;
   }
 
-  async #give({ verb, danger }) {
+  async #send({ verb, danger }) {
     const [device, name] = [this.#device, this.#module];
-    const whom = name ?? `every module of ${device}`;
-    if (danger && !(await confirmed(`Destruct ${whom}?`,
-      name ? "It ends and does not run again unless it is reset." : "They end and do not run again unless they are reset."))) return;
+    const target = name ?? `all modules of ${device}`;
+    if (danger && !(await confirmed(`Destruct ${target}?`,
+      name ? "It ends and does not run again until it is reset." : "They end and do not run again until they are reset."))) return;
     const about = name ?? device;
-    const say = (text, look) => {
+    const show = (text, look) => {
       if (device !== this.#device || name !== this.#module) return;
       this.answer.dataset.look = look;
       setText(this.answer, text);
     };
-    say(`${about}: ${verb} ...`, "plain");
+    show(`${about}: ${verb} ...`, "plain");
     this.#busy.add(about);
     this.update();
     try {
-      const order = name === null ? { device, verb } : { device, module: name.slice(device.length + 1), verb };
-      const answer = await post("/api/command", order);
-      say([`${about}: ${verb} done`, answer.state ? `now ${answer.state}` : "", answer.text].filter(Boolean).join(", "), "good");
+      const command = name === null ? { device, verb } : { device, module: name.slice(device.length + 1), verb };
+      const answer = await post("/api/command", command);
+      show([`${about}: ${verb} done`, answer.state ? `now ${answer.state}` : "", answer.text].filter(Boolean).join(", "), "good");
     } catch (problem) {
-      say(`${about}: ${problem.text ?? problem.message}`, "bad");
+      show(`${about}: ${problem.text ?? problem.message}`, "bad");
     }
     this.#busy.delete(about);
     this.update();
   }
 }
 
-/// Asks once more; Escape is no.
+/// Asks the user to confirm; Escape means no.
 export function confirmed(question, text) {
   return new Promise((answer) => {
     const no = element("button", { type: "submit", value: "no", text: "Cancel", autofocus: true });

@@ -1,4 +1,4 @@
-// The values of a port over the last five minutes: a plot for each field that is chosen.
+// The values of a port over the last five minutes, with a plot for each selected field.
 
 import { get, put } from "./api.js";
 import { element, setText } from "./dom.js";
@@ -12,24 +12,24 @@ const kAgain_ms = 3000;
 export class Plots {
   #store;
   #port = null;
-  #told = Promise.resolve();
+  #sent = Promise.resolve();
   #fields = [];
   #times = [];
   #values = [];
-  #plots = new Map();  // by field's name
+  #plots = new Map();  // by the name of the field
   #asked = false;
   #listed = "";
 
   constructor(store) {
     this.#store = store;
     this.port = element("select", { "aria-label": "port", on: { change: () => alter({ port: this.port.value, fields: null }) } });
-    this.said = element("p", { class: "faint", role: "status" });
+    this.status = element("p", { class: "faint", role: "status" });
     this.choice = element("fieldset", { class: "fields" }, element("legend", { text: "fields" }));
     this.list = element("div", { class: "plots" });
-    this.span = element("select", { "aria-label": "how long", on: { change: () => this.#span() } },
+    this.span = element("select", { "aria-label": "time span", on: { change: () => this.#span() } },
       ...[["5", "5 minutes"], ["1", "1 minute"]].map(([value, text]) => element("option", { value, text })));
     this.element = element("div", { class: "scrolled" },
-      element("div", { class: "tools" }, element("label", {}, "port ", this.port), this.span, this.said), this.choice, this.list);
+      element("div", { class: "tools" }, element("label", {}, "port ", this.port), this.span, this.status), this.choice, this.list);
   }
 
   show(parameters) {
@@ -46,29 +46,29 @@ export class Plots {
     this.#build();
     this.#showPort();
     if (!port) {
-      setText(this.said, "Choose a port: its values are drawn as they come.");
+      setText(this.status, "Choose a port to plot its values.");
       return;
     }
-    setText(this.said, "waiting for values ...");
+    setText(this.status, "waiting for values ...");
     this.#ask();
-    this.timer = setInterval(() => this.#draw(), 250);  // the time goes on where no values come
+    this.timer = setInterval(() => this.#draw(), 250);  // the time axis moves even if no values arrive
   }
 
   hide() {
     clearInterval(this.timer);
     clearTimeout(this.again);
-    if (this.#port) this.#tell([]);
+    if (this.#port) this.#select([]);
     this.#port = null;
-    [this.#times, this.#values] = [[], this.#fields.map(() => [])];  // a frame that was asked for may still come
+    [this.#times, this.#values] = [[], this.#fields.map(() => [])];  // a requested frame may still be drawn
   }
 
   update(changes) {
-    // A device that could not say its ports before may know them now.
+    // A device that could not list its ports before may be able to now.
     if (changes.cell || changes.whole || (changes.devices.size > 0 && this.#listed === "")) this.#askPorts();
-    if (changes.cell && this.#port) this.#ask();  // the gateway has forgotten what it was asked before
+    if (changes.cell && this.#port) this.#ask();  // the gateway has forgotten the previous request
   }
 
-  /// What comes of the port, of the stream's events.
+  /// Events of the stream.
   takePort(type) {
     if (type.port === this.#port) this.#takeType(type);
   }
@@ -107,7 +107,7 @@ export class Plots {
   #takeType({ type, fields }) {
     this.#fields = fields;
     [this.#times, this.#values] = [[], fields.map(() => [])];
-    setText(this.said, type);
+    setText(this.status, type);
     this.#build();
   }
 
@@ -128,21 +128,22 @@ export class Plots {
     });
   }
 
-  /// Until it is told the values: who has the port may come later than the one who looks.
+  /// Asks for the values until the gateway accepts: the device of the port may appear later than this page.
   async #ask() {
     const port = this.#port;
     clearTimeout(this.again);
-    const problem = await this.#tell([port]);
+    const problem = await this.#select([port]);
     if (!problem || port !== this.#port) return;
-    setText(this.said, problem);
+    setText(this.status, problem);
     clearTimeout(this.again);
     this.again = setTimeout(() => this.#ask(), kAgain_ms);
   }
 
-  /// Of which ports the gateway is to tell the values. What is wrong with that, or null. One after the other, for the last to hold.
-  #tell(ports) {
-    this.#told = this.#told.then(() => this.#put(ports));
-    return this.#told;
+  /// Selects the ports whose values the gateway sends. Returns the problem, or null. Requests are sent one after the other, so that the
+  /// last one takes effect.
+  #select(ports) {
+    this.#sent = this.#sent.then(() => this.#put(ports));
+    return this.#sent;
   }
 
   async #put(ports) {

@@ -1,4 +1,4 @@
-// The properties of a module: their values as they are now, and fields to set them between two of its cycles.
+// The properties of a module: their current values, and fields to set them between two cycles.
 
 import { get, post } from "./api.js";
 import { element, setText } from "./dom.js";
@@ -32,13 +32,13 @@ class Property {
     return element("input", { type: "text", value: String(value ?? ""), spellcheck: "false", autocomplete: "off" });
   }
 
-  /// Whether nothing but the value differs.
+  /// Whether only the value differs.
   is(other) {
     const kind = ({ value, ...rest }) => JSON.stringify(rest);
     return kind(this.property) === kind(other);
   }
 
-  /// Leaves alone what somebody is writing.
+  /// Does not overwrite a text that the user is editing.
   take(value) {
     const text = String(value ?? "");
     if (this.field.value === this.shown) this.field.value = text;
@@ -84,23 +84,23 @@ export class Properties {
     this.list = element("div");
     this.why = element("p", { class: "faint small" });
     this.element = element("section", { class: "properties" }, element("h3", {}, "Properties ",
-      element("button", { type: "button", class: "quiet", text: "Read again", on: { click: () => this.ask() } })), this.why, this.list);
+      element("button", { type: "button", class: "quiet", text: "Refresh", on: { click: () => this.ask() } })), this.why, this.list);
   }
 
   hold(module) {
     this.module = module;
     this.#shown.clear();
-    this.list.replaceChildren(element("p", { class: "faint", text: "asking ..." }));
+    this.list.replaceChildren(element("p", { class: "faint", text: "loading ..." }));
     this.ask();
   }
 
   update() {
     const may = this.#store.rights.command && this.#store.link === "live";
-    setText(this.why, may ? "" : `To be looked at only: ${this.#store.rights.command ? "the connection is lost" : this.#store.rights.why}.`);
+    setText(this.why, may ? "" : `Read-only: ${this.#store.rights.command ? "the connection is lost" : this.#store.rights.why}.`);
     for (const property of this.#shown.values()) property.may(may);
   }
 
-  /// Once more where it is refused: a device may be told to run a moment before it can answer.
+  /// Asks a second time after a failure, because a device may start to run a moment before it can answer.
   async ask(again = true) {
     const module = this.module;
     try {
@@ -121,7 +121,7 @@ export class Properties {
       return;
     }
     this.#shown = new Map(properties.map((property) => [property.name, new Property(this, property)]));
-    const nothing = element("p", { class: "faint", text: "It has none." });
+    const nothing = element("p", { class: "faint", text: "none" });
     this.list.replaceChildren(...(properties.length > 0 ? [...this.#shown.values()].map((one) => one.element) : [nothing]));
     this.update();
   }

@@ -1,4 +1,4 @@
-// The address says what is shown: #/modules?select=robot.servo. So a view can be linked, and the back key works.
+// The address selects the view: #/modules?select=robot.servo. So views can be linked, and the back key works.
 
 import { element } from "./dom.js";
 
@@ -13,7 +13,7 @@ export function addressOf(view, parameters = {}) {
   return text ? `#/${view}?${text}` : `#/${view}`;
 }
 
-/// To choose a module or device, beside the view and with the filters that there are when the link is followed.
+/// A link that selects a module or device. It keeps the view and the filters that are active when the user follows it.
 export function linkTo(name, text, attributes = {}) {
   const address = () => {
     const route = currentRoute();
@@ -26,13 +26,13 @@ export function go(view, parameters = {}) {
   location.hash = addressOf(view, parameters);
 }
 
-/// The same view with some parameters changed; null takes one out.
+/// The same view with some parameters changed; null removes one.
 export function alter(parameters) {
   const route = currentRoute();
   go(route.view, { ...Object.fromEntries(route.parameters), ...parameters });
 }
 
-/// As alter, without another step for the back key.
+/// Like alter(), but without a new entry in the history.
 export function adjust(parameters) {
   const route = currentRoute();
   const address = addressOf(route.view, { ...Object.fromEntries(route.parameters), ...parameters });

@@ -1,4 +1,4 @@
-// The last two minutes of a number, as a small line: how it goes, not how much it is.
+// A small line for the last two minutes of a number. It shows the trend, not the value.
 
 import { Canvas } from "./canvas.js";
 import { colour } from "./theme.js";
@@ -21,7 +21,7 @@ export class Spark {
   #draw(context, width, height) {
     const values = this.#values;
     if (values.length < 2) return;
-    const top = Math.max(...values, 1e-9);  // what is not known counts as nothing
+    const top = Math.max(...values, 1e-9);  // unknown values count as 0
     const step = width / (this.length - 1);
     const from = this.length - values.length;
     context.strokeStyle = colour("accent");

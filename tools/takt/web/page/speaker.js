@@ -1,4 +1,4 @@
-// Changes of state, said to who listens instead of looking: together once in a while, or they would interrupt each other.
+// Announces changes of state to screen readers. Changes are collected for a while, because announcements interrupt each other.
 
 const kEvery_ms = 1500;
 const kNamed = 3;
@@ -12,7 +12,7 @@ export class Speaker {
     this.#element = element;
   }
 
-  hear(news) {
+  take(news) {
     if (news.whole) return;
     for (const device of news.devices ?? []) {
       this.#waiting.set(device.name, `${device.name} ${device.gone ? "is gone" : device.alive ? device.state : "lost"}`);

@@ -1,8 +1,8 @@
-// The cell as it was heard of last. Whatever comes is put here at once; who shows it is told once a frame what has changed, so
-// that a burst of a thousand changes is drawn once.
+// The last known state of the cell. Events update it at once. Views are notified once per frame of what has changed, so that a burst
+// of a thousand changes is drawn once.
 
 const kFaults = 2000;
-const kSteps = 50;       // of a module
+const kSteps = 50;       // per module
 const kTrend = 120;      // seconds
 
 class Changes {
@@ -10,9 +10,9 @@ class Changes {
   link = false;
   rights = false;
   measures = false;
-  whole = false;         // the list of devices or modules is another
+  whole = false;         // the list of devices or modules has changed
   devices = new Set();
-  begun = new Set();     // devices that run now and did not before: they answer anew
+  begun = new Set();     // devices that have started to run: ask them again
   modules = new Set();
   faults = false;
 }
@@ -22,20 +22,20 @@ const runs = (device) => device?.alive === true && device.state === "running";
 export class Store {
   link = "connecting";
   linkSince = Date.now();
-  stream = null;         // by which the gateway knows this page
+  stream = null;         // the id by which the gateway knows this page
   rights = { command: false, why: "the gateway has not been asked yet" };
   cell = null;
-  /// By name, as the gateway says them.
+  /// By name, as the gateway sends them.
   devices = new Map();
-  /// By "device.module": {name, device, label, about (of the descriptor), state, measures, steps, trend}.
+  /// By "device.module": {name, device, label, about (from the descriptor), state, measures, steps, trend}.
   modules = new Map();
   executors = new Map();
   connections = new Map();
-  /// As they came, oldest first.
+  /// In order of arrival, oldest first.
   faults = [];
-  faultsCome = 0;        // since the page was opened
+  faultsCome = 0;        // number of faults since the page was opened
   problems = [];
-  time_ms = 0;           // of the gateway's clock, at `seen`
+  time_ms = 0;           // the gateway's clock at `seen`
   seen = 0;
   #listeners = [];
   #changes = new Changes();
@@ -45,7 +45,7 @@ export class Store {
     this.#listeners.push(listener);
   }
 
-  /// The gateway's clock; it stands while nothing is heard, so that what is old does not seem to go on.
+  /// The gateway's clock. It stops while no events arrive, so that plots of old values stop too.
   get now() {
     if (this.time_ms === 0) return Date.now();
     return this.time_ms + (this.link === "live" ? Math.min(performance.now() - this.seen, 2000) : 0);
@@ -169,18 +169,18 @@ export class Store {
     const events = news.events ?? [];
     if (news.whole) this.faults = [];
     else this.faultsCome += events.length;
-    this.faults.push(...events);  // not by the time they say: a clock that is behind would hide them far down
+    this.faults.push(...events);  // not sorted by their time: with a clock that is behind, they would appear far down
     if (this.faults.length > kFaults) this.faults.splice(0, this.faults.length - kFaults);
     this.change((changes) => { changes.faults = true; });
   }
 
-  /// Whether its device is lost: its state is the last that was heard.
+  /// Whether the device of the module is lost. Its state is then the last known one.
   isLost(module) {
     const device = this.devices.get(module.device);
     return module.state !== null && device?.alive === false;
   }
 
-  /// Of the descriptor first, then whoever else is there.
+  /// First the devices of the descriptor, then all others.
   get deviceNames() {
     const names = new Set((this.cell?.devices ?? []).map((device) => device.name));
     for (const name of this.devices.keys()) names.add(name);

@@ -1,56 +1,56 @@
-// News from the gateway, as they come. A browser alone would neither notice a gateway that is silent nor try again one that
-// refused, so both are done here.
+// The events of the gateway. A browser by itself does not notice a silent gateway and does not retry after a rejection, so this class
+// does both.
 
 const kAgain_ms = 1000;
 const kSilent_ms = 15000;
 
 export class Stream {
-  /// `events`: {name: function of what came}; `link`: told "live" or "lost", whenever that changes.
+  /// `events`: {name: function of the event's data}; `link`: called with "live" or "lost" when that changes.
   constructor(address, events, link = () => {}) {
     this.address = address;
     this.events = events;
     this.link = link;
-    this.heard = performance.now();
+    this.lastEvent = performance.now();
     this.open();
   }
 
   open() {
     this.source = new EventSource(this.address);
-    this.source.onopen = () => this.hear();
-    this.source.onerror = () => this.again();
+    this.source.onopen = () => this.receive();
+    this.source.onerror = () => this.reconnect();
     for (const [name, act] of Object.entries(this.events)) {
       this.source.addEventListener(name, (event) => {
-        this.hear();
+        this.receive();
         act(JSON.parse(event.data));
       });
     }
   }
 
-  hear() {
-    this.heard = performance.now();
-    this.tell("live");
+  receive() {
+    this.lastEvent = performance.now();
+    this.report("live");
   }
 
-  tell(link) {
-    if (this.said === link) return;
-    this.said = link;
+  report(link) {
+    if (this.reported === link) return;
+    this.reported = link;
     this.link(link);
   }
 
-  /// Milliseconds since something came.
+  /// Milliseconds since the last event.
   get silence() {
-    return performance.now() - this.heard;
+    return performance.now() - this.lastEvent;
   }
 
-  /// To be called now and then where news come all the time.
-  look() {
-    if (this.silence > kSilent_ms) this.again();
+  /// Reconnects after a long silence. Call it regularly.
+  check() {
+    if (this.silence > kSilent_ms) this.reconnect();
   }
 
-  again() {
+  reconnect() {
     this.source.close();
-    this.heard = performance.now();
-    this.tell("lost");
+    this.lastEvent = performance.now();
+    this.report("lost");
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.open(), kAgain_ms);
   }

@@ -8,7 +8,7 @@ export function summaryOf(store) {
   const names = store.deviceNames;
   if (names.length === 0) {
     const where = store.cell ? ` on domain ${store.cell.domain}` : "";
-    return { look: "faint", sign: "wait", word: `no device is to be seen${where}` };
+    return { look: "faint", sign: "wait", word: `no devices found${where}` };
   }
   const devices = names.map((name) => ({ name, look: lookOfDevice(store.devices.get(name)), is: store.devices.get(name) }));
   const lost = devices.filter((device) => device.look.key === "lost" || device.look.key === "none");
@@ -30,7 +30,7 @@ export function summaryOf(store) {
   return { look: "good", sign: "executing", word };
 }
 
-/// What those that are there do: "running", or "running and preparing".
+/// The states of the devices that are alive: "running", or "running and preparing".
 function doing(devices) {
   const states = new Set(devices.filter((device) => device.is?.alive).map((device) => device.is.state));
   if (states.size === 0) return "lost";

@@ -1,4 +1,4 @@
-// The table of each executor over one macro period, and where the time went in the last whole one.
+// The table of each executor, and where the time went in the last complete macro period.
 
 import { get } from "./api.js";
 import { element, setText } from "./dom.js";
@@ -22,11 +22,11 @@ export class Table {
       adjust({ device: this.device.value });
       this.show(currentRoute().parameters);
     } } });
-    this.again = element("button", { type: "button", text: "Look again", on: { click: () => this.#ask() } });
-    this.said = element("span", { class: "faint", role: "status" });
+    this.again = element("button", { type: "button", text: "Refresh", on: { click: () => this.#ask() } });
+    this.status = element("span", { class: "faint", role: "status" });
     this.body = element("div");
     this.element = element("div", { class: "scrolled table-view" },
-      element("div", { class: "tools" }, element("label", {}, "device ", this.device), this.again, this.said), this.body);
+      element("div", { class: "tools" }, element("label", {}, "device ", this.device), this.again, this.status), this.body);
   }
 
   show(parameters) {
@@ -48,7 +48,7 @@ export class Table {
   }
 
   update(changes) {
-    if (changes.cell) this.#device = "";  // what was shown is of another deployment
+    if (changes.cell) this.#device = "";  // the table shown belongs to another deployment
     if (changes.cell || changes.whole) this.show(currentRoute().parameters);
     if (!changes.cell && !this.#shown && changes.begun.has(this.#device)) this.#ask();
   }
@@ -57,22 +57,22 @@ export class Table {
     for (const gantt of this.#gantts) gantt.redraw();
   }
 
-  /// Once more where it is refused or nothing has run yet: a device is told to run a moment before it does.
+  /// Asks a second time after a failure or an empty table, because a device reports that it runs a moment before its first row.
   async #ask(again = true) {
     const device = this.#device;
     const asked = ++this.#asked;
     if (!device) return;
-    setText(this.said, "asking ...");
+    setText(this.status, "loading ...");
     this.again.disabled = true;
     try {
       const table = await get("/api/table", { device });
       if (asked !== this.#asked) return;
-      setText(this.said, "");
+      setText(this.status, "");
       this.#draw(table);
       this.#shown = table.executors?.some((executor) => executor.rows.length > 0) === true;
     } catch (problem) {
       if (asked !== this.#asked) return;
-      setText(this.said, "");
+      setText(this.status, "");
       this.body.replaceChildren(element("p", { class: "answer", "data-look": "bad", text: problem.text ?? problem.message }));
       this.#shown = false;
     }
@@ -92,14 +92,14 @@ export class Table {
       return this.#executor(executor, programs, about);
     });
     this.body.replaceChildren(...(parts.length > 0 ? parts :
-      [element("p", { class: "nothing", text: "Nothing has run there in the last macro period." })]));
+      [element("p", { class: "nothing", text: "Nothing ran on this device in the last macro period." })]));
   }
 
   #executor(executor, programs, about) {
     const spec = this.#store.cell?.devices?.find(({ name }) => name === this.#device)?.executors?.find(({ name }) => name === executor.name);
     const rows = spec?.rows ?? [];
     if (executor.rows.length === 0) {
-      const why = executor.text ?? "Every row of the last macro period was missed. Look again for another.";
+      const why = executor.text ?? "Every row of the last macro period was missed. Refresh to see another one.";
       return element("section", { class: "executor" }, element("h3", { text: `executor ${executor.name}` }),
         element("p", { class: "faint", text: why }), planned(rows, executor));
     }
@@ -110,12 +110,12 @@ export class Table {
     const left_out = all > kRows ? `; the first ${kRows} are shown` : "";
     return element("section", { class: "executor" }, element("h3", { text: `executor ${executor.name}` }),
       element("p", { class: "faint", text: `${several(all, "row")} of ${exact(executor.basic_period_ns)}, a macro period of ` +
-        `${exact(executor.macro_period_ns)}${left_out}${missed > 0 ? `; ${several(missed, "row")} missed` : ""}; begun at ${clock(executor.begin_ms, { thousandths: true })}` }),
+        `${exact(executor.macro_period_ns)}${left_out}${missed > 0 ? `; ${several(missed, "row")} missed` : ""}; began at ${clock(executor.begin_ms, { thousandths: true })}` }),
       gantt.element, lateness(executor, programs, this.#device), used(executor, programs, about), planned(rows, executor));
   }
 }
 
-/// As in the table's rows, then the sporadic ones, then whoever else ran.
+/// The modules in the order of the table's rows, then the sporadic ones, then any others that ran.
 function orderOf(rows, spec, executor) {
   const names = new Set();
   for (const row of rows) for (const name of row) names.add(name);
@@ -131,7 +131,7 @@ function lateness(executor, programs, device) {
     for (const run of row.runs) if (run.cause) late.push({ what: `${run.module} in row ${row.row}`, at: run.begin_ns, by: run.late_ns, cause: run.cause });
   }
   for (const run of programs) if (run.cause) late.push({ what: run.module, at: run.begin_ns, by: run.late_ns, cause: run.cause });
-  if (late.length === 0) return element("p", { class: "faint", text: `No row and no module of a thread began late in it. What was late in the last seconds, and why: takt trace ${device}` });
+  if (late.length === 0) return element("p", { class: "faint", text: `No row and no thread module began late in this macro period. To see what was late in the last seconds, and why: takt trace ${device}` });
   const head = (text) => element("th", { scope: "col", text });
   return element("details", { open: true }, element("summary", { text: `What began late, and why: ${late.length}` }),
     element("table", { class: "numbers late" }, element("thead", {}, element("tr", {}, head("what"), head("at, ms"), head("late by, us"), head("cause"))),
@@ -140,7 +140,7 @@ function lateness(executor, programs, device) {
         element("td", { text: cause }))))));
 }
 
-/// The same in numbers: how often each ran and how long that took, of the macro period.
+/// The same in numbers: how often each module ran, and its share of the macro period.
 function used(executor, programs, about) {
   const sums = new Map();
   const add = (run, program) => {
@@ -157,8 +157,8 @@ function used(executor, programs, about) {
   const busy = lines.filter(([, sum]) => !sum.program).reduce((all, [, sum]) => all + sum.all_ns, 0);
   const head = (text) => element("th", { scope: "col", text });
   return element("details", { open: true },
-    element("summary", { text: `Where the time went: ${number(busy / span * 100)} % of it on the executor` }),
-    element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, head("module"), head("runs"), head("all, us"), head("longest, us"),
+    element("summary", { text: `Where the time went: the executor was busy ${number(busy / span * 100)} % of the time` }),
+    element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, head("module"), head("runs"), head("total, us"), head("longest, us"),
       head("budget, us"), head("share, %"))),
     element("tbody", {}, ...lines.map(([name, sum]) => element("tr", {},
       element("th", { scope: "row", text: sum.program ? `${name} (program)` : name }), ...[String(sum.runs), number(sum.all_ns / 1e3),

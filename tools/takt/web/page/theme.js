@@ -1,4 +1,4 @@
-// Dark or light: as the system is, unless somebody chose. The choice is this browser's.
+// The dark or light theme: that of the system, or the user's choice, which this browser remembers.
 
 const kKept = "takt-theme";
 
@@ -22,7 +22,7 @@ export function followTheme(select, changed) {
 
 const colours = new Map();
 
-/// What canvases draw with: the colours of page.css as they are now.
+/// A colour of page.css in the current theme, for drawing on a canvas.
 export function colour(name) {
   if (!colours.has(name)) colours.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
   return colours.get(name);

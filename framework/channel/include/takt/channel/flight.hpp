@@ -1,6 +1,6 @@
 // The flight record: what the threads of executors did last, in memory that the node keeps when their host
-// dies. Each thread has a ring of its own; the oldest entry gives way to the newest, and who reads stops
-// nobody.
+// dies. Each thread has a ring of its own, in which the newest entry replaces the oldest. Reading a ring
+// never stops its writer.
 #pragma once
 
 #include <atomic>
@@ -10,29 +10,29 @@ namespace takt::channel {
 
 enum class FlightKind : std::uint8_t {
   nothing,
-  row,       ///< a row begins; the value is how long after its release, in ns
-  run,       ///< a run() ended; the value is how long it took, in ns
-  row_end,   ///< a row ended, with its conditions
-  released,  ///< a program was released, or was still in its body; the value is a channel::Release
-  body,      ///< a program's body had ended by now, at the entry's time; the value is how long it took, in ns
-  ready,     ///< a sporadic module is to run
-  write,     ///< in the run that ends next: a sample was written; the value is the place of the port
-  event,     ///< in the run that ends next: an event was taken; the value is the place of the port
-  swapped,   ///< from this row on another instance of the module is called
+  row,       ///< a row began; value: its delay after the release, in ns
+  run,       ///< a run() ended; value: its duration, in ns
+  row_end,   ///< a row ended, including its conditions
+  released,  ///< a program was released, or was still in its body; value: a channel::Release
+  body,      ///< a program's body ended at the entry's time, recorded later; value: its duration, in ns
+  ready,     ///< a sporadic module became ready to run
+  write,     ///< a sample was written, in the run that ends next; value: index of the port in its module
+  event,     ///< an event was taken, in the run that ends next; value: index of the port in its module
+  swapped,   ///< from this row on, another instance of the module is called
 };
 inline constexpr std::uint8_t kFlightKinds = 10;
 
-/// Where it lies in the ring.
+/// An entry as it is stored in the ring.
 struct FlightEntry {
-  std::atomic<std::int64_t> time_ns;  ///< monotonic
+  std::atomic<std::int64_t> time_ns;  ///< monotonic clock
   std::atomic<std::uint64_t> what;    ///< FlightWriter::pack()
 };
 
-/// As it is read.
+/// An entry as a reader gets it.
 struct FlightSample {
   std::int64_t time_ns = 0;
   FlightKind kind = FlightKind::nothing;
-  std::uint32_t module = 0;  ///< its index on the device; of rows 0
+  std::uint32_t module = 0;  ///< index of the module on the device; 0 for rows
   std::uint64_t value = 0;
   bool operator==(const FlightSample&) const = default;
 };
@@ -41,15 +41,15 @@ struct alignas(64) FlightRing {
   std::atomic<std::uint64_t> written;  ///< entries so far. SYNC: flight
 };
 
-/// The thread's end of its ring, one at a time. Without a ring nothing is recorded.
+/// Writes the entries of one thread; one writer per ring at a time. Without a ring it records nothing.
 class FlightWriter {
  public:
-  /// Modules from here on are not told apart, and values from here on neither.
+  /// The largest module index and the largest value that an entry holds; larger ones are recorded as these.
   static constexpr std::uint32_t kMostModule = (1U << 20) - 1;
   static constexpr std::uint64_t kMostValue = (std::uint64_t{1} << 40) - 1;
 
   FlightWriter() = default;
-  /// `capacity`: a power of two.
+  /// `capacity`: number of entries, a power of two.
   FlightWriter(FlightRing& ring, FlightEntry* entries, std::uint64_t capacity) noexcept
       : ring_(&ring),
         entries_(entries),
@@ -60,8 +60,8 @@ class FlightWriter {
   void add(FlightKind kind, std::int64_t time_ns, std::uint32_t module = 0, std::int64_t value = 0) noexcept {
     if (ring_ == nullptr) return;
     FlightEntry& entry = entries_[written_ & mask_];
-    // SYNC: flight. Each store releases, so who sees any part of this entry also sees how many were written
-    // before it, and with that which one it has replaced.
+    // SYNC: flight. Each store is a release store. So a reader that sees any part of this entry also sees how
+    // many entries were written before it, and therefore which entry it replaced.
     entry.time_ns.store(time_ns, std::memory_order_release);
     entry.what.store(pack(kind, module, value), std::memory_order_release);
     ring_->written.store(++written_, std::memory_order_release);

@@ -1,4 +1,4 @@
-// The memory of the flight record of a device, made by its node and kept when a host dies.
+// The memory of a device's flight record. The node creates it and keeps it when a host dies.
 #pragma once
 
 #include <cstddef>
@@ -11,31 +11,31 @@
 
 namespace takt::channel {
 
-/// What was found in a ring, the oldest first.
+/// A copy of a ring, the oldest entry first.
 struct FlightCopy {
   std::vector<FlightSample> entries;
-  std::uint64_t written = 0;  ///< entries since the ring is there
-  std::uint64_t lost = 0;     ///< overwritten while they were read
+  std::uint64_t written = 0;  ///< entries written since the ring was created
+  std::uint64_t lost = 0;     ///< entries that were overwritten during the copy
 };
 
-/// The rings of one device: two of each executor, of its rows and of its sporadic modules.
+/// The rings of one device: two for each executor, one for its rows and one for its sporadic modules.
 class FlightRecord {
  public:
   static constexpr std::size_t of_rows(std::size_t executor) noexcept { return 2 * executor; }
   static constexpr std::size_t of_sporadic(std::size_t executor) noexcept { return 2 * executor + 1; }
 
   FlightRecord() = default;
-  /// The entries that each ring holds: a power of two, or 0 for a ring that nobody writes.
+  /// `capacities`: the entries that each ring holds, a power of two; 0 for a ring that is never written.
   static Result<FlightRecord> create(const std::vector<std::uint64_t>& capacities);
-  /// Fails when the memory was laid out by another version.
+  /// Fails if another version of Takt created the memory.
   static Result<FlightRecord> attach(os::Fd fd);
 
   [[nodiscard]] std::size_t rings() const noexcept { return places_.size(); }
   [[nodiscard]] std::uint64_t capacity(std::size_t ring) const noexcept { return places_[ring].capacity; }
-  /// Goes on behind what was written before. Of a ring of 0 entries, or with an index past the last, one that
-  /// records nothing.
+  /// A writer that continues after the entries that are there. Records nothing if the ring has no entries or
+  /// does not exist.
   [[nodiscard]] FlightWriter writer(std::size_t ring) const noexcept;
-  /// Any process, while it is written.
+  /// Copies a ring, also while it is written. For any process. Not real-time: allocates.
   [[nodiscard]] FlightCopy copy(std::size_t ring) const;
   [[nodiscard]] const os::Fd& fd() const noexcept { return memory_.fd(); }
 
@@ -46,7 +46,7 @@ class FlightRecord {
   };
   [[nodiscard]] FlightRing& ring(std::size_t index) const noexcept;
   [[nodiscard]] FlightEntry* entries(std::size_t index) const noexcept;
-  /// Where rings of these capacities lie; the last place is the end of them.
+  /// The places of rings of these capacities in the memory. The last place is the end of the rings.
   static std::vector<Place> places_of(const std::vector<std::uint64_t>& capacities);
 
   os::SharedMemory memory_;

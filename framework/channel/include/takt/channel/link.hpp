@@ -1,16 +1,16 @@
-// How a sample gets from one writer to one reader: a connection's memory, between two threads or two
-// processes.
+// A link: the shared memory of one connection, through which samples get from one writer to one reader,
+// between two threads or two processes.
 //
-// A queue that drops its oldest sample when it is full is written by both sides, and whoever holds a lock may
-// be killed. So there is none: every sample lies in a buffer, and only the numbers of buffers change hands.
-// There are depth + 2 buffers: one in each slot, one private to the writer, one private to the reader. The
-// writer fills its own and exchanges it for the one in the next slot; the reader exchanges its own for the
-// oldest full one. Whoever has a buffer's number has the buffer alone, so nothing is ever seen half written.
-// With depth 1 this is the latest value.
+// Both sides write to a queue that drops its oldest sample when it is full, and a process that holds a lock
+// could be killed. So there is no lock. Every sample is in a buffer, and the sides pass only buffer numbers.
+// There are depth + 2 buffers: one in each slot, one private to the writer, and one private to the reader.
+// The writer fills its own buffer and exchanges it for the one in the next slot. The reader exchanges its own
+// buffer for the oldest full one. The side that has a buffer's number has the buffer alone, so no sample is
+// ever seen half written. With depth 1 the link holds the latest value.
 //
-// Each side says which buffer it has and which it is about to take for which sample, so that whoever takes
-// the place of a side that died in the middle of this finds out which buffer that side was left with, in a
-// few steps and whatever the other side does meanwhile.
+// Each side states which buffer it has, and which buffer it is about to take for which sample. If a side dies
+// during the exchange, its successor finds from these words, in a few steps, which buffer the dead side had.
+// The other side may continue meanwhile.
 #pragma once
 
 #include <algorithm>
@@ -24,16 +24,17 @@
 
 namespace takt::channel {
 
-/// Of one sample, beside its payload.
+/// What comes with the payload of a sample.
 struct SampleInfo {
-  std::uint64_t sequence = 0;  ///< of the link, from 1 without gaps at the writer
-  std::int64_t stamp_ns = 0;   ///< monotonic time of the value: when the run() that wrote it began
+  std::uint64_t sequence = 0;  ///< number of the sample; the writer of the link counts from 1 without gaps
+  std::int64_t stamp_ns = 0;   ///< monotonic time at which the run() that wrote the sample began
   std::uint32_t size = 0;      ///< bytes of the payload
-  std::int64_t valid_ns = 0;   ///< monotonic time from which on it may be read; 0: at once
+  std::int64_t valid_ns = 0;   ///< monotonic time from which the sample may be read; 0: at once
 };
 
-/// A slot's word: whether a sample is in it, which, and the number of its buffer. An emptied slot keeps the
-/// number of the sample that was taken from it, so that the words alone tell how far the link has come.
+/// The word of a slot: whether the slot is full, the number of its sample, and the number of its buffer. An
+/// emptied slot keeps the number of the sample that was taken from it, so the words alone show the progress
+/// of the link.
 struct SlotWord {
   static constexpr std::uint64_t kFull = std::uint64_t{1} << 63;
   static constexpr unsigned kIndexBits = 18;
@@ -51,51 +52,50 @@ struct SlotWord {
 };
 
 inline constexpr std::uint32_t kMaxLinkDepth = 65536;
-/// Of BasicLinkBlock::trusted_from.
+/// Value of BasicLinkBlock::trusted_from: no sample is trusted.
 inline constexpr std::uint64_t kNobody = std::numeric_limits<std::uint64_t>::max();
-/// A time that does not come.
+/// A time that never comes.
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-/// Begins the memory of a link; slots, sample infos and payloads follow. Nothing in it is a pointer. `Atomic`
-/// is std::atomic but in a test, which wants to be there between any two steps.
+/// The start of a link's memory; slots, sample infos and payloads follow. Nothing in it is a pointer.
+/// `Atomic` is std::atomic, except in a test that takes control between any two steps.
 template <template <class> class Atomic>
 struct alignas(64) BasicLinkBlock {
   static constexpr std::uint64_t kMagic = 0x6b6e'696c'0000'0004;  // "link", layout 4
 
-  // Written before anybody uses it.
+  // Written before the link is used.
   std::uint64_t magic;
-  std::uint32_t depth;      ///< 1 to 65536; 1: the latest value
-  std::uint32_t stride;     ///< bytes of one payload's place, a multiple of 64; 0: the payloads lie elsewhere
-  std::uint32_t is_queue;   ///< what is overwritten before it was read counts as dropped
-  std::uint32_t wake_bits;  ///< of the wake_word, pending when a sample was written; 0: nobody waits for one
-  std::int64_t deadline_ns;       ///< a value older than this is stale; 0: never
-  Atomic<std::uint32_t> enabled;  ///< 0: a writer does not write here (nobody listens). Set by the node.
-  std::uint32_t safe_room;        ///< bytes of the place of a safe value; 0: this link has none
-  /// Of a link with such a place: samples with a lower number are not given to anybody. kNobody while the
-  /// writer does not execute. Set by the node that looks after the reader. SYNC: trusted
+  std::uint32_t depth;       ///< 1 to 65536; 1: the latest value
+  std::uint32_t stride;      ///< bytes reserved for one payload, a multiple of 64; 0: payloads are elsewhere
+  std::uint32_t is_queue;    ///< samples that are overwritten before they were read count as dropped
+  std::uint32_t wake_bits;   ///< bits of the wake word to set when a sample was written; 0: no reader sleeps
+  std::int64_t deadline_ns;  ///< a value older than this is stale; 0: never
+  Atomic<std::uint32_t> enabled;  ///< 0: writers skip this link, because nobody reads it. Set by the node.
+  std::uint32_t safe_room;        ///< bytes reserved for a safe value; 0: this link has none
+  /// Of a link with room for a safe value: readers do not get samples with a lower number. kNobody while the
+  /// writer does not execute. Set by the node of the reader. SYNC: trusted
   Atomic<std::uint64_t> trusted_from;
-  Atomic<std::uint32_t> safe_size;  ///< bytes of the safe value; 0: it is not known yet. SYNC: safe value
+  Atomic<std::uint32_t> safe_size;  ///< bytes of the safe value; 0: not known yet. SYNC: safe value
 
   // Written by the writer.
   alignas(64) Atomic<std::uint64_t> written;  ///< samples so far
-  Atomic<std::int64_t> newest_ns;             ///< stamp of the last one; 0: none yet
-  Atomic<std::uint64_t> overwritten;          ///< before they were read
-  Atomic<std::uint64_t> unfit;       ///< values that were not written: a string or sequence beyond its bound
-  Atomic<std::uint32_t> writer_has;  ///< its buffer. SYNC: hands over
-  Atomic<std::uint64_t> writer_takes;  ///< a SlotWord: what it takes for which sample
+  Atomic<std::int64_t> newest_ns;             ///< stamp of the last sample; 0: none yet
+  Atomic<std::uint64_t> overwritten;          ///< samples that were overwritten before they were read
+  Atomic<std::uint64_t> unfit;         ///< values that were not written because they do not fit their type
+  Atomic<std::uint32_t> writer_has;    ///< the writer's buffer. SYNC: hands over
+  Atomic<std::uint64_t> writer_takes;  ///< a SlotWord: the buffer that the writer takes for which sample
 
   // Written by the reader.
   alignas(64) Atomic<std::uint64_t> taken;
-  Atomic<std::uint64_t> refused;  ///< taken, but the bytes were no sample of the type
-  Atomic<std::uint64_t> late;     ///< times that the newest value was found older than the deadline
+  Atomic<std::uint64_t> refused;  ///< taken, but the bytes were not a valid sample of the type
+  Atomic<std::uint64_t> late;     ///< how often the newest value was older than the deadline
   Atomic<std::uint64_t>
-      reader_has;  ///< a SlotWord: its buffer, and the sample it is done with. SYNC: hands over
-  Atomic<std::uint64_t> reader_takes;  ///< a SlotWord: which sample it takes in which buffer
+      reader_has;  ///< a SlotWord: the reader's buffer, and its last finished sample. SYNC: hands over
+  Atomic<std::uint64_t> reader_takes;  ///< a SlotWord: the sample that the reader takes, and its buffer
 };
 
-/// A sample's info in the memory of a link. The number is read by who takes the place of a reader, and the
-/// time from which on the sample is valid by a reader that looks whether it may take it, while the writer may
-/// be at them.
+/// A sample's info in the memory of a link. Two members are read while the writer may write them: `sequence`
+/// by the successor of a reader, and `valid_ns` by a reader that checks whether it may take the sample.
 template <template <class> class Atomic>
 struct BasicSampleHead {
   Atomic<std::uint64_t> sequence;
@@ -104,7 +104,7 @@ struct BasicSampleHead {
   std::uint32_t size;
 };
 
-/// Where the parts of a link lie behind its block.
+/// The offsets of a link's parts from the start of its memory.
 template <template <class> class Atomic>
 class BasicLinkLayout {
  public:
@@ -134,7 +134,7 @@ class BasicLinkLayout {
   std::uint32_t safe_;
 };
 
-/// A link's memory, as both sides use it. Copies refer to the same memory.
+/// Access to a link's memory, for both sides. Copies refer to the same memory.
 template <template <class> class Atomic>
 class BasicLink {
  public:
@@ -143,8 +143,8 @@ class BasicLink {
   using Layout = BasicLinkLayout<Atomic>;
 
   BasicLink() = default;
-  /// Memory of Layout::size() bytes that was formatted, aligned to 64. Depth and stride are read once: what a
-  /// program that writes where it should not makes of them later leads nobody out of the memory.
+  /// `memory`: formatted, Layout::size() bytes, aligned to 64. Depth and stride are read only here. If a
+  /// program that writes out of bounds changes them later, no access leaves the memory.
   explicit BasicLink(std::byte* memory) noexcept
       : block_(reinterpret_cast<Block*>(memory)), layout_(block_->depth, block_->stride, block_->safe_room) {
     slots_ = reinterpret_cast<Atomic<std::uint64_t>*>(memory + layout_.slots());
@@ -155,7 +155,7 @@ class BasicLink {
 
   struct Options {
     std::uint32_t depth = 1;
-    std::uint32_t payload = 0;  ///< most bytes of one sample; 0: the payloads lie elsewhere
+    std::uint32_t payload = 0;  ///< most bytes of one sample; 0: the payloads are elsewhere
     bool is_queue = false;
     std::uint32_t wake_bits = 0;
     std::int64_t deadline_ns = 0;
@@ -165,14 +165,14 @@ class BasicLink {
   static constexpr Layout layout(const Options& options) noexcept {
     return {options.depth, (options.payload + 63) / 64 * 64, options.safe};
   }
-  /// Whether the memory of somebody else is a link of this version, whole.
+  /// Whether memory from another process is a complete link of this version.
   static bool is_link(const std::byte* memory, std::size_t size) noexcept {
     if (size < sizeof(Block)) return false;
     const auto* block = reinterpret_cast<const Block*>(memory);
     return block->magic == Block::kMagic && block->depth >= 1 && block->depth <= kMaxLinkDepth &&
            block->stride % 64 == 0 && size >= Layout{block->depth, block->stride, block->safe_room}.size();
   }
-  /// Makes a link of memory that nobody uses. What was in it is gone.
+  /// Makes a link of memory that is not in use. The former content is lost.
   static void format(std::byte* memory, const Options& options) noexcept {
     TAKT_CHECK(options.depth >= 1 && options.depth <= kMaxLinkDepth);
     auto* block = reinterpret_cast<Block*>(memory);
@@ -213,7 +213,7 @@ class BasicLink {
   [[nodiscard]] std::uint32_t buffers() const noexcept { return layout_.buffers(); }
   [[nodiscard]] bool has_buffer(std::uint32_t buffer) const noexcept { return buffer < layout_.buffers(); }
   [[nodiscard]] std::size_t size() const noexcept { return layout_.size(); }
-  /// The place of a sample's slot.
+  /// The index of the slot of a sample.
   [[nodiscard]] std::uint32_t place_of(std::uint64_t sequence) const noexcept {
     return static_cast<std::uint32_t>((sequence - 1) % layout_.depth());
   }
@@ -226,24 +226,26 @@ class BasicLink {
     return payloads_ + std::size_t{buffer} * layout_.stride();
   }
 
-  /// The link has a place for a safe value: what its reader gets in place of samples that are not to be
+  /// Whether the link has room for a safe value. The reader gets that value in place of samples that are not
   /// trusted.
   [[nodiscard]] bool has_safe_place() const noexcept { return layout_.safe_room() != 0; }
-  /// It, as CDR; empty while it is not known. SYNC: safe value
+  /// The safe value as CDR; empty while it is not known. SYNC: safe value
   [[nodiscard]] std::span<const std::byte> safe() const noexcept {
     const std::uint32_t size = block_->safe_size.load(std::memory_order_acquire);
     return {safe_, std::min(size, layout_.safe_room())};
   }
-  /// Once, by the node. What does not fit is no value of the type, and is left out.
+  /// Sets the safe value, as CDR. For the node, once. Ignores bytes that do not fit: they are not a value of
+  /// the type.
   void give_safe(std::span<const std::byte> value) const noexcept {
     if (value.size() > layout_.safe_room()) return;
     std::copy(value.begin(), value.end(), safe_);
     block_->safe_size.store(static_cast<std::uint32_t>(value.size()), std::memory_order_release);
   }
-  /// The writer does not execute: nothing that it wrote is given to anybody. By the node, while it may be
-  /// writing.
+  /// From now on the reader gets no sample, because the writer does not execute. For the node; the writer may
+  /// be writing meanwhile.
   void withhold() const noexcept { block_->trusted_from.store(kNobody, std::memory_order_release); }
-  /// It executes, or is about to: what it writes from now on is given to the reader.
+  /// The writer executes, or is about to: the reader gets the samples that are written from now on. For the
+  /// node.
   void trust() const noexcept {
     if (block_->trusted_from.load(std::memory_order_relaxed) != kNobody) return;
     const std::uint64_t written = block_->written.load(std::memory_order_relaxed);
@@ -263,8 +265,8 @@ class BasicLink {
   std::byte* safe_ = nullptr;
 };
 
-/// What belongs to a side that nobody serves at present: its buffer, and the last sample it published, or is
-/// done with. The other side may be at work meanwhile, or dead as well.
+/// What a side had that is not served at present: its buffer, and the last sample that it published or
+/// finished. The other side may be active meanwhile, or not be served either.
 struct LinkPlace {
   std::uint32_t buffer = 0;
   std::uint64_t sequence = 0;
@@ -275,7 +277,7 @@ LinkPlace find_writer(const BasicLink<Atomic>& link) noexcept {
   constexpr auto acquire = std::memory_order_acquire;
   const std::uint64_t takes = link.block().writer_takes.load(acquire);
   const std::uint64_t sequence = SlotWord::sequence(takes);
-  // Only a writer changes the number in a slot: it says whether the sample that was announced has come there.
+  // Only a writer changes the number in a slot, so the number tells whether the announced sample got there.
   const bool published =
       sequence == 0 || SlotWord::sequence(link.slot(link.place_of(sequence)).load(acquire)) >= sequence;
   const LinkPlace found = published ? LinkPlace{SlotWord::index(takes), sequence}
@@ -293,17 +295,19 @@ LinkPlace find_reader(const BasicLink<Atomic>& link) noexcept {
   const std::uint64_t sequence = SlotWord::sequence(takes);
   const LinkPlace not_taken{old, SlotWord::sequence(has)};
   const LinkPlace taken{wanted, sequence};
-  if (!link.has_buffer(old) || !link.has_buffer(wanted)) return {};  // somebody wrote where he should not
-  if (old == wanted) return not_taken;                               // it had finished
-  // Once again is enough: a writer that has gone on meanwhile has used its buffer. The bound is for nonsense.
+  if (!link.has_buffer(old) || !link.has_buffer(wanted)) return {};  // a program wrote out of bounds
+  if (old == wanted) return not_taken;                               // the reader had finished its exchange
+  // The second attempt is enough: if the writer continued meanwhile, it used its buffer. The limit is for
+  // damaged memory.
   for (int attempt = 0; attempt < 100; ++attempt) {
     const std::uint64_t word = link.slot(link.place_of(sequence)).load(acquire);
-    // One of the two is in the slot, and the other is the reader's.
+    // One of the two buffers is in the slot, and the other is the reader's.
     if (SlotWord::sequence(word) == sequence) return SlotWord::index(word) == old ? taken : not_taken;
-    // The writer has come round and took what was in the slot. It has used that one again since ...
+    // The writer has overtaken the reader and took the buffer from the slot. It has filled that buffer again
+    // ...
     if (link.head(old).sequence.load(acquire) > sequence) return taken;
     if (link.head(wanted).sequence.load(acquire) > sequence) return not_taken;
-    // ... or has it still.
+    // ... or still has it.
     const std::uint32_t writers = SlotWord::index(link.block().writer_takes.load(acquire));
     if (writers == old) return taken;
     if (writers == wanted) return not_taken;
@@ -311,8 +315,8 @@ LinkPlace find_reader(const BasicLink<Atomic>& link) noexcept {
   return not_taken;
 }
 
-/// Empties a link whose payloads are gone: those that lie elsewhere, in a process that has ended. Neither
-/// side is at work. Numbers and counts go on.
+/// Empties a link whose payloads were in a process that has ended. Neither side may be active. Sample numbers
+/// and counts continue.
 template <template <class> class Atomic>
 void drop_samples(const BasicLink<Atomic>& link) noexcept {
   constexpr auto order = std::memory_order_seq_cst;
@@ -326,10 +330,11 @@ void drop_samples(const BasicLink<Atomic>& link) noexcept {
   link.block().newest_ns.store(0, order);
 }
 
-/// Whether a side is served at once, or from attach() on, because somebody else serves it until then.
+/// When an object begins to serve its side of a link: at once, or with attach(), because another object
+/// serves the side until then.
 enum class Attach { now, later };
 
-/// The one writer of a link; one thread at a time. Real-time.
+/// The one writer of a link. One thread at a time. Real-time.
 template <template <class> class Atomic>
 class BasicLinkWriter {
  public:
@@ -337,7 +342,7 @@ class BasicLinkWriter {
   explicit BasicLinkWriter(BasicLink<Atomic> link, Attach when = Attach::now) noexcept : link_(link) {
     if (when == Attach::now) attach();
   }
-  /// Goes on where whoever served this side before has left it, who is not at work.
+  /// Continues where the former writer stopped. That writer must not be active.
   void attach() noexcept {
     const LinkPlace found = find_writer(link_);
     private_ = found.buffer;
@@ -351,13 +356,13 @@ class BasicLinkWriter {
 
   [[nodiscard]] explicit operator bool() const noexcept { return static_cast<bool>(link_); }
   [[nodiscard]] const BasicLink<Atomic>& link() const noexcept { return link_; }
-  /// The number of the buffer that is to be filled next; nobody else sees it.
+  /// The number of the buffer to fill next. No other thread accesses this buffer.
   [[nodiscard]] std::uint32_t buffer() const noexcept { return private_; }
-  /// The number that the next sample gets.
+  /// The number of the next sample.
   [[nodiscard]] std::uint64_t next() const noexcept { return sequence_; }
 
-  /// The buffer's sample is there for the reader, from `valid_ns` on. Wait-free. The oldest one is
-  /// overwritten where nobody took it.
+  /// Passes the buffer with its sample to the reader, who may take it from `valid_ns` on (monotonic; 0: at
+  /// once). `size`: bytes of the payload. In a full link it overwrites the oldest sample. Wait-free.
   void publish(std::uint32_t size, std::int64_t stamp_ns, std::int64_t valid_ns = 0) noexcept {
     auto& block = link_.block();
     constexpr auto relaxed = std::memory_order_relaxed;
@@ -369,13 +374,13 @@ class BasicLinkWriter {
     auto& slot = link_.slot(place_);
     const std::uint64_t mine = SlotWord::make(true, sequence_, private_);
     std::uint64_t old = slot.load(std::memory_order_acquire);
-    // Twice at most: the reader takes what it finds full, and never touches a slot that is empty.
+    // Two rounds at most: the reader empties a full slot, and never touches an empty one.
     do {
-      if (!link_.has_buffer(SlotWord::index(old))) return;  // somebody wrote where he should not
+      if (!link_.has_buffer(SlotWord::index(old))) return;  // a program wrote out of bounds
       block.writer_takes.store(SlotWord::make(false, sequence_, SlotWord::index(old)),
                                std::memory_order_release);
     } while (!slot.compare_exchange_strong(old, mine, std::memory_order_seq_cst, std::memory_order_acquire));
-    // SYNC: hands over. The buffer of `old` is ours; the sample is the reader's.
+    // SYNC: hands over. The writer now has the buffer of `old`, and the reader may take the sample.
     private_ = SlotWord::index(old);
     block.writer_has.store(private_, std::memory_order_release);
     if (SlotWord::full(old)) block.overwritten.store(block.overwritten.load(relaxed) + 1, relaxed);
@@ -392,7 +397,7 @@ class BasicLinkWriter {
   std::uint64_t sequence_ = 1;
 };
 
-/// The one reader of a link; one thread at a time. Real-time.
+/// The one reader of a link. One thread at a time. Real-time.
 template <template <class> class Atomic>
 class BasicLinkReader {
  public:
@@ -400,7 +405,7 @@ class BasicLinkReader {
   explicit BasicLinkReader(BasicLink<Atomic> link, Attach when = Attach::now) noexcept : link_(link) {
     if (when == Attach::now) attach();
   }
-  /// Goes on after the last sample that was taken, by whoever served this side before and is not at work.
+  /// Continues after the last sample that the former reader took. That reader must not be active.
   void attach() noexcept {
     const LinkPlace found = find_reader(link_);
     private_ = found.buffer;
@@ -412,16 +417,17 @@ class BasicLinkReader {
 
   [[nodiscard]] explicit operator bool() const noexcept { return static_cast<bool>(link_); }
   [[nodiscard]] const BasicLink<Atomic>& link() const noexcept { return link_; }
-  /// The buffer of the sample that was taken last; it stays as it is until the next take().
+  /// The buffer of the sample that was taken last. Its content does not change until the next take().
   [[nodiscard]] std::uint32_t buffer() const noexcept { return private_; }
+  /// The info of the sample that was taken last; `sequence` is 0 before the first.
   [[nodiscard]] SampleInfo info() const noexcept {
     const auto& head = link_.head(private_);
     return {head.sequence.load(std::memory_order_relaxed), head.stamp_ns, std::min(head.size, link_.stride()),
             head.valid_ns.load(std::memory_order_relaxed)};
   }
 
-  /// From when on take() would find a sample: 0 for at once, kNever when there is none. Also for another
-  /// thread, which may then be answered by what was the case a moment ago.
+  /// The monotonic time in ns from which take() finds a sample: 0 for at once, kNever if there is no sample.
+  /// Another thread than the reader's may call it too; its answer can be a moment old.
   [[nodiscard]] std::int64_t news_at() const noexcept {
     const std::uint64_t word = link_.slot(place()).load(std::memory_order_seq_cst);
     if (!SlotWord::full(word) || !link_.has_buffer(SlotWord::index(word))) return kNever;
@@ -429,8 +435,8 @@ class BasicLinkReader {
   }
   [[nodiscard]] bool has_news() const noexcept { return news_at() != kNever; }
 
-  /// The next sample becomes ours: the oldest that was not overwritten and is valid at `now_ns`. False when
-  /// there is none. Lock-free: it starts again only where the writer has meanwhile written over what it was
+  /// Takes the next sample: the oldest that was not overwritten, if it is valid at `now_ns` (monotonic).
+  /// False if there is none. Lock-free: it starts again only if the writer overwrote the sample that it was
   /// about to take.
   bool take(std::int64_t now_ns = kNever) noexcept {
     auto& block = link_.block();
@@ -438,12 +444,12 @@ class BasicLinkReader {
       auto& slot = link_.slot(place());
       std::uint64_t word = slot.load(std::memory_order_acquire);
       if (!SlotWord::full(word)) return false;
-      if (SlotWord::sequence(word) != next_) {  // the writer has come round: what is left begins after it
+      if (SlotWord::sequence(word) != next_) {  // the writer has overtaken: find the oldest sample
         go_to(SlotWord::sequence(word) - link_.depth() + 1);
         if (link_.depth() > 1) continue;
       }
       if (!link_.has_buffer(SlotWord::index(word))) return false;
-      // The sample's own, if the word is still there when it is exchanged. If not, another lies there.
+      // This is the time of the wanted sample only if the word is still in the slot at the exchange.
       if (link_.head(SlotWord::index(word)).valid_ns.load(std::memory_order_acquire) > now_ns) {
         if (slot.load(std::memory_order_acquire) == word) return false;
         continue;
@@ -454,7 +460,7 @@ class BasicLinkReader {
                                         std::memory_order_seq_cst, std::memory_order_acquire)) {
         continue;
       }
-      // SYNC: hands over. The sample is ours; our former buffer is the writer's to take.
+      // SYNC: hands over. The reader now has the sample, and the writer may take the reader's former buffer.
       private_ = SlotWord::index(word);
       block.reader_has.store(takes, std::memory_order_release);
       block.taken.store(block.taken.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
@@ -468,7 +474,7 @@ class BasicLinkReader {
  private:
   static constexpr int kAttempts = 64;
 
-  // Others look whether there is news.
+  // Atomic, because other threads call news_at().
   [[nodiscard]] std::uint32_t place() const noexcept {
     return std::atomic_ref{place_}.load(std::memory_order_relaxed);
   }
@@ -481,7 +487,7 @@ class BasicLinkReader {
 
   BasicLink<Atomic> link_;
   std::uint32_t private_ = 0;
-  mutable std::uint32_t place_ = 0;  // mutable: of an atomic_ref
+  mutable std::uint32_t place_ = 0;  // mutable for atomic_ref
   std::uint64_t next_ = 1;
 };
 

@@ -1,4 +1,5 @@
-// Tells libtakt_check, where it was loaded in front of the C library, that a thread is in a module.
+// Reports to libtakt_check when a thread enters and leaves the code of a module. The library is there only if
+// it was preloaded, in front of the C library.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +11,19 @@ namespace takt::channel {
 
 class ModuleWatch {
  public:
-  /// Nobody watches.
+  /// A watch without the library: false.
   ModuleWatch() = default;
-  /// Of this program. Fails when it was to be checked and the library was not loaded.
+  /// The watch of this process; false without the library. Fails if the process should be checked but the
+  /// library was not loaded.
   static Result<ModuleWatch> find();
 
   explicit operator bool() const noexcept { return enter_ != nullptr; }
-  /// Only where somebody watches. From now on it counts what the calling thread does, as that of `module`.
-  /// Returns what it was before. Real-time, but for the first time on a thread.
+  /// From now on, violations of the calling thread count for `module`. Returns the former state of the
+  /// thread, for leave(). Only if the watch is true. Real-time, except for the first call on a thread.
   std::uint64_t enter(std::uint32_t module, Doing hook) const noexcept {
     return enter_(module, static_cast<std::uint32_t>(hook));
   }
-  /// It is again as it was.
+  /// Restores the state that enter() returned. Only if the watch is true. Real-time.
   void leave(std::uint64_t before) const noexcept { leave_(before); }
 
  private:

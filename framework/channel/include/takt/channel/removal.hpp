@@ -1,6 +1,6 @@
-// Taking a module out of the tables while rows go on, and knowing when it is out: no row, no sporadic run and
-// no body that began before is in it any more. Nobody waits for anybody: the real-time side only says what it
-// is about to do and looks whether it still may.
+// Takes a module out of the tables while rows continue, and detects when the removal is complete: no row, no
+// sporadic run and no body that began before still runs the module's code. Neither side waits for the other.
+// The real-time side only announces what it is about to do, and then checks whether it still may.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 
 namespace takt::channel {
 
-/// Where a module may be met.
+/// All shared memory in which a module's code can be seen to run.
 struct Place {
   std::uint32_t index = 0;                  ///< of the module on its device
   ModuleBlock* block = nullptr;             ///< never null
-  const ExecutorBlock* executor = nullptr;  ///< whose tables it is in; null: a non-real-time module
-  ReleaseSlot* slot = nullptr;              ///< of a program that is released
+  const ExecutorBlock* executor = nullptr;  ///< whose tables the module is in; null: a non-real-time module
+  ReleaseSlot* slot = nullptr;              ///< of a process module with releases; else null
 };
 
-/// By the node.
+/// Puts the module into the tables. For the node.
 inline void put_in(const Place& place) noexcept {
   place.block->entered.store(place.block->entered.load(std::memory_order_relaxed) + 1,
                              std::memory_order_relaxed);
@@ -26,35 +26,36 @@ inline void put_in(const Place& place) noexcept {
   if (place.slot != nullptr) place.slot->open.store(1, std::memory_order_seq_cst);  // SYNC: open
 }
 
-/// By the node, one for each module.
+/// The removal of one module from the tables. For the node.
 class Removal {
  public:
-  /// Takes it out. Also where the executor has done so.
+  /// Takes the module out of the tables. Also correct if the executor has done so already.
   void begin(const Place& place) noexcept {
     place.block->in_tables.store(0, std::memory_order_seq_cst);
     if (place.slot != nullptr) place.slot->open.store(0, std::memory_order_seq_cst);
-    // SYNC: in tables, row. A row says that it is walked and then asks whether the module is in the tables;
-    // here it is the other way round. In one total order: a row that saw it in the tables is seen here.
+    // SYNC: in tables, row. A row states that it is walked and then checks whether the module is in the
+    // tables; here the order is reversed. Because of the total order, this load sees every row that still saw
+    // the module in the tables.
     row_ = place.executor == nullptr ? 0 : place.executor->row_sequence.load(std::memory_order_seq_cst);
   }
 
-  /// Whether it is out. What its code wrote is seen by who finds that it is.
+  /// Whether the removal is complete. If so, the caller also sees everything that the module's code wrote.
   [[nodiscard]] bool over(const Place& place) const noexcept {
     constexpr auto order = std::memory_order_seq_cst;
-    const auto meets = [&place](const Activity& activity) {
+    const auto runs_it = [&place](const Activity& activity) {
       return activity.module.load(order) == place.index + 1;  // SYNC: activity, announced
     };
     if (place.block->in_tables.load(order) != 0) return false;
     if (place.executor != nullptr) {
       const bool in_row = row_ % 2 != 0 && place.executor->row_sequence.load(order) == row_;
-      if (in_row || meets(place.executor->sporadic)) return false;
+      if (in_row || runs_it(place.executor->sporadic)) return false;
     }
-    if (meets(place.block->background)) return false;
+    if (runs_it(place.block->background)) return false;
     return place.slot == nullptr || !place.slot->in_body();
   }
 
  private:
-  std::uint64_t row_ = 0;  // that was being walked, if it is odd
+  std::uint64_t row_ = 0;  // row_sequence at begin(); odd: a row was being walked
 };
 
 }  // namespace takt::channel

@@ -1,5 +1,5 @@
-// The memory in which libtakt_check writes down what a module does that no real-time code may: written by the
-// thread that does it, in the host or in a program, and read by their node. All zero is its initial state.
+// The shared memory in which libtakt_check records real-time violations of modules. The thread that violates
+// the rules writes it, in the host or in a program, and the node reads it. All zero is its initial state.
 #pragma once
 
 #include <array>
@@ -12,34 +12,34 @@
 
 namespace takt::channel {
 
-/// The environment of a program that is checked: the descriptor of the memory, and which module it is.
+/// Environment variables of a checked program: the file descriptor of the memory, and the module's index.
 inline constexpr const char* kCheckFd = "TAKT_CHECK_FD";
 inline constexpr const char* kCheckModule = "TAKT_CHECK_MODULE";
 
-/// Which module something belongs to: its index, or, with this bit, the index of the executor that was
-/// between two modules.
+/// Marks the `module` of a violation as the index of an executor, whose thread was between two modules.
+/// Without this bit, `module` is the index of a module.
 inline constexpr std::uint32_t kOfExecutor = 1U << 31;
 
 enum class ViolationKind : std::uint32_t { allocation, lock, system_call, page_fault };
 /// "allocation", "lock", "system call", "page fault".
 const char* to_text(ViolationKind kind) noexcept;
 
-/// A place in a loaded object, as the object's own file counts addresses.
+/// A place in a loaded object (program or library). Addresses count as in the object's file.
 struct CodePlace {
-  std::uint32_t object = 0;  ///< its index + 1 in the log; 0: unknown
+  std::uint32_t object = 0;  ///< index of the object in the log, + 1; 0: unknown
   std::uint64_t address = 0;
 };
 
 struct Violation {
   static constexpr std::size_t kFrames = 24;
 
-  std::atomic<std::uint64_t> key;    ///< of what is the same; 0: free. SYNC: violation claimed
-  std::atomic<std::uint32_t> ready;  ///< SYNC: violation, publishes everything below but `count`
-  std::uint32_t module;              ///< as kOfExecutor says
+  std::atomic<std::uint64_t> key;    ///< equal for equal violations; 0: free. SYNC: violation claimed
+  std::atomic<std::uint32_t> ready;  ///< SYNC: violation, publishes everything below except `count`
+  std::uint32_t module;              ///< index of the module, or of an executor, see kOfExecutor
   Doing hook;
   ViolationKind kind;
-  std::int64_t system_call;  ///< its number
-  FixedText<32> function;    ///< of the C library; empty for a system call and a page fault
+  std::int64_t system_call;  ///< number of the system call
+  FixedText<32> function;    ///< the C library function; empty for a system call or a page fault
   std::uint32_t depth;
   std::array<CodePlace, kFrames> frames;  ///< innermost first
   std::atomic<std::uint64_t> count;
@@ -54,14 +54,14 @@ struct ViolationLog {
   static constexpr std::size_t kViolations = 256;
   static constexpr std::size_t kObjects = 64;
   /// Bits of `blind`.
-  static constexpr std::uint32_t kNoSystemCalls = 1;  ///< this kernel does not show them
-  static constexpr std::uint32_t kNoFaultPlaces = 2;  ///< page faults are counted and not placed
+  static constexpr std::uint32_t kNoSystemCalls = 1;  ///< this kernel does not report system calls
+  static constexpr std::uint32_t kNoFaultPlaces = 2;  ///< page faults are counted, but without their place
 
   std::array<Violation, kViolations> violations;
   std::array<LoadedObject, kObjects> objects;
   std::atomic<std::uint32_t> claimed_objects;
-  std::atomic<std::uint64_t> dropped;  ///< that found no room
-  std::atomic<std::uint32_t> blind;
+  std::atomic<std::uint64_t> dropped;  ///< violations for which there was no room
+  std::atomic<std::uint32_t> blind;    ///< what cannot be observed on this machine
 };
 
 }  // namespace takt::channel

@@ -1,4 +1,4 @@
-// A command's connection to the nodes of a domain.
+// Connects a program to the nodes of a domain, so that it can observe and command them.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,8 @@ struct Connection {
   int domain = 0;
 };
 
-/// `cell`: the descriptor of the command, if it has one.
+/// `cell` is the descriptor that the caller works with, or null. Its domain and discovery are used where
+/// `network` sets none.
 Result<Connection> connect(const Network& network, const model::Cell* cell = nullptr,
                            Observer::Options options = {});
 

@@ -1,4 +1,4 @@
-// A cell onto its devices: on all of them or on none.
+// Deploys a cell to all of its devices or to none.
 #pragma once
 
 #include <cstdint>
@@ -16,29 +16,30 @@
 
 namespace takt::client {
 
-/// What one device said when it had ended.
+/// What one device answered after its deployment had ended.
 struct Undeployed {
   std::string device;
-  Problems problems{};                  ///< why it could not be undeployed; empty: it was
-  nlohmann::ordered_json report{};      ///< its object of the status JSON; null where it gave none
-  std::vector<std::string> failures{};  ///< why it, or modules of it, had failed
+  Problems problems{};                  ///< why it could not be undeployed; empty: it was undeployed
+  nlohmann::ordered_json report{};      ///< its object of the status JSON; null: it sent none
+  std::vector<std::string> failures{};  ///< why the device, or modules of it, failed
 };
 
 struct DeployOptions {
-  /// For all devices to be found.
+  /// How long to search for the devices.
   Nanoseconds discovery = std::chrono::seconds{5};
-  /// From the moment on that all are ready to T0, and how long before T0 each must have said that it will
-  /// run: what is left is for taking it back everywhere when one did not.
+  /// T0 is this long after all devices are ready.
   Nanoseconds lead = std::chrono::milliseconds{1000};
+  /// Each device must confirm T0 this long before it. If one does not, the deployment is undone on all
+  /// devices in the time that remains.
   Nanoseconds margin = std::chrono::milliseconds{200};
   bool require_real_time = false;
-  /// Where only certain nodes are meant (takt run started them): the process id of each device's.
+  /// The process id of a device's node, where only that node will do (takt run started it).
   std::map<std::string, std::int32_t> process_ids;
-  /// One line for a person: what is being waited for.
+  /// Called with one line for a person: what deploy() waits for.
   std::function<void(const std::string&)> progress;
-  /// Whether it is to be given up; all is undone then. Asked all the time.
+  /// Polled until all is done; when it returns true, the deployment is undone.
   std::function<bool()> cancelled;
-  /// Gets what each device said when it was undone, after a failure.
+  /// Receives the answer of each device when a failed deployment was undone.
   std::vector<Undeployed>* undone = nullptr;
 };
 
@@ -47,27 +48,29 @@ struct Deployed {
   std::int64_t t0_ns = 0;  ///< of the wall clock
 };
 
-/// Finds the devices, has each of them prepared at once, and lets all run from one instant. Fails with every
-/// reason of every device; nothing is left of it then. `text` is the descriptor that `cell` was read from.
+/// Finds the devices, prepares all of them at the same time, and starts them all at one instant. Fails with
+/// every reason of every device, after undoing the deployment. `text` is the descriptor that `cell` was read
+/// from.
 Result<Deployed> deploy(Operator& asker, const model::Cell& cell, const std::string& text,
                         const DeployOptions& options);
 
-/// Which devices, and whose.
+/// Which devices to undeploy, and which deployment.
 struct Devices {
   std::vector<std::string> names;
-  std::map<std::string, std::int32_t> process_ids{};  ///< as when it was deployed
-  std::string deployment{};                           ///< only this one; empty: whichever there is
+  std::map<std::string, std::int32_t> process_ids{};  ///< as in DeployOptions
+  std::string deployment{};                           ///< only this one; empty: any
 };
-/// Ends it on these devices, all at once, however long that takes. `meanwhile` is called all the time.
+/// Ends the deployment on these devices, on all at the same time, however long that takes. `meanwhile` is
+/// called again and again while it waits.
 std::vector<Undeployed> undeploy(Operator& asker, const Devices& devices,
                                  const std::function<void()>& meanwhile = {});
 
-/// Where a cell is.
+/// The devices of a cell.
 struct CellDevices {
-  std::vector<std::string> names{};  ///< on which it runs, or is otherwise held
-  std::vector<std::string> lost{};   ///< of which the others say that they do not hear them any more
+  std::vector<std::string> names{};  ///< devices that run the cell, or still hold it
+  std::vector<std::string> lost{};   ///< devices that the others of the cell have lost
 };
-/// Fails where no device has the cell, and says which cells there are.
+/// Fails if no device has the cell; the problem lists the cells that there are.
 Result<CellDevices> devices_of(Operator& asker, const std::string& cell);
 
 }  // namespace takt::client

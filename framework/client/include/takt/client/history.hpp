@@ -1,8 +1,8 @@
-// How the modules of a domain were lately, once a second.
+// Records how each module of a domain behaved in the last ten minutes, one entry a second.
 //
-// What a module says of its jitter and run time counts since it was loaded, so after an hour a bad second
-// hardly shows. Of two statistics that follow each other, what lay between them can be told: not its
-// quantiles, but its means.
+// A module's statistics of jitter and run time count from the moment it was loaded, so after an hour a bad
+// second hardly shows. Two successive statistics give the mean over the time between them, but not the
+// quantiles.
 #pragma once
 
 #include <cstddef>
@@ -11,35 +11,35 @@
 #include <string>
 #include <vector>
 
-#include <takt/dds/cell_state.hpp>
+#include <takt/wire/cell_state.hpp>
 
 namespace takt::client {
 
-/// Equally long, the oldest first, times ascending. A second in which nothing was heard is left out.
+/// Vectors of equal length, oldest entry first. A second without statistics has no entry.
 struct Series {
   std::vector<std::int64_t> times_ms;  ///< since 1970
-  // Since the module was loaded.
+  // Over the time since the module was loaded.
   std::vector<double> jitter_p50_us;
   std::vector<double> jitter_p99_us;
   std::vector<double> run_p50_us;
   std::vector<double> run_p99_us;
-  // Since the entry before. NaN: the module did not run meanwhile, or there was no entry before.
+  // Over the time since the previous entry. NaN: the module did not run, or there is no previous entry.
   std::vector<double> jitter_us;  ///< the root of the mean square
   std::vector<double> run_us;     ///< the mean
 };
 
-/// Pure, one thread at a time. Memory is bounded: kSeconds of at most kModules, who is not seen any more is
-/// forgotten.
+/// Uses neither clock nor network. One thread at a time. Memory is bounded: kSeconds entries for each of at
+/// most kModules modules. A module that has disappeared is forgotten.
 class History {
  public:
   static constexpr std::size_t kSeconds = 600;
   static constexpr std::size_t kModules = 10000;
 
-  /// To be told again whenever, but several times a second; what was heard before is passed over. One of two
-  /// entries of the same second is.
-  void hear(const std::vector<dds::ObservedDevice>& devices);
+  /// Call it several times a second with the present devices. It keeps one entry a second of each module and
+  /// ignores statistics that it already has.
+  void hear(const std::vector<wire::ObservedDevice>& devices);
 
-  /// "DEVICE.MODULE"; empty where nothing was heard of it. The newest `seconds` entries.
+  /// The newest `seconds` entries of `module`, "DEVICE.MODULE". Empty if there are none.
   [[nodiscard]] Series of(const std::string& module, std::size_t seconds = kSeconds) const;
 
  private:
@@ -48,8 +48,8 @@ class History {
     float jitter_p50, jitter_p99, run_p50, run_p99, jitter, run;
   };
   struct Module {
-    std::vector<Entry> entries;  // a ring as soon as it is full
-    std::size_t next = 0;        // where the ring is written
+    std::vector<Entry> entries;  // a ring once it is full
+    std::size_t next = 0;        // where the ring is written next
     ModuleStatistics last;
     bool seen = false;
   };

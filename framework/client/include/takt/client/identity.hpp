@@ -1,4 +1,4 @@
-// Who a command is in a secured cell.
+// The identity with which a command takes part in a secured cell.
 #pragma once
 
 #include <string>
@@ -10,11 +10,13 @@
 
 namespace takt::client {
 
-/// The folder of an identity that may ask nodes: that which was named, or of the first operator in one of
-/// `takt secure init`, and whom it passes over is said. Empty: without DDS Security.
+/// The folder of an identity that may query nodes: the folder that `network` names, or, in a folder that
+/// `takt secure init` made, the first valid operator's. Prints the operators that it skips. Empty: no DDS
+/// Security.
 Result<std::string> identity_of(const Network& network);
 
-/// Fails for an observer, who may not `what` ("call"): said before DDS refuses him a topic.
+/// Fails for the identity of an observer, which may not do `what` ("call"). Checked early, because DDS would
+/// deny the topic without a helpful reason.
 Result<void> may_write(const dds::Participant& participant, const std::string& what);
 
 }  // namespace takt::client

@@ -1,4 +1,4 @@
-// What goes on in the cells of a domain, for a program that is no part of them.
+// Observes the cells of a domain from a program that is not part of them.
 #pragma once
 
 #include <chrono>
@@ -10,28 +10,30 @@
 
 #include <takt/core/result.hpp>
 #include <takt/core/time.hpp>
-#include <takt/dds/cell_state.hpp>
+#include <takt/wire/cell_state.hpp>
 #include <takt/dds/participant.hpp>
 
 namespace takt::client {
 
-/// A node of which no other node told has usually been discovered this long after the one before it.
+/// When this long has passed without a discovery, usually every node has been discovered, also one that no
+/// other node names.
 inline constexpr std::chrono::milliseconds kQuiet{600};
 
-/// Every device and module, from the moment on that its node was found; who comes late is told the present
-/// state at once. Any thread.
+/// Holds the latest status of every device and module whose node was discovered. The present state arrives
+/// as soon as a node is discovered. Any thread.
 class Observer {
  public:
-  /// Called one at a time, on threads of Fast DDS: not to take long, and not to ask the observer.
+  /// Callbacks, called one at a time on threads of Fast DDS. They must be short and must not call the
+  /// observer.
   struct News {
-    /// A module's state: each transition, in order, and the present one of modules that were there before.
+    /// A module's state: the present one when its node is discovered, then each transition in order.
     std::function<void(const LifecycleStatus&)> module{};
-    /// A device's status changed in something else than its number and time, or it was lost, or it came back.
-    std::function<void(const dds::ObservedDevice&)> device{};
+    /// A device was lost, came back, or changed its status (other than its number and time).
+    std::function<void(const wire::ObservedDevice&)> device{};
   };
   struct Options {
     News news{};
-    bool statistics = false;  ///< modules', executors' and ports' too
+    bool statistics = false;  ///< also observe the statistics of modules and executors and the ports' status
   };
   static Result<std::unique_ptr<Observer>> create(std::shared_ptr<dds::Participant> participant,
                                                   Options options);
@@ -40,29 +42,28 @@ class Observer {
   }
   ~Observer();
 
-  /// As dds::CellState.
-  [[nodiscard]] std::vector<dds::ObservedDevice> devices() const;
-  [[nodiscard]] std::vector<dds::ObservedDevice> devices(const std::string& name) const;
+  /// As wire::CellState::devices().
+  [[nodiscard]] std::vector<wire::ObservedDevice> devices() const;
+  [[nodiscard]] std::vector<wire::ObservedDevice> devices(const std::string& name) const;
 
-  /// Waits until `condition` holds of the devices, at most `limit`. Looks whenever something changed, and
-  /// every few milliseconds. The condition may ask the observer.
-  bool wait(const std::function<bool(const std::vector<dds::ObservedDevice>&)>& condition,
+  /// Waits at most `limit` until `condition` is true of the devices; returns whether it is. Evaluates it at
+  /// every change and every few milliseconds. The condition may call the observer.
+  bool wait(const std::function<bool(const std::vector<wire::ObservedDevice>&)>& condition,
             Nanoseconds limit) const;
-  /// Waits until whoever is there should have been found: no node came for a while, or none at all for
-  /// `limit`.
+  /// Waits until discovery should be complete: no new node for kQuiet, or `limit` is over.
   void settle(Nanoseconds limit) const;
 
  private:
   struct Readers;
   explicit Observer(Options options);
-  void heard(const DeviceStatus& status, dds::WriterId writer);
-  void changed(const std::function<void(dds::CellState&)>& change);
+  void heard(const DeviceStatus& status, wire::WriterId writer);
+  void changed(const std::function<void(wire::CellState&)>& change);
 
   Options options_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
-  dds::CellState cell_state_;
-  std::unique_ptr<Readers> readers_;  // last: nothing is heard after it is gone
+  wire::CellState cell_state_;
+  std::unique_ptr<Readers> readers_;  // last member: destroyed first, so that no callback uses the others
 };
 
 }  // namespace takt::client

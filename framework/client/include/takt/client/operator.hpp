@@ -1,4 +1,4 @@
-// Asks nodes to do something, and waits for their answers.
+// Sends commands and questions to nodes, and waits for their answers.
 #pragma once
 
 #include <functional>
@@ -23,46 +23,50 @@ struct Question {
   std::string value{};
   std::string data{};
   std::int64_t time_ns = 0;
-  /// How long the answer is waited for once the device is found, which is looked for no longer than that, and
-  /// never longer than 3 s. Discovery may take 2.4 s to let the answer through where a message of it is lost,
-  /// hence 5. None: it takes as long as it takes (a component is initialised); only the end of the device
-  /// ends the wait.
+  /// How long to wait for the answer once the device is found. The search takes at most as long, and never
+  /// longer than Operator::search_limit(). The default is 5 s because discovery may hold the answer back for 2.4 s when one of
+  /// its messages is lost. None: waits until the device answers (initialising a component can take long) or
+  /// is lost.
   std::optional<Nanoseconds> limit = std::chrono::seconds{5};
-  std::int32_t process_id = 0;  ///< of the only node that is meant; 0: the one of that name
+  std::int32_t process_id = 0;  ///< only the node with this process id; 0: the node of that name
 };
 
-/// One who asks. Any thread.
+/// Asks nodes on behalf of one program. Any thread.
 class Operator {
  public:
-  /// The participant and the observer outlive it. `domain` is named in messages.
+  /// The participant and the observer must outlive it. `domain` appears in messages.
   static Result<std::unique_ptr<Operator>> create(std::shared_ptr<dds::Participant> participant,
                                                   const Observer& observer, int domain);
   ~Operator();
 
-  /// The node's answer, whatever it is: REPLY_REFUSED is one. Fails where there is none: the device is not
-  /// there, there are two of its name, it was lost meanwhile, or it said nothing in time.
-  Result<dds::WholeReply> ask(const Question& question);
-  /// The same for several at once, each answer at its question's place. With `give_up` returning true those
-  /// that have not answered yet are not waited for any more.
-  std::vector<Result<dds::WholeReply>> ask(const std::vector<Question>& questions,
+  /// The node's answer, whatever its code: REPLY_REFUSED is an answer too. Fails if there is none: the device
+  /// is not found, two devices have its name, it is lost, or it does not answer in time.
+  Result<wire::WholeReply> ask(const Question& question);
+  /// Asks all questions at the same time and returns the answers in the order of the questions. `give_up` is
+  /// polled; when it returns true, the wait for the remaining answers ends.
+  std::vector<Result<wire::WholeReply>> ask(const std::vector<Question>& questions,
                                            const std::function<bool()>& give_up = {});
 
   [[nodiscard]] const Observer& observer() const noexcept { return observer_; }
   [[nodiscard]] int domain() const noexcept { return domain_; }
+  /// How long to search for a node: 3 s, or 10 s with DDS Security, where a busy machine takes several seconds
+  /// to authenticate a participant.
+  [[nodiscard]] Nanoseconds search_limit() const noexcept { return search_limit_; }
 
  private:
   struct Inside;
-  Operator(std::unique_ptr<Inside> inside, const Observer& observer, int domain);
+  Operator(std::unique_ptr<Inside> inside, const Observer& observer, int domain, Nanoseconds search_limit);
 
   std::unique_ptr<Inside> inside_;
   const Observer& observer_;
   int domain_;
+  Nanoseconds search_limit_;
 };
 
-/// What an answer complains of: every reason that it carries, or its text.
-Problems problems_of(const dds::WholeReply& reply);
+/// The problems that an answer carries as data, or else its text.
+Problems problems_of(const wire::WholeReply& reply);
 
-/// The answer of a device that is asked, or why there is none or why it is not "ok".
-Result<dds::WholeReply> accepted(Result<dds::WholeReply> answer);
+/// The answer if its code is REPLY_OK; otherwise its problems, or why there is no answer.
+Result<wire::WholeReply> accepted(Result<wire::WholeReply> answer);
 
 }  // namespace takt::client

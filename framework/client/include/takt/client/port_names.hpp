@@ -1,4 +1,4 @@
-// Names of ports with * for any characters: "line.*", "robot.arm.*", "*.command".
+// Names of ports, and patterns of them in which * stands for any characters: "line.*", "*.command".
 #pragma once
 
 #include <string>
@@ -11,10 +11,10 @@ namespace takt::client {
 
 inline bool is_pattern(std::string_view name) { return name.find('*') != std::string_view::npos; }
 
-/// Whether a * stands for what is missing, from none to all of it.
+/// Whether `name` matches `pattern`; each * stands for any number of characters, also none.
 bool matches(std::string_view pattern, std::string_view name);
 
-/// Whether a port of this device could match.
+/// Whether some port of this device could match.
 bool may_match(std::string_view pattern, std::string_view device);
 
 struct PortName {
@@ -22,10 +22,10 @@ struct PortName {
   std::string module;
   std::string port;
 };
-/// "device.module.port".
+/// Parses "device.module.port".
 Result<PortName> parse_port(const std::string& name);
 
-/// What is none of them, each said.
+/// Fails if there is no name, and with a problem for each that is neither a port's name nor a pattern.
 Result<void> check_ports(const std::vector<std::string>& names);
 
 }  // namespace takt::client

@@ -1,4 +1,4 @@
-// How every device of a domain stands, as the contract's JSON.
+// The status of every device of a domain, as the JSON of the contract.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,10 +8,9 @@
 
 namespace takt::client {
 
-/// Asks every device that there is, at once. One that is lost has the states that were last heard of its
-/// modules, from whoever was there to hear them, and "alive": false; so has one, without modules, that others
-/// of its cell know and that is not found from here within `limit`. Fails where no device is found within
-/// `limit`.
+/// Asks all devices at the same time. A lost device has "alive": false and the last states of its modules
+/// that other nodes received. A device that others of its cell name, but that is not found within `limit`,
+/// has "alive": false and no modules. Fails if no device at all is found within `limit`.
 Result<nlohmann::ordered_json> status(Operator& asker, Nanoseconds limit = std::chrono::seconds{3});
 
 }  // namespace takt::client

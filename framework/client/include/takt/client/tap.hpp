@@ -1,4 +1,4 @@
-// A port whose samples somebody wants to see.
+// Asks a device to publish the samples of a port for an observer.
 #pragma once
 
 #include <chrono>
@@ -10,12 +10,13 @@
 
 namespace takt::client {
 
-/// So long a port is published for who asked; ask again before.
+/// How long a device publishes a port after it was asked to.
 inline constexpr std::chrono::seconds kTapped{30};
+/// How often to ask again, so that the samples do not stop.
 inline constexpr std::chrono::seconds kAskAgain{10};
 
-/// Asks the device of "device.module.port" to publish it. Fails where there is no such port, and where it is
-/// a service: that has a request and a reply, each a port of its client.
+/// Asks the device of "device.module.port" to publish it. Fails if there is no such port, or if it is a
+/// service: its requests and replies are ports of its client.
 Result<dds::Flow> tapped(Operator& asker, const std::string& port);
 
 }  // namespace takt::client

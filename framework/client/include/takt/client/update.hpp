@@ -1,5 +1,5 @@
-// A cell that runs becomes what another descriptor says: on all of its devices or on none, and only where it
-// differs.
+// Updates a running cell to another descriptor: on all of its devices or on none. Only differences are
+// changed.
 #pragma once
 
 #include <functional>
@@ -13,22 +13,22 @@
 namespace takt::client {
 
 struct UpdateOptions {
-  /// One line for a person: what is being waited for.
+  /// Called with one line for a person: what update() waits for.
   std::function<void(const std::string&)> progress;
-  /// What differs, a line each, before any of it is changed; not called when nothing does.
+  /// Called with the differences, one a line, before any is carried out; not called if there are none.
   std::function<void(const std::vector<std::string>&)> differs;
-  /// Whether it is to be given up; all is put back then. Asked all the time.
+  /// Polled until all is done; when it returns true, all changes are undone.
   std::function<bool()> cancelled;
 };
 
 struct Updated {
-  Problems problems{};  ///< why it was not updated; empty: it is as the descriptor says
-  std::string outcome;  ///< how the cell stands now, in one sentence
+  Problems problems{};  ///< why the cell was not updated; empty: it now matches the descriptor
+  std::string outcome;  ///< the state of the cell now, in one sentence
 };
 
-/// Asks each device what differs and whether it can be changed, then has all change it at once, then has all
-/// keep it. Where one does not, those that did put it back. `text` is the descriptor that `cell` was read
-/// from. The cell of that name runs; where it does not, that is one of the problems.
+/// Asks each device what differs and whether it can change it. Then all devices make their changes at the
+/// same time, and then all confirm them. If one device fails, the others undo their changes. `text` is the
+/// descriptor that `cell` was read from. If no cell of that name runs, that is one of the problems.
 Updated update(Operator& asker, const model::Cell& cell, const std::string& text,
                const UpdateOptions& options);
 

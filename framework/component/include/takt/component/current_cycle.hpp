@@ -1,16 +1,15 @@
-// What a module asks for while one of its hooks is called: functions in the C form have no arguments, and
-// ports stamp what they write with the time at which the call began.
+// The cycle that a thread serves while it calls a hook. Functions in the C form have no arguments, so
+// takt_cycle() and its siblings find the cycle here.
 #pragma once
 
 #include <takt/component.hpp>
 
 namespace takt {
 
-/// The release that this thread serves from now on; null: none. Of a hook that is none, only `start` and the
-/// module's own `period` are set.
-/// The cycle outlives the serving. Real-time.
+/// Sets the cycle that this thread serves from now on; null: none. The cycle must outlive that. In a hook
+/// without a release, only `start` and the module's own `period` are set. Real-time.
 void serve_cycle(const Cycle* cycle) noexcept;
-/// What this thread serves; null: nothing. Real-time.
+/// The cycle that this thread serves; null: none. Real-time.
 const Cycle* served_cycle() noexcept;
 
 }  // namespace takt

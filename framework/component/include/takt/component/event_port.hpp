@@ -1,4 +1,4 @@
-// Where events come in: an InPort whose samples make a sporadic module ready to run.
+// takt::EventPort: an InPort whose samples make a sporadic module ready to run.
 #pragma once
 
 #include <string>
@@ -8,15 +8,18 @@
 
 namespace takt {
 
-/// While an event is there that was not read, the module's condition() holds, unless it has one of its own.
-/// run() may read one event, or all: `while (alarm.read()) ...`.
+/// An event input. While it has an unread event, the default condition() of the module is true. run() may
+/// read one event, or all: `while (alarm.read()) ...`. Threads as for InPort.
 template <class T>
 class EventPort : public InPort<T> {
  public:
+  /// The options of the input.
   using Options = PortOptions;
 
+  /// In a component: a member.
   EventPort(Component& owner, std::string name, Options options = {})
       : InPort<T>(&owner, std::move(name), PortDirection::event, std::move(options)) {}
+  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe().
   explicit EventPort(std::string name, Options options = {})
       : InPort<T>(nullptr, std::move(name), PortDirection::event, std::move(options)) {}
 };

@@ -1,4 +1,4 @@
-// What a hook that cannot return an error says instead, kept for the thread that called the hook.
+// The failure that a hook reports if it cannot return an error, kept for the thread that called the hook.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,11 @@ namespace takt {
 
 inline constexpr std::size_t kFailureText = 256;
 
-/// Called in a hook, by the thread that runs it. Real-time: copies at most kFailureText - 1 bytes.
-void say_failure(std::string_view text) noexcept;
-/// What the hook that just ended said on this thread, null when nothing; valid until this thread says
-/// something again. Forgets it. Real-time.
+/// Reports a failure from a hook, on the thread that runs the hook. The last report counts. Keeps at most
+/// kFailureText - 1 bytes. Real-time.
+void report_failure(std::string_view text) noexcept;
+/// The failure that the hook that just ended reported on this thread, or null. Forgets it. The text is valid
+/// until this thread reports again. Real-time.
 const char* take_failure() noexcept;
 
 }  // namespace takt

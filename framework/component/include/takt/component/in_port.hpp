@@ -1,17 +1,20 @@
-// Where samples come in. A connection says whether the port holds the latest value or a queue of them;
-// reading is the same:
+// takt::InPort: an input of a component. The connection determines whether the port holds the latest value or
+// a queue; reading is the same:
 //
 //   takt::InPort<motion::JointState> measured{*this, "measured"};
 //   ...
-//   if (measured.read()) ...              the next sample, if one has come
-//   use(measured.value().position());     the last one that was read
+//   if (measured.read()) ...              takes the next sample, if one has arrived
+//   use(measured.value().position());     the sample that was read last
 //
-// A module that is loaded again, after a crash or a reset, has the value() that was read last, where it comes
-// from another process or the executor has a host of its own; read() goes on behind that.
-// Where the output has a safe value, that comes like a sample as soon as what came last is not to be trusted
-// any more: its module does not execute, its device is lost, or it is older than the connection's deadline.
+// A module that is loaded again after a crash or a reset gets back the value() that it read last, if the
+// samples come from another process or the executor has a host of its own. read() continues after that
+// sample.
 //
-// Everything but the constructor is for every hook, also on the real-time thread: it neither waits nor
+// If the connected output has a safe value, this value arrives like a sample as soon as the last sample is no
+// longer trusted: the writing module does not execute, its device is lost, or the sample is older than the
+// connection's deadline.
+//
+// Every hook may call everything except the constructor, also on the real-time thread: nothing here waits or
 // allocates. One thread at a time, as the hooks are called.
 #pragma once
 
@@ -28,7 +31,7 @@
 
 namespace takt {
 
-/// The part that does not depend on the type.
+/// The part of InPort that does not depend on the type.
 class InPortBase : public PortBase {
  public:
   [[nodiscard]] bool connected() const noexcept override { return !sources_.empty() || !aside_.empty(); }
@@ -40,18 +43,19 @@ class InPortBase : public PortBase {
     return watched_.is_withheld() ? channel::kNever : first;
   }
 
-  /// A sample was read at some time, or the safe value; value() is the last one.
+  /// Whether a sample or the safe value was ever read; value() is the last one. Real-time.
   [[nodiscard]] bool has_value() const noexcept { return sequence_ != 0 || is_safe_; }
-  /// The last read() found a sample, or the safe value took its place.
+  /// Whether the last read() found a sample, or the safe value replaced the sample before. Real-time.
   [[nodiscard]] bool is_new() const noexcept { return is_new_; }
-  /// value() is the safe value of the output that the port is connected to. sequence() and age() are then
-  /// those of the last sample that came.
+  /// Whether value() is the safe value of the connected output. sequence() and age() then belong to the last
+  /// sample that arrived. Real-time.
   [[nodiscard]] bool is_safe() const noexcept { return is_safe_; }
-  /// Of value(): the number that its writer gave it, counted from 1; a gap tells of samples that were
-  /// dropped. 0 before the first. Each connection to the port counts its own.
+  /// The number of the last sample that was read. Its writer counts from 1, and each connection to the port
+  /// has its own count. A gap means that samples were dropped. 0 before the first sample. Real-time.
   [[nodiscard]] std::uint64_t sequence() const noexcept { return sequence_; }
-  /// Of value(): from the beginning of the run() that wrote it to the beginning of this one; never negative.
-  /// Nanoseconds::max() before the first. From another device it includes the way.
+  /// The age of the last sample that was read: from the start of the run() that wrote it to the start of this
+  /// run(). Never negative. Nanoseconds::max() before the first sample. If the sample comes from another
+  /// device, the age includes the transfer. Real-time.
   [[nodiscard]] Nanoseconds age() const noexcept {
     if (!has_value()) return Nanoseconds::max();
     return Nanoseconds{std::max<std::int64_t>(context().start_ns - stamp_ns_, 0)};
@@ -60,16 +64,18 @@ class InPortBase : public PortBase {
  protected:
   using PortBase::PortBase;
 
+  /// One connection.
   struct Source {
     channel::LinkReader reader;
-    const void* values = nullptr;  ///< null: bytes
-    bool latest = false;           ///< of a link with several places: only the newest valid sample counts
+    const void* values = nullptr;  ///< the link's values; null: the link carries bytes
+    bool latest = false;           ///< only the newest valid sample counts, though the link has several slots
   };
-  /// What is no sample is passed over, but not for ever.
+  /// How many invalid samples one read() skips at most.
   static constexpr int kMostRefused = 16;
 
-  /// Null, or where a former instance of the module read its last value, which is still there: bytes outlive
-  /// a process, objects do not. An event is not to come twice, nor one of a queue.
+  /// Adds a connection. Returns null, or the source from which a former instance of the module read its last
+  /// value, if that value is still there: bytes outlive a process, objects do not. Events and samples of a
+  /// queue must not come twice, so for them it returns null.
   const Source* add(channel::Link link, const void* values) {
     const bool newest = link.block().is_queue == 0;
     const Source source{channel::LinkReader{link, attach()}, values, newest && link.depth() > 1};
@@ -87,7 +93,7 @@ class InPortBase : public PortBase {
     sequence_ = info.sequence;
     stamp_ns_ = info.stamp_ns;
   }
-  /// take_over() but for the value.
+  /// take_over() without the value.
   void follow(InPortBase& before) noexcept {
     before.sources_.swap(before.aside_);
     if (sources_.empty()) sources_.swap(aside_);
@@ -99,34 +105,35 @@ class InPortBase : public PortBase {
     is_safe_ = before.is_safe_;
     is_new_ = false;
   }
-  /// value() lies in the memory of the link, where both instances find it.
+  /// Whether value() is in the memory of the link, where both instances find it.
   [[nodiscard]] bool value_is_shared() const noexcept {
     return sequence_ != 0 && !is_safe_ && sources_[taken_from_].values != nullptr;
   }
-  /// The link whose samples a safe value may stand in for; none where no output with one is connected.
+  /// The link whose samples may be replaced by a safe value; empty if no connected output has a safe value.
   [[nodiscard]] const channel::Link& watched() const noexcept { return watched_; }
-  /// After the newest sample was taken, where there was one: whether the safe value, which must be known,
-  /// holds in its place from now on.
+  /// Decides whether the safe value, which must be known, replaces the newest sample from now on. Call it
+  /// after taking; `found`: whether there was a sample.
   void settle(bool found) noexcept {
     const bool was_safe = is_safe_;
     is_safe_ = distrusted() || (was_safe && !found);
     is_new_ = is_safe_ ? !was_safe : found;
   }
 
-  /// The connection that the next sample came from, each in turn; null: there is none. The sample is taken.
+  /// Takes the next sample and returns its connection, or null if there is no sample. Asks the connections in
+  /// turn.
   Source* take() noexcept {
     for (std::size_t n = sources_.size(); n > 0; --n) {
       Source& source = sources_[turn_];
       if (++turn_ == sources_.size()) turn_ = 0;
       if (!source.reader.take(context().start_ns)) continue;
-      // The link of a latest value has several places where its writer's samples become valid later.
+      // A link of a latest value has several slots if the writer's samples become valid later.
       while (source.latest && source.reader.take(context().start_ns)) continue;
       taken_from_ = static_cast<std::size_t>(&source - sources_.data());
       return &source;
     }
     return nullptr;
   }
-  /// Which connection take() came upon, in the order in which they were connected.
+  /// The index of the connection that take() returned last, in the order of connecting.
   [[nodiscard]] std::size_t taken_from() const noexcept { return taken_from_; }
   void begin_read() noexcept { is_new_ = false; }
   void accept(const channel::SampleInfo& info) noexcept {
@@ -135,20 +142,21 @@ class InPortBase : public PortBase {
     stamp_ns_ = info.stamp_ns;
     if (direction() == PortDirection::event) record(channel::FlightKind::event);
   }
-  /// Counts a sample that was taken last and came too late to be of use.
+  /// Counts the sample that was taken last as too late to be of use.
   void count_late() noexcept {
     if (sources_.empty()) return;
     auto& late = sources_[taken_from_].reader.link().block().late;
     late.store(late.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
+  /// Counts an invalid sample.
   static void refuse(Source& source) noexcept {
     auto& refused = source.reader.link().block().refused;
     refused.store(refused.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
 
  private:
-  /// The last sample that was taken is not to be given to anybody: it was written while its module did not
-  /// execute, or that has stopped since, or it is too old; or there was none yet.
+  /// Whether the last sample must not be used: its module did not execute when it wrote the sample or does
+  /// not execute now, the sample is too old, or there was no sample yet.
   [[nodiscard]] bool distrusted() const noexcept {
     if (sequence_ < watched_.trusted_from()) return true;  // SYNC: trusted
     const std::int64_t deadline = watched_.block().deadline_ns;
@@ -156,7 +164,7 @@ class InPortBase : public PortBase {
   }
 
   std::vector<Source> sources_;
-  std::vector<Source> aside_;  // in place of these, while the port stands by
+  std::vector<Source> aside_;  // used instead of sources_ while the port stands by
   channel::Link watched_;
   bool is_safe_ = false;
   std::size_t turn_ = 0;
@@ -166,22 +174,23 @@ class InPortBase : public PortBase {
   bool is_new_ = false;
 };
 
-/// T is a struct of an IDL file, see takt_add_idl().
+/// An input for samples of type T, a struct of an IDL file (see takt_add_idl()).
 template <class T>
 class InPort : public InPortBase {
  public:
+  /// The options of the input.
   using Options = PortOptions;
 
-  /// Of a component: a member of it.
+  /// In a component: a member. Not real-time: allocates.
   InPort(Component& owner, std::string name, Options options = {})
       : InPort(&owner, std::move(name), PortDirection::in, std::move(options)) {}
-  /// Of a program: a global variable, or one that is there before initPeriodExe() or initSporadicExe().
+  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe(). Allocates.
   explicit InPort(std::string name, Options options = {})
       : InPort(nullptr, std::move(name), PortDirection::in, std::move(options)) {}
 
-  /// Goes on to the next sample: the newest of a connection that holds the latest value, the oldest of a
-  /// queue. False when none has come since; value() stays as it is then. The safe value comes like a sample:
-  /// once, when it takes the place of what was there.
+  /// Takes the next sample: the newest if the connection holds the latest value, the oldest if it is a queue.
+  /// False if no sample has arrived since; value() then stays as it is. The safe value arrives like a sample:
+  /// once, when it replaces the sample before. Real-time.
   bool read() noexcept {
     const bool found = next();
     if (!watched() || !know_safe()) return found;
@@ -190,8 +199,8 @@ class InPort : public InPortBase {
     return is_new();
   }
 
-  /// The last sample that was read, or the safe value; T{} before the first. The reference is good until the
-  /// next read().
+  /// The sample that was read last, or the safe value; T{} before the first. The reference is valid until the
+  /// next read(). Real-time.
   [[nodiscard]] const T& value() const noexcept { return *value_; }
 
   void connect(channel::Link link, void* values) override {
@@ -214,7 +223,7 @@ class InPort : public InPortBase {
     } else if (value_is_shared()) {
       value_ = other.value_;
     } else {
-      own_[0] = other.value();  // it has the room: it was decoded into such a one
+      own_[0] = other.value();  // does not allocate: own_ has reserved room for every value of the type
       value_ = own_.data();
     }
   }
@@ -245,14 +254,15 @@ class InPort : public InPortBase {
     return false;
   }
   bool decode(const Source& source) noexcept {
-    T& other = value_ == own_.data() ? own_[1] : own_[0];  // what is no sample must not spoil the last one
+    T& other = value_ == own_.data() ? own_[1] : own_[0];  // an invalid sample must not damage the last one
     const channel::LinkReader& reader = source.reader;
     if (!PortType<T>::decode(reader.link().payload(reader.buffer()), reader.info().size, other)) return false;
     value_ = &other;
     return true;
   }
 
-  /// Decoded when it is needed for the first time: that of another device comes when the cell begins to run.
+  /// Decodes the safe value when it is needed for the first time. The safe value of another device arrives
+  /// only when the cell starts.
   bool know_safe() noexcept {
     if (safe_known_) return true;
     const auto bytes = watched().safe();
@@ -262,7 +272,7 @@ class InPort : public InPortBase {
   }
 
   std::array<T, 2> own_{};   // decoded from bytes in turn
-  std::unique_ptr<T> safe_;  // null where no output with a safe value is connected
+  std::unique_ptr<T> safe_;  // null if no output with a safe value is connected
   bool safe_known_ = false;
   const T* value_ = own_.data();
 };

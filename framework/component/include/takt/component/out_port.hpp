@@ -1,15 +1,16 @@
-// Where samples go out:
+// takt::OutPort: an output of a component.
 //
 //   takt::OutPort<motion::JointEffort> effort{*this, "effort"};
 //   ...
 //   effort.write(value);
 //
-// With a safe value, readers get that while this module does not execute, and when what it wrote is too old:
+// An output can have a safe value. Readers get it while this module does not execute, or if the last sample
+// is too old:
 //
 //   takt::OutPort<motion::JointEffort> effort{*this, "effort", {.safe = motion::JointEffort{}}};
 //
-// To everybody who is connected; to nobody when nobody is. Never waits: a reader that is slow loses its
-// oldest samples, and that is counted at the connection.
+// write() sends to every connected reader, and does nothing if there is none. It never waits: a slow reader
+// loses its oldest samples, and the connection counts them.
 #pragma once
 
 #include <algorithm>
@@ -27,19 +28,22 @@
 
 namespace takt {
 
+/// The result of OutPort::write().
 enum class Written {
-  yes,    ///< to all who are connected, however many that are
-  unfit,  ///< to nobody: a string or sequence is longer than its bound, or an enumerator is none; counted
+  yes,    ///< sent to all connected readers, even if there are none
+  unfit,  ///< sent to no reader: a string or sequence exceeds its bound, or an enumerator is invalid; counted
 };
 
+/// The options of an output.
 template <class T>
 struct OutPortOptions {
   std::string text{};  ///< one sentence for `takt describe`
-  std::optional<T>
-      safe{};  ///< what readers of the latest value get in place of it; a descriptor may change it
+  /// The safe value: what readers of the latest value get if the last sample is not trusted. A descriptor may
+  /// change it.
+  std::optional<T> safe{};
 };
 
-/// The part that does not depend on the type.
+/// The part of OutPort that does not depend on the type.
 class OutPortBase : public PortBase {
  public:
   [[nodiscard]] bool connected() const noexcept override {
@@ -59,14 +63,14 @@ class OutPortBase : public PortBase {
 
   struct Sink {
     channel::LinkWriter writer;
-    void* values = nullptr;  ///< null: bytes
+    void* values = nullptr;  ///< the link's values; null: the link carries bytes
     [[nodiscard]] bool enabled() const noexcept {
       return writer.link().block().enabled.load(std::memory_order_relaxed) != 0;
     }
     [[nodiscard]] std::byte* payload() const noexcept { return writer.link().payload(writer.buffer()); }
   };
 
-  void be_safe_with(std::vector<std::byte> bytes) noexcept { safe_ = std::move(bytes); }
+  void set_safe(std::vector<std::byte> bytes) noexcept { safe_ = std::move(bytes); }
   void add(channel::Link link, void* values) {
     (attach() == channel::Attach::now ? sinks_ : aside_)
         .push_back({channel::LinkWriter{link, attach()}, values});
@@ -78,7 +82,8 @@ class OutPortBase : public PortBase {
     if (wake_bits != 0 && context().wake_word != nullptr) context().wake_word->note(wake_bits);
   }
 
-  /// Into every link that is enabled: encoded once and copied, or, where it carries values, by `assign`.
+  /// Writes the value into every enabled link. A link of bytes gets the value encoded once and copied; a link
+  /// of values gets it by `assign`.
   template <class Encode, class Assign>
   Written write_all(const Encode& encode, const Assign& assign) noexcept {
     const std::byte* bytes = nullptr;
@@ -95,13 +100,13 @@ class OutPortBase : public PortBase {
         if (size == 0) return refuse();
         bytes = sink.payload();
       } else {
-        std::memcpy(sink.payload(), bytes, size);  // nobody but we ever writes into a buffer
+        std::memcpy(sink.payload(), bytes, size);  // safe, because only this side writes into buffers
       }
       publish(sink, size);
     }
     return Written::yes;
   }
-  /// Into one link, in the order in which they were connected; nothing where nobody listens there.
+  /// Writes into one link; `index` in the order of connecting. Does nothing if the link has no reader.
   template <class Encode, class Assign>
   Written write_one(std::size_t index, const Encode& encode, const Assign& assign) noexcept {
     if (index >= sinks_.size() || !sinks_[index].enabled()) return Written::yes;
@@ -125,26 +130,28 @@ class OutPortBase : public PortBase {
 
  private:
   std::vector<Sink> sinks_;
-  std::vector<Sink> aside_;  // in place of these, while the port stands by
+  std::vector<Sink> aside_;  // used instead of sinks_ while the port stands by
   std::vector<std::byte> safe_;
 };
 
-/// T is a struct of an IDL file, see takt_add_idl().
+/// An output for samples of type T, a struct of an IDL file (see takt_add_idl()).
 template <class T>
 class OutPort : public OutPortBase {
  public:
+  /// The options of the output.
   using Options = OutPortOptions<T>;
 
-  /// Of a component: a member of it. Throws where the safe value is none of the type: a string or sequence
-  /// beyond its bound.
+  /// In a component: a member. Not real-time: allocates. Throws std::invalid_argument if the safe value does
+  /// not fit its type: a string or sequence exceeds its bound, or an enumerator is invalid.
   OutPort(Component& owner, std::string name, Options options = {})
       : OutPort(&owner, std::move(name), std::move(options)) {}
-  /// Of a program: a global variable, or one that is there before initPeriodExe() or initSporadicExe().
+  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe(). Otherwise
+  /// the same.
   explicit OutPort(std::string name, Options options = {})
       : OutPort(nullptr, std::move(name), std::move(options)) {}
 
-  /// Real-time, and for every other hook; one thread at a time. The sample's time is the beginning of the
-  /// run() that it was written in.
+  /// Sends a value to all connected readers. The stamp of the sample is the start of the current run(). Every
+  /// hook may call it. Real-time; one thread at a time.
   Written write(const T& value) noexcept {
     if (!PortType<T>::fits(value)) return refuse();
     return write_all(encoding(value), assigning(value));
@@ -167,11 +174,12 @@ class OutPort : public OutPortBase {
     std::vector<std::byte> bytes(PortType<T>::info.max_size);
     bytes.resize(PortType<T>::encode(*options.safe, bytes.data(), static_cast<std::uint32_t>(bytes.size())));
     if (bytes.empty())
-      throw std::invalid_argument("the safe value of output '" + this->name() + "' is no " +
-                                  PortType<T>::info.name + ": a string or sequence is beyond its bound");
-    be_safe_with(std::move(bytes));
+      throw std::invalid_argument(
+          "the safe value of output '" + this->name() + "' does not fit type " + PortType<T>::info.name +
+          ": a string or sequence is longer than its bound, or an enumerator is invalid");
+    set_safe(std::move(bytes));
   }
-  /// To one of those who are connected.
+  /// Sends a value to one connected reader.
   Written write_to(std::size_t index, const T& value) noexcept {
     if (!PortType<T>::fits(value)) return refuse();
     return write_one(index, encoding(value), assigning(value));

@@ -1,5 +1,5 @@
-// A port as far as its type does not matter: what the host ties to the links of its connections, and what
-// `takt describe` shows. Authors use InPort, EventPort and OutPort.
+// PortBase: the part of a port that does not depend on its type. The host connects it to links, and `takt
+// describe` shows it. Authors use InPort, EventPort and OutPort.
 #pragma once
 
 #include <cstddef>
@@ -17,94 +17,107 @@ namespace takt {
 
 class Component;
 
-enum class PortDirection { in, event, out };
+/// The direction of a port.
+enum class PortDirection {
+  in,     ///< an input
+  event,  ///< an input whose samples make a sporadic module ready to run
+  out     ///< an output
+};
 /// "in", "event", "out"
 const char* to_text(PortDirection direction) noexcept;
 
-/// What a port is there for: samples of its own, or, with another one, a service or a client.
+/// The purpose of a port: plain samples, or one of the two ports of a service or client.
 enum class PortRole {
-  plain,
-  service,  ///< its module answers requests, in run()
-  handler,  ///< the same, by a handler on a thread of its own
-  client,   ///< its module asks
+  plain,    ///< samples
+  service,  ///< the module answers requests in run()
+  handler,  ///< the module answers requests in a handler, on a thread of its own
+  client,   ///< the module sends requests
 };
 /// "port", "service", "handler", "client"
 const char* to_text(PortRole role) noexcept;
 
-/// The two ports that a service or client NAME is made of are NAME/request and NAME/reply.
+/// The suffixes of the two ports of a service or client NAME: NAME/request and NAME/reply.
 inline constexpr const char* kRequestPort = "/request";
 inline constexpr const char* kReplyPort = "/reply";
 
-/// What may be said of any port.
+/// The options of ports and services. OutPort has more, see OutPortOptions.
 struct PortOptions {
   std::string text{};  ///< one sentence for `takt describe`
 };
 
-/// What the ports of a module are told by whoever runs it.
+/// What the code that runs a module passes to all ports of the module.
 struct PortContext {
-  std::int64_t start_ns =
-      0;  ///< when the present run() began: the stamp of what is written, and `now` of ages
-  channel::WakeWord* wake_word = nullptr;  ///< for links that wake somebody
-  /// From when on what is written may be read: with timing="let" the end of the period; 0: at once.
+  /// Monotonic time in ns at which the current run() began: the stamp of written samples, and the time at
+  /// which ages are measured.
+  std::int64_t start_ns = 0;
+  channel::WakeWord* wake_word = nullptr;  ///< for links whose readers sleep
+  /// Monotonic time in ns from which written samples may be read. With timing="let" it is the end of the
+  /// period; 0: at once.
   std::int64_t valid_ns = 0;
   /// Where samples are recorded while run() is called; null: nowhere.
   channel::FlightWriter* flight = nullptr;
-  std::uint32_t module = 0;  ///< its index on the device, for that record
+  std::uint32_t module = 0;  ///< index of the module on its device, for `flight`
 };
 
+/// The base of every port. Registers itself with its component or program.
 class PortBase {
  public:
   PortBase(const PortBase&) = delete;
   PortBase& operator=(const PortBase&) = delete;
   virtual ~PortBase();
 
+  /// The name of the port.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  /// The direction of the port.
   [[nodiscard]] PortDirection direction() const noexcept { return direction_; }
+  /// The purpose of the port.
   [[nodiscard]] PortRole role() const noexcept { return role_; }
+  /// The type of the port's samples.
   [[nodiscard]] const TypeInfo& type() const noexcept { return type_; }
+  /// The description for `takt describe`; may be empty.
   [[nodiscard]] const std::string& text() const noexcept { return options_.text; }
 
-  /// Somebody is at the other end of a connection. Real-time.
+  /// Whether another port is connected: for an input an output, for an output at least one reader. Real-time.
   [[nodiscard]] virtual bool connected() const noexcept = 0;
-  /// read() would find a sample. Real-time.
+  /// Whether read() would find a sample. Real-time.
   [[nodiscard]] bool has_news() const noexcept { return news_at() <= context().start_ns; }
-  /// From when on, monotonic: 0 for at once, channel::kNever when there is none. Real-time; also for another
-  /// thread than the one that reads.
+  /// The monotonic time in ns from which read() finds a sample: 0 for at once, channel::kNever if there is no
+  /// sample. Real-time; another thread than the reading one may call it too.
   [[nodiscard]] virtual std::int64_t news_at() const noexcept { return channel::kNever; }
 
-  // For whoever runs the module, while it is not running.
+  // For the code that runs the module, while the module is not running.
 
-  /// The context outlives the port's use. `place`: of the port among those of its module.
+  /// Sets the context, which must outlive the use of the port. `place`: index of the port in its module.
   void serve(const PortContext& context, std::uint32_t place = 0) noexcept {
     context_ = &context;
     place_ = place;
   }
-  /// The port becomes a side of this link, beside those that it has. `values` are the payloads of a link
-  /// without place for them: as many values of the port's type as the link has buffers, from make_values() of
-  /// either end; null: the link carries bytes.
+  /// Connects the port to a link, in addition to the links that it has. `values`: null if the link carries
+  /// bytes. Otherwise the payloads of a link that has no room for them: one value of the port's type for each
+  /// buffer, from make_values() of either end.
   virtual void connect(channel::Link link, void* values) = 0;
-  /// Another instance's port serves the links that are connected from now on, until take_over(): till then
-  /// nothing is read or written here.
+  /// Links that are connected from now on stay unused until take_over(), because the port of another instance
+  /// serves them until then.
   void stand_by() noexcept { attach_ = channel::Attach::later; }
-  /// Goes on where `before` is: the same port of another instance of the module, with the same links. That
-  /// one stands by from now on. Real-time.
+  /// Continues where `before` is: the same port of another instance of the module, with the same links.
+  /// `before` stands by from now on. Real-time.
   virtual void take_over(PortBase& before) noexcept = 0;
-  /// Makes values with the room that they may need. They are for ever: nobody knows who still looks at one.
-  /// Null from a port whose values are no C++ class.
+  /// Makes `number` values with room for the largest sequences. They are never freed, because the other end
+  /// may still read one. Null if the port's values are not C++ objects. Allocates.
   [[nodiscard]] virtual void* make_values(std::uint32_t number) const = 0;
-  /// Bytes of one value; the same for two ports that share values.
+  /// Bytes of one value; equal for two ports that may share values.
   [[nodiscard]] virtual std::size_t value_size() const noexcept = 0;
-  /// Of an output, the safe value that its author gave it, as CDR; empty: none.
+  /// The safe value of an output as CDR, as its author declared it; empty: none.
   [[nodiscard]] virtual const std::vector<std::byte>& safe() const noexcept { return kNoSafe; }
 
  protected:
-  /// Of a component; or, without one, of the program or of the module in C form that is being loaded.
+  /// `owner`: the component; null in a program, or in a module in C form that is being loaded.
   PortBase(Component* owner, std::string name, PortDirection direction, const TypeInfo& type,
            PortOptions options);
-  void be(PortRole role) noexcept { role_ = role; }
+  void set_role(PortRole role) noexcept { role_ = role; }
   [[nodiscard]] const PortContext& context() const noexcept { return *context_; }
   [[nodiscard]] channel::Attach attach() const noexcept { return attach_; }
-  /// A sample went in or out, in run().
+  /// Records in the flight record that run() read or wrote a sample.
   void record(channel::FlightKind kind) const noexcept {
     const PortContext& context = *context_;
     if (context.flight != nullptr) context.flight->add(kind, context.start_ns, context.module, place_);
@@ -125,8 +138,8 @@ class PortBase {
   channel::Attach attach_ = channel::Attach::now;
 };
 
-/// The ports without a component of this program, or of the module in C form that this thread has loaded
-/// since it was asked last. They take themselves away when they end before they were asked for.
+/// The ports without a component: those of this program, or of the module in C form that this thread has
+/// loaded since the last call. A port that is destroyed before the call is not in the list.
 std::vector<PortBase*> take_loose_ports();
 
 namespace detail {

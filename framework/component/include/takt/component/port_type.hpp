@@ -1,4 +1,5 @@
-// What a port must know of its type. takt_add_idl generates a specialisation for every struct of an IDL file:
+// PortType: what a port must know about its type. takt_add_idl generates a specialisation for every struct of
+// an IDL file:
 //
 //   takt_add_idl(types motion.idl)      in CMake
 //   #include <motion.hpp>               the struct motion::JointState and its PortType
@@ -9,28 +10,30 @@
 
 namespace takt {
 
-/// Static storage, the same in every object that was compiled from the same IDL.
+/// The description of a type, in static storage. It is the same in every object compiled from the same IDL.
 struct TypeInfo {
-  const char* name;         ///< "motion::JointState", its name on DDS
-  const char* description;  ///< JSON, as model::parse_type() reads it; two types are one when this is equal
-  std::uint32_t max_size;   ///< most bytes of a sample as CDR: with encapsulation, in whole words of 4 bytes
+  const char* name;         ///< "motion::JointState", the name on DDS
+  const char* description;  ///< JSON for model::parse_type(); types with equal descriptions are the same type
+  std::uint32_t max_size;   ///< most bytes of a sample as CDR: with encapsulation, a multiple of 4
 };
 
-/// For T of an IDL file. All but reserve() are real-time; decode() for a value that was reserved.
+/// Encodes and decodes values of T, a struct of an IDL file. All functions except reserve() are real-time;
+/// decode() only for a value that was reserved.
 ///
 ///   static constexpr TypeInfo info;
 ///
-///   /// Bytes written; 0 when `size` is less than the sample needs, or a field is beyond its bound.
+///   /// Writes the value as CDR and returns the bytes written. 0 if `size` is too small for the sample, or
+///   /// if a field exceeds its bound.
 ///   static std::uint32_t encode(const T& value, std::byte* to, std::uint32_t size) noexcept;
 ///
-///   /// Whether encode() would take it, given room.
+///   /// Whether encode() accepts the value if there is room.
 ///   static bool fits(const T& value) noexcept;
 ///
-///   /// False when the bytes are no sample, and what the value then holds is not said. Either byte order; up
-///   /// to 3 bytes may follow, for RTPS sends whole words.
+///   /// Reads a sample in either byte order. Up to 3 bytes may follow it, because RTPS sends whole words.
+///   /// False if the bytes are not a valid sample; the content of `value` is then unspecified.
 ///   static bool decode(const std::byte* from, std::uint32_t size, T& value) noexcept;
 ///
-///   /// Gives its sequences the room that they may need. Allocates.
+///   /// Reserves room for the largest possible sequences of the value. Allocates.
 ///   static void reserve(T& value);
 template <class T>
 struct PortType;

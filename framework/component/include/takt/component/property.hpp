@@ -1,16 +1,16 @@
-// A named value of a component that the descriptor may set, and that may be set again while the component
-// runs. A member of a component; of a program, or of a module in the C form, a global variable:
+// takt::Property: a named value that the descriptor sets, and that an operator can change while the component
+// runs. It is a member of a component. In a program, or in a module in the C form, it is a global variable:
 //
 //   takt::Property<double> speed{"speed", 0.3, {.unit = "m/s", .min = 0, .max = 2, .text = "Of the belt."}};
 //
-// A program has the values of its descriptor as arguments, and a property of it takes its own when it is
-// constructed: it is there from the first line of main() on. What it cannot take, and what no property is
-// named for, initPeriodExe() or initSporadicExe() refuses.
+// A program gets the values of its descriptor as arguments, and each property takes its value when it is
+// constructed. So the value is valid from the first line of main() on. initPeriodExe() or initSporadicExe()
+// rejects invalid values, and arguments that name no property.
 //
-// Two threads have to do with it: one that sets, and the one that calls the component's hooks at the time.
-// Each has a value of its own, and a third passes from one to the other; who passes it on is a word of the
-// caller (host: LiveProperties). So run() reads a plain value, that of no other call, and neither waits nor
-// frees what was there before.
+// Two threads use a property: the thread that sets it, and the thread that calls the component's hooks. Each
+// has a value of its own, and a third value is passed between them. The caller synchronises this with one
+// word (host: LiveProperties). So run() reads a plain value that no other thread changes, and neither waits
+// nor frees the former value.
 #pragma once
 
 #include <cmath>
@@ -31,47 +31,59 @@ namespace takt {
 
 class Component;
 
-enum class PropertyType { boolean, integer, number, text };
-/// "bool", "integer", "double", "string": the words of `takt describe` and of messages.
+/// The kind of value that a property has.
+enum class PropertyType {
+  boolean,  ///< bool
+  integer,  ///< a signed integer
+  number,   ///< float or double
+  text      ///< std::string
+};
+/// "bool", "integer", "double", "string", as in `takt describe` and in messages.
 const char* to_text(PropertyType type) noexcept;
 
-/// What can be said of a property without its C++ type.
+/// The part of a property that does not depend on its C++ type.
 class PropertyBase {
  public:
   PropertyBase(const PropertyBase&) = delete;
   PropertyBase& operator=(const PropertyBase&) = delete;
   virtual ~PropertyBase();
 
+  /// The name of the property.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  /// The unit of the value; may be empty.
   [[nodiscard]] const std::string& unit() const noexcept { return unit_; }
+  /// The description for `takt describe`; may be empty.
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
+  /// The kind of value.
   [[nodiscard]] virtual PropertyType type() const noexcept = 0;
-  /// The value that was set last. By the thread that sets.
+  /// The value that was set last. For the setting thread. Allocates.
   [[nodiscard]] virtual std::string value_text() const = 0;
-  /// The value that it has until one is set.
+  /// The value until one is set. Allocates.
   [[nodiscard]] virtual std::string default_text() const = 0;
-  /// The least and the most that it takes; empty without that bound.
+  /// The smallest accepted value; empty without a lower bound. Allocates.
   [[nodiscard]] virtual std::string min_text() const = 0;
+  /// The largest accepted value; empty without an upper bound. Allocates.
   [[nodiscard]] virtual std::string max_text() const = 0;
-  /// "0 to 10", "at least 0", "fast or slow"; empty without bounds.
+  /// "0 to 10", "at least 0", "fast or slow"; empty without bounds. Allocates.
   [[nodiscard]] virtual std::string range_text() const = 0;
 
-  /// Whether it takes this text; if not, says what it takes.
+  /// Whether the property accepts this text. The problem states what it accepts. Not real-time.
   [[nodiscard]] virtual Result<void> check(std::string_view text) const = 0;
-  /// Sets it from the descriptor's text, while no hook is called. On failure it keeps its value and says what
-  /// it takes.
+  /// Sets the property from the descriptor's text, while no hook is called. On failure the value does not
+  /// change, and the problem states what the property accepts. Not real-time.
   virtual Result<void> assign(std::string_view text) = 0;
-  /// As assign(), also while hooks are called: they see it after take_over(), which must not be going on. By
-  /// the thread that sets.
+  /// Like assign(), but also allowed while hooks are called. The hooks see the value after take_over(), which
+  /// must not be in progress. For the setting thread. Not real-time.
   virtual Result<void> propose(std::string_view text) = 0;
-  /// What was proposed is the value now. By the thread that calls hooks, between two of them; once for each
-  /// proposal or several of them. Real-time: swaps.
+  /// Makes the proposed value the current one. For the thread that calls hooks, between two calls, once for
+  /// one or more proposals. Real-time: only swaps.
   virtual void take_over() noexcept = 0;
 
  protected:
-  /// Of a component; or, without one, of the program or of the module in C form that is being loaded, which
-  /// the last constructor then tells by detail::add_loose_property().
+  /// `owner`: the component; null in a program, or in a module in C form that is being loaded. In these cases
+  /// the constructor of the derived class registers the property with detail::add_loose_property().
   PropertyBase(Component* owner, std::string name, std::string unit, std::string text);
+  /// The problem for a rejected text; states what the property accepts.
   [[nodiscard]] Problem refusal(std::string_view given) const;
 
  private:
@@ -81,20 +93,25 @@ class PropertyBase {
   bool owned_;
 };
 
-/// The properties without a component of this program, or of the module in C form that this thread has loaded
-/// since it was asked last, in the order of their construction. They take themselves away when they end
-/// before they were asked for.
+/// The properties without a component, in the order of construction: those of this program, or of the module
+/// in C form that this thread has loaded since the last call. A property that is destroyed before the call is
+/// not in the list.
 std::vector<PropertyBase*> take_loose_properties();
 
-/// A name that is there twice, a default that is out of its range: of all of an owner.
+/// Reports duplicate names and defaults out of range among the properties of one owner. `owner`: its name in
+/// the messages. Not real-time.
 Problems check_declared(const std::vector<PropertyBase*>& properties, const std::string& owner);
 
-/// The words that a property of text takes: {"fast", "slow"}.
+/// The words that a text property accepts: {"fast", "slow"}.
 class Choices {
  public:
+  /// Any text.
   Choices() noexcept = default;
+  /// Only these words.
   Choices(std::initializer_list<std::string> words) : words_(words) {}
+  /// Whether there are no words, so that any text is accepted.
   [[nodiscard]] bool empty() const noexcept { return words_.empty(); }
+  /// Whether `word` is one of the words. An exact comparison.
   [[nodiscard]] bool contain(std::string_view word) const noexcept;
   /// "fast, medium or slow"
   [[nodiscard]] std::string text() const;
@@ -104,45 +121,51 @@ class Choices {
 };
 
 namespace detail {
-/// In a program the property takes its value from the arguments.
+/// Registers a property without a component. In a program, the property takes its value from the arguments.
 void add_loose_property(PropertyBase& property);
 void remove_loose_property(PropertyBase& property) noexcept;
 
 std::optional<bool> parse_bool(std::string_view text) noexcept;
 std::optional<std::int64_t> parse_integer(std::string_view text) noexcept;
 std::optional<double> parse_number(std::string_view text) noexcept;
-/// The shortest text that reads back as the same value; a float's is shorter than that of the same double.
+/// The shortest text that reads back as the same value. The text of a float is shorter than that of the same
+/// double.
 std::string number_text(double value);
 std::string number_text(float value);
 }  // namespace detail
 
+/// The types that a property can have.
 template <class T>
 concept PropertyValueType = std::same_as<T, bool> || std::same_as<T, std::string> || std::same_as<T, float> ||
     std::same_as<T, double> || std::signed_integral<T>;
 
-/// bool, a signed integer, float or double, or std::string. Reading is for every hook, also on the real-time
-/// thread. A value that is set while the component runs is seen from its next call on, by who reads the
-/// property then: what initialize() made of it is not made again.
+/// A property of type bool, signed integer, float, double or std::string. Every hook may read it, also on the
+/// real-time thread. A service handler must not. If the value is set while the component runs, the next call
+/// of a hook reads the new value. Takt does not call initialize() again, so values computed there stay.
 template <PropertyValueType T>
 class Property : public PropertyBase {
  public:
+  /// What a component states about its property.
   struct Options {
-    std::string unit{};      ///< "mm/s"
+    std::string unit{};      ///< unit of the value, such as "mm/s"; only for display and messages
     std::optional<T> min{};  ///< inclusive; numbers only
     std::optional<T> max{};  ///< inclusive; numbers only
     std::string text{};      ///< one sentence for `takt describe`
-    Choices choices{};       ///< the words that it takes; text only, empty: any
+    Choices choices{};       ///< the accepted words; text properties only; empty: any text
   };
 
+  /// In a component: a member. `value`: the default. Not real-time: allocates.
   Property(Component& owner, std::string name, T value, Options options = {})
       : Property(&owner, std::move(name), std::move(value), std::move(options)) {}
-  /// Of a program, or of a module in the C form; not of a component.
+  /// In a program or in a module in the C form: a global variable. Not in a component. Allocates.
   Property(std::string name, T value, Options options = {})
       : Property(nullptr, std::move(name), std::move(value), std::move(options)) {
     detail::add_loose_property(*this);
   }
 
+  /// The value. Real-time.
   operator const T&() const noexcept { return value_; }  // NOLINT(google-explicit-constructor)
+  /// The value. Real-time.
   [[nodiscard]] const T& value() const noexcept { return value_; }
 
   [[nodiscard]] PropertyType type() const noexcept override {
@@ -170,9 +193,9 @@ class Property : public PropertyBase {
     return narrowed_.empty() ? range : range + " " + narrowed_;
   }
 
-  /// In initialize(): a range, within the one that is declared, that only the module knows, as one that its
-  /// period makes. `why` stands behind it in messages: "at a period of 1 ms". Fails when the value is out of
-  /// it; later ones are held against it when they are set.
+  /// Narrows the declared range for this module, for example because of its period. Call it in initialize().
+  /// It never widens the range. `why` follows the range in messages: "at a period of 1 ms". Fails if the
+  /// current value is out of the new range; values that are set later are checked against it. Not real-time.
   Result<void> narrow(std::optional<T> min, std::optional<T> max,
                       std::string why) requires std::is_arithmetic_v<T> {
     if (min && (!min_ || *min > *min_)) min_ = min;
@@ -223,7 +246,7 @@ class Property : public PropertyBase {
   std::optional<T> accepted(std::string_view text) const {
     std::optional<T> value = parse(text);
     if constexpr (std::is_arithmetic_v<T>) {
-      // Written so that a NaN is refused wherever there is a bound.
+      // Written so that a bound rejects NaN.
       if (value && ((min_ && !(*value >= *min_)) || (max_ && !(*value <= *max_)))) value.reset();
     }
     if constexpr (std::is_same_v<T, std::string>) {
@@ -240,7 +263,7 @@ class Property : public PropertyBase {
       return value && std::in_range<T>(*value) ? std::optional<T>(static_cast<T>(*value)) : std::nullopt;
     } else if constexpr (std::is_floating_point_v<T>) {
       const auto value = detail::parse_number(text);
-      // A float does not take what only a double can hold.
+      // A float rejects a value that only a double can hold.
       return value && std::abs(*value) <= static_cast<double>(std::numeric_limits<T>::max())
                  ? std::optional<T>(static_cast<T>(*value))
                  : std::nullopt;
@@ -250,13 +273,13 @@ class Property : public PropertyBase {
   }
 
   const T default_;
-  T value_;        // of the thread that calls hooks
-  T passed_on_{};  // of the one that sets, until take_over(); then what was the value
-  T set_last_;     // of the one that sets
+  T value_;        // owned by the thread that calls hooks
+  T passed_on_{};  // owned by the setting thread until take_over(); then it is the former value
+  T set_last_;     // owned by the setting thread
   std::optional<T> min_;
   std::optional<T> max_;
   Choices choices_;
-  std::string narrowed_;  // why the range is what it is
+  std::string narrowed_;  // the reason given to narrow()
 };
 
 }  // namespace takt

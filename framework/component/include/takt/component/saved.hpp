@@ -1,16 +1,16 @@
-// What a module keeps when its process dies, so that its outputs do not jump:
+// takt::Saved: the state of a module that survives the death of its process, so that outputs do not jump.
 //
 //   struct Kept { double sum = 0; std::uint64_t pieces = 0; };
-//   takt::Saved<Kept> kept{*this, 1};      1 is the version of Kept: count it up when its meaning changes
+//   takt::Saved<Kept> kept{*this, 1};      1 is the version of Kept: increase it when its meaning changes
 //   ...
 //   kept->sum += error * cycle.seconds();  in run()
 //
-// After each run() that did not fail the value is copied into memory that outlives the process. An instance
-// that takes the place of one that crashed finds it there in start(): initialize() was called before, as
-// ever. With <retain>true</retain> it is on disk as well, for when the machine was switched off.
+// After each run() that did not fail, Takt copies the value into memory that outlives the process. After a
+// crash, the new instance has the saved value from start() on; initialize() is called before that, as always.
+// With <retain>true</retain> in the descriptor the value is also written to disk and survives power-off.
 //
-// Of a program it is a global variable, kept{1}: copied in each waitPeriod() or waitSporadic() but the first,
-// and there again when initPeriodExe() or initSporadicExe() returns.
+// In a program it is a global variable, kept{1}. Each waitPeriod() or waitSporadic() except the first copies
+// the value. After a crash, the program has it back when initPeriodExe() or initSporadicExe() returns.
 #pragma once
 
 #include <cstdint>
@@ -24,23 +24,27 @@ namespace takt {
 
 class Component;
 
-/// The part that does not depend on the type.
+/// The part of Saved that does not depend on the type.
 class SavedBase {
  public:
   SavedBase(const SavedBase&) = delete;
   SavedBase& operator=(const SavedBase&) = delete;
 
+  /// The version of the value's meaning.
   [[nodiscard]] std::uint32_t version() const noexcept { return version_; }
+  /// The address of the value.
   [[nodiscard]] void* data() const noexcept { return data_; }
+  /// The size of the value in bytes.
   [[nodiscard]] std::uint32_t size() const noexcept { return size_; }
-  /// The value is what a former instance saved last. From start() on; of a program from initPeriodExe() on.
+  /// Whether the value is the one that a former instance saved last. Valid from start() on; in a program from
+  /// initPeriodExe() or initSporadicExe() on. Real-time.
   [[nodiscard]] bool restored() const noexcept { return restored_; }
 
-  // For whoever runs the module.
+  /// For the code that runs the module: sets restored().
   void set_restored(bool restored) noexcept { restored_ = restored; }
 
  protected:
-  /// Without an owner it is a program's.
+  /// `owner` is null in a program.
   SavedBase(Component* owner, void* data, std::uint32_t size, std::uint32_t version);
   ~SavedBase();
 
@@ -52,7 +56,7 @@ class SavedBase {
   bool restored_ = false;
 };
 
-/// Those without an owner that were constructed since; none afterwards. Of the calling thread.
+/// The objects without an owner that the calling thread has constructed since the last call.
 std::vector<SavedBase*> take_loose_saved();
 
 namespace detail {
@@ -60,33 +64,41 @@ void add_loose_saved(SavedBase& saved);
 void remove_loose_saved(SavedBase& saved) noexcept;
 }  // namespace detail
 
-/// A member of a component, or a global variable of a program; each has one at most. T is copied byte by byte
-/// into another process: no pointers, no containers. For every hook, run() included.
+/// A member of a component, or a global variable of a program; at most one of either. T is copied byte by
+/// byte into another process, so it must not contain pointers or containers; it has at most 4096 bytes. Every
+/// hook may use it, also run() on the real-time thread.
 template <class T>
 class Saved : public SavedBase {
   static_assert(std::is_trivially_copyable_v<T>,
-                "what is saved is copied byte by byte: numbers, arrays and structs of these");
-  static_assert(sizeof(T) <= channel::kMostSaved, "at most 4096 bytes are saved");
+                "T is saved byte by byte; use numbers, and arrays and structs of numbers");
+  static_assert(sizeof(T) <= channel::kMostSaved, "T is too large; at most 4096 bytes are saved");
 
  public:
+  /// In a component. `version`: increase it whenever the meaning of T changes. `initial`: the value of a new
+  /// instance.
   Saved(Component& owner, std::uint32_t version, T initial = T{})
       : SavedBase(&owner, &value_, sizeof(T), version), value_(std::move(initial)) {}
+  /// In a program, otherwise the same.
   explicit Saved(std::uint32_t version, T initial = T{})
       : SavedBase(nullptr, &value_, sizeof(T), version), value_(std::move(initial)) {}
+  /// The value. Real-time.
   T* operator->() noexcept { return &value_; }
+  /// The value. Real-time.
   const T* operator->() const noexcept { return &value_; }
+  /// The value. Real-time.
   T& operator*() noexcept { return value_; }
+  /// The value. Real-time.
   const T& operator*() const noexcept { return value_; }
 
  private:
   T value_;
 };
 
-/// What an instance of another version saved.
+/// The value that a former instance saved with another version or size, see Component::restore().
 struct SavedBefore {
-  std::uint32_t version;
-  const void* data;
-  std::uint32_t size;  ///< bytes
+  std::uint32_t version;  ///< the version with which it was saved
+  const void* data;       ///< the saved bytes; valid only during restore()
+  std::uint32_t size;     ///< number of bytes
 };
 
 }  // namespace takt

@@ -1,18 +1,24 @@
-// Request and reply: one component asks another, on this device or elsewhere, and each is given its own
-// answer. Both are made of two ports, NAME/request and NAME/reply, which the descriptor connects with
-// <service client="..." server="..."/>.
+// takt::Service and takt::Client: request and reply between components, on one device or across devices. Each
+// client gets the reply to its own request. A service and a client each have two ports, NAME/request and
+// NAME/reply; the descriptor connects them with <service client="..." server="..."/>.
 //
-//   takt::Service<line::Reset, line::Throughput> reset{*this, "reset", [this](const line::Reset& request) {
-//     return do_it(request);                    // a reply, or takt::fail("why not"); on a thread of its own
-//   }};
+// A service with a handler, which runs on a thread of its own and returns a reply or takt::fail("why not"):
+//
+//   takt::Service<line::Reset, line::Throughput> reset{
+//       *this, "reset", [this](const line::Reset& request) { return do_it(request); }};
+//
+// A service without a handler; run() replies, in the same cycle or some cycles later:
 //
 //   takt::Service<line::Reset, line::Throughput> reset{*this, "reset"};
-//     if (reset.take()) reset.reply(do_it(reset.request()));           // in run(), at once or some cycles
-//     later
+//   ...
+//   if (reset.take()) reset.reply(do_it(reset.request()));
+//
+// A client; both calls are in run() and return at once:
 //
 //   takt::Client<line::Reset, line::Throughput> reset{*this, "reset"};
-//     reset.call(request, 200ms);                                      // in run(); goes on at once
-//     if (reset.poll() == takt::CallStatus::replied) use(reset.reply());
+//   ...
+//   reset.call(request, 200ms);
+//   if (reset.poll() == takt::CallStatus::replied) use(reset.reply());
 #pragma once
 
 #include <algorithm>
@@ -36,21 +42,21 @@ namespace takt {
 
 namespace detail {
 
-/// What the present thread said by fail(); null when nothing.
-const char* take_said() noexcept;
+/// The failure that this thread reported with fail() or takt_fail(), or null. Forgets it.
+const char* take_reported_failure() noexcept;
 
 template <class T>
 class RequestIn final : public InPort<ServiceRequest<T>> {
  public:
   RequestIn(Component* owner, const std::string& name, PortRole role, PortOptions options)
-      // What comes for a handler is not run()'s to read, so it wakes no sporadic module.
+      // run() does not read the requests of a handler, so they must not wake a sporadic module.
       : InPort<ServiceRequest<T>>(owner, name + kRequestPort,
                                   role == PortRole::handler ? PortDirection::in : PortDirection::event,
                                   std::move(options)) {
-    this->be(role);
+    this->set_role(role);
   }
   using InPort<ServiceRequest<T>>::taken_from;
-  /// The client does not wait for it any more.
+  /// Whether the client no longer waits for the reply to this request.
   [[nodiscard]] bool is_expired() const noexcept {
     return this->age() > Nanoseconds{this->value().timeout_ns};
   }
@@ -62,7 +68,7 @@ class ReplyOut final : public OutPort<ServiceReply<T>> {
  public:
   ReplyOut(Component* owner, const std::string& name, PortRole role, PortOptions options)
       : OutPort<ServiceReply<T>>(owner, name + kReplyPort, {.text = std::move(options.text)}) {
-    this->be(role);
+    this->set_role(role);
   }
   using OutPort<ServiceReply<T>>::write_to;
 };
@@ -72,9 +78,9 @@ class RequestOut final : public OutPort<ServiceRequest<T>> {
  public:
   RequestOut(Component* owner, const std::string& name, PortOptions options)
       : OutPort<ServiceRequest<T>>(owner, name + kRequestPort, {.text = std::move(options.text)}) {
-    this->be(PortRole::client);
+    this->set_role(PortRole::client);
   }
-  /// The beginning of the present run().
+  /// The start of the current run(), in ns of the monotonic clock.
   [[nodiscard]] std::int64_t now_ns() const noexcept { return this->context().start_ns; }
 };
 
@@ -83,63 +89,71 @@ class ReplyIn final : public InPort<ServiceReply<T>> {
  public:
   ReplyIn(Component* owner, const std::string& name, PortOptions options)
       : InPort<ServiceReply<T>>(owner, name + kReplyPort, PortDirection::event, std::move(options)) {
-    this->be(PortRole::client);
+    this->set_role(PortRole::client);
   }
   void count_late_reply() noexcept { this->count_late(); }
 };
 
 }  // namespace detail
 
-/// A service that a handler answers, as far as its types do not matter: for whoever runs the module.
+/// The part of a service that does not depend on its types, for the code that runs the module.
 class ServiceBase {
  public:
   ServiceBase(const ServiceBase&) = delete;
   ServiceBase& operator=(const ServiceBase&) = delete;
   virtual ~ServiceBase() = default;
 
-  /// A request waits. For the thread that calls handle().
+  /// Whether a request waits. For the thread that calls handle().
   [[nodiscard]] virtual bool has_request() const noexcept = 0;
-  /// Takes one request and answers it: by the handler, or, where `refusal` is not null, with that. False when
-  /// there was none. Not real-time; one thread at a time, beside the one that calls run().
+  /// Takes one request and answers it: with the handler, or, if `refusal` is not null, by rejecting it with
+  /// that reason. False if there was no request. Not real-time. One thread at a time, which may run beside
+  /// run().
   virtual bool handle(const char* refusal) = 0;
 
  protected:
   ServiceBase() = default;
-  /// Whoever runs the component calls handle().
+  /// Adds the service to those of its component whose handle() is called.
   void enlist(Component& owner);
 };
 
-/// Answers requests. Request and Reply are structs of IDL files, see takt_add_idl().
+/// Answers requests. Request and Reply are structs of IDL files (see takt_add_idl()).
 ///
-/// With a handler: it is called on a thread of the module's own that is not real-time, while the module is
-/// EXECUTING; never at once with a hook other than run() and condition(), with which it shares what is
-/// atomic, and nothing else (properties neither). It may allocate and wait, up to 5 s: later it is taken to
-/// hang, as a hook. What it throws, or says by fail(), the client gets as a refusal. While the module is not
-/// EXECUTING, requests are refused.
+/// With a handler: the handler runs on a thread of the module that is not real-time, while the module is
+/// EXECUTING. It may run at the same time as run() and condition(), but not as any other hook. It may share
+/// only atomic variables with run(), and must not use properties or ports. It may allocate and wait, but
+/// after 5 s it counts as hung, like a hook. If it throws, or fails with fail(), the client's call is
+/// rejected with that reason. While the module is not EXECUTING, requests are rejected.
 ///
-/// Without: run() takes requests and replies, on the real-time thread; everything but the constructor is for
-/// it, and neither waits nor allocates. In a module that is not EXECUTING nobody takes them, and their
-/// clients' time runs out. A request that waited for longer than its client does is refused and never taken.
+/// Without a handler: run() takes requests and replies on the real-time thread. It may call every function
+/// except the constructor; they neither wait nor allocate. While the module is not EXECUTING, requests are
+/// not taken, and the calls of the clients time out.
+///
+/// In both cases, a request that has waited longer than its client does is rejected and never served.
 template <class Request, class Reply>
 class Service final : public ServiceBase {
  public:
+  /// The options of the service.
   using Options = PortOptions;
+  /// Returns the reply, or takt::fail("why not").
   using Handler = std::function<Result<Reply>(const Request&)>;
 
-  /// A template so that options in braces are no candidate for a handler.
+  /// In a component: a member, with a handler. A template, so that options in braces are not mistaken for a
+  /// handler. Not real-time: allocates.
   template <std::convertible_to<Handler> Callable>
   Service(Component& owner, const std::string& name, Callable handler, const Options& options = {})
       : Service(&owner, name, PortRole::handler, options) {
     handler_ = std::move(handler);
     enlist(owner);
   }
+  /// In a component: a member, without a handler. Not real-time: allocates.
   Service(Component& owner, const std::string& name, const Options& options = {})
       : Service(&owner, name, PortRole::service, options) {}
-  /// Of a program: a global variable, or one that is there before initPeriodExe() or initSporadicExe().
+  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe(). Allocates.
   explicit Service(const std::string& name, const Options& options = {})
       : Service(nullptr, name, PortRole::service, options) {}
 
-  /// Goes on to the next request. False when none waits. One that was taken and not answered is forgotten.
+  /// Takes the next request; request() returns it. False if no request waits. A request that was taken before
+  /// and not answered is forgotten. Rejects requests whose time-out has passed. Real-time.
   bool take() noexcept {
     busy_ = false;
     while (in_.read()) {
@@ -150,24 +164,28 @@ class Service final : public ServiceBase {
       busy_ = true;
       if (!in_.is_expired()) return true;
       in_.count_expired();
-      refuse("it came after its time-out (are the clocks of both devices together?)");
+      refuse("the request arrived after its time-out; check that the clocks of both devices are in sync");
     }
     return false;
   }
-  /// A request was taken and not answered.
+  /// Whether a request was taken and not yet answered. Real-time.
   [[nodiscard]] bool busy() const noexcept { return busy_; }
-  /// The one that was taken last; Request{} before the first. Good until the next take().
+  /// The request that was taken last; Request{} before the first. Valid until the next take(). Real-time.
   [[nodiscard]] const Request& request() const noexcept { return in_.value().request; }
-  /// Answers it. Once; without a request that waits for it this does nothing. A reply that is none of its
-  /// type (a length beyond its bound) is a refusal that says so.
+  /// Answers the request that was taken. Does nothing if it was answered already. If the reply does not fit
+  /// its type (a string or sequence exceeds its bound, or an enumerator is invalid), the request is rejected
+  /// with that reason. Real-time.
   void reply(const Reply& reply) noexcept {
     if (!busy_) return;
     if (!PortType<Reply>::fits(reply))
-      return refuse("the reply is none of its type: a length beyond its bound");
+      return refuse(
+          "the reply does not fit its type: a string or sequence exceeds its bound, or an enumerator is "
+          "invalid");
     answer_.reply = reply;
     answer(ServiceCode::replied, {});
   }
-  /// Answers it with why not; 127 bytes are kept.
+  /// Rejects the request that was taken, with a reason of at most 127 bytes. Longer text is cut off. Does
+  /// nothing if the request was answered already. Real-time.
   void refuse(const char* reason) noexcept {
     if (!busy_) return;
     answer(ServiceCode::refused, reason);
@@ -180,19 +198,19 @@ class Service final : public ServiceBase {
       refuse(refusal);
       return true;
     }
-    static_cast<void>(detail::take_said());
+    static_cast<void>(detail::take_reported_failure());
     try {
       const Result<Reply> result = handler_(request());
-      if (const char* said = detail::take_said(); said != nullptr)
-        refuse(said);
+      if (const char* failure = detail::take_reported_failure(); failure != nullptr)
+        refuse(failure);
       else if (result)
         reply(*result);
       else
         refuse(in_words(result.problems()).c_str());
     } catch (const std::exception& exception) {
-      refuse((std::string{"its handler threw: "} + exception.what()).c_str());
+      refuse((std::string{"the handler threw: "} + exception.what()).c_str());
     } catch (...) {
-      refuse("its handler threw something that is no std::exception");
+      refuse("the handler threw something that is not a std::exception");
     }
     return true;
   }
@@ -206,9 +224,10 @@ class Service final : public ServiceBase {
     busy_ = false;
     answer_.code = code;
     const std::size_t length = std::min(reason.size(), kReasonLength);
-    std::copy_n(reason.begin(), length, answer_.reason.begin());  // of no reason there is no address
+    std::copy_n(reason.begin(), length, answer_.reason.begin());  // not memcpy: it may be null
     answer_.reason[length] = '\0';
-    // The reply goes the way that belongs to the request's: the connections of both are made in one order.
+    // The index of the request's connection is also that of the client's reply connection, because both are
+    // made in the same order.
     out_.write_to(from_, answer_);
   }
 
@@ -220,39 +239,50 @@ class Service final : public ServiceBase {
   bool busy_ = false;
 };
 
+/// The state of a client's call.
 enum class CallStatus {
   idle,       ///< call() was not called yet
-  pending,    ///< the answer has not come
+  pending,    ///< no answer yet
   replied,    ///< reply() is the answer
-  refused,    ///< reason() says why
-  timed_out,  ///< no answer came in time. Whether the service did it is not known.
-  nobody,     ///< nobody serves: no <service> names the client, or the other device is not there
+  refused,    ///< the service rejected the request; reason() is the reason
+  timed_out,  ///< no answer within the time-out; the service may or may not have acted
+  nobody,     ///< no service: no `<service>` names the client, or the other device is lost
 };
 /// "idle", "pending", ...
 const char* to_text(CallStatus status) noexcept;
 
-/// Asks a service. Everything but the constructor is for every hook, above all for run(): it neither waits
-/// nor allocates. One call at a time: a further one gives the former up. Time-outs are reckoned from the
-/// beginning of the run() that called to the beginning of the one that polls. In a sporadic module an answer
-/// is an event: it makes the module ready to run, which is to poll() then; a time-out is not.
+/// Calls a service. Request and Reply are structs of IDL files (see takt_add_idl()).
+///
+/// Every hook, above all run(), may call every function except the constructor; they neither wait nor
+/// allocate. One thread at a time. A client has one call at a time, and a new call abandons the one before.
+/// The time-out counts from the start of the run() that called to the start of the run() that polls. In a
+/// sporadic module an answer is an event: it makes the module ready to run, and run() must poll(). A time-out
+/// is not an event.
 template <class Request, class Reply>
 class Client {
  public:
+  /// The options of the client.
   using Options = PortOptions;
 
+  /// In a component: a member. Not real-time: allocates.
   Client(Component& owner, const std::string& name, const Options& options = {})
       : Client(&owner, name, options) {}
+  /// In a program: a global variable, or constructed before initPeriodExe() or initSporadicExe(). Allocates.
   explicit Client(const std::string& name, const Options& options = {}) : Client(nullptr, name, options) {}
 
-  /// Sends a request. `pending`; or at once `nobody`, or `refused` for a request that is none of its type.
+  /// Sends a request, once, and abandons the call before. `timeout`: how long poll() accepts the answer.
+  /// Returns `pending`; or `nobody` if there is no service; or `refused` if the request does not fit its type
+  /// (a string or sequence exceeds its bound, or an enumerator is invalid). Real-time.
   CallStatus call(const Request& request, Nanoseconds timeout) noexcept {
     const std::int64_t now = out_.now_ns();
-    // Another life of the module counts from 1 again: what was meant for the former one is not for this one.
+    // A restarted module counts from 1 again. The client number keeps replies to its former instance apart.
     if (question_.client == 0) question_.client = static_cast<std::uint64_t>(now);
     ++question_.number;
     reason_ = "";
     if (!PortType<Request>::fits(request)) {
-      reason_ = "the request is none of its type: a length beyond its bound";
+      reason_ =
+          "the request does not fit its type: a string or sequence exceeds its bound, or an enumerator is "
+          "invalid";
       return status_ = CallStatus::refused;
     }
     if (!out_.connected()) return status_ = CallStatus::nobody;
@@ -263,11 +293,11 @@ class Client {
     return status_ = CallStatus::pending;
   }
 
-  /// Looks for the answer. Other than pending is said again until the next call().
+  /// Looks for the answer. A status other than `pending` stays until the next call(). Real-time.
   CallStatus poll() noexcept {
     while (in_.read()) {
       const ServiceReply<Reply>& answer = in_.value();
-      if (answer.client != question_.client) continue;  // to a former life of this module
+      if (answer.client != question_.client) continue;  // a reply to a former instance of this module
       if (status_ != CallStatus::pending || answer.number != question_.number) {
         ++late_;
         in_.count_late_reply();
@@ -285,15 +315,15 @@ class Client {
     if (status_ == CallStatus::pending && out_.now_ns() >= until_ns_) status_ = CallStatus::timed_out;
     return status_;
   }
-  /// As poll() found it last.
+  /// The result of the last call() or poll(). Real-time.
   [[nodiscard]] CallStatus status() const noexcept { return status_; }
-  /// The last that came; Reply{} before the first.
+  /// The last reply that arrived; Reply{} before the first. Real-time.
   [[nodiscard]] const Reply& reply() const noexcept { return reply_; }
-  /// Why it was refused; empty otherwise.
+  /// Why the call was rejected; empty in other cases. Real-time.
   [[nodiscard]] const char* reason() const noexcept { return reason_; }
-  /// Answers that came when nobody waited for them any more; they were dropped.
+  /// Number of answers that arrived too late and were dropped. Real-time.
   [[nodiscard]] std::uint64_t late() const noexcept { return late_; }
-  /// Somebody serves.
+  /// Whether a service is connected. Real-time.
   [[nodiscard]] bool connected() const noexcept { return out_.connected(); }
 
  private:

@@ -1,5 +1,5 @@
-// What goes over the links of a service: a request with what tells whose it is, and its answer. Both are
-// ordinary port types, whose description and bytes a program of any DDS can make of IDL:
+// The types on the links of a service: a request together with its client and number, and the reply. Both are
+// ordinary port types. A program of any DDS can use them with this IDL:
 //
 //   @final struct NAME_Request { unsigned long long client; unsigned long long number; long long timeout_ns;
 //                                NAME request; };
@@ -18,31 +18,38 @@
 
 namespace takt {
 
+/// The most bytes of a reason.
 inline constexpr std::size_t kReasonLength = 127;
 
-enum class ServiceCode : std::uint32_t { replied, refused };
+/// The outcome of a request.
+enum class ServiceCode : std::uint32_t {
+  replied,  ///< `reply` is the reply
+  refused   ///< the request was rejected; `reason` states why
+};
 
-/// `client` is chosen by who asks, his alone; `number` is counted by him. Both come back with the reply.
+/// A request. Each client chooses a `client` number of its own, and counts its requests in `number`. The
+/// reply returns both.
 template <class T>
 struct ServiceRequest {
   std::uint64_t client = 0;
   std::uint64_t number = 0;
-  std::int64_t timeout_ns = 0;  ///< from the stamp of the sample on; afterwards it is not to be served
+  std::int64_t timeout_ns = 0;  ///< counts from the stamp of the sample; later the request is not served
   T request{};
 };
 
+/// The answer to a request.
 template <class T>
 struct ServiceReply {
   std::uint64_t client = 0;
   std::uint64_t number = 0;
   T reply{};
   ServiceCode code = ServiceCode::replied;
-  std::array<char, kReasonLength + 1> reason{};  ///< why it was refused
+  std::array<char, kReasonLength + 1> reason{};  ///< why the request was rejected
 };
 
 namespace detail {
 
-/// Text that is put together by the compiler.
+/// Text that is built at compile time.
 template <std::size_t Size>
 struct StaticText {
   std::array<char, Size + 1> characters{};
@@ -56,14 +63,14 @@ constexpr StaticText<Size> joined(Parts... parts) {
   return text;
 }
 
-/// Of `{"name":"X","fields":[...]}`: what comes after `"fields":`, without the last brace.
+/// The part of `{"name":"X","fields":[...]}` after `"fields":`, without the last brace.
 constexpr std::string_view fields_of(std::string_view description) {
   constexpr std::string_view kFields = R"("fields":)";
   const std::size_t at = description.find(kFields) + kFields.size();
   return description.substr(at, description.size() - at - 1);
 }
 
-/// The name and description of a struct in whose middle another one lies.
+/// The name and description of a struct that wraps another one.
 template <class T, class Around>
 struct WrappedType {
   static constexpr std::string_view kInner = PortType<T>::info.name;
@@ -103,7 +110,7 @@ struct AroundReply {
 template <class T>
 struct PortType<ServiceRequest<T>> {
   using Wrapped = detail::WrappedType<T, detail::AroundRequest>;
-  // What is before the inner sample leaves it aligned as it is alone.
+  // The members before the inner sample do not change its alignment.
   static constexpr TypeInfo info{Wrapped::name.characters.data(), Wrapped::description.characters.data(),
                                  3 * 8 + PortType<T>::info.max_size};
 

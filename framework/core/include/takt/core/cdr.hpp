@@ -1,7 +1,8 @@
-// Samples of port types as bytes: XCDR1, which DDS sends, with its 4 bytes of encapsulation. Written for
-// real-time threads, where Fast CDR has no place: it says by an exception that the bytes end, and an
-// exception allocates and locks. Here the first thing that does not fit ends the sample, and whoever asks at
-// the end is told.
+// Writes and reads samples of port types as bytes: XCDR1 as DDS sends it, with its 4 bytes of encapsulation.
+//
+// Real-time threads cannot use Fast CDR. It reports the end of the bytes by an exception, and an exception
+// allocates and locks. Here the first value that does not fit fails the whole sample, and the caller checks
+// this once, at the end.
 #pragma once
 
 #include <algorithm>
@@ -15,21 +16,22 @@
 
 namespace takt {
 
-static_assert(std::endian::native == std::endian::little, "samples are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "samples are written in the byte order of memory");
 
-/// Before every sample: the representation (CDR, its byte order) and two bytes of options.
+/// Bytes before every sample: two for the representation (CDR and its byte order), two for options.
 inline constexpr std::size_t kEncapsulation = 4;
 
-/// What a sample of this many bytes may take on its way: RTPS sends whole words, so up to 3 bytes may follow.
+/// The bytes that a sample of this size takes on the network. RTPS sends whole 4-byte words, so up to 3 bytes
+/// may follow the sample.
 constexpr std::size_t padded_sample(std::size_t bytes) noexcept { return (bytes + 3) / 4 * 4; }
 
-/// Bytes that are missing before a value which is aligned to its size, counted from the end of the
+/// The padding in bytes before a value that must be aligned. `position` counts from the end of the
 /// encapsulation.
 constexpr std::size_t cdr_padding(std::size_t position, std::size_t alignment) noexcept {
   return (alignment - position % alignment) % alignment;
 }
 
-/// Writes a sample, little endian. Real-time.
+/// Writes a sample in little endian. Real-time.
 class CdrWriter {
  public:
   CdrWriter(std::byte* to, std::size_t size) noexcept
@@ -48,19 +50,20 @@ class CdrWriter {
   template <class T>
   void put_array(const T* values, std::size_t n) noexcept {
     static_assert(std::is_arithmetic_v<T>);
-    if (n == 0) return;  // without its padding either
+    if (n == 0) return;  // an empty array has no padding either
     if (std::byte* at = room(sizeof(T), n * sizeof(T))) std::memcpy(at, values, n * sizeof(T));
   }
+  /// Fails if the value is not below `count`, the number of enumerators.
   void put_enumerator(std::uint32_t value, std::uint32_t count) noexcept {
     if (value >= count) return fail();
     put(value);
   }
-  /// Before the elements of a sequence.
+  /// Writes the length of a sequence, which comes before its elements. Fails if it exceeds the bound.
   void put_length(std::size_t length, std::size_t bound) noexcept {
     if (length > bound) return fail();
     put(static_cast<std::uint32_t>(length));
   }
-  /// A text that ends with a zero or after `limit` bytes.
+  /// Writes a text that ends with a zero or after `limit` bytes. Fails if it is longer than `bound` bytes.
   void put_text(const char* text, std::size_t limit, std::size_t bound) noexcept {
     const std::size_t length = ::strnlen(text, limit);
     put_length(length + 1, bound + 1);
@@ -71,7 +74,7 @@ class CdrWriter {
   }
 
   void fail() noexcept { ok_ = false; }
-  /// Of the sample, with encapsulation; 0 when something did not fit.
+  /// The size of the sample in bytes, with encapsulation. 0 if a value did not fit.
   [[nodiscard]] std::uint32_t size() const noexcept {
     return ok_ ? static_cast<std::uint32_t>(kEncapsulation + position_) : 0;
   }
@@ -89,21 +92,21 @@ class CdrWriter {
     return at + padding;
   }
 
-  std::byte* body_;  // after the encapsulation; alignment counts from here
+  std::byte* body_;  // starts after the encapsulation; alignment counts from here
   std::size_t size_;
   std::size_t position_ = 0;
   bool ok_;
 };
 
-/// Reads a sample in either byte order, whatever the bytes are. After the first thing that is wrong every
-/// value is zero and every length 0. Real-time.
+/// Reads a sample in either byte order. Safe for any bytes: after the first error every value is zero and
+/// every length 0. Real-time.
 class CdrReader {
  public:
   CdrReader(const std::byte* from, std::size_t size) noexcept
       : body_(from + std::min(size, kEncapsulation)),
         size_(size < kEncapsulation ? 0 : size - kEncapsulation) {
-    // Any other first or second byte is a representation that no port type is sent in: lists of parameters,
-    // XCDR2.
+    // Any other first or second byte means a representation that port types never use, such as a parameter
+    // list or XCDR2.
     ok_ = size >= kEncapsulation && from[0] == std::byte{0} &&
           (from[1] == std::byte{0} || from[1] == std::byte{1});
     swap_ = ok_ && from[1] == std::byte{0};
@@ -125,26 +128,29 @@ class CdrReader {
       if (swap_) std::for_each(values, values + n, [](T& value) { value = swapped(value); });
     }
   }
+  /// Fails if the byte is neither 0 nor 1.
   [[nodiscard]] bool get_boolean() noexcept {
     const auto value = get<std::uint8_t>();
     if (value > 1) fail();
     return value == 1;
   }
+  /// Fails if the value is not below `count`, the number of enumerators.
   [[nodiscard]] std::uint32_t get_enumerator(std::uint32_t count) noexcept {
     const auto value = get<std::uint32_t>();
     if (value < count) return value;
     fail();
     return 0;
   }
-  /// Before the elements of a sequence.
+  /// Reads the length of a sequence, which comes before its elements. Fails if it exceeds the bound or the
+  /// bytes that are left.
   [[nodiscard]] std::size_t get_length(std::size_t bound) noexcept {
     const std::size_t length = get<std::uint32_t>();
-    // An element has at least one byte.
+    // Each element has at least one byte.
     if (length <= bound && length <= size_ - position_) return length;
     fail();
     return 0;
   }
-  /// Ends with a zero, in the bytes and as the view.
+  /// The text. A zero follows it in the bytes, so the data of the view is zero-terminated.
   [[nodiscard]] std::string_view get_text(std::size_t bound) noexcept {
     const std::size_t length = get_length(bound + 1);
     const std::byte* at = take_array(1, length);
@@ -153,12 +159,12 @@ class CdrReader {
     fail();
     return {""};
   }
-  /// The same, into an array of at least bound + 1.
+  /// Copies the text into an array of at least bound + 1 bytes.
   void get_text(char* text, std::size_t bound) noexcept {
     const std::string_view view = get_text(bound);
     std::memcpy(text, view.data(), view.size() + 1);
   }
-  /// The bytes of n values, as they lie there; null when there are none, or less.
+  /// The bytes of n values, unconverted. Null if n is 0 or fewer values are left.
   [[nodiscard]] const std::byte* take_array(std::size_t element_size, std::size_t n) noexcept {
     if (n == 0 || !ok_) return nullptr;
     const std::size_t padding = cdr_padding(position_, element_size);
@@ -174,7 +180,7 @@ class CdrReader {
 
   void fail() noexcept { ok_ = false; }
   [[nodiscard]] bool ok() const noexcept { return ok_; }
-  /// Whether what was read was one whole sample.
+  /// Whether the bytes were exactly one whole sample, except for up to 3 bytes of padding at the end.
   [[nodiscard]] bool complete() const noexcept { return ok_ && size_ - position_ < 4; }
 
  private:

@@ -1,15 +1,14 @@
-// A mistake of ours, found at run time: the process ends and its supervisor acts. For what the world does
-// wrong there is Result.
+// TAKT_CHECK, for programming errors in Takt that are found at run time: the process ends and its supervisor
+// acts. For errors that come from outside use Result.
 #pragma once
 
 namespace takt {
 
-/// Prints the condition and its place on standard error and aborts. Any thread may call it; it does not
-/// return.
+/// Prints the condition with its file and line on standard error, and aborts. Any thread may call it.
 [[noreturn]] void check_failed(const char* condition, const char* file, int line) noexcept;
 
 }  // namespace takt
 
-/// Holds in every build, also in release.
+/// Ends the process if the condition is false. Active in every build, including release.
 #define TAKT_CHECK(condition) \
   (static_cast<bool>(condition) ? void(0) : ::takt::check_failed(#condition, __FILE__, __LINE__))

@@ -1,15 +1,15 @@
-// Where code that must also run on virtual time reads the time.
+// The clock interface for code that must also run on virtual time.
 #pragma once
 
 #include <takt/core/time.hpp>
 
 namespace takt {
 
-/// Implemented by the machine's clock and by the virtual clocks of tests and simulation.
+/// The machine's clock implements it, and so do the virtual clocks of tests and simulation.
 class Clock {
  public:
   virtual ~Clock() = default;
-  /// Called from real-time threads: no lock, no allocation, no system call.
+  /// The current time. Real-time threads call it, so it must not lock, allocate or make a system call.
   virtual Instant now() noexcept = 0;
 };
 

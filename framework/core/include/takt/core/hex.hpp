@@ -1,4 +1,4 @@
-// Bytes as text. Not for real-time threads: both allocate.
+// Converts bytes to hexadecimal text and back. Not for real-time threads: both functions allocate.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace takt {
 
-/// Two digits a byte: "00ff".
+/// Two lower-case digits per byte: "00ff".
 std::string in_hex(std::span<const std::byte> bytes);
-/// None where the text is no such one.
+/// Accepts digits in upper and lower case. Empty if the text has an odd length or another character.
 std::optional<std::vector<std::byte>> bytes_of_hex(std::string_view text);
 
 }  // namespace takt

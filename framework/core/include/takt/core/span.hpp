@@ -1,4 +1,4 @@
-// Spans between times that others gave.
+// The duration between two times of unknown origin, without overflow.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace takt {
 
-/// The span between two numbers that somebody else gave, who may have given anything: the longest one of its
-/// sign where there is none so long. It may be negated.
+/// The duration from `from_ns` to `to_ns`, in ns. Safe for any two numbers, for example from the network: a
+/// duration that does not fit becomes the longest of its sign. The result can always be negated.
 constexpr Nanoseconds span(std::int64_t from_ns, std::int64_t to_ns) {
   constexpr std::int64_t kLongest = std::numeric_limits<std::int64_t>::max();
   std::int64_t ns = 0;

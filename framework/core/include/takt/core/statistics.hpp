@@ -1,8 +1,8 @@
-// How long things took, gathered by one thread while others look on.
+// Mean, variance and histogram of durations, recorded by one thread while others read them.
 //
-// A real-time thread must record without locking, and an operator must be able to read at any time, from
-// another process, numbers that belong together. So the values lie in one record of fixed size that has a
-// single writer, and a sequence number tells a reader that it read between two updates.
+// A real-time thread must record without locking. An operator must be able to read a consistent set of
+// numbers at any time, from another process. So the values are in one record of fixed size with a single
+// writer, and a sequence number shows the reader whether it read between two updates.
 #pragma once
 
 #include <array>
@@ -12,50 +12,50 @@
 
 namespace takt {
 
-/// Where a value falls in a histogram: exact up to 31 ns, then 16 steps an octave (at most 6 % wide), up to
-/// 2^40 ns.
+/// The buckets of a histogram: exact up to 31 ns, then 16 per octave (at most 6 % wide), up to 2^40 ns.
 struct HistogramScale {
   static constexpr std::size_t kBuckets = 32 + 16 * 35;
 
-  /// Negative values count as 0, values past the end as the last bucket.
+  /// The bucket of a value in ns. Negative values count as 0, values past the end go to the last bucket.
   static std::size_t bucket(std::int64_t value) noexcept;
-  /// The smallest value of a bucket. lower(kBuckets) is the end of the scale.
+  /// The smallest value of a bucket, in ns. lower(kBuckets) is the end of the scale.
   static std::int64_t lower(std::size_t bucket) noexcept;
 };
 
-/// What a reader takes away: plain values, in nanoseconds.
+/// What a reader gets: plain values, in ns.
 struct StatisticsSnapshot {
   std::uint64_t count = 0;
   double mean = 0;       ///< of the signed values
   double variance = 0;   ///< of the signed values, in ns^2
-  std::int64_t min = 0;  ///< of the absolute values, as all below
+  std::int64_t min = 0;  ///< of the absolute values, like all members below
   std::int64_t max = 0;
   std::array<std::uint64_t, HistogramScale::kBuckets> buckets{};
 
-  /// The value below which a share `q` (0 to 1) of the absolute values lies; within a bucket, linear. 0 when
-  /// empty.
+  /// The value below which a share `q` (0 to 1) of the absolute values lies, in ns. Interpolates linearly
+  /// within a bucket. 0 if there are no values.
   [[nodiscard]] double quantile(double q) const noexcept;
 };
 
-/// A streaming mean, variance and histogram of durations in nanoseconds. Lies in shared memory: standard
-/// layout, valid when all bytes are zero, no pointers. One writer, any number of readers.
+/// A streaming mean, variance and histogram of durations in ns. Made for shared memory: it has a standard
+/// layout and no pointers, and is valid when all bytes are zero. One writer, any number of readers.
 class Statistics {
  public:
-  /// Real-time: no lock, no allocation, no system call. Only one thread at a time may record.
+  /// Adds one duration, in ns. Real-time: no lock, no allocation, no system call. Only one thread at a time
+  /// may record.
   void record(std::int64_t value_ns) noexcept;
 
-  /// Any thread of any process. Reads again when the writer was just at it; after many tries (a writer that
-  /// died in the middle) returns what is there, which is then off by at most one value.
+  /// For any thread of any process. Reads again if the writer was writing meanwhile. After 1000 tries (the
+  /// writer died while writing) it returns what is there, which is off by at most one value.
   [[nodiscard]] StatisticsSnapshot read() const noexcept;
 
-  /// Only where the writer calls it or has ended.
+  /// Only for the writer, or after the writer has ended.
   void clear() noexcept;
 
  private:
   template <class T>
   using Word = std::atomic<T>;
 
-  Word<std::uint64_t> sequence_;  // odd while the writer is at it
+  Word<std::uint64_t> sequence_;  // odd while the writer is writing
   Word<std::uint64_t> count_;
   Word<std::int64_t> sum_;
   Word<double> sum_of_squares_;
@@ -79,7 +79,8 @@ inline void Statistics::record(std::int64_t value_ns) noexcept {
 
   const std::int64_t size = value_ns < 0 ? -value_ns : value_ns;
   const std::uint64_t sequence = sequence_.load(relaxed);
-  // SYNC: statistics. Every store below releases, so a reader that sees any of them also sees the odd number.
+  // SYNC: statistics. Every store below is a release store, so a reader that sees any of them also sees the
+  // odd number.
   sequence_.store(sequence + 1, relaxed);
   const std::uint64_t count = count_.load(relaxed);
   count_.store(count + 1, release);

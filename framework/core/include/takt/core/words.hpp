@@ -1,5 +1,5 @@
-// The words of a message: what somebody wrote, shown so that it cannot break the line it stands in, and the
-// guess at what was meant. Not for real-time threads: everything here allocates.
+// Helpers for the text of messages: input quoted so that it cannot break the line of the message, and
+// suggestions for misspelled words. Not for real-time threads: everything here allocates.
 #pragma once
 
 #include <string>
@@ -8,31 +8,32 @@
 
 namespace takt {
 
-/// The text in '' as part of one line: control characters as \n or \x1b, bytes that are not UTF-8 as \xNN,
-/// the middle of a long text cut out. Not named quoted(), which std::quoted would win over.
+/// The text in single quotes, on one line. Control characters become \n or \x1b, bytes that are not UTF-8
+/// become \xNN, and the middle of a long text is left out. Not named quoted(): overload resolution would
+/// prefer std::quoted.
 std::string in_quotes(std::string_view text);
 
-/// The same without the ''.
+/// The same without the quotes.
 std::string brief(std::string_view text);
 
-/// The same in full length, for a path.
+/// The same without quotes and in full length, for a path.
 std::string on_one_line(std::string_view text);
 
-/// "FILE:LINE", the `where` of a Problem; "line LINE" without a file. A line below 1 counts as 1.
+/// "FILE:LINE", the `where` of a Problem; "line LINE" if `file` is empty. A line below 1 becomes 1.
 std::string place(std::string_view file, int line);
 
-/// The choice that `word` is most likely a slip of; empty when none is near. Upper and lower case are near.
-/// Looks at the first 1000 choices.
+/// The choice that `word` most likely misspells; empty if none is similar. Ignores case. Compares with the
+/// first 1000 choices only.
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& choices);
 
-/// "a, b or c". Of many choices only the first are named; one that is given twice is named once.
+/// "a, b or c". Names each choice once, and only the first 20.
 std::string one_of(const std::vector<std::string_view>& all);
 
-/// The fix for a word that is none of the choices: "did you mean b?", else "it can be a, b or c".
+/// The fix for a word that is not one of the choices: "did you mean b?", else "it can be a, b or c".
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& choices);
 
-/// The length of the UTF-8 character that `text` starts with; 0 when it is none (overlong, surrogate, cut
-/// off, empty).
+/// The length in bytes of the UTF-8 character that `text` starts with. 0 if the text is empty or does not
+/// start with a valid character (overlong, surrogate or cut off).
 std::size_t utf8_length(std::string_view text);
 
 }  // namespace takt

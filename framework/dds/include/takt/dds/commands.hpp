@@ -1,5 +1,5 @@
-// Requests and their answers: takt/command and takt/reply, reliable, volatile, keep last 32. Data longer than
-// one sample travels in parts and is put together here.
+// Commands and their replies: topics takt/command and takt/reply, reliable, volatile, keep last 32. Data that
+// is longer than one sample travels in parts and is assembled here.
 #pragma once
 
 #include <cstdint>
@@ -9,39 +9,29 @@
 
 #include <takt/wire/takt.h>
 #include <takt/core/result.hpp>
-#include <takt/dds/assembly.hpp>
+#include <takt/wire/assembly.hpp>
 #include <takt/dds/participant.hpp>
 
 namespace takt::dds {
 
-/// A command or reply whose data is whole, of any length up to kMaxData.
-struct WholeCommand {
-  Command head;  ///< part, parts and data are not used
-  std::string data;
-};
-struct WholeReply {
-  Reply head;
-  std::string data;
-};
-
-/// A node's end.
+/// The node's side.
 class CommandServer {
  public:
-  /// `handle` is called once for each command id that names `device` (and this node, if it names one), on a
-  /// thread of its own that is neither real-time nor one of Fast DDS, in the order of arrival. A repeated id
-  /// is answered again by what reply() said, without a call. At most 256 commands and 64 MiB wait for an
-  /// answer at a time; more are left for their askers to send again.
+  /// `handle` is called once for each command id that names `device` (and this node, if it names one), in the
+  /// order of arrival. The calling thread is neither real-time nor one of Fast DDS. A repeated id gets the
+  /// same answer again, without a call. At most 256 commands and 64 MiB wait for an answer at a time; the
+  /// others are dropped, and their clients send them again.
   static Result<CommandServer> create(std::shared_ptr<Participant> participant, std::string device,
-                                      std::string node, std::function<void(const WholeCommand&)> handle);
+                                      std::string node, std::function<void(const wire::WholeCommand&)> handle);
   CommandServer(CommandServer&&) noexcept;
   CommandServer& operator=(CommandServer&&) noexcept;
   ~CommandServer();
 
-  /// From any thread, at once or much later. Sent once the asker's reader has matched, so that no first
-  /// answer is lost. Kept for repeated ids (the last 256).
-  void reply(const WholeReply& reply);
+  /// Call it from any thread, at once or much later. The reply is sent once the client's reader has matched,
+  /// so the first reply is not lost. The last 256 replies are kept for repeated ids.
+  void reply(const wire::WholeReply& reply);
 
-  /// Samples that came and were no command, or made no sense. Whoever sent them gets no answer.
+  /// The number of samples that were not valid commands. Their senders get no answer.
   [[nodiscard]] std::uint64_t refused() const;
 
  private:
@@ -50,23 +40,23 @@ class CommandServer {
   std::unique_ptr<Inside> inside_;
 };
 
-/// The asker's end.
+/// The client's side.
 class CommandClient {
  public:
   /// `heard` gets every reply to a command of this client, on a thread of Fast DDS.
   static Result<CommandClient> create(std::shared_ptr<Participant> participant,
-                                      std::function<void(const WholeReply&)> heard);
+                                      std::function<void(const wire::WholeReply&)> heard);
   CommandClient(CommandClient&&) noexcept;
   CommandClient& operator=(CommandClient&&) noexcept;
   ~CommandClient();
 
-  /// Sends it (head.id is given by the caller, and no other on the domain has it) once the command reader of
-  /// a node has matched, and again each second and whenever another has matched, until an answer came or it
-  /// is forgotten: an answer may well come after head.deadline_ns, until which it is to be begun; for the
-  /// first time it is never sent after that. One answer is heard for each id. False where the data is longer
-  /// than kMaxData.
-  bool send(const WholeCommand& command);
-  /// Nobody waits for an answer to it any more.
+  /// Sends a command once the command reader of a node has matched. Repeats it each second, and whenever
+  /// another reader matches, until an answer arrives or forget() is called. The caller chooses head.id, which
+  /// must be unique on the domain. The node must begin the command by head.deadline_ns; after that the
+  /// command is not sent for the first time, but the answer may arrive later. Each id gets one answer.
+  /// Returns false if the data is longer than wire::kMaxData.
+  bool send(const wire::WholeCommand& command);
+  /// Stops waiting for the answer to a command.
   void forget(const std::string& id);
 
  private:

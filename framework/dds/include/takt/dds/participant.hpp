@@ -1,4 +1,4 @@
-// A process's place on DDS: one participant, over UDPv4 alone.
+// The DDS participant of a process. It uses only UDPv4.
 #pragma once
 
 #include <functional>
@@ -16,34 +16,34 @@ namespace takt::dds {
 struct ParticipantOptions {
   std::string name;                     ///< for humans; visible on the network
   int domain = 0;                       ///< 0 to 232
-  model::Discovery discovery;           ///< multicast unless said otherwise
-  std::vector<std::string> interfaces;  ///< IPv4 addresses of the only interfaces to use; empty: all
+  model::Discovery discovery;           ///< by default multicast
+  std::vector<std::string> interfaces;  ///< IPv4 addresses of the interfaces to use; empty: all
   std::string security{};               ///< the folder of an identity; empty: without DDS Security
-  /// Who was refused and why, a sentence: each once, ten in a minute at most. On threads of Fast DDS: not to
-  /// take long. None: nobody wants to know.
+  /// Receives a sentence about each rejected participant or packet: each text once, at most ten per minute.
+  /// Called on threads of Fast DDS, so it must be quick. May be empty.
   std::function<void(const std::string&)> refused{};
 };
 
-/// All of a process's topics hang on one participant; several in a process deadlock in this version of Fast
-/// DDS. Its threads inherit policy and processors of the thread that creates it. Deleted with everything that
-/// it made when the last owner lets go, which must be before main() returns.
+/// All topics of a process belong to one participant; several participants in one process deadlock in this
+/// version of Fast DDS. Its threads inherit the scheduling policy and CPUs of the creating thread. The last
+/// owner deletes it with everything that it created, and must do so before main() returns.
 class Participant {
  public:
-  /// Fails where the domain or an address cannot be used and says which, in a process that has a participant
-  /// already, and on a real-time thread. With security also where the identity is not in order, as
-  /// security::read_identity() says, or not for this domain, and with a discovery server.
+  /// Fails if the domain or an address cannot be used, if the process already has a participant, and on a
+  /// real-time thread. With security it also fails if security::read_identity() rejects the identity, if the
+  /// identity is not for this domain, and with a discovery server.
   static Result<std::shared_ptr<Participant>> create(const ParticipantOptions& options);
   virtual ~Participant() = default;
 
-  /// Uses interfaces that have come up since. Cheap; to be called now and then. Where there was none but the
-  /// loopback one before, as on a machine that is starting, every reader and writer is made again, and is
-  /// lost for a moment to those on this machine. Later ones serve what is made from then on, and who has been
-  /// reached by another address goes on by that.
+  /// Starts to use interfaces that have come up since. Cheap; call it now and then. If only the loopback
+  /// interface existed before, as on a starting machine, every reader and writer is recreated, and programs
+  /// on this machine lose them for a moment. Interfaces that come up later are used for new readers and
+  /// writers; existing connections keep their addresses.
   virtual void rescan_interfaces() = 0;
 
-  /// Who this process is; none without DDS Security.
+  /// The identity of this process; none without DDS Security.
   [[nodiscard]] virtual const std::optional<security::Identity>& identity() const noexcept = 0;
-  /// Packets that were no RTPS messages; Fast DDS never saw them.
+  /// The number of packets that the filter dropped before Fast DDS saw them.
   [[nodiscard]] virtual std::uint64_t refused() const noexcept = 0;
 
  protected:

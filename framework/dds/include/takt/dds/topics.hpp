@@ -1,5 +1,5 @@
-// The topics on which nodes say what goes on, typed: Writer<T> and Reader<T> for T of idl/takt.idl, each with
-// the QoS of its topic.
+// The typed topics on which nodes publish their state: Writer<T> and Reader<T> for T of idl/takt.idl, each
+// with the QoS of its topic.
 //
 //   LifecycleStatus      takt/lifecycle    a state: reliable, transient local, keep last 1, liveliness manual
 //                                          by topic with a lease of 300 ms
@@ -18,13 +18,11 @@
 
 #include <takt/core/result.hpp>
 #include <takt/dds/participant.hpp>
+#include <takt/wire/writer_id.hpp>
 
 namespace takt::dds {
 
-/// Tells one writer on the network from another, for as long as this process lives.
-using WriterId = std::uint64_t;
-
-/// None of these from a real-time thread; one thread at a time.
+/// Not for real-time threads; one thread at a time.
 template <class T>
 class Writer {
  public:
@@ -33,14 +31,14 @@ class Writer {
   Writer& operator=(Writer&&) noexcept;
   ~Writer();
 
-  /// False when Fast DDS did not take it; counted in failures().
+  /// Returns false if Fast DDS rejects the sample, which failures() counts.
   bool write(const T& sample);
-  /// Nobody who joins later gets the sample with this key any more; who has it is told that it is gone.
+  /// Disposes of the sample with this key: present readers are notified, and later readers do not get it.
   void dispose(const T& sample);
-  /// Where the topic has a liveliness: this writer lives. write() says so too.
+  /// Asserts that this writer is alive, on topics with a liveliness; write() does so too.
   void assert_liveliness();
-  /// Waits until every reliable reader has everything that was written, at most this long. A reader of Takt
-  /// says so after 5 ms. Until then a second sample of a key would overwrite the first.
+  /// Waits at most this long until every reliable reader has everything that was written. A reader of Takt
+  /// acknowledges after 5 ms. Until then a second sample of a key would overwrite the first.
   bool wait_acknowledged(std::chrono::milliseconds limit);
   [[nodiscard]] std::uint64_t failures() const noexcept;
 
@@ -50,17 +48,18 @@ class Writer {
   std::unique_ptr<Inside> inside_;
 };
 
-/// What a reader is told, on a thread of Fast DDS, one call at a time for each reader. Not to take long, not
-/// to call anything of DDS, and to take no lock that somebody holds while calling DDS.
+/// The callbacks of a reader. A thread of Fast DDS makes one call at a time for each reader. They must be
+/// quick, must not call DDS, and must not take a lock that another thread holds while it calls DDS.
 template <class T>
 struct Heard {
-  std::function<void(const T&, WriterId)> sample;
+  std::function<void(const T&, wire::WriterId)> sample;
   /// The key of this sample was disposed; other fields are not set.
-  std::function<void(const T&, WriterId)> disposed{};
-  /// A writer that was alive is not any more: its lease ran out, or it left. Told once.
-  std::function<void(WriterId)> lost{};
-  /// A writer is alive: before its first sample, and when it is back. What it wrote before is not told again.
-  std::function<void(WriterId)> alive{};
+  std::function<void(const T&, wire::WriterId)> disposed{};
+  /// A live writer is lost: its lease expired, or it left. Called once.
+  std::function<void(wire::WriterId)> lost{};
+  /// A writer is alive: called before its first sample, and when it returns. Its earlier samples are not
+  /// repeated.
+  std::function<void(wire::WriterId)> alive{};
 };
 
 template <class T>
@@ -70,9 +69,9 @@ class Reader {
   Reader(Reader&&) noexcept;
   Reader& operator=(Reader&&) noexcept;
   ~Reader();
-  /// Writers that match at present.
+  /// The number of writers that match at present.
   [[nodiscard]] int matched() const noexcept;
-  /// What came and was no sample, or made no sense, and was not told.
+  /// The number of samples that were invalid and therefore dropped.
   [[nodiscard]] std::uint64_t refused() const noexcept;
 
  private:

@@ -1,4 +1,4 @@
-// Reads a cell from XML: the paper's module.xml (root element `root`) and the cell form, one model.
+// Reads a cell from XML, either the paper's module.xml (root element `root`) or the cell form (`cell`).
 #pragma once
 
 #include <string>
@@ -9,20 +9,21 @@
 
 namespace takt::descriptor {
 
-/// A larger file is refused before it is parsed; so is a descriptor that is larger with all that it includes.
+/// The maximum size of a descriptor including all files that it includes, in bytes. A larger file is rejected
+/// before it is parsed.
 inline constexpr std::size_t kMaxBytes = std::size_t{16} * 1024 * 1024;
 
-/// Every mistake of the file at once, each with `file:line`: what XML says is wrong, what an element may not
-/// have, and what model::validate finds. Nothing is ignored. `file` is named in messages; of a module.xml,
-/// cell and device are named after its stem. No file is opened: what the descriptor includes is found in the
-/// bundle that `xml` then is, with names of its own, or not at all.
+/// Returns the cell, or all mistakes of the text at once, each with `file:line`: faults of the XML, elements
+/// and attributes that are not allowed, and the problems that model::validate() finds. Nothing is ignored.
+/// `file` is the name for messages; the cell and the device of a module.xml are named after its stem. parse()
+/// opens no file: if the descriptor includes others, `xml` must be a bundle that contains them.
 Result<model::Cell> parse(std::string_view xml, const std::string& file);
 
-/// parse() of a file's content and of the files that it includes. Fails too when one cannot be read. `text`,
-/// if given, gets all that another machine needs: the content, or a bundle.
+/// The same for a file and the files that it includes. Also fails if one of them cannot be read. Sets `text`,
+/// if given, to the text for another machine: the content of the file, or a bundle.
 Result<model::Cell> load(const std::string& file, std::string* text = nullptr);
 
-/// What load() reads, as one descriptor without includes and templates.
+/// The descriptor that load() reads, without includes and templates.
 Result<std::string> flatten(const std::string& file);
 
 }  // namespace takt::descriptor

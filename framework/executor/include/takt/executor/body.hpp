@@ -1,37 +1,38 @@
-// A thread module as its executor sees it.
+// The interface through which an executor calls a thread module.
 #pragma once
 
 #include <takt/component.hpp>
 
 namespace takt::executor {
 
-/// How a call of a module went.
+/// The outcome of a module call.
 struct Outcome {
   ErrorType type = ErrorType::none;
-  const char* text = nullptr;  ///< why not; valid until the next call on this thread
+  const char* text = nullptr;  ///< the reason of an error; valid until the next call on this thread
 
   constexpr Outcome() = default;
   constexpr Outcome(ErrorType error, const char* why) : type(error), text(why) {}
-  /// Null when it went well; else a failure.
+  /// Null means success; a text means a failure.
   constexpr Outcome(const char* failure)  // NOLINT(google-explicit-constructor)
       : type(failure == nullptr ? ErrorType::none : ErrorType::failure), text(failure) {}
   [[nodiscard]] constexpr bool ok() const noexcept { return type == ErrorType::none; }
 };
 
-/// Implemented by the host for what it has loaded, and by tests and simulation. Real-time.
+/// The host implements this for loaded modules; tests and the simulation have their own. All functions are
+/// called on real-time threads.
 class Body {
  public:
   virtual ~Body() = default;
-  /// One run().
+  /// Runs the module once.
   virtual Outcome run(const Cycle& cycle) noexcept = 0;
-  /// Whether a sporadic module is to run: false in `*ready` when not. Only `number`, `time` and `start` of
-  /// the cycle say something.
+  /// Sets `*ready` to whether a sporadic module is to run. Only `number`, `time` and `start` of the cycle are
+  /// meaningful.
   virtual Outcome condition(const Cycle& cycle, bool* ready) noexcept = 0;
-  /// Whether an event port has a sample that was not read yet and is valid by now. Asked of modules that are
-  /// dispatched at once.
+  /// Whether an event port has an unread sample that is valid at `now`. Called for modules with immediate
+  /// dispatch.
   [[nodiscard]] virtual bool has_news(Instant /*now*/) const noexcept { return false; }
-  /// Takes the place of `before`, a body of the same module and kind, between two rows, and goes on where
-  /// that has come to. False: not now, and nothing has changed.
+  /// Replaces `before`, a body of the same module and kind, between two rows, and continues from its state.
+  /// Returns false if this is not possible now; then nothing has changed.
   virtual bool take_over(Body& /*before*/) noexcept { return true; }
 };
 

@@ -1,8 +1,8 @@
-// Another body for a periodic thread module while its rows go on.
+// Exchanges the body of a periodic thread module while its rows continue.
 //
-// The executor's thread takes it between two rows, so that no release is missed and no run() meets another.
-// Its first runs are a trial: where one of them goes wrong, the body before it is back at once, and serves
-// the very release in which run() failed.
+// The executor's thread takes the new body between two rows, so no release is missed and no two run() calls
+// overlap. The first runs are a trial: if one of them fails, the old body returns at once and serves the same
+// release in which run() failed.
 #pragma once
 
 #include <atomic>
@@ -16,23 +16,24 @@ namespace takt::executor {
 
 struct Exchange {
   enum class State : std::uint32_t {
-    waiting,   ///< for a row that finds the module in the tables
-    not_now,   ///< the body did not take over; it may be asked again
-    on_trial,  ///< it runs
-    kept,      ///< `runs` went well: it stays
-    put_back,  ///< one went wrong, and the body before it runs again
+    waiting,   ///< waits for a row that finds the module in the tables
+    not_now,   ///< the new body could not take over now; try again
+    on_trial,  ///< the new body runs
+    kept,      ///< the new body stays, after `runs` runs without an error
+    put_back,  ///< a run failed, and the old body runs again
   };
 
-  std::uint32_t index = 0;  ///< of the module on its device
-  Body* body = nullptr;     ///< that comes
-  std::uint64_t runs = 1;   ///< that are to go well
+  std::uint32_t index = 0;  ///< the module's index on its device
+  Body* body = nullptr;     ///< the new body
+  std::uint64_t runs = 1;   ///< length of the trial
 
-  /// SYNC: exchange. Publishes what follows; after `kept` and `put_back` the executor is done with all of it.
+  /// SYNC: exchange. Publishes the members below. After `kept` or `put_back` the executor no longer uses this
+  /// object.
   std::atomic<State> state{State::waiting};
-  std::uint64_t row = 0;              ///< from which on it ran
-  ErrorType error = ErrorType::none;  ///< that put it back
-  std::uint64_t cycle = 0;            ///< of the module, in which that was
-  FixedText<256> text{};              ///< why
+  std::uint64_t row = 0;              ///< first row of the new body
+  ErrorType error = ErrorType::none;  ///< the error that put the old body back
+  std::uint64_t cycle = 0;            ///< the module's cycle in which the error occurred
+  FixedText<256> text{};              ///< the reason
 };
 
 }  // namespace takt::executor

@@ -1,4 +1,4 @@
-// What is known of the last seconds of a device: what its executors did, and what happened around them.
+// A recording of the last seconds of a device: what its executors did, and what happened around them.
 #pragma once
 
 #include <array>
@@ -17,11 +17,11 @@ namespace takt::flight {
 struct Module {
   std::string name;
   bool process = false;
-  Nanoseconds budget{};              ///< of one run(); 0: none
-  std::vector<std::string> ports{};  ///< their names by place; empty: not known
+  Nanoseconds budget{};              ///< for one run(); 0: none
+  std::vector<std::string> ports{};  ///< port names in order; empty: not known
 };
 
-/// What a thread was at when it was looked at, or when its host died.
+/// What a thread was doing when the recording was made, or when its host died.
 struct Open {
   std::uint32_t module = 0;
   channel::Doing doing = channel::Doing::nothing;
@@ -30,33 +30,33 @@ struct Open {
   bool host_died = false;
 };
 
-/// One thread of an executor: that of its rows or that of its sporadic modules.
+/// One thread of an executor: for its rows or for its sporadic modules.
 struct Thread {
   channel::FlightCopy copy{};
-  std::vector<Open> open{};  ///< one for each host that died in it, and what it is at now
+  std::vector<Open> open{};  ///< one for each host that died in it, and one for its present activity
 };
 
 struct Executor {
   std::string name;
   Nanoseconds basic_period{};
-  std::array<Thread, 2> threads{};  ///< of rows, of sporadic modules
+  std::array<Thread, 2> threads{};  ///< for rows, for sporadic modules
 };
 
-/// A step of a module through its lifecycle.
+/// A lifecycle step of a module.
 struct Change {
   std::int64_t time_ns = 0;
   std::uint32_t module = 0;
   std::string from;
   std::string to;
   std::string event;
-  std::string text{};  ///< why; may be empty
+  std::string text{};  ///< the reason; may be empty
 };
 
-/// What the kernel counted until then.
+/// The kernel's counters at one instant.
 struct Sample {
   std::int64_t time_ns = 0;
-  std::vector<std::array<std::optional<os::ThreadUse>, 2>> threads{};  ///< of each executor
-  std::vector<Nanoseconds> stolen{};                                   ///< of each processor
+  std::vector<std::array<std::optional<os::ThreadUse>, 2>> threads{};  ///< for each executor
+  std::vector<Nanoseconds> stolen{};                                   ///< for each CPU
 };
 
 struct Recording {
@@ -64,11 +64,11 @@ struct Recording {
   std::string device{};
   std::string machine{};
   std::string kernel{};
-  std::string why{};          ///< it was taken
-  std::int64_t taken_ns = 0;  ///< monotonic
-  std::int64_t wall_ns = 0;   ///< at that instant, since 1970
-  Nanoseconds last{};         ///< that is to be shown of it
-  std::int64_t t0_ns = 0;     ///< T0 of the rows, monotonic; 0: none is agreed
+  std::string why{};          ///< the reason for the recording
+  std::int64_t taken_ns = 0;  ///< time of the recording, monotonic
+  std::int64_t wall_ns = 0;   ///< the same instant since 1970
+  Nanoseconds last{};         ///< how much of it to show
+  std::int64_t t0_ns = 0;     ///< T0 of the rows, monotonic; 0: not yet known
   std::vector<Module> modules{};
   std::vector<Executor> executors{};
   std::vector<Change> changes{};

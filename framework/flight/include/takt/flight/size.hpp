@@ -1,4 +1,4 @@
-// How many entries a device's record has room for.
+// The size of a device's flight record.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 
 namespace takt::flight {
 
-/// What is kept.
+/// The time that the record covers.
 inline constexpr Nanoseconds kKept = std::chrono::seconds{5};
-/// All rings of a device, in bytes.
+/// The most bytes for all rings of a device.
 inline constexpr std::uint64_t kMostBytes = 16 * 1024 * 1024;
 
-/// Of each ring (channel::FlightRecord), for that long: two entries a row and four a run, a run and what it
-/// writes; a sporadic module as often as a row may release it. Less where the device would need more than
-/// kMostBytes bytes: each executor the same time then. Powers of two.
+/// The number of entries of each ring (channel::FlightRecord) for this time, as powers of two. It counts two
+/// entries per row and four per run (the run and what it writes); a sporadic module may run once per row. If
+/// the device would need more than kMostBytes, every ring is reduced by the same factor.
 std::vector<std::uint64_t> entries_for(const schedule::DevicePlan& plan, Nanoseconds kept = kKept);
 
 }  // namespace takt::flight

@@ -1,4 +1,4 @@
-// What a component is, as data: what `takt describe` shows.
+// The description of a component as data: what `takt describe` shows.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ struct PropertyDescription {
   std::string name{};
   std::string type{};  ///< "bool", "integer", "double", "string"
   std::string default_value{};
-  std::string range{};  ///< "0 to 10", "fast or slow"; may be empty, as all below
-  std::string min{};    ///< of a number
+  std::string range{};  ///< "0 to 10", "fast or slow"; may be empty, like all members below
+  std::string min{};    ///< only for numbers
   std::string max{};
   std::string unit{};
   std::string text{};
@@ -24,7 +24,7 @@ struct PropertyDescription {
   bool operator==(const PropertyDescription&) const = default;
 };
 
-/// What it keeps over a crash, see takt::Saved.
+/// The state that a component keeps across a crash, see takt::Saved.
 struct SavedDescription {
   std::uint32_t version = 0;
   std::uint32_t bytes = 0;
@@ -33,14 +33,14 @@ struct SavedDescription {
 };
 
 struct Description {
-  std::string name{};        ///< of the class; of a C module or a program, the file's stem
-  std::string text{};        ///< one sentence that says what it does; may be empty
+  std::string name{};        ///< the class name; for a C module or a program, the file's stem
+  std::string text{};        ///< one sentence about what it does; may be empty
   std::string interface {};  ///< "c++", "c" or "process"
-  /// Of a program: "periodic" or "sporadic", as it calls; "non-real" when it is not linked with
-  /// libtakt_process; empty when it did not say.
+  /// Only for programs: "periodic" or "sporadic", depending on the function that it calls; "non-real" if it
+  /// is not linked with libtakt_process; empty if it did not report.
   std::string operation{};
-  std::vector<std::string> hooks{};  ///< of a C module
-  /// Of a C module or a program without any: it takes every property, and looks at them itself.
+  std::vector<std::string> hooks{};  ///< only for C modules
+  /// A C module or a program that declares no properties accepts any, and interprets them itself.
   std::vector<PropertyDescription> properties{};
   std::vector<model::Port> ports{};
   std::optional<SavedDescription> saved{};
@@ -52,8 +52,8 @@ struct Description {
 /// docs/describe.md.
 std::string to_json(const Description& description);
 
-/// From [{"name", "type", "default", "range", "min", "max", "unit", "text"}, ...], each a text, as a program
-/// or a loaded component says it. Fails on a text that is none.
+/// Parses [{"name", "type", "default", "range", "min", "max", "unit", "text"}, ...], where each value is a
+/// string, as a program or a loaded component reports it. Fails if the text is not such a list.
 Result<std::vector<PropertyDescription>> parse_properties(const std::string& json);
 
 }  // namespace takt::host

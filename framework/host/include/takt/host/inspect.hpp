@@ -1,4 +1,4 @@
-// What a component is, found out before anything is started. The component is loaded in a child process,
+// Describes and checks components before anything is started. A component is loaded in a child process,
 // because its constructors are foreign code that may crash or hang.
 #pragma once
 
@@ -13,45 +13,46 @@
 
 namespace takt::host {
 
-/// What a program is started with: its properties, "name=value" each, in the order of the descriptor.
+/// The arguments of a program: its properties, each as "name=value", in the order of the descriptor.
 using Arguments = std::vector<std::string>;
 Arguments arguments_of(const model::Module& module);
 
-/// Loads a .so and says what it is. A program that is linked with libtakt_process (or is a script) is started
-/// with these arguments, on which its ports may depend, and with what tells it to say what it is and end at
-/// once. One that has not done so within 5 s, or does not call initPeriodExe() or initSporadicExe(), has no
-/// ports; with arguments that is an error: what the program said of them. `path` as from find_component().
+/// Describes a component. A .so is loaded. A program that is linked with libtakt_process (or is a script) is
+/// started with these arguments, on which its ports may depend, and is asked to report its description and
+/// end at once. A program that does not report within 5 s, or calls neither initPeriodExe() nor
+/// initSporadicExe(), has no ports; with arguments that is an error, with the program's own words about them.
+/// `path` comes from find_component().
 Result<Description> describe(const std::string& path, const Arguments& arguments = {});
 
-/// The sentence of a component's file, TAKT_TEXT() or of TAKT_COMPONENT(); empty when it has none. Nothing of
-/// the file is loaded or started.
+/// The sentence in a component's file, from TAKT_TEXT() or TAKT_COMPONENT(); empty if there is none. The file
+/// is neither loaded nor started.
 std::string component_text(const std::string& path);
 
-/// A file that may be a component, known without loading or starting it.
+/// A file that may be a component, judged without loading or starting it.
 struct ComponentFile {
   std::string path;
   std::string interface;  ///< "c++", "c" or "process"
   std::string text;       ///< may be empty
 };
-/// The components in these folders, each by the name of its file; of two of one name the first, as
-/// find_component() does. A folder that is not there has none.
+/// The components in these folders, sorted by file name. If two files have the same name, the first is
+/// listed, as find_component() does. A missing folder counts as empty.
 std::vector<ComponentFile> list_components(const std::vector<std::string>& folders);
 
-/// The files of a device's modules, by the module's index.
+/// The component file of each module of a device, by the module's index.
 using ComponentPaths = std::vector<std::string>;
 
-/// What was found of a cell's components, by device and module.
+/// What was found out about a cell's components, by device and module.
 struct Components {
   std::vector<ComponentPaths> paths;
-  /// Known for every component that is here and could be loaded; of a program where a connection names it or
-  /// the descriptor gives it properties.
+  /// Known for every component that is on this machine and could be loaded. A program's ports are known only
+  /// if a connection names it or the descriptor gives it properties.
   model::CellPorts ports;
 };
 
-/// Looks up and loads the component of every module: whether it is there, is what the descriptor says it is,
-/// takes the properties that it is given, and has the ports that connections name. Every problem at once,
-/// each at its module's or connection's line. With `missing`, a file that is not on this machine goes there
-/// and is no problem; its path is empty then, and nothing is known of its ports.
+/// Looks up and loads the component of every module. Checks that it exists, is of the kind that the
+/// descriptor states, accepts its properties, and has the ports that connections name. Reports every problem
+/// at once, each at the line of its module or connection. With `missing`, a file that is not on this machine
+/// is added there instead of being a problem; its path is then empty and its ports are unknown.
 Result<Components> check_components(const model::Cell& cell, Problems* missing = nullptr);
 
 }  // namespace takt::host

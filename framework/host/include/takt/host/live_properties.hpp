@@ -1,10 +1,9 @@
-// Properties that are set while their component runs, between two of its calls.
+// Sets properties of a component while it runs, between two of its calls.
 //
-// The thread that sets checks the texts and leaves the values beside; whoever calls the component next takes
-// them over first, all of them together. So a value changes in the middle of no call, whoever makes it, and
-// a module that is not running needs no other way: it takes them over when it is called again. The real-time
-// side looks at one word; where values wait it swaps them, and those that were there before are freed by the
-// thread that sets.
+// The setting thread checks the texts and stores the new values aside. The thread that makes the next call
+// of the component first takes over all of them together, so no value changes during a call. A module that is
+// not running needs nothing else: it takes the values over at its next call. The real-time side reads one
+// word; if values are waiting, it swaps them in. The setting thread frees the old values.
 #pragma once
 
 #include <atomic>
@@ -21,16 +20,18 @@ class LiveProperties {
  public:
   using Values = std::vector<std::pair<std::string, std::string>>;
 
-  /// Those of a component that is called `name`, before all else; none: no more. While no hook is called.
+  /// Serves the properties of the component `name`; an empty list ends that. Call it first, and while no hook
+  /// is being called.
   void serve(std::vector<PropertyBase*> properties, std::string name);
 
-  /// All of them or none: one problem for each that the component does not have or does not take. They are in
-  /// force from its next call on. By one thread at a time; may wait for a take_over() that is going on.
+  /// Sets all of them or none: one problem for each property that the component does not have or whose value
+  /// it does not accept. They take effect at the component's next call. One thread at a time; may wait for a
+  /// take_over() in progress.
   Result<void> set(const Values& values);
-  /// The value that was set last. By the thread that sets.
+  /// The value that was set last. Only for the setting thread.
   [[nodiscard]] Result<std::string> get(const std::string& name) const;
 
-  /// By whoever is about to call the component, one thread at a time. Real-time.
+  /// For the thread that is about to call the component, one thread at a time. Real-time safe.
   void take_over() noexcept {
     if (state_.load(std::memory_order_relaxed) == State::waiting) take_over_waiting();
   }
@@ -44,9 +45,9 @@ class LiveProperties {
 
   std::vector<PropertyBase*> properties_;
   std::string name_;
-  std::vector<PropertyBase*> waiting_;  // of the thread that sets, but while they wait or are taken over
-  // SYNC: values wait. From none to waiting by who sets; from there back to none by who sets, or to
-  // taken_over by who calls, whichever comes first; from there to none by who calls.
+  std::vector<PropertyBase*> waiting_;  // owned by the setting thread, except while waiting or taken over
+  // SYNC: values wait. The setting thread changes none to waiting, and back to none. The calling thread
+  // changes waiting to taken_over, if it is first, and then to none.
   std::atomic<State> state_{State::none};
 };
 

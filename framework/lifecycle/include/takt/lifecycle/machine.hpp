@@ -1,4 +1,4 @@
-// One module's place in the table, and what happened to it last.
+// The lifecycle state of one module, its previous state, and the number of steps it has taken.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace takt::lifecycle {
 
-/// One step that was taken. `sequence` counts the steps of one module from 1 without gaps, so an observer
-/// knows what it missed.
+/// One step that a module has taken. `sequence` counts the steps of the module from 1 without gaps, so an
+/// observer notices steps that it missed.
 struct Transition {
   State from = State::idle;
   State to = State::idle;
@@ -18,7 +18,7 @@ struct Transition {
   std::uint64_t sequence = 0;
 };
 
-/// Holds a state that nothing but the table changes. One thread at a time.
+/// Holds the state of one module and changes it only as the table allows. For one thread at a time.
 class Machine {
  public:
   [[nodiscard]] State state() const noexcept { return state_; }
@@ -28,8 +28,8 @@ class Machine {
     return next(state_, event, before_error_).has_value();
   }
 
-  /// Takes the step, or refuses with the state that was met and the states from which the event is allowed;
-  /// nothing changes then.
+  /// Takes the step. If the event is not allowed in the current state, nothing changes; the problem names
+  /// this state and the states in which the event is allowed.
   Result<Transition> apply(Event event);
 
  private:

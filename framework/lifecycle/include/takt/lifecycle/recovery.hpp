@@ -1,8 +1,8 @@
-// When a module in RECOVER is tried again, and when it is given up.
+// Decides when a module in RECOVER gets another recovery attempt, and when it is given up.
 //
-// A module that recovers at once and fails at once would be tried for ever if each success cleared the count,
-// and one that fails once a month would be given up after three months if none did. So a success counts as
-// lasting only after the module has run without an error for ten back-offs, at least a second.
+// If every success cleared the count, a module that fails right after each recovery would be tried for ever.
+// If no success did, a module that fails once a month would be given up after three months. So only a lasting
+// success clears the count: the module ran without an error for ten back-offs, and for at least a second.
 #pragma once
 
 #include <optional>
@@ -12,26 +12,26 @@
 namespace takt::lifecycle {
 
 struct RecoveryPolicy {
-  int attempts = 3;  ///< 0: an error gives the module up
+  int attempts = 3;  ///< 0: the module is given up at its first error
   Nanoseconds backoff = std::chrono::milliseconds{100};
 };
 
-/// Counts the attempts of one module. The time is handed in.
+/// Counts the recovery attempts of one module. The caller passes the time in.
 class Recovery {
  public:
   enum class Step { wait, attempt, give_up };
 
   explicit Recovery(RecoveryPolicy policy) : policy_(policy) {}
 
-  /// The module went to RECOVER. `since`: when it went wrong, if that was seen late, as with what does not
-  /// come back: the time until then is no time without an error.
+  /// The module went to RECOVER at `now`. `since` is when the error began, if it was noticed late, as with a
+  /// hang. The time from `since` to `now` does not count as time without an error.
   void failed(Instant now, std::optional<Instant> since = std::nullopt) noexcept;
-  /// An attempt ended: it is EXECUTING or START again, or still in RECOVER.
+  /// An attempt ended: the module is in EXECUTING or START again, or still in RECOVER.
   void attempted(Instant now, bool recovered) noexcept;
-  /// What to do now with a module that is in RECOVER. `attempt` counts it.
+  /// What to do now with a module in RECOVER. The answer `attempt` counts as one attempt.
   Step next(Instant now) noexcept;
 
-  /// The next attempt does not wait for its back-off.
+  /// Lets the next attempt begin without waiting for the back-off.
   void hurry() noexcept { not_before_ = Instant{}; }
 
   /// Attempts since the last lasting success.

@@ -1,5 +1,5 @@
-// The life of a module: six states, and every event that leads from one to another. This table is the only
-// place that knows; who wants to change a state asks it.
+// The lifecycle of a module: six states, and every event that leads from one to another. This table is the
+// only place that defines the steps; all code that changes a state asks it.
 #pragma once
 
 #include <array>
@@ -9,24 +9,24 @@
 namespace takt::lifecycle {
 
 enum class State : std::uint8_t {
-  idle,        ///< loaded; nothing of it has run
+  idle,        ///< loaded; none of its hooks has run
   initialize,  ///< initialize(property) succeeded
-  start,       ///< start() succeeded; ready, not being released
+  start,       ///< start() succeeded; ready, but not released
   executing,   ///< the scheduler calls or releases it
-  recover,     ///< an error took it out of the tables; recover() is tried
-  destruct,    ///< destruct() was called; it never runs again unless reset
+  recover,     ///< an error took the module out of the tables; recover() is tried
+  destruct,    ///< destruct() was called; the module runs again only after a reset
 };
 
 enum class Event : std::uint8_t {
   initialize,  ///< IDLE -> INITIALIZE
   start,       ///< INITIALIZE -> START
-  run,         ///< START -> EXECUTING: the next row named it
-  stop,        ///< EXECUTING -> START: the row ended first
+  run,         ///< START -> EXECUTING, with the first row that names the module
+  stop,        ///< EXECUTING -> START, after the row has ended
   error,       ///< INITIALIZE, START, EXECUTING -> RECOVER
-  recover,     ///< RECOVER -> where it was before the error, if that was START or EXECUTING, else START
+  recover,     ///< RECOVER -> EXECUTING if the error occurred there, else START
   give_up,     ///< RECOVER -> DESTRUCT
   destruct,    ///< any but DESTRUCT -> DESTRUCT
-  reset,       ///< DESTRUCT -> IDLE: loaded afresh
+  reset,       ///< DESTRUCT -> IDLE: the module is loaded again
 };
 
 inline constexpr std::array kStates{State::idle,      State::initialize, State::start,
@@ -35,13 +35,13 @@ inline constexpr std::array kEvents{Event::initialize, Event::start,    Event::r
                                     Event::stop,       Event::error,    Event::recover,
                                     Event::give_up,    Event::destruct, Event::reset};
 
-/// "IDLE", "EXECUTING": as in reports and on the wire.
+/// "IDLE", "EXECUTING", ...: the text in reports and on the wire.
 const char* to_text(State state) noexcept;
-/// "initialize", "give up".
+/// "initialize", "give up", ...
 const char* to_text(Event event) noexcept;
 
-/// Where `event` leads from `state`; none when the table refuses it. `before_error` is the state that the
-/// last error met and matters only for `recover`. Pure; any thread.
+/// The state that `event` leads to from `state`; none if the event is not allowed there. `before_error` is
+/// the state in which the last error occurred; it matters only for `recover`. Pure; any thread may call it.
 std::optional<State> next(State state, Event event, State before_error) noexcept;
 
 }  // namespace takt::lifecycle

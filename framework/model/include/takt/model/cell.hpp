@@ -1,5 +1,5 @@
-// A cell as plain data: what a descriptor says, no more. Reading it from XML is the descriptor room's,
-// deciding what runs when is the schedule room's.
+// A cell as plain data: the content of a descriptor. The descriptor room reads it from XML; the schedule room
+// decides what runs when.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ enum class Offsets { given, automatic };
 enum class Timing { direct, let };
 enum class Carries { samples, requests, replies };
 
-/// The words of the descriptor and of every report: "thread", "non-real", "stop-device".
+/// The words used in descriptors and in all reports: "thread", "non-real", "stop-device".
 const char* to_text(ModuleType type);
 const char* to_text(Operation operation);
 const char* to_text(Wakeup wakeup);
@@ -48,35 +48,36 @@ struct PropertyValue {
   Line line{};
 };
 
-/// What readers of an output get while its module does not execute, or its samples are too old. The fields
-/// that are given stand in place of the component's own safe value; where it has none, in place of zero.
+/// The value that readers of an output get while its module does not execute, or when its samples are too
+/// old. The fields given here replace those of the component's own safe value. Without one, all other fields
+/// are zero.
 struct SafeValue {
   std::string name;                   ///< of the port
-  std::vector<PropertyValue> fields;  ///< "torque" or "pose.x", and its value as in JSON
+  std::vector<PropertyValue> fields;  ///< name "torque" or "pose.x", value as in JSON
   Line line{};
 };
 
-/// What is tried when a module is in RECOVER.
+/// How to recover a module that is in RECOVER.
 struct Recovery {
   int attempts = 3;                                      ///< 0 to 1000
   Nanoseconds backoff = std::chrono::milliseconds{100};  ///< before each attempt; 0 to 1 h
   GiveUp then = GiveUp::destruct;
 };
 
-/// What becomes of releases that could not be served in time: of a module whose row was missed, or that was
-/// not done by its next release.
+/// How to handle a release that was not served in time: the module's row was missed, or its run was not
+/// finished by its next release.
 struct OverrunContract {
   Overrun what = Overrun::skip;
-  int limit = 1;  ///< catch_up: the newest releases that are made up, at most; 1 to 1000
+  int limit = 1;  ///< catch_up: the maximum number of releases to make up, newest first; 1 to 1000
 };
 
-/// How much more than its budget a run() may take before that is an error. Without either, any excess is one.
+/// When it is an error that a run() exceeds its budget. If neither is set, every excess is an error.
 struct BudgetTolerance {
-  std::optional<int> times;     ///< one excess is an error when it is beyond this many budgets; 1 to 1000
-  std::optional<int> in_a_row;  ///< this many excesses in a row are one; 1 to 1000
+  std::optional<int> times;     ///< an error if a run takes longer than this many budgets; 1 to 1000
+  std::optional<int> in_a_row;  ///< an error after this many consecutive excesses; 1 to 1000
 };
 
-/// Where the elements of a module stand; none for one that is not there.
+/// The lines of a module's elements; not given for a missing element.
 struct ModuleLines {
   Line name{};
   Line filename{};
@@ -91,28 +92,28 @@ struct ModuleLines {
   Line retain{};
 };
 
-/// `line` is the element's, here and below.
+/// Here and below, `line` is the line of the element.
 struct Module {
   std::string name;      ///< unique on its device
-  std::string filename;  ///< as written; a relative one is looked up beside the descriptor, then on the
+  std::string filename;  ///< as written; a relative path is searched beside the descriptor, then on the
                          ///< component path
   ModuleType type = ModuleType::thread;
   Operation operation = Operation::periodic;
   std::optional<Nanoseconds> period;    ///< periodic: > 0. non-real thread: optional. Otherwise none.
-  std::optional<Nanoseconds> offset;    ///< periodic: of its first release from T0, 0 to below its period
+  std::optional<Nanoseconds> offset;    ///< periodic: first release after T0, from 0 to less than the period
   std::optional<Nanoseconds> deadline;  ///< sporadic: > 0, from the release. Otherwise none.
-  Miss miss = Miss::count;              ///< what a missed deadline is: counted only, or an error too
-  Dispatch dispatch = Dispatch::row;    ///< sporadic: when a sample has come, after the next row or at once
-  std::optional<Nanoseconds> interarrival;  ///< sporadic: > 0, the least time between two releases
+  Miss miss = Miss::count;              ///< whether a missed deadline is only counted or also an error
+  Dispatch dispatch = Dispatch::row;    ///< sporadic: runs after the next row, or as soon as a sample arrives
+  std::optional<Nanoseconds> interarrival;  ///< sporadic: > 0, the minimum time between two releases
   int priority = 0;                         ///< the lowest value is the highest priority
   std::string executor;  ///< periodic and sporadic: a name in Device::executors. non-real: empty.
   std::optional<Nanoseconds> budget;  ///< of one run(), > 0
   BudgetTolerance tolerance;
-  std::optional<OverrunContract> overrun;  ///< periodic; none: its executor's
+  std::optional<OverrunContract> overrun;  ///< periodic; none: that of its executor
   Recovery recovery;
-  bool retain = false;  ///< what it saves is kept on disk; not of a non-real program
+  bool retain = false;  ///< keeps its saved state on disk; not for a non-real process
   std::vector<PropertyValue> properties;
-  std::vector<SafeValue> safe;  ///< of its outputs, each at most once
+  std::vector<SafeValue> safe;  ///< for its outputs, at most one for each
   Line line{};
   ModuleLines lines{};
 };
@@ -121,13 +122,13 @@ struct Executor {
   std::string name = "main";
   std::optional<int> cpu;       ///< none: chosen by the node
   int priority = 80;            ///< SCHED_FIFO, 2 to 98; its sporadic modules run one below
-  bool rate_monotonic = false;  ///< its priority follows from its basic period: the shorter, the higher
+  bool rate_monotonic = false;  ///< derive the priority from the basic period: the shorter, the higher
   Wakeup wakeup = Wakeup::hybrid;
-  double spin_share = 0.4;  ///< of the basic period that the wake-up may spin, at most 100 us; 0 to 0.9
-  OverrunContract overrun;  ///< of its modules that do not say
-  Offsets offsets = Offsets::given;  ///< automatic: those that are not given flatten the table
+  double spin_share = 0.4;  ///< share of the basic period that a wake-up may spin, at most 100 us; 0 to 0.9
+  OverrunContract overrun;  ///< of its modules that have none of their own
+  Offsets offsets = Offsets::given;  ///< automatic: Takt chooses the missing offsets to flatten the table
   Timing timing = Timing::direct;    ///< let: inputs as of the release, outputs at the end of the period
-  bool own_host = false;  ///< a real-time process of its own, so that a crash in it stops nothing else
+  bool own_host = false;  ///< runs in its own real-time process, so that a crash stops nothing else
   Line line{};
 };
 
@@ -135,31 +136,30 @@ struct Endpoint {
   std::string device;
   std::string module;
   std::string port;
-  /// False: none was given, the other end is a program that is not Takt's.
+  /// False if no end was given: the other end is a program outside Takt.
   [[nodiscard]] bool given() const noexcept { return !device.empty(); }
   bool operator==(const Endpoint&) const = default;
 };
 
-/// From one port to another, or, with a topic and one end only, between a port and programs that are not
-/// Takt.
+/// Connects one port to another. With a topic and only one end, it connects a port to programs outside Takt.
 struct Connection {
   Endpoint from;
   Endpoint to;
   ConnectionKind kind = ConnectionKind::latest;
   int depth = 1;                                       ///< of a queue
-  Reliability reliability = Reliability::best_effort;  ///< unless said: of a queue reliable
+  Reliability reliability = Reliability::best_effort;  ///< the descriptor's default for a queue is reliable
   std::optional<Nanoseconds> deadline;                 ///< a value older than this is stale
-  std::optional<Nanoseconds> lifespan;                 ///< a value older than this is not delivered any more
+  std::optional<Nanoseconds> lifespan;                 ///< a value older than this is not delivered
   Stale stale = Stale::hold;
   std::string topic;          ///< empty: takt/<cell>/<device>/<module>/<port> of the writer
-  std::optional<int> domain;  ///< of the topic; none: the cell's
-  /// The topic is one of ROS 2: it begins with kRos2Topics, its type is a message of ROS 2.
+  std::optional<int> domain;  ///< of the topic; none: the cell's domain
+  /// A ROS 2 topic: its name begins with kRos2Topics, and its type is a ROS 2 message.
   bool ros2 = false;
   Carries carries = Carries::samples;
   Line line{};
 };
 
-/// Who asks whom. `port` of each end is the name of the client, or of the service.
+/// Connects a client to a service. Endpoint::port is the name of the client or of the service.
 struct Service {
   Endpoint client;
   Endpoint server;
@@ -170,9 +170,9 @@ struct Service {
 struct Discovery {
   enum class Kind { multicast, peers, server };
   Kind kind = Kind::multicast;
-  std::vector<std::string> peers;  ///< IPv4 addresses or host names, of kind peers
-  std::string server;              ///< "host:port", of kind server
-  bool serve = false;              ///< not of a descriptor: this participant is the server
+  std::vector<std::string> peers;  ///< for kind peers: IPv4 addresses or host names
+  std::string server;              ///< for kind server: "host:port"
+  bool serve = false;              ///< not from a descriptor: this participant is the server
 };
 const char* to_text(Discovery::Kind kind);
 
@@ -185,51 +185,50 @@ struct Device {
 
 struct Cell {
   std::string name;
-  std::string file;  ///< the descriptor's path as it was given, for messages; empty if there is none
-  std::vector<Insertion> insertions;  ///< what was put into it from elsewhere
+  std::string file;  ///< the descriptor's path as given, for messages; empty if there is none
+  std::vector<Insertion> insertions;  ///< the includes and the uses of templates in it
   int domain = 0;                     ///< DDS domain, 0 to 232
   bool domain_given = false;
   std::vector<Device> devices;
   std::vector<Connection> connections;
   std::vector<Service> services;
   Discovery discovery;
-  std::string server_device;       ///< whose node starts the discovery server; empty: somebody else runs it
-  bool security_required = false;  ///< a node that runs without DDS Security refuses it
+  std::string server_device;  ///< the device whose node starts the discovery server; empty: it runs elsewhere
+  bool security_required = false;  ///< a node that runs without DDS Security rejects the cell
   Line line{};
 
   [[nodiscard]] Texts texts() const { return {file, insertions}; }
 };
 
-/// What the names of Takt's own topics begin with.
+/// The prefix of Takt's own topics.
 inline constexpr const char* kOwnTopics = "takt/";
 
-/// The two ports that a service or client NAME is made of are NAME/request and NAME/reply.
+/// A service or client NAME consists of two ports: NAME/request and NAME/reply.
 inline constexpr const char* kRequestPort = "/request";
 inline constexpr const char* kReplyPort = "/reply";
-/// Requests that wait for a service, of each client.
+/// The number of requests of each client that may wait for a service.
 inline constexpr int kServiceDepth = 8;
-/// Adds the two connections that each service of a cell is made of, side by side. Once.
+/// Adds two adjacent connections for each service of a cell: the requests and the replies. Call it once.
 void connect_services(Cell& cell);
 
-/// What the names of ROS 2's topics begin with on DDS (its design article "Topic and Service name mapping to
-/// DDS").
+/// The prefix of ROS 2 topics on DDS (see the ROS 2 design article "Topic and Service name mapping to DDS").
 inline constexpr const char* kRos2Topics = "rt/";
 
-/// "robot.servo.setpoint"; without the dots of parts that are missing.
+/// "robot.servo.setpoint"; leaves out the dots before missing parts.
 std::string to_text(const Endpoint& end);
-/// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer;
-/// of replies, of their reader: each client has a topic of its own.
+/// The name of a connection's topic on DDS: its own, else takt/<cell>/<device>/<module>/<port> of the writer.
+/// For replies it is that of the reader, so that each client has its own topic.
 std::string topic_of(const Cell& cell, const Connection& connection);
-/// The module's own overrun contract, else its executor's.
+/// The module's own overrun contract, else that of its executor.
 OverrunContract contract_of(const Device& device, const Module& module);
-/// A fault of one of its modules is the whole cell's: such a module's <recovery> or overrun contract says
-/// stop-cell.
+/// True if a fault of one of the device's modules can stop the whole cell: the <recovery> or the overrun
+/// contract of such a module is stop-cell.
 bool stops_cell(const Device& device);
-/// Of a periodic module, its executor's; all others are direct.
+/// For a periodic module, the timing of its executor; all other modules have direct timing.
 Timing timing_of(const Device& device, const Module& module);
-/// The text that the descriptor gives a property of a module. Fails when it gives none.
+/// The value that the descriptor sets for a property of a module. Fails if it sets none.
 Result<std::string> given_property(const Module& module, const std::string& name);
-/// The module is given the property with this value, whether it was given it before or not.
+/// Sets the value of a property of a module; adds the property if the module does not have it yet.
 void give_property(Module& module, const std::string& name, const std::string& value);
 
 }  // namespace takt::model

@@ -1,5 +1,5 @@
-// What is to be done to a cell that runs, so that it is as another descriptor says: nothing, what a module
-// can be told while it runs, or a device that is taken down and brought up anew. Pure.
+// The changes that bring a running cell to the state of another descriptor. A device needs no change, changes
+// in place while its modules run, or a restart. Pure functions.
 #pragma once
 
 #include <string>
@@ -12,38 +12,37 @@ namespace takt::model {
 
 enum class Change {
   none,
-  in_place,  ///< what `takt set` and `takt swap` do, and no more
-  anew,      ///< the device is taken down, and brought up as the new descriptor says
-  added,     ///< a device that the cell did not have
+  in_place,  ///< only changes that `takt set` and `takt swap` can make
+  anew,      ///< the device is stopped and restarted with the new descriptor
+  added,     ///< a device that the cell did not have before
   removed,
 };
 /// "none", "in place", "anew", "added", "removed"
 const char* to_text(Change change);
 
-/// What a module is told while it runs.
+/// A change to a running module.
 struct ModuleChange {
   std::string module;
-  std::string property;  ///< that gets the value; empty: the module gets another file
-  std::string value;
-  std::string words;  ///< "gain: 0.5 -> 0.7", "file: servo.so -> servo2.so"
+  std::string property;  ///< the property to set; empty: the module is swapped for another file
+  std::string value;     ///< the new value of the property, or the new file
+  std::string words;     ///< "gain: 0.5 -> 0.7", "file: servo.so -> servo2.so"
 };
 
 struct DeviceDifference {
   std::string device;
   Change change = Change::none;
-  std::vector<ModuleChange> in_place{};  ///< in the order in which they are made
-  std::vector<std::string> reasons{};    ///< of `anew`: all that differs, one each
+  std::vector<ModuleChange> in_place{};  ///< in the order in which they are applied
+  std::vector<std::string> reasons{};    ///< for `anew`: one text for each difference
 
-  /// What was to be done in place cannot be.
+  /// Makes the device restart instead, because a change cannot be applied in place.
   void make_anew(const std::string& why);
 };
 
-/// What differs, for a person: a line for each module that is changed in place, one for any other device.
+/// The difference in readable form: one line for each module changed in place, else one line for the device.
 std::vector<std::string> in_words(const DeviceDifference& difference);
 
-/// Of each device that either of two valid cells has. Connections are a difference of the devices at both
-/// ends. Fails where what differs is the whole cell's: its name, its domain, how its nodes find each other,
-/// or whether it is secured.
+/// The difference of each device that is in one of two valid cells. A changed connection counts for the
+/// devices at both ends. Fails if the cells differ as a whole: in name, domain, discovery or security.
 Result<std::vector<DeviceDifference>> differences(const Cell& before, const Cell& after);
 
 }  // namespace takt::model

@@ -1,4 +1,4 @@
-// An event of a device's fault record: what went wrong on it, or what was done about that.
+// An event of a device's fault record: something that went wrong on the device, or a reaction to it.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace takt::model {
 
-/// In the order of the wire's takt::FaultKind, where each is explained.
+/// In the order of takt::FaultKind in the IDL, which explains each kind.
 enum class FaultKind : std::uint32_t {
   error,
   recovered,
@@ -45,9 +45,9 @@ enum class FaultKind : std::uint32_t {
   not_real_time,
 };
 inline constexpr std::size_t kFaultKinds = static_cast<std::size_t>(FaultKind::not_real_time) + 1;
-/// "missed-rows"; "?" for what is none.
+/// "missed-rows"; "?" for a value that is not a kind.
 const char* to_text(FaultKind kind) noexcept;
-/// Every word of to_text().
+/// All words of to_text().
 std::vector<std::string_view> fault_words();
 std::optional<FaultKind> fault_kind(std::string_view word) noexcept;
 
@@ -56,43 +56,43 @@ const char* to_text(Severity severity) noexcept;
 Severity severity_of(FaultKind kind) noexcept;
 
 struct Fault {
-  std::uint64_t sequence = 0;  ///< of the device's events, from 1; given by its record
+  std::uint64_t sequence = 0;  ///< number of the event on the device, from 1; the fault record assigns it
   std::int64_t time_ns = 0;    ///< since 1970 (UTC)
   std::string cell{};          ///< "-": the device had no deployment
   std::string device{};
-  std::string module{};  ///< empty: it is about the whole device
+  std::string module{};  ///< empty: the event concerns the whole device
   FaultKind kind = FaultKind::error;
-  std::string error{};       ///< of an error: "crash", "budget" ...
-  std::string cause{};       ///< in words
-  std::string attachment{};  ///< a file on the device's machine that says more; empty: none
-  std::uint64_t count = 1;   ///< how often it happened since the event of this kind before it
-  std::uint64_t cycle = 0;   ///< of the module; 0: it has none
+  std::string error{};       ///< for an error: "crash", "budget" ...
+  std::string cause{};       ///< readable text
+  std::string attachment{};  ///< path of a file on the device's machine with details; empty: none
+  std::uint64_t count = 1;   ///< number of occurrences since the previous event of this kind
+  std::uint64_t cycle = 0;   ///< of the module; 0: unknown
   bool operator==(const Fault&) const = default;
 };
 
 nlohmann::ordered_json to_json(const Fault& fault);
-/// None where it is no event.
+/// None if the value is not an event.
 std::optional<Fault> fault_from(const nlohmann::ordered_json& value);
 
-/// Which events somebody wants to see.
+/// Selects events by device, module, kind, number and time.
 struct FaultFilter {
-  std::string device{};               ///< empty: of all
-  std::string module{};               ///< empty: of all, and those of the device
-  std::vector<FaultKind> kinds{};     ///< empty: all
-  std::uint64_t after = 0;            ///< with a higher number only
-  std::int64_t since_ns = 0;          ///< not older
-  std::optional<std::size_t> last{};  ///< the newest so many of those that the rest takes; none: all
+  std::string device{};               ///< empty: all devices
+  std::string module{};               ///< empty: all modules, and the events of the device itself
+  std::vector<FaultKind> kinds{};     ///< empty: all kinds
+  std::uint64_t after = 0;            ///< only events with a higher sequence number
+  std::int64_t since_ns = 0;          ///< only events from this time on, in ns since 1970 (UTC)
+  std::optional<std::size_t> last{};  ///< only the last N matching events; none: all of them
 
-  /// Without `last`.
+  /// Whether the event matches, regardless of `last`.
   [[nodiscard]] bool takes(const Fault& fault) const;
-  /// Those that it takes, in their order.
+  /// The matching events, in the same order.
   [[nodiscard]] std::vector<Fault> of(const std::vector<Fault>& faults) const;
 };
 nlohmann::ordered_json to_json(const FaultFilter& filter);
-/// Fails with what is wrong in it. An empty text is a filter that takes all.
+/// Fails with the mistake in the text. An empty text is a filter that matches everything.
 Result<FaultFilter> filter_from(std::string_view json);
 
-/// "error,overrun" as kinds; fails with the word that is none, and what it may be.
+/// Reads kinds from a list such as "error,overrun". Fails with the unknown word and the possible ones.
 Result<std::vector<FaultKind>> kinds_from(std::string_view list);
 
 }  // namespace takt::model

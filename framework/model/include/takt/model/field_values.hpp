@@ -1,5 +1,5 @@
-// A sample as somebody types it: speed=0.5 kind=box parts[0].x=1. For programs that make samples of types
-// that they were not compiled with.
+// A sample as a person types it: speed=0.5 kind=box pose.x=1. For programs that build samples of types that
+// they were not compiled with.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace takt::model {
 
-/// JSON for sample_bytes() of such words: a field, or a field of a field, and its value as in JSON; what is
-/// text or an enumerator may go without quotes. Each word once. Lists are given whole: few=[1,2]. Fails on a
-/// word without '=', and with the names that there are on a field that the type does not have; whether a
-/// value fits is sample_bytes()'s to say.
+/// Converts such words to JSON for sample_bytes(). A word is FIELD=VALUE, where FIELD may be a field of a
+/// field and VALUE is as in JSON. Texts and enumerators need no quotes. A list is given as a whole:
+/// few=[1,2]. Fails on a word without '=', on a field that is given twice, and on an unknown field, with the
+/// known names. sample_bytes() checks whether the values fit.
 Result<std::string> json_of_words(const Type& type, const std::vector<std::string>& words);
 
-/// One word that is an object of JSON is taken as it is, anything else as json_of_words() does.
+/// Returns a single word that is a JSON object unchanged; converts anything else with json_of_words().
 Result<std::string> json_of_input(const Type& type, const std::vector<std::string>& words);
 
 }  // namespace takt::model

@@ -1,4 +1,4 @@
-// The problems of one cell while its rules are gone through.
+// Collects the problems of one cell while its rules are checked.
 #pragma once
 
 #include <string>
@@ -16,18 +16,18 @@ inline constexpr const char* kNameRule =
 
 class Findings {
  public:
-  /// The cell must outlive it.
+  /// The cell must outlive this object.
   explicit Findings(const Cell& cell) : cell_(cell) {}
 
-  /// Ignored when full.
+  /// Does nothing when full.
   void add(Line line, std::string what, std::string fix);
-  /// Looking on would cost time, guesses above all, and tell nobody anything.
+  /// True after kMaxProblems problems. Further checks would only cost time, above all guesses at names.
   [[nodiscard]] bool full() const;
-  /// By line. Leaves nothing.
+  /// The problems sorted by line. Leaves the list empty.
   Problems take();
-  /// In the order in which they were found, each with its line. Leaves nothing.
+  /// The problems with their lines, in the order in which they were found. Leaves the list empty.
   std::vector<std::pair<Line, Problem>> take_lines() { return std::exchange(problems_, {}); }
-  /// "on line 12": where something else stands, for the fix of a problem.
+  /// "on line 12": the place of another element, for the fix of a problem.
   [[nodiscard]] std::string whereabouts(Line line) const { return model::whereabouts(cell_.texts(), line); }
 
  private:

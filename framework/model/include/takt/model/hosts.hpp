@@ -1,6 +1,5 @@
-// The real-time processes of a device, and what runs in each. One is shared by all executors that have none
-// of their own: what crashes there takes its neighbours along for as long as the process needs to start
-// again.
+// The real-time processes (hosts) of a device, and the executors and modules in each. All executors without
+// their own host share one. A crash in the shared host stops all its modules until the host has restarted.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +12,15 @@
 namespace takt::model {
 
 struct HostShare {
-  std::string name;                       ///< of the executor that has it to itself; empty: it is shared
-  std::vector<std::size_t> executors{};   ///< in Device::executors
-  std::vector<std::uint32_t> modules{};   ///< thread modules that it loads
-  std::vector<std::uint32_t> programs{};  ///< process modules that its executors release
+  std::string name;                       ///< of the only executor in it; empty: the shared host
+  std::vector<std::size_t> executors{};   ///< indices in Device::executors
+  std::vector<std::uint32_t> modules{};   ///< indices of the thread modules that it loads
+  std::vector<std::uint32_t> programs{};  ///< indices of the process modules that its executors release
   [[nodiscard]] bool is_own() const noexcept { return !name.empty(); }
 };
 
-/// In the order of the device; the shared one comes first, and is there when anything is in it, or nothing
-/// has one of its own. Non-real-time thread modules are in it. Pure.
+/// The hosts of a device, in the order of its executors, the shared one first. There is a shared host if it
+/// contains anything, or if no executor has its own host. Non-real-time thread modules run in it. Pure.
 std::vector<HostShare> hosts_of(const Device& device);
 
 }  // namespace takt::model

@@ -1,5 +1,5 @@
-// JSON as every room reads and writes it. To compile its reader takes seconds each time, so that is done
-// once. Not for real-time threads.
+// Reads and writes JSON for all rooms. The JSON parser takes seconds to compile, so only this room compiles
+// it. Not for real-time threads.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 
 namespace takt::model {
 
-/// The text as a value; one that is_discarded() where it is no JSON: to take a member of that throws
+/// Parses the text. If it is not JSON, the value is_discarded(); accessing a member of such a value throws
 /// nlohmann::json::exception.
 nlohmann::ordered_json parse_json(std::string_view text);
-/// In one line. What is no UTF-8 is in it as U+FFFD.
+/// The value on one line. Bytes that are not UTF-8 are replaced by U+FFFD.
 std::string json_text(const nlohmann::ordered_json& value);
-/// None for what is no number, has a fraction, is less than 0 or larger than there is room for: get() makes
-/// some number of all of these, and of a large one with a fraction nobody knows which.
+/// None if the value is not a number, has a fraction, is negative or does not fit. get() would convert all of
+/// these to some number; for a large number with a fraction the result is undefined.
 std::optional<std::uint64_t> whole_number(const nlohmann::ordered_json& value);
 
 }  // namespace takt::model

@@ -1,4 +1,4 @@
-// How long the modules of a cell took when it ran: what `takt run --profile` wrote down.
+// The measured run times of a cell's modules, as `takt run --profile` records them.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace takt::model {
 
-/// Of one module's run(), or of the body of its program.
+/// The run times of one module's run(), or of the body of its program.
 struct RunTimes {
-  std::uint64_t runs = 0;  ///< how many were measured; 0: nothing is known
+  std::uint64_t runs = 0;  ///< number of measured runs; 0: nothing is known
   Nanoseconds min{};
   Nanoseconds p50{};
   Nanoseconds p99{};

@@ -1,4 +1,4 @@
-// The file of a profile: what `takt run --profile` writes, and what proves or simulates a cell reads.
+// The file format of a profile. `takt run --profile` writes it; the analysis and the simulation read it.
 #pragma once
 
 #include <map>
@@ -11,13 +11,12 @@
 namespace takt::model {
 
 /// `{"cell": str, "machine": {str: str}, "modules": {"device.module": {"runs": n, "min_ns": n, "p50_ns": n,
-/// "p99_ns": n, "p999_ns": n, "max_ns": n}}}`, to be read by people too. `machine` says where it was
-/// measured, in any words. Ends with a line feed.
+/// "p99_ns": n, "p999_ns": n, "max_ns": n}}}`, indented for people. `machine` describes the measured machine
+/// in free text. Ends with a line feed.
 std::string profile_json(const Profile& profile, const std::map<std::string, std::string>& machine);
 
-/// Fails with every mistake at once: a text that is no JSON, what is missing, what does not belong there, a
-/// time that is no whole number from 0 on, times that are out of order. Problems are at `FILE:LINE`. `file`
-/// is for messages only.
+/// Fails with all mistakes at once: text that is not JSON, missing or unknown members, a time that is not a
+/// whole number of at least 0, times out of order. Problems are at `FILE:LINE`. `file` is for messages only.
 Result<Profile> parse_profile(std::string_view text, std::string_view file);
 
 }  // namespace takt::model

@@ -1,4 +1,5 @@
-// Safe values: what readers of an output get while its module does not execute, or what it wrote is too old.
+// Safe values: the values that readers of an output get while its module does not execute, or when its
+// samples are too old.
 #pragma once
 
 #include <cstddef>
@@ -12,34 +13,35 @@
 namespace takt::model {
 
 struct SafeReading {
-  std::string json;  ///< all fields of the type; empty: the output has none
+  std::string json;  ///< all fields of the type; empty: the output has no safe value
   std::vector<std::pair<Line, Problem>> problems;
 };
 
-/// Of an output of the module: what its component says, with the fields that the descriptor gives in place of
-/// those. Where the component says nothing, a field that is not given is zero.
+/// The safe value of an output of the module: that of its component, with the fields from the descriptor
+/// replaced. If the component defines none, fields that the descriptor does not set are zero.
 SafeReading read_safe(const Module& module, const Port& port);
 
-/// The same as bytes of a sample, of a cell whose safe values were found right; empty: it has none.
+/// The same as the bytes of a sample; empty if there is none. Requires a cell whose safe values are valid.
 std::vector<std::byte> safe_bytes(const Module& module, const Port& port);
 
-/// A reader of this connection gets the safe value of its writer: it takes the latest value, and that is no
-/// event.
+/// Whether the reader of this connection can get the safe value of its writer: it reads the latest value of a
+/// module, and its port is not an event port.
 bool may_be_safe(const Connection& connection, const Port& to);
 
-/// The safe value of an output, for who reads it elsewhere.
+/// The safe value of an output, for readers on other devices.
 struct SafeOutput {
   Endpoint port;
   std::string json;
   bool operator==(const SafeOutput& other) const = default;
 };
-/// All of a cell.
+/// The safe values of all outputs of a cell that have one.
 std::vector<SafeOutput> safe_outputs(const Cell& cell, const CellPorts& ports);
-/// JSON, for nodes. What is none is left out.
+/// The safe values as JSON, for nodes.
 std::string safe_json(const std::vector<SafeOutput>& outputs);
+/// Empty if the text is not such a list. Missing or malformed members are empty.
 std::vector<SafeOutput> parse_safe(const std::string& json);
 
-/// The bytes of a component's "00ff", as JSON; empty where they are no sample of the type.
+/// The sample that a component gives in hex ("00ff"), as JSON; empty if it is not a sample of the type.
 std::string safe_of_hex(const Type& type, const std::string& hex);
 
 }  // namespace takt::model

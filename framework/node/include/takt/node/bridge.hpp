@@ -1,8 +1,8 @@
-// Samples to and from programs on another domain of DDS.
+// Moves samples to and from programs on another DDS domain.
 //
-// A domain needs a participant of its own, and several of those in one process deadlock in this version of
-// Fast DDS. So each other domain has a program (takt-node, started with TAKT_GATEWAY_FD), which shares the
-// memory of the links; it is started again when it ends.
+// A domain needs a participant of its own, and several participants in one process deadlock in this version
+// of Fast DDS. So each other domain has a process of its own (takt-node, started with TAKT_GATEWAY_FD). It
+// shares the memory of the links, and is restarted when it ends.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace takt::node {
 
-/// What moves, and the memory of its links.
+/// A flow of the bridge, and the memory of its links.
 struct BridgedFlow {
   dds::Flow flow;
   bool outgoing = true;
@@ -33,29 +33,29 @@ class Bridge {
   struct Options {
     std::string device;  ///< for messages
     int domain = 0;
-    std::vector<std::string> peers;  ///< in place of multicast; none: multicast
+    std::vector<std::string> peers;  ///< replaces multicast; empty: multicast
     const os::SharedMemory* wake_word = nullptr;
-    std::uint32_t place = 1;  ///< among the gateways that share the wake_word: 1 to 31
+    std::uint32_t place = 1;  ///< its number among the gateways that share the wake word: 1 to 31
     std::vector<BridgedFlow> flows;
   };
 
-  /// Starts the program. What the options point to outlives this.
+  /// Starts the process. The memory that the options point to must outlive the bridge.
   static Result<std::unique_ptr<Bridge>> start(Options options);
   ~Bridge();
 
-  /// None until the flows are open, or could not be opened; does not wait.
+  /// None until the flows are open, or opening them has failed; does not wait.
   [[nodiscard]] const std::optional<Result<void>>& opened() const noexcept { return opened_; }
-  /// Of a flow, by its index in the options, a quarter of a second ago at most.
+  /// The health of a flow, by its index in the options; at most a quarter of a second old.
   [[nodiscard]] const dds::FlowHealth& health(std::size_t flow) const { return health_.at(flow); }
   [[nodiscard]] int domain() const noexcept { return options_.domain; }
 
-  /// Reads what the program says, and starts it again when it has ended. Does not wait.
+  /// Reads the process's messages, and restarts it when it has ended. Does not wait.
   void step(Instant now);
 
  private:
   explicit Bridge(Options options);
   Result<void> spawn();
-  void hear(const std::string& text);
+  void handle(const std::string& text);
 
   Options options_;
   os::Child child_;
@@ -66,8 +66,8 @@ class Bridge {
 };
 
 inline constexpr const char* kGatewayFd = "TAKT_GATEWAY_FD";
-/// That program: moves samples until its node is gone, and returns the exit status. `interfaces` as
-/// dds::ParticipantOptions.
+/// The main function of the bridge process: moves samples until its node has ended, and returns the exit
+/// status. `interfaces` as in dds::ParticipantOptions.
 int run_bridge(const std::vector<std::string>& interfaces);
 
 }  // namespace takt::node

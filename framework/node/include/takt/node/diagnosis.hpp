@@ -1,5 +1,5 @@
-// What a machine's properties mean for real time: which of them spoil it, why, and what mends them. Pure:
-// what was read and tried is handed in.
+// Judges what a machine's properties mean for real time: which of them spoil it, why, and the cure. It reads
+// nothing itself: the caller passes the properties and the results of trials.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@ namespace takt::node {
 
 enum class Severity {
   good,
-  note,    ///< costs some jitter, or does under circumstances that are named
-  spoils,  ///< control loops will miss their instants
+  note,    ///< costs some jitter, always or under the conditions that the text names
+  spoils,  ///< control loops will miss their releases
 };
 const char* to_text(Severity severity) noexcept;
 
@@ -21,9 +21,9 @@ struct Finding {
   std::string name;  ///< of the check: "preemption"
   Severity severity = Severity::good;
   std::string found;
-  std::string why;        ///< it matters
-  std::string cure{};     ///< a command, or what else to do; empty where there is nothing to mend
-  std::string mend_on{};  ///< where else than in here the cure works; empty: here
+  std::string why;        ///< why it matters
+  std::string cure{};     ///< a command, or what else to do; empty: nothing needs to be done
+  std::string mend_on{};  ///< where the cure must be applied; empty: on this machine, in this container
 };
 
 /// One finding for each check, in a fixed order, the good ones too.

@@ -1,10 +1,9 @@
-// The fault record of a device: its last few thousand events, in a file that outlives its node however that
-// ends.
+// The fault record of a device: its last few thousand events, in a file that survives any end of its node.
 //
-// The file is a ring of slots of fixed size, one event each, all there from the beginning. An event is one
-// write of one slot, with its number and a checksum: whoever dies in the middle leaves one slot that is no
-// event, which is skipped and counted. Numbers go on over restarts, so that a gap shows. The same events are
-// in memory; where the file fails, they are there alone and the node goes on.
+// The file is a ring of slots of fixed size, one event each, and has its full size from the beginning. An
+// event is one write of one slot, with its number and a checksum. A node that dies during the write leaves
+// one invalid slot, which is skipped and counted. Numbers continue across restarts, so that a gap is visible.
+// The same events are in memory. If the file fails, the node goes on with the record in memory only.
 #pragma once
 
 #include <cstddef>
@@ -21,22 +20,22 @@
 
 namespace takt::node {
 
-/// What a record holds.
+/// The content of a fault record.
 struct Recorded {
   std::vector<model::Fault> events;  ///< in the order of their numbers
-  std::uint64_t overwritten = 0;     ///< older events, which newer ones took the place of
-  std::uint64_t damaged = 0;         ///< slots whose content is no event
+  std::uint64_t overwritten = 0;     ///< number of older events that newer ones have replaced
+  std::uint64_t damaged = 0;         ///< number of slots that do not hold a valid event
 };
 
-/// An event as it lies in a slot; texts that are too long are cut off.
+/// Encodes an event as the bytes of a slot; cuts off texts that are too long.
 inline constexpr std::size_t kSlotBytes = 1024;
 std::string encode_slot(const model::Fault& fault);
-/// None where the bytes are no event: torn, damaged, or never written.
+/// None if the bytes are not a valid event: torn, damaged, or never written.
 std::optional<model::Fault> decode_slot(std::string_view slot);
 
-/// What the file of a record holds. Fails where it is none, or one of another version.
+/// Reads the content of a record's file. Fails if it is not a fault record of this version.
 Result<Recorded> read_record(std::string_view content);
-/// The same of a file by its path.
+/// The same for a file, by its path.
 Result<Recorded> read_record_file(const std::string& path);
 
 class FaultRecord {
@@ -45,36 +44,36 @@ class FaultRecord {
   /// "FOLDER/DEVICE.DOMAIN.faults"
   static std::string path(const std::string& folder, const std::string& device, int domain);
 
-  /// In memory alone.
+  /// A record in memory only.
   explicit FaultRecord(std::size_t slots = kSlots);
-  /// Goes on with the file, or makes it. What is no record of this version is set aside as PATH.damaged.
-  /// Whatever fails, there is a record: problems() says why it is in memory alone, or what was set aside.
+  /// Continues the file, or creates it. Renames a file that is not a record of this version to PATH.damaged.
+  /// Always returns a record: problems() says why it is only in memory, or which file was renamed.
   static FaultRecord open(const std::string& path, std::size_t slots = kSlots);
 
-  /// Gives it its number. Writes to the file's pages, which does not wait for the disk.
+  /// Gives the event its number and writes it to the file's pages, which does not wait for the disk.
   void append(model::Fault& fault);
-  /// Where open() or a write failed: tries the file again. True when it was taken up, with all that is in
-  /// memory. Events get other numbers where the file has others of theirs.
-  bool take_up_again();
+  /// After open() or a write has failed: tries the file again. True if the file is in use again, with all
+  /// events in memory. Events get new numbers if other events in the file already have theirs.
+  bool reopen();
   [[nodiscard]] const std::vector<model::Fault>& events() const noexcept { return recorded_.events; }
   [[nodiscard]] std::uint64_t overwritten() const noexcept { return recorded_.overwritten; }
   [[nodiscard]] std::uint64_t damaged() const noexcept { return recorded_.damaged; }
   [[nodiscard]] const Problems& problems() const noexcept { return problems_; }
-  /// Empty: it is in memory alone.
+  /// The path of the file; empty: the record is only in memory.
   [[nodiscard]] const std::string& file() const noexcept { return path_; }
-  /// For a thread that may wait for the disk, which has what was appended once this was synchronised; null:
-  /// it is in memory alone.
+  /// The file, for a thread that may wait for the disk: sync() writes what was appended. Null: the record is
+  /// only in memory.
   [[nodiscard]] std::shared_ptr<const os::FixedFile> disk() const noexcept { return file_; }
 
  private:
-  Result<void> take_up(const std::string& path);
+  Result<void> attach(const std::string& path);
 
   std::size_t slots_;
   std::uint64_t next_ = 1;
   Recorded recorded_;
   std::shared_ptr<os::FixedFile> file_;
   std::string path_;
-  std::string wanted_;  // what open() was given; empty: it was not opened
+  std::string wanted_;  // the path given to open(); empty: a record in memory only
   Problems problems_;
 };
 

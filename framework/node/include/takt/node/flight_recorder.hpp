@@ -1,8 +1,8 @@
-// The flight record of a device as its node keeps it: the memory that executors write, what happened beside
-// it, and who makes traces of it.
+// Keeps a device's flight record: the memory that executors write, and what happened around it. Writes
+// traces of both.
 //
-// A trace of some seconds takes a tenth of a second to write, and the node's thread never waits. So it only
-// gathers what it knows, and a thread of its own does the rest.
+// A trace of some seconds takes a tenth of a second to write, and the node's thread must never wait. So the
+// node's thread only gathers the data, and a worker thread does the rest.
 #pragma once
 
 #include <atomic>
@@ -32,41 +32,43 @@ class FlightRecorder {
     std::string device;
     std::vector<flight::Module> modules;
     std::vector<std::string> executors;
-    std::string files;  ///< traces of faults are files whose names begin like this; empty: none is written
+    std::string files;  ///< how the names of the trace files of faults begin; empty: none is written
   };
 
   static Result<std::unique_ptr<FlightRecorder>> create(Options options, const schedule::DevicePlan& plan,
                                                         const channel::Channel& channel);
-  /// A fault that was not written yet is.
+  /// Writes the trace of a fault that is still pending.
   ~FlightRecorder();
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
-  /// For the host.
+  /// The record's memory, for the host.
   [[nodiscard]] const os::Fd& fd() const noexcept { return record_.fd(); }
 
+  /// Records a module's lifecycle step.
   void changed(flight::Change change);
-  /// The host that ran this executor has died: what its threads were at is in the channel for the last time.
+  /// The host that ran this executor has died. Call this before the channel is cleared, because the channel
+  /// still shows what the host's threads were doing.
   void host_died(std::size_t executor);
-  /// Something went wrong: soon there is a file, one every kTraceEvery at most.
+  /// Requests a trace file of a fault. It is written soon, at most one file every kTraceEvery.
   void fault(const std::string& why);
-  /// What was done in the last so many nanoseconds, as trace JSON of at most `most` bytes. `done` is called
-  /// from step().
+  /// Makes a trace of the last so many nanoseconds, as JSON of at most `most` bytes. `done` is called from
+  /// step().
   void trace(Nanoseconds last, std::size_t most, std::function<void(const Result<std::string>&)> done);
 
-  /// Looks at the executors' threads now and then, and hands out what is done.
+  /// Samples the executors' threads from time to time, and calls `done` for finished traces.
   void step(Instant now);
-  /// Nothing more is recorded. Does not wait: true once the last file is written, which may take a second;
-  /// then the end takes no time.
+  /// Stops recording. Does not wait: true once the last file is written, which may take a second. After that
+  /// the destructor does not block.
   [[nodiscard]] bool finish();
-  /// What is to be said: files that were written, or why not. Taken away.
-  std::vector<std::string> news();
+  /// The messages since the last call: which trace files were written, or why one was not.
+  std::vector<std::string> messages();
 
  private:
   struct Job {
     flight::Recording recording;
     std::size_t most = 0;
-    std::function<void(const Result<std::string>&)> done{};  ///< none: it goes into a file
+    std::function<void(const Result<std::string>&)> done{};  ///< none: the trace goes into a file
   };
   struct Done {
     std::function<void(const Result<std::string>&)> done;
@@ -91,23 +93,23 @@ class FlightRecorder {
 
   std::deque<flight::Sample> samples_;
   std::deque<flight::Change> changes_;
-  std::vector<std::vector<flight::Open>> died_;  // of each ring
+  std::vector<std::vector<flight::Open>> died_;  // for each ring: what was running when its host died
   Instant sampled_at_{};
-  std::string fault_;  // not written yet; empty: none
+  std::string fault_;  // whose trace is pending; empty: none
   std::uint32_t faults_ = 0;
   Instant fault_at_{};
   std::optional<Instant> written_at_;
-  std::uint64_t missed_ = 0;  // rows, as seen last
+  std::uint64_t missed_ = 0;  // rows, at the last check
   std::optional<Instant> missed_at_;
 
   std::mutex mutex_;
   std::condition_variable news_;
   std::deque<Job> jobs_;
   std::vector<Done> done_;
-  std::vector<std::string> said_;
+  std::vector<std::string> messages_;
   bool end_ = false;
   std::atomic<bool> finished_{false};
-  bool refused_ = false;  // the worker's: a file could not be written, and that was said
+  bool write_failed_ = false;  // worker thread: the last file could not be written, which was reported
   std::thread worker_;
 };
 

@@ -1,4 +1,4 @@
-// The node's end of its host: the process, what it is asked, what it answers.
+// The node's end of the connection to a host: its process, the requests to it, and its answers.
 #pragma once
 
 #include <optional>
@@ -15,18 +15,18 @@ namespace takt::node {
 
 class HostLink {
  public:
-  /// Starts takt-host, which lies where os::private_directory() says, and sends it its setup. `environment`
-  /// is added to ours.
+  /// Starts takt-host from os::private_directory() and sends it its setup. `environment` is added to the
+  /// node's own.
   Result<void> start(const channel::Channel& channel, const host::Setup& setup,
                      const std::vector<const os::Fd*>& inherit,
                      const std::vector<std::pair<std::string, std::string>>& environment);
 
-  /// Never waits, as long as flush() is called now and then. False when the host is gone.
+  /// Sends a request; false if the host is gone. Never waits; flush() must be called regularly.
   bool ask(const host::Request& request) { return socket_.send(host::encode(request)); }
   void flush() { socket_.flush(); }
   /// The next answer that has arrived; does not wait.
   std::optional<host::Answer> answer();
-  /// How it ended; once.
+  /// How the host ended; returned only once.
   std::optional<os::ProcessEnd> ended() { return child_.poll(); }
 
   void kill() const noexcept;

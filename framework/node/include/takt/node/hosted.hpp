@@ -1,4 +1,4 @@
-// A host under supervision.
+// A host process under the node's supervision.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace takt::node {
 
-/// What never came back.
+/// A call that did not return within its limit.
 struct Hang {
   std::uint32_t module;
   channel::Doing doing;
@@ -28,8 +28,8 @@ struct Hosted {
   channel::HostBlock& block;
   HostLink link;
   bool halted = false;              ///< its executors have ended
-  std::optional<Hang> hung;         ///< for which it was killed
-  std::vector<Instant> restarts{};  ///< without a culprit
+  std::optional<Hang> hung;         ///< the hang for which the node killed it
+  std::vector<Instant> restarts{};  ///< restarts for which no module was seen at fault
 
   /// "the host", or "the host of executor motion"
   [[nodiscard]] std::string name() const {

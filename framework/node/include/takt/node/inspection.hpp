@@ -1,8 +1,8 @@
-// What a device's components are, looked at before anything of a deployment is started.
+// Inspects a device's components before anything of a deployment is started.
 //
-// Looking at a component runs foreign constructors, which may crash, hang or print, and loads what a node has
-// no use for. So a program of its own does it (takt-node, started with TAKT_INSPECT_FD), while the node goes
-// on with its work.
+// Inspecting a component runs foreign constructors, which may crash, hang or print, and loads libraries that
+// the node does not need. So a separate process does it (takt-node, started with TAKT_INSPECT_FD) while the
+// node goes on working.
 #pragma once
 
 #include <map>
@@ -20,11 +20,11 @@ struct InspectionRequest {
   std::string text;  ///< of the descriptor
   std::string file;  ///< its name, for messages
   std::string device;
-  bool as_written = false;  ///< files are looked up as they are written, from this folder on; else only by
-                            ///< their last part, on the component path
-  bool describe = false;    ///< properties and hooks too, which takes longer
-  std::string only{};       ///< this module alone, and no connections; empty: all
-  std::map<std::string, std::string> swapped{};  ///< files of modules in place of those that the text says
+  bool as_written = false;  ///< use the paths of files as written, relative to the working directory; false:
+                            ///< search for the file name on the component path
+  bool describe = false;    ///< also describe properties and hooks, which takes longer
+  std::string only{};       ///< inspect only this module, without connections; empty: all modules
+  std::map<std::string, std::string> swapped{};  ///< by module: the file that replaces the descriptor's
 };
 
 struct Inspected {
@@ -37,9 +37,9 @@ struct Inspected {
 class Inspection {
  public:
   virtual ~Inspection() = default;
-  /// None until it is done; does not wait.
+  /// None until the inspection is finished; does not wait.
   virtual std::optional<Result<Inspected>> result() = 0;
-  /// Can be read when there may be something new.
+  /// Becomes readable when there may be a result.
   [[nodiscard]] virtual const os::Fd& fd() const noexcept = 0;
 
  protected:
@@ -48,11 +48,11 @@ class Inspection {
   Inspection& operator=(const Inspection&) = default;
 };
 
-/// Starts the program. Destroying it ends the program.
+/// Starts the inspection process. Destroying the result ends that process.
 Result<std::unique_ptr<Inspection>> inspect(const InspectionRequest& request);
 
 inline constexpr const char* kInspectFd = "TAKT_INSPECT_FD";
-/// That program: serves one request and returns the exit status.
+/// The main function of the inspection process: serves one request and returns the exit status.
 int run_inspection();
 
 }  // namespace takt::node

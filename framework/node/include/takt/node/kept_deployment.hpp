@@ -1,4 +1,4 @@
-// The deployment that a node has on disk, so that it can take it up again after a restart.
+// Stores a node's deployment on disk, so that the node can restore it after a restart.
 #pragma once
 
 #include <cstdint>
@@ -14,27 +14,25 @@ struct KeptDeployment {
   std::string file;  ///< the descriptor's name, for messages
   std::string text;  ///< of the descriptor
   bool require_real_time = false;
-  std::int64_t t0_ns = 0;  ///< of the wall clock, which may have been set since
-  /// The same of the monotonic clock, which goes on until the machine is started again: os::boot_id() of
-  /// then. Empty: not known.
+  std::int64_t t0_ns = 0;  ///< T0 on the wall clock, which may have been set since
+  /// os::boot_id() when t0_monotonic_ns was read, which is valid until the next boot. Empty: not known.
   std::string boot{};
   std::int64_t t0_monotonic_ns = 0;
-  std::string safe{};  ///< the safe values of the cell's outputs, as model::parse_safe() reads them
+  std::string safe{};  ///< the safe values of the cell's outputs, in the format of model::parse_safe()
   bool operator==(const KeptDeployment&) const = default;
 };
 
-/// "/var/lib/takt", or for a user who is not root a folder of his own; TAKT_STATE_DIR instead where it is
-/// set.
+/// TAKT_STATE_DIR if it is set, else "/var/lib/takt" for root and a folder in the home of other users.
 std::string default_state_folder();
 
-/// The file of one device. All of it is there or nothing, whenever the power went.
+/// The file of one device. A power failure leaves the old content or the new one, never a part.
 class DeploymentFile {
  public:
   DeploymentFile() = default;
   DeploymentFile(const std::string& folder, const std::string& device, int domain);
 
   Result<void> keep(const KeptDeployment& deployment) const;
-  /// None where there is no file. Fails on one that cannot be read, or is damaged.
+  /// None if there is no file. Fails if the file is damaged or cannot be read.
   [[nodiscard]] Result<std::optional<KeptDeployment>> kept() const;
   Result<void> forget() const;
 

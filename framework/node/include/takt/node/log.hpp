@@ -1,4 +1,4 @@
-// What a node tells the person at its terminal: one event a line, on standard error.
+// Prints the node's events for the person at its terminal: one line each, on standard error.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace takt::node {
 
-/// "14:03:07.250 DEVICE.MODULE: TEXT"; `module` may be empty. Not for real-time threads.
+/// Prints "14:03:07.250 DEVICE.MODULE: TEXT"; `module` may be empty. Not for real-time threads.
 void log(std::string_view device, std::string_view module, std::string_view text);
 
-/// Silences log() for the whole process (--quiet). Errors are still said by who returns them.
+/// Silences log() for the whole process (--quiet). Callers still report errors by their return values.
 void log_nothing();
 
 }  // namespace takt::node

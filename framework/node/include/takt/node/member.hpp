@@ -1,5 +1,4 @@
-// A module under supervision: its place in the lifecycle, its program if it is one, and what is being waited
-// for.
+// A module under supervision: its lifecycle state, the process of a process module, and pending requests.
 #pragma once
 
 #include <cstdint>
@@ -23,25 +22,25 @@
 
 namespace takt::node {
 
-/// What an operator asked of a module, until it is answered.
-struct Order {
+/// An operator's command to a module, until it is answered.
+struct PendingCommand {
   Verb verb = Verb::stop;
   std::function<void(const Outcome&)> done;
   Instant since{};
   bool begun = false;
-  int attempts = 0;  ///< to recover, before this one
+  int attempts = 0;  ///< number of recovery attempts when the command began
 };
 
-/// Another instance is to take the place of the one that runs.
-struct SwapOrder {
+/// A swap in progress: a new instance shall replace the running one.
+struct PendingSwap {
   std::string path;
   std::function<void(const Outcome&)> done;
 };
 
-/// How far the health of a port is in the fault record.
+/// The health of a port up to which the fault record has entries.
 struct NotedPort {
   std::uint32_t matched = 0;
-  bool lost = false;  ///< somebody who matched is not there
+  bool lost = false;  ///< a connection that was matched is not matched now
   bool stale = false;
   std::uint64_t late = 0;
   std::uint64_t refused = 0;
@@ -67,26 +66,25 @@ struct Member {
   channel::ModuleBlock& block;
   lifecycle::Machine machine;
   lifecycle::Recovery recovery;
-  std::size_t host = 0;      ///< of Supervisor::hosts_: that loads it, or whose executor releases it
-  bool reload = false;       ///< its instance is gone with its host: to recover it is to load it afresh
-  channel::Removal removal;  ///< of the last time that it was taken out of the tables
+  std::size_t host = 0;      ///< index of the host that loads it, or whose executor releases it
+  bool reload = false;       ///< its instance was lost with its host, so a recovery must load it again
+  channel::Removal removal;  ///< its last removal from the tables
 
-  /// How far the node brings it by itself: to EXECUTING, unless an operator said otherwise.
+  /// The state that the node aims for: EXECUTING, unless an operator has commanded another one.
   lifecycle::State up_to = lifecycle::State::executing;
   [[nodiscard]] bool wanted() const noexcept { return up_to == lifecycle::State::executing; }
-  std::optional<Order> order;  ///< of an operator, under way
-  std::optional<SwapOrder> swap;
-  bool lost =
-      false;  ///< no hook of it can be called any more: it crashed the host, or a hook never came back
-  bool failed = false;                    ///< given up after an error
-  std::string why;                        ///< its last failure, in words
-  std::uint64_t errors = 0;               ///< that the executor did not see
-  std::uint64_t recoveries = 0;           ///< that succeeded
+  std::optional<PendingCommand> command;  ///< an operator's command in progress
+  std::optional<PendingSwap> swap;
+  bool lost = false;         ///< none of its hooks can be called again: it crashed the host, or a hook hangs
+  bool failed = false;       ///< given up after an error
+  std::string why;           ///< its last failure, as text
+  std::uint64_t errors = 0;  ///< errors that the executor did not see
+  std::uint64_t recoveries = 0;           ///< successful recoveries
   std::uint64_t seen_cycles = 0;          ///< its cycles_of() when it was last put into the tables
   std::optional<channel::Doing> pending;  ///< a hook that the host was asked to call
 
-  // A process module's.
-  os::SharedMemory seat_memory;
+  // Only of a process module:
+  os::SharedMemory slot_memory;
   channel::ReleaseSlot* slot = nullptr;
   os::Child child;
   Output output;
@@ -94,15 +92,15 @@ struct Member {
   Instant told_to_end{};
   int last_pid = 0;
   bool killed_for_hanging = false;
-  std::vector<Wiring::Wire*> inputs;  ///< that have a deadline; of any module
-  Instant put_in_at{};                ///< into the tables
+  std::vector<Wiring::Wire*> inputs;  ///< inputs with a deadline; of any module
+  Instant put_in_at{};                ///< when it was put into the tables
   bool stale = false;                 ///< it is in RECOVER because an input was stale
 
-  bool started_again = false;        ///< by an attempt to recover; it is to become ready
-  std::uint64_t seen_late = 0;       ///< of slot->late
-  std::uint64_t noted_overruns = 0;  ///< how far they are in the fault record
+  bool started_again = false;        ///< a recovery attempt restarted the program, which is not ready yet
+  std::uint64_t seen_late = 0;       ///< value of slot->late at the last check
+  std::uint64_t noted_overruns = 0;  ///< overruns up to which the fault record has entries
   std::map<std::string, NotedPort> noted_ports;
-  int end_signals = 0;  ///< how far its end has been pressed: 0 asked, 1 SIGTERM, 2 SIGKILL
+  int end_signals = 0;  ///< how the program was told to end: 0 by its slot, 1 by SIGTERM, 2 by SIGKILL
 };
 
 }  // namespace takt::node

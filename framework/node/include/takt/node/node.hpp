@@ -9,7 +9,8 @@
 
 namespace takt::node {
 
-/// A descriptor that takt run holds open for the nodes that it started: when it closes, they end in order.
+/// Names the file descriptor that takt run keeps open for the nodes it started: when it closes, they shut
+/// down.
 inline constexpr const char* kLifetimeFd = "TAKT_LIFETIME_FD";
 
 struct NodeOptions {
@@ -19,16 +20,16 @@ struct NodeOptions {
   std::vector<std::string> interfaces;  ///< IPv4 addresses; empty: all
   std::string security;                 ///< folder of the device's identity; empty: without DDS Security
   std::string signed_by;                ///< a certificate: components are used only if signed with its key
-  std::string state_folder;             ///< empty: nothing is kept
-  bool state_folder_given = false;      ///< else a node that was lent keeps its fault record in memory
+  std::string state_folder;             ///< empty: nothing is saved
+  bool state_folder_given = false;      ///< false: a node that takt run started records faults in memory
   bool resume = false;
   bool require_real_time = false;
-  bool check_real_time = false;  ///< what modules do that no real-time code may is seen, said and reported
+  bool check_real_time = false;  ///< detect, print and report what real-time code must not do in modules
   bool quiet = false;
 };
 
-/// Waits for deployments, and serves one at a time, until it is told to end by SIGTERM, SIGINT or SIGHUP, or
-/// by the end of whoever lent it. Returns the exit status.
+/// Waits for deployments and serves one at a time, until SIGTERM, SIGINT or SIGHUP, or until the takt run
+/// that started it ends. Returns the exit status.
 int run_node(const NodeOptions& options);
 
 }  // namespace takt::node

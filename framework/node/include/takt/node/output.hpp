@@ -1,4 +1,4 @@
-// What a program printed, line by line.
+// Reads what a program prints, line by line.
 #pragma once
 
 #include <deque>
@@ -16,14 +16,14 @@ class Lines {
   static constexpr std::size_t kLongest = 2000;
 
   void add(const std::string& bytes, const Line& line);
-  /// The last line, if it was not ended.
+  /// Passes on the last line if it has no line end.
   void finish(const Line& line);
 
  private:
   std::string partial_;
 };
 
-/// Reads a child's output and error as they come and keeps the last lines for whoever asks why it died.
+/// Reads the standard output and error of a child process. Keeps its last lines, which may explain its end.
 class Output {
  public:
   static constexpr std::size_t kKept = 20;
@@ -31,11 +31,11 @@ class Output {
   Output() = default;
   Output(os::Fd output, os::Fd error) : output_(std::move(output)), error_(std::move(error)) {}
 
-  /// Reads what there is, without waiting.
+  /// Reads what has arrived, without waiting.
   void read(const Lines::Line& line);
   [[nodiscard]] const os::Fd& output() const noexcept { return output_; }
   [[nodiscard]] const os::Fd& error() const noexcept { return error_; }
-  /// The last line that was not empty; empty when there is none.
+  /// The last line that is not empty; empty if there is none.
   [[nodiscard]] std::string last_words() const;
 
  private:

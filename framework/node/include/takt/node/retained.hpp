@@ -1,4 +1,4 @@
-// What modules with <retain> save, on disk, for when the machine was switched off.
+// Writes what modules with <retain> save to disk, so that it survives a restart of the machine.
 #pragma once
 
 #include <atomic>
@@ -22,8 +22,8 @@ class SavedFile {
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
 
   Result<void> write(const channel::SavedState::Place& saved) const;
-  /// What is in it becomes what the module saved. Nothing happens where there is none. Fails on a file that
-  /// cannot be read or is damaged; nothing is saved then.
+  /// Loads the file into `state`; does nothing if there is no file. Fails if the file is damaged or cannot be
+  /// read, and leaves `state` unchanged.
   Result<void> read_into(channel::SavedState& state) const;
   Result<void> remove() const;
 
@@ -31,31 +31,31 @@ class SavedFile {
   std::string path_;
 };
 
-/// Writes what has changed now and then, on a thread of its own, because a disk may take its time; and at its
-/// end. Not for real-time threads.
+/// Writes changed states at regular intervals and at its end. It uses a thread of its own, because a disk may
+/// be slow. Not for real-time threads.
 class Retained {
  public:
   struct One {
     SavedFile file;
-    channel::SavedState* state;  ///< outlives this
-    std::uint64_t written = 0;   ///< the number that is on disk
-    bool refused = false;        ///< it was said that it cannot be written
+    channel::SavedState* state;  ///< must outlive the Retained
+    std::uint64_t written = 0;   ///< number of the saved state that is on disk
+    bool failed = false;         ///< a write failed, which was reported
   };
-  /// `said` is called, on that thread, with what could not be written, once, and when it could be again.
+  /// Calls `report` on that thread when a file cannot be written, once, and when it can be written again.
   static Result<std::unique_ptr<Retained>> start(std::vector<One> all,
-                                                 std::function<void(const std::string&)> said,
+                                                 std::function<void(const std::string&)> report,
                                                  Nanoseconds every = std::chrono::seconds{1});
   ~Retained();
-  /// Does not wait: true once the last is on disk; then the end takes no time.
+  /// Does not wait: true once the last states are on disk. After that the destructor does not block.
   [[nodiscard]] bool finish();
 
  private:
-  Retained(std::vector<One> all, std::function<void(const std::string&)> said)
-      : all_(std::move(all)), said_(std::move(said)) {}
+  Retained(std::vector<One> all, std::function<void(const std::string&)> report)
+      : all_(std::move(all)), report_(std::move(report)) {}
   void write_changes();
 
   std::vector<One> all_;
-  std::function<void(const std::string&)> said_;
+  std::function<void(const std::string&)> report_;
   std::atomic<std::uint32_t> end_{0};
   std::atomic<bool> finished_{false};
   os::Thread thread_;

@@ -1,4 +1,4 @@
-// A deployment on this device as its agent sees it: brought up, let go, looked at, told what to do, ended.
+// The agent's interface to a deployment on its device: prepare, start, command, observe and stop it.
 #pragma once
 
 #include <cstdint>
@@ -18,48 +18,48 @@
 
 namespace takt::node {
 
-/// A module took a step through its lifecycle.
+/// A step of a module through its lifecycle.
 struct Step {
   std::uint32_t module = 0;  ///< its index on the device
   lifecycle::Transition transition;
   ErrorType error = ErrorType::none;  ///< of the event `error`
-  std::string text{};                 ///< why; may be empty
+  std::string text{};                 ///< the reason; may be empty
 };
 
-/// How the device stands at present.
+/// The present condition of the device.
 struct Standing {
   bool real_time = true;
   int host_pid = 0;
   std::uint32_t host_restarts = 0;
-  std::uint32_t executing = 0;  ///< modules
-  std::string astray;  ///< the first module that is not in the state it should be in, and why; empty: none
+  std::uint32_t executing = 0;  ///< number of modules in EXECUTING
+  std::string faulty;           ///< the first module in RECOVER or given up, with the reason; empty: none
 };
 
-/// What executors and modules published. Sequence numbers and times are the teller's.
+/// The statistics of executors, modules and ports. The publisher fills in sequence numbers and times.
 struct Measures {
   std::vector<ModuleStatistics> modules;
   std::vector<ExecutorStatistics> executors;
   std::vector<PortStatus> ports;
 };
 
-/// What an operator may ask of a module, each an event of the lifecycle's table.
+/// The commands of an operator to a module, each an event of the lifecycle's table.
 enum class Verb { initialize, start, stop, recover, reset, destruct };
 const char* name_of(Verb verb) noexcept;
 
-/// What became of it.
+/// The outcome of a command.
 struct Outcome {
   ReplyCode code = REPLY_OK;
-  lifecycle::State state = lifecycle::State::idle;  ///< of the module, after it
-  std::string text;                                 ///< why not, or what is still to come
-  std::string value{};                              ///< of a property that was asked for
+  lifecycle::State state = lifecycle::State::idle;  ///< the module's state after the command
+  std::string text;                                 ///< why it failed, or what is still in progress
+  std::string value{};                              ///< the value of the requested property
 };
 
-/// Where the samples of a port can be read, and what they are.
+/// The topic and type of a port's samples.
 struct Tapped {
   std::string topic;
-  std::string type;  ///< as model::parse_type() reads it
+  std::string type;  ///< in the format of model::parse_type()
   bool reliable = false;
-  /// Of a service: where its replies are, and what; of anything else empty.
+  /// Topic and type of the replies of a service; empty for any other port.
   std::string reply_topic{};
   std::string reply_type{};
 };
@@ -67,7 +67,7 @@ struct Tapped {
 class Supervised {
  public:
   enum class Phase {
-    preparing,  ///< modules are loaded, initialised, started
+    preparing,  ///< modules are being loaded, initialised and started
     ready,      ///< every module is in START; go() is awaited
     running,
     stopping,
@@ -75,55 +75,59 @@ class Supervised {
   };
   virtual ~Supervised() = default;
 
-  /// Starts everything. Fails when the device cannot be brought up at all; nothing is left then.
+  /// Starts everything up to START. Fails if the device cannot be brought up at all, and leaves nothing
+  /// running.
   virtual Result<void> prepare() = 0;
-  /// Every module is in START: the first row runs at T0. With a T0 that has passed (a deployment that is
-  /// taken up again) it is the first row of that grid which can be met; those before are not missed.
+  /// Starts the executors when every module is in START: the first row runs at T0. If T0 has passed (a
+  /// restored deployment), they begin with the first row of the grid that they can still meet; earlier rows
+  /// do not count as missed.
   virtual void go(Instant t0) = 0;
-  /// Ends everything in order; each step has a time limit and a kill after it.
+  /// Shuts the device down; each step has a time limit, after which it is forced.
   virtual void stop() = 0;
-  /// The same, because of this, which is a failure of the device.
+  /// The same because of `problem`, which becomes a failure of the device.
   virtual void stop_for(Problem problem) = 0;
-  /// The safe values of the cell's outputs, also of other devices', before go().
+  /// Sets the safe values of the cell's outputs, also of those of other devices. Call it before go().
   virtual void give_safe(const std::vector<model::SafeOutput>& outputs) = 0;
-  /// Looks at what has happened, and never waits. To be called whenever one of wait_on() can be read, and
-  /// every few milliseconds.
+  /// Reacts to what has happened; never waits. Call it whenever one of wait_on() is readable, and every few
+  /// milliseconds.
   virtual void step() = 0;
   [[nodiscard]] virtual std::vector<const os::Fd*> wait_on() = 0;
 
-  /// `done` is called from step(), or at once.
-  virtual void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
+  /// Carries out a command. `done` is called from step(), or at once.
+  virtual void command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) = 0;
 
-  /// The samples of an output are on its topic until then; or a service takes requests from anybody.
+  /// Publishes the samples of an output on its topic until `until`; opens a service to requests from any
+  /// program.
   virtual Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) = 0;
-  /// The value of a property, as the module has it now or from its next call on. `done` as for order().
+  /// Reads a property's value: the present one, or the one that applies from the module's next call on.
+  /// `done` as for command().
   virtual void get(std::uint32_t module, const std::string& property,
                    std::function<void(const Outcome&)> done) = 0;
-  /// Sets a property between two calls of the module; the answer may come before the next one. Lasts until
-  /// the module is loaded afresh: then it has what the descriptor says.
+  /// Sets a property between two calls of the module; the answer may come before the next call. The value
+  /// lasts until the module is loaded again; then the descriptor's value applies.
   virtual void set(std::uint32_t module, const std::string& property, const std::string& value,
                    std::function<void(const Outcome&)> done) = 0;
 
-  /// Fails where no other instance may take the place of this module now.
+  /// Fails if this module cannot be swapped now.
   [[nodiscard]] virtual Result<void> may_swap(std::uint32_t module) const = 0;
-  /// An instance of this file, which was looked at, takes its place without a missed release. The module is
-  /// EXECUTING all the time; where that cannot be done, or the first runs go wrong, nothing has changed.
-  /// `done` as for order().
+  /// Replaces the module's instance by one of this file, which was already inspected, without missing a
+  /// release. The module stays in EXECUTING. If the swap or the first runs fail, the old instance goes on.
+  /// `done` as for command().
   virtual void swap(std::uint32_t module, const std::string& path,
                     std::function<void(const Outcome&)> done) = 0;
 
-  /// What its executors did in the last so many nanoseconds, as Chrome trace JSON of at most `most` bytes.
-  /// `done` is called from step().
+  /// Makes a trace of the last so many nanoseconds, as Chrome trace JSON of at most `most` bytes. `done` is
+  /// called from step().
   virtual void trace(Nanoseconds last, std::size_t most,
                      std::function<void(const Result<std::string>&)> done) = 0;
 
   [[nodiscard]] virtual Phase phase() const noexcept = 0;
-  /// Why the device failed as a whole, or which modules were given up; empty when all is well.
+  /// Why the device failed as a whole, or which modules were given up; empty: no failures.
   [[nodiscard]] virtual const Problems& failures() const noexcept = 0;
-  /// It failed by a module whose fault is the whole cell's.
+  /// True if it failed because of a module whose failure stops the whole cell.
   [[nodiscard]] virtual bool stops_cell() const noexcept = 0;
   [[nodiscard]] virtual Standing standing() const = 0;
-  /// The device's object of the contract's status JSON.
+  /// The device's object in the status JSON of the contract.
   [[nodiscard]] virtual nlohmann::ordered_json report() const = 0;
   [[nodiscard]] virtual Measures measures() const = 0;
 

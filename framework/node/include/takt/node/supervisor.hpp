@@ -1,9 +1,8 @@
 // Brings one device up, keeps it running, and takes it down.
 //
-// The node is the only one that changes a module's state: it asks the host to call hooks, starts and ends the
-// programs, reads what the executors publish, and takes every step through the lifecycle's table. It does so
-// in one thread that never waits for anybody: each call of step() looks at what has happened and starts what
-// is due.
+// Only the node changes a module's state. It asks the host to call hooks, starts and ends programs, reads
+// what the executors publish, and takes every step through the lifecycle's table. All of this happens on one
+// thread that never waits: each call of step() reacts to what has happened and starts what is due.
 #pragma once
 
 #include <cstdint>
@@ -48,18 +47,18 @@ class Supervisor final : public Supervised {
     model::Cell cell;
     std::size_t device = 0;
     host::ComponentPaths paths;               ///< of the device's modules
-    std::vector<model::ModulePorts> ports{};  ///< the same; empty: nothing is known
+    std::vector<model::ModulePorts> ports{};  ///< of the device's modules; empty: not known
     bool require_real_time = false;
-    bool check_real_time = false;                ///< what modules do that no real-time code may is seen
-    os::WakeUps wake_ups{};                      ///< of this machine; none: they were not tried
-    std::function<void(const Step&)> stepped{};  ///< told of every step of a module
-    /// Told of every event for the fault record; `origin` says which of several (a port, an executor).
+    bool check_real_time = false;                ///< detect what real-time code must not do in modules
+    os::WakeUps wake_ups{};                      ///< measured on this machine; a count of 0: not measured
+    std::function<void(const Step&)> stepped{};  ///< called for every step of a module
+    /// Called for every event of the fault record; `origin` names the source among several (port, executor).
     std::function<void(model::Fault, const std::string& origin)> noted{};
-    /// Whether a module of another device executes, as far as is known; none: nobody knows.
+    /// Whether a module of another device is known to execute; none: never known.
     std::function<bool(const std::string& device, const std::string& module)> executes{};
-    std::string state_folder{};                       ///< for what modules retain; empty: nothing is
-    std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null: there are none
-    std::string traces{};  ///< traces of faults are files whose names begin like this; empty: none is written
+    std::string state_folder{};                       ///< for what modules retain; empty: nothing is saved
+    std::shared_ptr<dds::Participant> participant{};  ///< for samples of other devices; null: no DDS
+    std::string traces{};  ///< how the names of the trace files of faults begin; empty: none is written
   };
 
   explicit Supervisor(Options options);
@@ -72,7 +71,7 @@ class Supervisor final : public Supervised {
   void give_safe(const std::vector<model::SafeOutput>& outputs) override;
   void step() override;
   std::vector<const os::Fd*> wait_on() override;
-  void order(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
+  void command(std::uint32_t module, Verb verb, std::function<void(const Outcome&)> done) override;
   Result<Tapped> tap(std::uint32_t module, const std::string& port, Instant until) override;
   void trace(Nanoseconds last, std::size_t most,
              std::function<void(const Result<std::string>&)> done) override;
@@ -102,7 +101,7 @@ class Supervisor final : public Supervised {
   void host_ended(Hosted& host, const os::ProcessEnd& end);
   void crashed(Member& member, const std::string& text, ErrorType type, std::optional<Instant> since,
                const std::string& callers, const std::string& core);
-  void end_orders_of(const Hosted& host, const Member* culprit, const std::string& why);
+  void end_commands_of(const Hosted& host, const Member* culprit, const std::string& why);
   void restart_host(Hosted& host);
   void give_up_host(Hosted& host, const std::string& text);
   void watch_host(Hosted& host, Instant now);
@@ -112,11 +111,11 @@ class Supervisor final : public Supervised {
   // The machine (supervisor_machine.cpp)
   void watch_conditions();
   void watch_gaps();
-  void say_violations();
+  void report_violations();
   void fail_by_violations();
 
   // Programs (supervisor_process.cpp)
-  Result<void> create_seat(Member& member);
+  Result<void> create_slot(Member& member);
   Result<void> spawn(Member& member);
   void watch_process(Member& member, Instant now);
   void watch_body(Member& member, Instant now);
@@ -124,19 +123,19 @@ class Supervisor final : public Supervised {
   void process_ready(Member& member);
   void end_process(Member& member, Instant now);
   void forward_output();
-  void ring(std::uint32_t bits);
+  void wake(std::uint32_t bits);
 
-  // Orders of an operator (supervisor_command.cpp)
-  void begin_order(Member& member);
-  void order_step(Member& member, Instant now);
-  void end_order(Member& member, ReplyCode code, const std::string& text = {});
-  /// Where a module in RECOVER goes by itself; empty in any other state.
+  // Commands of an operator (supervisor_command.cpp)
+  void begin_command(Member& member);
+  void step_command(Member& member, Instant now);
+  void end_command(Member& member, ReplyCode code, const std::string& text = {});
+  /// Where the recovery of a module in RECOVER leads; empty in any other state.
   static std::string what_follows(const Member& member);
 
   // Swaps (supervisor_swap.cpp)
   void end_swap(Member& member, ReplyCode code, const std::string& text);
   void watch_swaps(Hosted& host, Instant now);
-  /// What ended the host was the instance that was to take the place of another, not that one.
+  /// Whether the new instance of a swap, and not the old one, ended the host.
   static bool by_swap(const Member& member, channel::Doing doing);
 
   // Inputs (supervisor_ports.cpp)
@@ -144,13 +143,13 @@ class Supervisor final : public Supervised {
   static bool has_stale_input(const Member& member, Instant now);
   [[nodiscard]] PortHealth health_of(const Member& member, const model::Port& port, Instant now) const;
   // Safe values (supervisor_safe.cpp)
-  /// What the module writes reaches its readers on this device from now on, or not any more.
+  /// Lets the module's outputs reach their readers on this device, or withholds them.
   void trust(const Member& member, bool trusted);
   void watch_writers();
   // Properties (supervisor_property.cpp)
   void ask_property(host::Request request, std::function<void(const Outcome&)> done);
   void property_answered(const host::Answer& answer);
-  void nobody_answers(const Hosted& host, const std::string& why);
+  void fail_property_requests(const Hosted& host, const std::string& why);
 
   // The fault record (supervisor_faults.cpp)
   void note(model::FaultKind kind, const std::string& cause, const std::string& origin = {}) const;
@@ -161,7 +160,7 @@ class Supervisor final : public Supervised {
   void watch_counts();
   void watch_ports(Instant now);
   void watch_port(Member& member, const model::Port& port, Instant now) const;
-  /// As the dead host's last words tell; both empty where it had none.
+  /// From the dead host's crash report; both are empty if there is none.
   struct CrashCalls {
     std::string place;    ///< ", in F at file.cpp:1 in module.so"
     std::string callers;  ///< ", called by ...": for the fault record only
@@ -178,7 +177,7 @@ class Supervisor final : public Supervised {
   void log(const Member& member, const std::string& text) const;
   void log(const std::string& text) const;
   void fail_device(Problem problem);
-  /// `more` is for the fault record only, as is `attachment`.
+  /// Reports an error of a module. `more` and `attachment` appear only in the fault record.
   void raise(Member& member, ErrorType type, const std::string& text,
              std::optional<Instant> since = std::nullopt, const std::string& more = {},
              const std::string& attachment = {});
@@ -194,8 +193,8 @@ class Supervisor final : public Supervised {
   channel::Place place_of(const Member& member) const;
   void put_in_tables(Member& member);
   void take_from_tables(Member& member);
-  /// Whether nothing of it runs any more since it was taken from the tables: no row, sporadic run, background
-  /// run or body of its program that began before. Its hooks may be called then.
+  /// Whether all runs that began before the module's removal from the tables have ended: rows, sporadic and
+  /// background runs, and the body of its program. Only then may its hooks be called.
   bool is_out(const Member& member) const;
   void join_grid(Instant t0);
   Result<void> retain();
@@ -205,7 +204,8 @@ class Supervisor final : public Supervised {
   void destruct(Member& member, Instant now);
   const model::Device& device() const { return options_.cell.devices[options_.device]; }
   std::size_t executor_of(const Member& member) const;
-  /// Of a number that a host gave: foreign code writes there too. Null where no module has it.
+  /// The module of a number from a host's memory; null if there is none. Foreign code can write any number
+  /// there.
   Member* member_at(std::uint32_t index) const {
     return index < members_.size() ? members_[index].get() : nullptr;
   }
@@ -223,34 +223,34 @@ class Supervisor final : public Supervised {
   bool real_time_ = true;
   std::optional<os::Throttling> throttling_;
   os::KernelNews kernel_news_;
-  std::vector<std::int64_t> seen_latest_ns_;  // of each executor
-  std::vector<bool> throttled_;               // of each executor: it was said
-  std::optional<Violations> violations_;      // where modules are checked
-  std::vector<std::uint64_t> seen_missed_;    // of each executor
+  std::vector<std::int64_t> seen_latest_ns_;  // for each executor
+  std::vector<bool> throttled_;               // for each executor: throttling was reported
+  std::optional<Violations> violations_;      // only with check_real_time
+  std::vector<std::uint64_t> seen_missed_;    // for each executor
   Instant ports_watched_at_{};
-  std::optional<Symbols> symbols_;  // once something has crashed
+  std::optional<Symbols> symbols_;  // only after a crash
   channel::Channel channel_;
   std::unique_ptr<FlightRecorder> flight_;
   os::SharedMemory wake_word_memory_;
   channel::WakeWord* wake_word_ = nullptr;
-  os::SharedMemory saved_memory_;  // what modules save; over restarts of their hosts
+  os::SharedMemory saved_memory_;  // what modules save; survives restarts of their hosts
   std::unique_ptr<Retained> retained_;
   Wiring wiring_;
   std::unique_ptr<FlowManager> flow_manager_;
   std::vector<std::unique_ptr<Member>> members_;
-  std::vector<std::unique_ptr<Hosted>> hosts_;  // as model::hosts_of()
+  std::vector<std::unique_ptr<Hosted>> hosts_;  // in the order of model::hosts_of()
   struct PropertyRequest {
     std::uint32_t module;
     std::function<void(const Outcome&)> done;
   };
-  std::map<std::uint64_t, PropertyRequest> property_requests_;  // that the host has not answered
+  std::map<std::uint64_t, PropertyRequest> property_requests_;  // not yet answered by the host
   std::uint64_t property_requests_made_ = 0;
   std::map<std::pair<std::uint32_t, std::string>, std::uint32_t> matched_at_stop_;  // by module and port
   bool rows_begun_ = false;
   bool background_begun_ = false;
   std::uint32_t host_restarts_ = 0;
   std::optional<Instant> t0_;
-  Instant asked_at_{};  // preparing: when it began; stopping: when the present part of it began
+  Instant asked_at_{};  // preparing: when it began; stopping: when the present step of it began
   bool end_asked_ = false;
 };
 

@@ -1,4 +1,4 @@
-// Names for places in code, from the files that it was loaded from.
+// Names places in code (function, source line) from the symbols of the file that it was loaded from.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ class Symbols {
   Symbols(Symbols&&) noexcept;
   Symbols& operator=(Symbols&&) noexcept;
 
-  /// "Servo::run(takt::Cycle const&) at servo.cpp:31 in servo.so"; less where less is known. `address` is as
-  /// the object's file counts it. A file is opened once and stays open.
+  /// "Servo::run(takt::Cycle const&) at servo.cpp:31 in servo.so", or as much of it as is known. `address` is
+  /// relative to the object's file. A file is opened once and stays open.
   std::string name(const std::string& object, std::uint64_t address);
 
  private:
@@ -25,8 +25,8 @@ class Symbols {
   std::unique_ptr<Files> files_;
 };
 
-/// "in A, called by B, called by C, ...": of these calls the first `most`, innermost first, those of the C
-/// and C++ libraries left out. Empty where there is none.
+/// "in A, called by B, called by C, ...": the first `most` of these calls, innermost first, without those of
+/// the C and C++ libraries. Empty if there is none.
 std::string called_by(const std::vector<std::string>& calls, std::size_t most);
 
 }  // namespace takt::node

@@ -1,4 +1,4 @@
-// What modules did that no real-time code may, as libtakt_check wrote it down.
+// Reads the real-time violations of modules that libtakt_check recorded.
 #pragma once
 
 #include <cstdint>
@@ -17,40 +17,40 @@
 
 namespace takt::node {
 
-/// One of them, in words.
+/// One violation, as text.
 struct SeenViolation {
-  std::uint32_t module = 0;          ///< its index; with channel::kOfExecutor that of the executor
+  std::uint32_t module = 0;          ///< index of the module; with channel::kOfExecutor set: of the executor
   std::string hook;                  ///< "run()"; empty between modules
   std::string kind;                  ///< "allocation"
-  std::string what;                  ///< "malloc", "clock_nanosleep"; of a page fault empty
-  std::vector<std::string> calls{};  ///< innermost first; empty where it has no place
+  std::string what;                  ///< "malloc", "clock_nanosleep"; empty for a page fault
+  std::vector<std::string> calls{};  ///< innermost first; empty: the place is not known
 };
 
 class Violations {
  public:
-  /// Fails where libtakt_check.so is not where takt-host is. What is told of others than so many modules and
-  /// executors is passed over: foreign code writes in that memory too.
+  /// Fails if libtakt_check.so is not beside takt-host. Entries of module or executor numbers beyond these
+  /// counts are ignored, because foreign code can write to that memory.
   static Result<Violations> create(std::size_t modules, std::size_t executors);
 
-  /// What a program that is checked is started with; its descriptor is added to `inherit`. It stays valid as
-  /// long as this.
+  /// The environment variables for a checked program; adds the descriptor of the memory to `inherit`. The
+  /// descriptor is valid as long as this object.
   std::vector<std::pair<std::string, std::string>> environment(std::vector<const os::Fd*>& inherit) const;
 
-  /// Those that were seen for the first time since this was called last. `paths` are those of the modules'
+  /// The violations seen for the first time since the last call. `paths` are those of the modules'
   /// components.
   std::vector<SeenViolation> news(const std::vector<std::string>& paths);
-  /// What this machine does not show; each is said once.
-  std::vector<std::string> blind();
-  /// How many there were of each module and executor, with their module numbers, ascending.
+  /// What cannot be detected on this machine; returns each limitation once.
+  std::vector<std::string> limitations();
+  /// The number of violations of each module and executor, by ascending module number.
   [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint64_t>> counts() const;
   /// The list `realtime_violations` of a device's report: {module, hook, kind, what, count, backtrace}, in
-  /// the order in which they were seen first. Of an executor `module` is empty and `executor` is its name.
+  /// the order of their first occurrence. For an executor, `module` is empty and `executor` is its name.
   [[nodiscard]] nlohmann::ordered_json report(const model::Device& device) const;
 
  private:
   struct Seen {
     SeenViolation words;
-    std::size_t entry;  ///< in the log
+    std::size_t entry;  ///< its index in the log
   };
 
   [[nodiscard]] const channel::ViolationLog& log() const noexcept;
@@ -62,13 +62,13 @@ class Violations {
   std::string library_;
   Symbols symbols_;
   std::vector<Seen> seen_;
-  std::vector<bool> said_;  ///< of each entry
-  std::uint32_t blind_said_ = 0;
-  bool dropped_said_ = false;
+  std::vector<bool> reported_;  ///< for each entry
+  std::uint32_t blind_reported_ = 0;
+  bool dropped_reported_ = false;
 };
 
-/// "malloc, an allocation, in fill() at x.cpp:3 in x.so, called by ...": the innermost calls, without those
-/// of the C and the C++ library.
+/// "malloc, an allocation, in fill() at x.cpp:3 in x.so, called by ...": with the innermost calls, without
+/// those of the C and C++ libraries.
 std::string sentence_of(const SeenViolation& violation);
 
 }  // namespace takt::node

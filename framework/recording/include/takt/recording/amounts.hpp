@@ -1,4 +1,4 @@
-// Amounts as a person reads them.
+// Formats sizes and dates for people.
 #pragma once
 
 #include <cstdint>

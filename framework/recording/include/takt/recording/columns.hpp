@@ -1,4 +1,4 @@
-// A sample as columns of a table: each number, text and enumerator that it holds has a name,
+// Shows a sample as columns of a table. Each number, text and enumerator has a name such as
 // "pose.position[0]".
 #pragma once
 
@@ -12,44 +12,44 @@
 
 namespace takt::recording {
 
-/// Of one column in one sample. Nothing: an element that its sequence does not have.
+/// The value of one column in one sample. It is missing if the sequence is too short for it.
 struct Value {
   std::variant<std::monostate, bool, std::int64_t, std::uint64_t, float, double, std::string> is{};
-  /// Of an enumerator: its number; `is` holds its name.
+  /// For an enumerator its number; `is` holds its name.
   std::uint32_t enumerator = 0;
 
   [[nodiscard]] bool there() const { return is.index() != 0; }
-  /// As a point of a curve; NaN where it is none.
+  /// The value for a curve; NaN if it is not a number.
   [[nodiscard]] double number(bool enumeration) const;
-  /// As short as it can be read back; nothing: empty.
+  /// The shortest text that can be read back; empty if the value is missing.
   [[nodiscard]] std::string text() const;
 };
 
 struct Column {
   std::string name;                        ///< "pose.position[0]"
-  std::string field;                       ///< without places: "pose.position"
-  bool drawable = true;                    ///< false: text
-  std::vector<std::string> enumerators{};  ///< of an enumeration
+  std::string field;                       ///< without indices: "pose.position"
+  bool drawable = true;                    ///< false for text
+  std::vector<std::string> enumerators{};  ///< only for enumerations
 };
 
-/// Of a type, in the order of its fields; of a sequence as many elements as it may have.
+/// The columns of a type, in the order of its fields. A sequence has as many columns as it may have elements.
 class Columns {
  public:
-  /// Of more columns than this the first are there.
+  /// The most columns; further ones are omitted.
   static constexpr std::size_t kMost = 16384;
 
   explicit Columns(const model::Type& type);
 
   [[nodiscard]] const std::vector<Column>& all() const { return columns_; }
   [[nodiscard]] bool cut() const { return cut_; }
-  /// Every sample has all of them: nothing is a sequence.
+  /// Whether every sample has all columns, because the type has no sequence.
   [[nodiscard]] bool fixed() const { return fixed_; }
-  /// Those of this name, of the fields within it, or of its elements; all of them for an empty name.
+  /// The columns of this name, of its subfields, or of its elements; all columns for an empty name.
   [[nodiscard]] std::vector<std::size_t> named(const std::string& name) const;
-  /// What can be said there, each field once.
+  /// The valid field names for named(), each once.
   [[nodiscard]] std::vector<std::string> fields() const;
 
-  /// Of bytes for which is_sample() holds. `values` has then one for each column.
+  /// Decodes bytes for which is_sample() holds. Afterwards `values` has one value per column.
   void values(const std::byte* bytes, std::size_t size, std::vector<Value>& values) const;
 
  private:

@@ -1,4 +1,4 @@
-// Comma-separated values, as RFC 4180 says.
+// Comma-separated values according to RFC 4180.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace takt::recording {
 
-/// In quotes where it holds a comma, a quote or an end of line.
+/// The text, in quotes if it contains a comma, a quote or a line break.
 std::string csv_field(std::string_view text);
-/// With the end of the line, CR LF.
+/// The fields as a line that ends with CR LF.
 std::string csv_line(const std::vector<std::string>& fields);
 
 }  // namespace takt::recording

@@ -1,4 +1,4 @@
-// SQLite, as far as recordings need it. Its header is named in database.cpp and nowhere else.
+// A wrapper of SQLite for recordings. Only database.cpp includes SQLite's header.
 #pragma once
 
 #include <cstddef>
@@ -17,21 +17,21 @@ namespace takt::recording {
 
 enum class Access { read, append, create };
 
-/// One open file. One thread at a time. Every failure names the file and says what would help.
+/// One open file. One thread at a time. Every error names the file and a cure.
 class Database {
  public:
-  /// With Access::create there must be no such file, with the others there must be one.
+  /// With Access::create the file must not exist; with the others it must.
   static Result<Database> open(const std::string& file, Access access);
 
-  /// One statement or several, without results.
+  /// Runs one or more statements without results.
   Result<void> run(const std::string& sql);
-  /// The first column of the first row; 0 where there is none.
+  /// The first column of the first row; 0 if there is no row.
   Result<std::int64_t> number(const std::string& sql);
   /// How many rows the last statement changed.
   [[nodiscard]] std::int64_t changed() const;
-  /// Gives up what was begun, if anything was.
+  /// Rolls back the current transaction, if there is one.
   void roll_back();
-  /// What the last call complained of.
+  /// The error of the last call.
   [[nodiscard]] Problem problem() const;
   [[nodiscard]] const std::string& file() const { return file_; }
 
@@ -47,20 +47,20 @@ class Database {
   std::unique_ptr<sqlite3, Close> open_;
 };
 
-/// A statement that is run again and again. The database outlives it.
+/// A prepared statement. The database outlives it.
 class Statement {
  public:
   static Result<Statement> prepare(Database& database, const std::string& sql);
 
-  /// The values of its parameters, the first at place 1, until reset(). Text and bytes must live until then.
+  /// Binds a parameter until reset(); the first has place 1. Text and bytes must live until then.
   void bind(int place, std::int64_t value);
   void bind(int place, std::string_view text);
   void bind(int place, const std::byte* bytes, std::size_t size);
-  /// True with a row, false at the end.
+  /// Returns true with a row, false at the end.
   Result<bool> step();
   void reset();
 
-  /// Of the present row, the first column at place 0. Views live until the next step.
+  /// A column of the present row; the first is 0. Bytes are valid until the next step.
   [[nodiscard]] std::int64_t number(int column) const;
   [[nodiscard]] std::string text(int column) const;
   [[nodiscard]] std::pair<const std::byte*, std::size_t> bytes(int column) const;

@@ -1,4 +1,4 @@
-// Reads a recording, also one whose recorder was killed, and one that is being written.
+// Reads a recording, even if its recorder was killed or is still writing it.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ namespace takt::recording {
 struct PortOfRecording : RecordedPort {
   std::int64_t id = 0;
   std::uint64_t samples = 0;
-  std::int64_t first_ns = 0;  ///< of its samples, since 1970; 0 where it has none
+  std::int64_t first_ns = 0;  ///< time of its first sample since 1970; 0 if it has none
   std::int64_t last_ns = 0;
 };
 
@@ -30,7 +30,7 @@ struct RecordedSample {
   std::size_t size = 0;
 };
 
-/// Which samples; times since 1970.
+/// Selects samples; times are since 1970.
 struct Selection {
   std::set<std::int64_t> ports{};  ///< ids; empty: all
   std::int64_t from_ns = std::numeric_limits<std::int64_t>::min();
@@ -40,19 +40,19 @@ struct Selection {
 /// One thread at a time.
 class Recording {
  public:
-  /// Fails on what is no recording, and where its ports cannot be read.
+  /// Fails if the file is not a recording, or if its ports cannot be read.
   static Result<Recording> open(const std::string& file);
 
   [[nodiscard]] const std::vector<PortOfRecording>& ports() const { return ports_; }
-  /// Of its cell; empty where it has no sample yet.
+  /// The name of its cell; empty if it has no sample yet.
   [[nodiscard]] const std::string& cell() const { return cell_; }
-  /// The first and the last sample's time; both 0 where it has none.
+  /// The times of the first and last samples; both 0 if it has none.
   [[nodiscard]] std::int64_t first_ns() const { return first_ns_; }
   [[nodiscard]] std::int64_t last_ns() const { return last_ns_; }
   [[nodiscard]] std::uint64_t samples() const;
 
-  /// In the order in which they came, until `each` returns false. Samples that are none of their port's type
-  /// are left out and counted in `wrong`. Fails where the file is damaged, after what could be read.
+  /// Reads samples in the order in which they came, until `each` returns false. Samples that do not fit their
+  /// port's type are skipped and counted in `wrong`. If the file is damaged, fails after the readable part.
   Result<void> read(const Selection& selection, const std::function<bool(const RecordedSample&)>& each,
                     std::uint64_t& wrong);
   /// The times of one port's samples.

@@ -1,4 +1,4 @@
-// Records ports of a running cell until it is told to end: behind `takt record` and the component `recorder`.
+// Records ports of a running cell, for `takt record` and the component `recorder`.
 #pragma once
 
 #include <functional>
@@ -12,18 +12,18 @@
 namespace takt::recording {
 
 struct RecordOptions {
-  std::string who = "takt record";  ///< begins what is said on standard error
-  std::vector<std::string> ports;   ///< device.module.port, with * for any characters
+  std::string who = "takt record";  ///< begins each line on standard error
+  std::vector<std::string> ports;   ///< device.module.port, where * stands for any characters
   RecordingOptions recording;
   std::optional<double> seconds;  ///< none: until SIGINT or SIGTERM
   client::Network network;
-  /// Told once a second how far it is, and with nothing before something else is said; none: nobody looks.
+  /// Receives the progress once a second, and an empty text before any other output. May be empty.
   std::function<void(const std::string&)> progress{};
 };
 
-/// Says on standard error which ports it records and which it waits for, and at the end what is in the file.
-/// Returns the exit status: 1 when the file cannot be made, when the disk did not take everything, or when no
-/// port was ever there.
+/// Reports on standard error which ports it records and for which it waits, and at the end the content of the
+/// file. Returns the exit status: 1 if the file cannot be created, if the disk did not take everything, or if
+/// no port ever appeared.
 int record(const RecordOptions& options);
 
 }  // namespace takt::recording

@@ -1,4 +1,4 @@
-// What a recording is: one file of SQLite that its own shell can read.
+// The format of a recording: one SQLite file, which the shell of SQLite can read.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@ namespace takt::recording {
 inline constexpr int kRecordingId = 0x54414B54;
 inline constexpr int kRecordingVersion = 1;
 
-/// Samples are numbered in the order in which they came, without gaps; the oldest may be gone. No index on
-/// their time, which would cost a third of the room: they come nearly in its order.
+/// Samples are numbered in the order in which they came, without gaps; the oldest may be missing. There is no
+/// index on their time, which would cost a third of the space: samples arrive nearly in that order.
 inline constexpr const char* kSchema = R"(
 CREATE TABLE meta(name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE port(
@@ -29,7 +29,7 @@ CREATE TABLE sample(
   bytes BLOB NOT NULL);        -- XCDR1 with its encapsulation
 )";
 
-/// A port as it is recorded. One whose type changes is another port.
+/// A recorded port. If its type changes, it counts as another port.
 struct RecordedPort {
   std::string path;
   std::string topic;

@@ -1,8 +1,8 @@
-// A curve of so many samples as come, with no more points than a picture shows.
+// Reduces any number of samples to a curve with no more points than a picture can show.
 //
-// Leaving out samples loses peaks, and means invent values that never were. So of each column of pixels the
-// first, the last, the least and the largest value are kept: a line through them covers the same pixels as
-// one through all.
+// Omitting samples would lose peaks, and mean values never occurred. So the first, last, least and largest
+// value of each column of pixels are kept. A line through them covers the same pixels as a line through all
+// samples.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ struct SeriesPoint {
   bool operator==(const SeriesPoint&) const = default;
 };
 
-/// A gap between samples that is longer than ten times what is usual: the median of the times between them.
-/// Never shorter than `least`.
+/// The longest time between samples that does not count as a gap: ten times the median time between them, but
+/// at least `least`.
 std::int64_t longest_pause(std::vector<std::int64_t> times_ns, std::int64_t least);
 
 class Series {
@@ -28,13 +28,14 @@ class Series {
     std::int64_t first_ns = 0;
     std::int64_t last_ns = 0;
   };
-  /// After a pause that is longer the curve begins anew.
+  /// After a longer pause than `longest_pause_ns` a new curve begins.
   Series(Range range, std::size_t columns, std::int64_t longest_pause_ns);
 
-  /// In the order of time; one that is before the last is left out, as is what is no number.
+  /// Add samples in the order of their times. Samples that are earlier than the last one, and values that are
+  /// not finite, are ignored.
   void add(std::int64_t time_ns, double value);
 
-  /// What is connected, each with at most four points a column.
+  /// The connected parts, each with at most four points per column.
   [[nodiscard]] std::vector<std::vector<SeriesPoint>> curves() const;
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] double least() const { return least_; }
@@ -44,7 +45,7 @@ class Series {
  private:
   struct Bucket {
     std::size_t column = 0;
-    bool begins = false;  ///< a curve
+    bool begins = false;  ///< a new curve begins here
     SeriesPoint first, last, low, high;
   };
 

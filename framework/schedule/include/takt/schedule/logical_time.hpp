@@ -1,4 +1,4 @@
-// What timing="let" asks of the connections of a module.
+// The extra samples that connections must hold for timing="let".
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,10 @@
 
 namespace takt::schedule {
 
-/// How many samples a link must hold beside those that it would: a writer with timing="let" is up to a period
-/// ahead of what may be read, and a reader that reads as of its release, up to its own period ago, wants the
-/// newest from before that. `reader`: null when it is no module. 0 for a writer that is not ahead. Pure.
+/// The number of additional samples that a link must hold. A writer with timing="let" is up to one period
+/// ahead of the samples that may be read. Its reader reads as of its own release, up to one of its periods
+/// ago, and needs the newest sample before that. `reader` is null if it is not a module. 0 if the writer does
+/// not use "let". Pure.
 std::uint64_t samples_ahead(const model::Device& device, const model::Module& writer,
                             const model::Module* reader);
 

@@ -1,4 +1,4 @@
-// How long one run of each module takes at most: what a proof that deadlines are kept reckons with.
+// The longest run of each module, as the proof of deadlines needs it.
 #pragma once
 
 #include <optional>
@@ -11,15 +11,15 @@
 
 namespace takt::schedule {
 
-/// By the index of the device and of its module. None for non-real-time modules, which have no deadline.
+/// Indexed by device and module. None for non-real-time modules, which have no deadline.
 using LongestRuns = std::vector<std::vector<std::optional<Nanoseconds>>>;
 
-/// The longest run that the profile saw, else the budget; times `factor`, rounded up. Without a profile the
-/// budgets alone. factor >= 1. Fails with one problem for each periodic or sporadic module of which neither
-/// is known, and when the profile is of another cell. Modules that only the profile has are nothing to it.
+/// The longest run in the profile, else the budget, multiplied by `factor` and rounded up. Without a profile,
+/// only the budgets. factor >= 1. Fails with one problem for each periodic or sporadic module that has
+/// neither, and if the profile is of another cell. Ignores modules that only the profile has.
 Result<LongestRuns> longest_runs(const model::Cell& cell, const model::Profile* profile, double factor);
 
-/// Whether every periodic and sporadic module states its budget.
+/// Whether every periodic and sporadic module has a budget.
 bool all_state_budgets(const model::Cell& cell);
 
 }  // namespace takt::schedule

@@ -1,5 +1,5 @@
-// The periodic scheduling table of the paper's Figure 3: which modules are due at which multiple of the basic
-// period.
+// The periodic scheduling table of the paper's Figure 3: the modules that are due at each multiple of the
+// basic period.
 #pragma once
 
 #include <cstdint>
@@ -12,42 +12,41 @@
 
 namespace takt::schedule {
 
-/// More than this many entries (modules in rows, summed over one macro period) are refused.
+/// The maximum number of entries: the modules in all rows of one macro period.
 inline constexpr std::size_t kMaxEntries = 1'000'000;
-/// Nor may a table have more rows than this, most of which would be empty.
+/// The maximum number of rows; in a table with more, most rows would be empty.
 inline constexpr std::size_t kMaxRows = 10'000'000;
 
 struct Task {
   Nanoseconds period{};
   int priority = 0;         ///< the lowest value goes first; ties in the order of the input
-  std::string_view name{};  ///< for messages only; without one a task is called by its index
-  Nanoseconds offset{};     ///< of its first release from the first row, 0 to below its period
+  std::string_view name{};  ///< for messages only; a task without a name is called by its index
+  Nanoseconds offset{};     ///< of its first release from the first row, at least 0 and less than its period
 };
 
-/// The two tasks that make a table long: no other two periods that differ have a larger least common
-/// multiple, and among those that have the same one, these have the shortest period. The first has the
-/// shorter one. Both are the first of their period; both are 0 when all tasks have the same. Every period is
-/// positive.
+/// The two tasks that make a table long: the two different periods with the largest least common multiple. Of
+/// several such pairs, it is the one with the shortest period. Of several tasks with the same period, it is
+/// the first. Both are 0 if all periods are equal. Every period must be positive.
 struct PeriodPair {
   std::uint32_t shorter = 0;
   std::uint32_t longer = 0;
 };
 PeriodPair longest_pair(std::span<const Task> tasks);
 
-/// Rows of indices into the tasks it was built from. Reading is for any thread, also real-time ones.
+/// Rows of indices into the tasks that the table was built from. Any thread may read it, also a real-time
+/// one.
 class Table {
  public:
   using Index = std::uint32_t;
 
-  /// Fails when a period is not positive or an offset not within it (one problem each), or when the table
-  /// would pass the limits above or its macro period 2^63 - 1 ns, saying which two periods make it so. No
-  /// tasks: an empty table with periods of 0. Takes time for the entries and the rows, not for their product;
-  /// allocates.
+  /// Fails with one problem for each period that is not positive and each offset that is not within its
+  /// period. Also fails if the table would exceed the limits above, or its macro period 2^63 - 1 ns; the
+  /// problem names the two periods that cause it. Without tasks, returns an empty table with periods of 0.
+  /// Takes time proportional to the entries plus the rows; allocates.
   static Result<Table> build(std::span<const Task> tasks);
 
-  [[nodiscard]] Nanoseconds basic_period() const noexcept {
-    return basic_;
-  }  ///< greatest common divisor of periods and offsets
+  /// The greatest common divisor of the periods and offsets.
+  [[nodiscard]] Nanoseconds basic_period() const noexcept { return basic_; }
   [[nodiscard]] Nanoseconds macro_period() const noexcept { return macro_; }       ///< least common multiple
   [[nodiscard]] std::size_t rows() const noexcept { return offsets_.size() - 1; }  ///< macro / basic
   [[nodiscard]] std::size_t entries() const noexcept { return entries_.size(); }

@@ -1,4 +1,5 @@
-// Who may write and read which topic, as the connections of a cell have it. Pure.
+// The topics that each participant of a cell may write and read, derived from the cell's connections. Pure
+// functions.
 #pragma once
 
 #include <array>
@@ -13,59 +14,60 @@
 
 namespace takt::security {
 
-/// A device runs modules; an operator commands; an observer looks; a program that is not Takt's has the ends
-/// of connections that no module has.
+/// A device runs modules. An operator may send commands. An observer is read-only. A program outside Takt has
+/// the ends of connections that no module has.
 enum class Role { device, operator_, observer, program };
 inline constexpr std::array kRoles{Role::device, Role::operator_, Role::observer, Role::program};
 /// "device", "operator", "observer", "program"
 const char* to_text(Role role);
-/// The folder of its identities: "devices", "operators", ...
+/// The folder of the identities of a role: "devices", "operators", ...
 std::string folder_name(Role role);
 
-/// Whom an identity names.
+/// The participant that an identity names.
 struct Subject {
   std::string cell;
   Role role = Role::device;
   std::string name;
   bool operator==(const Subject&) const = default;
 };
-/// As RFC 2253 has it, which is how permissions must name whom they are for: "CN=robot,OU=device,O=cell".
+/// The subject as in RFC 2253, which permissions require: "CN=robot,OU=device,O=cell".
 std::string to_text(const Subject& subject);
-/// None where it is not of this form, or a name in it is none.
+/// None if the text does not have this form, or if a name in it is not valid.
 std::optional<Subject> subject_from(std::string_view text);
 
-/// What may be done on one domain. Expressions: a name, or one with '*' for any text.
+/// The topics that a participant may write and read on one domain. A '*' in a topic stands for any text.
 struct Access {
   int domain = 0;
   std::vector<std::string> writes;
   std::vector<std::string> reads;
 };
 
-/// On which a reader that may only look asks what changes nothing; as takt/command otherwise.
+/// The topic on which observers send requests that change nothing; otherwise like takt/command.
 inline constexpr const char* kQuestionTopic = "takt/question";
 
-/// On the domain of the cell (`domain`), and those of its connections that are on others. A device: what
-/// nodes say and hear, the topics of its connections, and every topic below takt/CELL/DEVICE/.
+/// The access on the cell's own domain (`domain`) and on the other domains of its connections. A device gets
+/// the topics of a node, the topics of its connections, and every topic below takt/CELL/DEVICE/.
 std::vector<Access> access_of(const model::Cell& cell, int domain, const Subject& subject);
 
 /// The domains that the cell uses, with `domain` as its own.
 std::vector<int> domains_of(const model::Cell& cell, int domain);
 
-/// What keeps a cell from being secured: a topic that would read as an expression, a discovery server.
+/// The reasons why a cell cannot be secured: a topic that permissions would read as a pattern, or a discovery
+/// server.
 Problems obstacles(const model::Cell& cell);
 
-/// Between these, seconds since 1970.
+/// A time span, in seconds since 1970.
 struct Validity {
   std::int64_t from = 0;
   std::int64_t until = 0;
 };
 
-/// The documents of DDS Security (its sections 9.4.1.2 and 9.4.1.3): everything that is said on these domains
-/// is encrypted, nobody without an identity is heard, every topic is granted or not at all.
+/// The documents of DDS Security (sections 9.4.1.2 and 9.4.1.3). All traffic on these domains is encrypted,
+/// participants without an identity are rejected, and each topic needs a permission.
 std::string governance_xml(const std::vector<int>& domains);
 std::string permissions_xml(const Subject& subject, const std::vector<Access>& access, Validity validity);
 
-/// The domains that permissions_xml() or governance_xml() was made for.
+/// The domains in a document of permissions_xml() or governance_xml().
 std::vector<int> domains_in(std::string_view xml);
 
 }  // namespace takt::security

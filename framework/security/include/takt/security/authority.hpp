@@ -1,14 +1,15 @@
-// The authority of a secured cell: a folder that stays at home. It issues identities, says what each may
-// write and read, and takes identities back.
+// The authority of a secured cell: a folder that never leaves its machine. It issues identities with
+// permissions, and revokes them.
 //
-//   DIR/authority/               its two keys, what it has revoked, and the cell that permissions follow from
-//   DIR/devices/NAME/            of one participant each, as security::read_identity() wants them: copied to
-//   DIR/operators/NAME/          the machine that it is for
+//   DIR/authority/               its two keys, the list of revoked identities, and the cell
+//   DIR/devices/NAME/            one folder for each participant, as security::read_identity() needs it;
+//   DIR/operators/NAME/          copied to the machine of the participant
 //   DIR/observers/NAME/
 //   DIR/programs/NAME/
 //
-// One key signs identities and another one the documents. With one key for both, who has an identity could
-// sign permissions for himself: his certificate too comes from the authority that documents are held against.
+// One key signs identities, another one the documents. With one key for both, the owner of any identity could
+// sign permissions for it, because the authority that verifies documents would also have issued its
+// certificate.
 #pragma once
 
 #include <cstdint>
@@ -22,24 +23,25 @@
 
 namespace takt::security {
 
-/// What permissions follow from.
+/// The cell and its domain, from which the permissions are derived.
 struct Plan {
   model::Cell cell;
   int domain = 0;
 };
 
+/// A participant with an identity.
 struct Member {
   Subject subject;
   std::string folder;
-  std::int64_t until = 0;  ///< seconds since 1970
+  std::int64_t until = 0;  ///< end of validity, in seconds since 1970
   bool revoked = false;
-  Problems problems{};  ///< with its folder
+  Problems problems{};  ///< of its folder
 };
 
 class Authority {
  public:
-  /// A new one, for cells of this name. Fails where there is one already. `now`: seconds since 1970, here and
-  /// below.
+  /// Creates an authority for cells of this name. Fails if the folder already has one. Here and below, `now`
+  /// is in seconds since 1970.
   static Result<Authority> create(const std::string& folder, const std::string& cell, std::int64_t now);
   static Result<Authority> open(const std::string& folder);
   Authority(Authority&&) noexcept;
@@ -47,26 +49,27 @@ class Authority {
   ~Authority();
 
   [[nodiscard]] const std::string& cell() const noexcept;
-  /// The descriptor that was kept, and the domain. Fails where there is none.
+  /// The descriptor and the domain that keep() has stored. Fail if there are none.
   [[nodiscard]] Result<std::string> descriptor() const;
   [[nodiscard]] Result<int> domain() const;
   Result<void> keep(const std::string& descriptor, int domain);
 
-  /// A key, a certificate for `days` (1 to 3650, never longer than the authority's) and documents, in a
-  /// folder of its own. With `again` in place of those that are there; else that fails.
+  /// Issues an identity: a key, a certificate for `days` (1 to 3650, at most as long as the authority is
+  /// valid) and the documents, in a folder of its own. With `again` it replaces an existing identity;
+  /// otherwise that fails.
   Result<void> issue(const Subject& subject, const Plan& plan, int days, std::int64_t now,
                      bool again = false);
-  /// The documents of everybody anew.
+  /// Writes new documents for all identities.
   Result<void> document(const Plan& plan, std::int64_t now);
-  /// The identity is worth nothing any more where the new crl.pem has been copied to and read: it is put into
-  /// every folder.
+  /// Revokes an identity and writes the new crl.pem into every folder. A machine rejects the identity after
+  /// crl.pem has been copied there and read.
   Result<void> revoke(const Subject& subject, std::int64_t now);
-  /// Writes FILE.sig for each of these, with a key for components that is made when it is needed first;
-  /// returns the path of its certificate, which goes to the nodes that are to ask for signatures.
+  /// Writes FILE.sig for each file, with a key for components that is created at first use. Returns the path
+  /// of its certificate, for the nodes that require signatures.
   Result<std::string> sign_components(const std::vector<std::string>& files, std::int64_t now);
-  /// Everybody who has a folder, by role and name.
+  /// All identities that have a folder, by role and name.
   [[nodiscard]] std::vector<Member> members(std::int64_t now) const;
-  /// Those of this name.
+  /// The identities of this name, at most one for each role.
   [[nodiscard]] std::vector<Subject> named(const std::string& name) const;
 
  private:

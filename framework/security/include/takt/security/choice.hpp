@@ -1,4 +1,4 @@
-// Whose identity it is where a whole folder of them is named.
+// Chooses an identity if a folder with several identities is given.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,12 @@ namespace takt::security {
 
 struct Chosen {
   std::string folder;
-  Problems passed_over{};  ///< what is wrong with those before it
+  Problems passed_over{};  ///< the problems of the identities before it
 };
 
-/// Below a folder that `takt secure init` made: of the first of this role, by name, whose identity is in
-/// order at this time (seconds since 1970); of the very first where none is. Else `folder` itself.
+/// In a folder made by `takt secure init`: the folder of the first identity of this role, by name, that is
+/// valid at this time (seconds since 1970). If none is valid, that of the first identity. In any other
+/// folder: `folder` itself.
 Chosen first_of(const std::string& folder, Role role, std::int64_t now);
 
 }  // namespace takt::security

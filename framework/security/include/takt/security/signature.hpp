@@ -1,5 +1,5 @@
-// Signatures of files, beside them as FILE.sig: what `openssl dgst -sha256 -sign` writes, so that others can
-// make and check them.
+// Signatures of files, stored beside them as FILE.sig. The format is that of `openssl dgst -sha256 -sign`, so
+// that other tools can create and verify them.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,17 @@
 
 namespace takt::security {
 
-/// The largest file that is signed.
+/// The maximum size of a file to sign, in bytes.
 inline constexpr std::size_t kMostSigned = std::size_t{1} << 30;
 
-/// Writes FILE.sig. `key`: PEM.
+/// Writes FILE.sig. `key` is a private key as PEM text.
 Result<void> sign_file(const std::string& file, const std::string& key);
 
-/// Fails where this file is no certificate that signatures can be checked with at this time (seconds since
-/// 1970), and names it.
+/// Fails if the file `certificate` is not a certificate that is valid at this time (seconds since 1970).
 Result<void> check_signer(const std::string& certificate, std::int64_t now);
 
-/// Fails where there is no FILE.sig, or it was not made of this file with the key of this certificate (a
-/// file), or the certificate is not valid at this time (seconds since 1970).
+/// Fails if FILE.sig does not exist, if it was not made from this file with the key of `certificate` (a
+/// file), or if the certificate is not valid at this time (seconds since 1970).
 Result<void> check_signature(const std::string& file, const std::string& certificate, std::int64_t now);
 
 }  // namespace takt::security

@@ -1,5 +1,5 @@
-// What is left to chance in a simulation, from one seed. Who draws has a stream of its own, so that one more
-// draw in one place changes nothing in another; and the numbers are the same with every C++ library.
+// Random numbers for the simulation, from one seed. Each user has its own stream, so an additional draw in
+// one place changes nothing in another. The numbers are the same with every C++ library.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace takt::simulation {
 
 class Draws {
  public:
-  /// `whose`: of two that draw from one seed, what tells them apart.
+  /// `whose` distinguishes streams that have the same seed.
   Draws(std::uint64_t seed, std::string_view whose) noexcept : state_(seed * 0x9e37'79b9'7f4a'7c15U) {
     for (const char c : whose) state_ = (state_ ^ static_cast<unsigned char>(c)) * 0x0000'0100'0000'01b3U;
   }
@@ -24,11 +24,11 @@ class Draws {
     z = (z ^ (z >> 27)) * 0x94d0'49bb'1331'11ebU;
     return z ^ (z >> 31);
   }
-  /// From 0 to below 1.
+  /// In [0, 1).
   double share() noexcept { return static_cast<double>(next() >> 11) * 0x1p-53; }
-  /// From 0 to below `end`, which is above 0.
+  /// In [0, end); `end` is above 0.
   std::uint64_t below(std::uint64_t end) noexcept { return next() % end; }
-  /// Both included.
+  /// In [low, high].
   std::int64_t between(std::int64_t low, std::int64_t high) noexcept {
     return low + static_cast<std::int64_t>(below(static_cast<std::uint64_t>(high - low) + 1));
   }

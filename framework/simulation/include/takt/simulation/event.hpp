@@ -1,5 +1,4 @@
-// Everything that happens in a simulated cell, one after the other: what the trace is written from, and what
-// the invariants are checked on.
+// The events of a simulated cell, in order. The trace is written from them, and the invariants check them.
 #pragma once
 
 #include <cstdint>
@@ -15,32 +14,32 @@
 namespace takt::simulation {
 
 enum class What : std::uint8_t {
-  // Of an executor
-  woke,    ///< for the row that is due next: `number`, `release`
-  walked,  ///< the row `number` of `release`; `count` rows before it were missed
-  joined,  ///< its grid: the next row is `number`; `count` rows before it were missed
-  // Of a module
-  put_in,     ///< the tables
-  taken_out,  ///< of the tables
-  ready,      ///< a sporadic one: its condition held; run by `until`
+  // Events of an executor
+  woke,    ///< it woke for the row that is due next: `number`, `release`
+  walked,  ///< it walked row `number` of `release`; `count` rows before it were missed
+  joined,  ///< it joined its grid: the next row is `number`; `count` rows before it were missed
+  // Events of a module
+  put_in,     ///< it was put into the tables
+  taken_out,  ///< it was taken out of the tables
+  ready,      ///< the condition of a sporadic module held; it must run by `until`
   run,        ///< run() begins: `number`, `release`
-  ran,        ///< run() ended after `took`; `error` is what the executor will make of it
-  released,   ///< a program: `number`, `release`
+  ran,        ///< run() ended after `took`; `error` is the error that the executor will raise
+  released,   ///< a program was released: `number`, `release`
   busy,       ///< a program was still in its body when its row came
   body,       ///< a program begins the body of `number`, `release`
-  done,       ///< a program has come back to its wait after `took`
-  step,       ///< through its lifecycle
-  recovery,   ///< is tried: attempt `number` of `count`
-  // Of a connection
-  wrote,    ///< sample `number`
-  read,     ///< sample `number`; `count` is not 0 when its bytes were not what was written
-  arrived,  ///< sample `number` at the reader's device
-  lost,     ///< sample `number` on the way
-  // Of a device
-  host_ended,  ///< its host crashed or was ended; nothing it was doing goes on
+  done,       ///< a program returned to its wait after `took`
+  step,       ///< a lifecycle transition
+  recovery,   ///< recovery attempt `number` of `count`
+  // Events of a connection
+  wrote,    ///< sample `number` was written
+  read,     ///< sample `number` was read; `count` is not 0 if its bytes differ from what was written
+  arrived,  ///< sample `number` arrived at the reader's device
+  lost,     ///< sample `number` was lost on the way
+  // Events of a device
+  host_ended,  ///< its host crashed or was ended, and everything in it stopped
   host_began,
-  halted,  ///< all executors
-  fault,   ///< the next thing that goes wrong is on purpose
+  halted,  ///< all executors halted
+  fault,   ///< a fault was injected
 };
 
 struct Event {
@@ -65,10 +64,11 @@ struct Event {
 class Listener {
  public:
   virtual ~Listener() = default;
-  virtual void hear(const Event& event) = 0;
+  virtual void on_event(const Event& event) = 0;
 };
 
-/// "+0.001000412 robot.servo ran 10.6 us": the time since T0 in seconds, who, what. Without a line feed.
+/// "+0.001000412 robot.servo ran 10.6 us": the time since T0 in seconds, the subject and the event. Without a
+/// line feed.
 std::string to_text(const Event& event, const model::Cell& cell, Instant t0);
 
 }  // namespace takt::simulation

@@ -1,4 +1,4 @@
-// What goes wrong in a simulated cell: as an integrator writes it down, or drawn from the seed.
+// Faults to inject into a simulated cell: from an integrator's script, or drawn from the seed.
 #pragma once
 
 #include <cstdint>
@@ -18,18 +18,18 @@ struct Fault {
     late,        ///< the module's next run takes `by` longer
     crash,       ///< the module's next run ends its process
     fail,        ///< the module's next run fails
-    hang,        ///< the module's next run never comes back
-    unmended,    ///< the module's next `count` attempts to recover fail
-    oversleep,   ///< the executor's next wake-up comes `by` late
+    hang,        ///< the module's next run never returns
+    unmended,    ///< the module's next `count` recovery attempts fail
+    oversleep,   ///< the executor's next wake-up is `by` late
     clock_step,  ///< the device's wall clock is set forward by `by`, which may be negative
-    cut,         ///< nothing gets from one device to the other, either way, for `by`
+    cut,         ///< nothing passes between the two devices, in either direction, for `by`
     lose,        ///< the connection's next `count` samples are lost on the way
-    delay,       ///< the connection's next sample is on its way for `by` longer
+    delay,       ///< the connection's next sample takes `by` longer
   };
   Kind kind = Kind::late;
   Nanoseconds at{};  ///< since T0; not negative
   std::uint32_t device = 0;
-  std::uint32_t place = 0;  ///< module, executor, connection or other device, by its index
+  std::uint32_t place = 0;  ///< index of the module, executor, connection or other device
   Nanoseconds by{};
   std::uint64_t count = 0;
 
@@ -39,15 +39,15 @@ struct Fault {
 /// One line of a script: "at 1.5 s robot.servo late 3 ms".
 std::string to_text(const Fault& fault, const model::Cell& cell);
 
-/// One fault a line, `#` begins a comment; README.md of this folder has the words. Every mistake of the
-/// script at once, each with `file:line`.
+/// Parses one fault per line; `#` begins a comment. README.md of this folder lists the words. An error lists
+/// every mistake of the script, each with `file:line`.
 Result<std::vector<Fault>> parse_script(std::string_view text, const std::string& file,
                                         const model::Cell& cell);
 
-/// The words of a script, for a help text.
+/// The help text about scripts: an example and an explanation for each fault.
 std::string script_help();
 
-/// `per_second` of them on average, of every kind that the cell has a place for.
+/// Draws `per_second` faults on average, of every kind that is possible in the cell.
 std::vector<Fault> draw_faults(const model::Cell& cell, Draws& draws, Nanoseconds length, double per_second);
 
 }  // namespace takt::simulation

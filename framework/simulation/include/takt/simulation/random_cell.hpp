@@ -1,5 +1,4 @@
-// Small cells by chance, with what goes wrong in them: many different ones are where a scheduler's mistakes
-// are found.
+// Small random cells with random faults. Many different cells reveal the mistakes of a scheduler.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +13,8 @@ struct RandomCell {
   Options options;  ///< with the seed
 };
 
-/// One to three devices of a few modules each, their connections, and some faults: always the same ones for
-/// one seed. Valid as model::validate() and schedule::plan() say. Allocates.
+/// Makes one to three devices with a few modules each, their connections and some faults; the same seed gives
+/// the same cell. model::validate() and schedule::plan() accept it. Allocates.
 RandomCell random_cell(std::uint64_t seed);
 
 }  // namespace takt::simulation

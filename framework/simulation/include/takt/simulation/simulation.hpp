@@ -1,5 +1,5 @@
-// A whole cell in one process, on virtual time: every device with its executors, modules, programs, links and
-// supervision, and the network between them. One seed, one course.
+// Simulates a whole cell in one process, on virtual time: every device with its executors, modules, programs,
+// links and supervision, and the network between them. The same seed gives the same course of events.
 #pragma once
 
 #include <cstdint>
@@ -23,26 +23,27 @@ namespace takt::simulation {
 struct Options {
   std::uint64_t seed = 1;
   Nanoseconds length = std::chrono::seconds{1};  ///< from T0 to the end
-  std::vector<Fault> faults{};                   ///< by a script
-  double faults_per_second = 0;                  ///< beside these, drawn from the seed
-  model::Profile profile{};                      ///< how long modules run; of others by their budgets
-  int cpus = 0;                  ///< of each device, for executors that name none; 0: each has its own
-  Listener* listener = nullptr;  ///< hears everything that happens; null: nobody
-  /// Told a few hundred times how much of `length` has passed; none: nobody is.
+  std::vector<Fault> faults{};                   ///< from a script
+  double faults_per_second = 0;                  ///< additional faults, drawn from the seed
+  model::Profile profile{};                      ///< run times of modules; the others follow their budgets
+  int cpus = 0;                  ///< CPUs per device for executors that name none; 0: one for each executor
+  Listener* listener = nullptr;  ///< receives every event; may be null
+  /// Called a few hundred times with the part of `length` that has passed; may be empty.
   std::function<void(Nanoseconds)> progress{};
 };
 
 /// T0 of every simulated cell.
 inline constexpr Instant kT0 = from_ns(1'000'000'000);
 
+/// The result of a simulation.
 struct Course {
-  nlohmann::ordered_json report;        ///< as of `takt run`
+  nlohmann::ordered_json report;        ///< the report that `takt run` makes
   Problems failures;                    ///< modules that were given up, devices that ended
-  std::vector<std::string> violations;  ///< of what must hold whatever happens; empty: a sound cell
+  std::vector<std::string> violations;  ///< violated invariants; must be empty whatever happens
 };
 
-/// The cell has passed model::validate(), and the plans are its own. `ports` may be empty: all inputs of a
-/// sporadic module are events then. Fails where the machine gives no memory. Not real-time.
+/// Simulates a cell that model::validate() has accepted, with its plans. `ports` may be empty: then all
+/// inputs of a sporadic module are events. Fails if there is not enough memory. Not for real-time threads.
 Result<Course> simulate(const model::Cell& cell, const std::vector<schedule::DevicePlan>& plans,
                         const model::CellPorts& ports, const Options& options);
 

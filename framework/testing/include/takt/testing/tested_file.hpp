@@ -1,11 +1,13 @@
-// Which component a test program is about. Apart from testing.hpp because each program has a generated source
-// that includes this alone.
+// Names the component that a test program tests. Separate from testing.hpp, because each test program has a
+// generated source file that includes only this header.
 #pragma once
 
 namespace takt::testing::detail {
 
-/// The file that takt_add_component_test() named; one in each program, before main().
+/// Sets the file of the tested component. takt_add_component_test() generates one such object in each test
+/// program, constructed before main().
 struct TestedFile {
+  /// `path`: the .so of a thread module, or the .exe.so of a program.
   explicit TestedFile(const char* path);
 };
 

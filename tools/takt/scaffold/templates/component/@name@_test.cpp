@@ -1,4 +1,4 @@
-// @name@ on virtual time, without a cell: <takt/testing.hpp> says what else can be done with it.
+// Tests of @name@ on virtual time, without a cell. <takt/testing.hpp> describes what tests can do.
 #include <gtest/gtest.h>
 
 #include <takt/testing.hpp>
@@ -15,7 +15,7 @@ const takt::testing::Options kOptions{.period = std::chrono::milliseconds{1}, .s
   return value;
 }
 
-TEST(@Name@, MultipliesWhatComesIn) {
+TEST(@Name@, MultipliesTheInput) {
   takt::testing::Module module{kOptions};
   ASSERT_TRUE(module.set("gain", "3"));
   auto& in = module.in<@name@_types::Sample>("in");
@@ -27,7 +27,7 @@ TEST(@Name@, MultipliesWhatComesIn) {
   EXPECT_EQ(out.value().value(), 6);
 }
 
-TEST(@Name@, SaysNothingWhenNothingComes) {
+TEST(@Name@, WritesNothingWithoutInput) {
   takt::testing::Module module{kOptions};
   auto& out = module.out<@name@_types::Sample>("out");
   ASSERT_TRUE(module.start());
@@ -35,7 +35,7 @@ TEST(@Name@, SaysNothingWhenNothingComes) {
   EXPECT_EQ(out.count(), 0U);
 }
 
-TEST(@Name@, RefusesAGainThatIsNoNumber) {
+TEST(@Name@, RejectsAGainThatIsNotANumber) {
   takt::testing::Module module{kOptions};
   EXPECT_FALSE(module.set("gain", "much") && module.start());
 }

@@ -1,25 +1,25 @@
-// A periodic process module: a program of its own that the scheduler releases every period.
+// A periodic process module: a separate program that the scheduler releases in every period.
 #include <takt/process.hpp>
 
 #include <@name@_types.hpp>
 
-TAKT_TEXT("Multiplies what comes in.");
+TAKT_TEXT("Multiplies the input by a gain.");
 
 namespace {
 
-takt::InPort<@name@_types::Sample> in{"in", {.text = "What is multiplied."}};
-takt::OutPort<@name@_types::Sample> out{"out", {.text = "The same, times the gain."}};
-takt::Property<double> gain{"gain", 2, {.min = -1000, .max = 1000, .text = "What it is multiplied with."}};
+takt::InPort<@name@_types::Sample> in{"in", {.text = "The input."}};
+takt::OutPort<@name@_types::Sample> out{"out", {.text = "The input times the gain."}};
+takt::Property<double> gain{"gain", 2, {.min = -1000, .max = 1000, .text = "The factor."}};
 
 }  // namespace
 
 int main() {
   initPeriodExe();
-  // Here one may allocate, open and take time: the module is ready when it waits for the first time.
+  // Prepare here: allocate, open files. The module is ready when it waits for the first time.
   @name@_types::Sample result;
   while (true) {
     waitPeriod();
-    if (!in.read()) continue;  // nothing has come since the last release
+    if (!in.read()) continue;  // no new sample since the last release
     result.value(gain * in.value().value());
     out.write(result);
   }

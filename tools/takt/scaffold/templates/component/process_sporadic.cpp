@@ -1,21 +1,21 @@
-// A sporadic process module: a program of its own that the scheduler releases, and that looks what has come.
+// A sporadic process module: a separate program that the scheduler releases to check for events.
 #include <takt/process.hpp>
 
 #include <@name@_types.hpp>
 
-TAKT_TEXT("Multiplies what comes in, when it comes.");
+TAKT_TEXT("Multiplies each input by a gain.");
 
 namespace {
 
-takt::EventPort<@name@_types::Sample> in{"in", {.text = "What is multiplied."}};
-takt::OutPort<@name@_types::Sample> out{"out", {.text = "The same, times the gain."}};
-takt::Property<double> gain{"gain", 2, {.min = -1000, .max = 1000, .text = "What it is multiplied with."}};
+takt::EventPort<@name@_types::Sample> in{"in", {.text = "The input."}};
+takt::OutPort<@name@_types::Sample> out{"out", {.text = "The input times the gain."}};
+takt::Property<double> gain{"gain", 2, {.min = -1000, .max = 1000, .text = "The factor."}};
 
 }  // namespace
 
 int main() {
   initSporadicExe();
-  // Here one may allocate, open and take time: the module is ready when it waits for the first time.
+  // Prepare here: allocate, open files. The module is ready when it waits for the first time.
   @name@_types::Sample result;
   while (true) {
     waitSporadic();

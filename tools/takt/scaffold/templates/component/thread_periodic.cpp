@@ -1,23 +1,23 @@
-// A periodic thread module: called by the scheduler every period.
+// A periodic thread module: the scheduler calls run() in every period.
 #include <takt/component.hpp>
 
 #include <@name@_types.hpp>
 
 class @Name@ : public takt::Component {
-  takt::InPort<@name@_types::Sample> in{*this, "in", {.text = "What is multiplied."}};
-  takt::OutPort<@name@_types::Sample> out{*this, "out", {.text = "The same, times the gain."}};
-  takt::Property<double> gain{*this, "gain", 2, {.min = -1000, .max = 1000, .text = "What it is multiplied with."}};
+  takt::InPort<@name@_types::Sample> in{*this, "in", {.text = "The input."}};
+  takt::OutPort<@name@_types::Sample> out{*this, "out", {.text = "The input times the gain."}};
+  takt::Property<double> gain{*this, "gain", 2, {.min = -1000, .max = 1000, .text = "The factor."}};
 
   @name@_types::Sample result_;
 
-  // Here one may allocate, open and fail: return takt::fail("what is wrong", "what would be right");
+  // May allocate, open files and fail: return takt::fail("what is wrong", "what to do");
   takt::Result<void> initialize() override { return {}; }
 
-  // On the real-time thread: no lock, no allocation, no system call, no log.
+  // Runs on the real-time thread: no lock, no allocation, no system call, no log.
   void run(const takt::Cycle&) noexcept override {
-    if (!in.read()) return;  // nothing has come since the last run()
+    if (!in.read()) return;  // no new sample since the last run()
     result_.value(gain * in.value().value());
     out.write(result_);
   }
 };
-TAKT_COMPONENT(@Name@, "Multiplies what comes in.")
+TAKT_COMPONENT(@Name@, "Multiplies the input by a gain.")

@@ -1,17 +1,17 @@
-/* A sporadic thread module in C: run() is called by the scheduler when condition() holds. */
+/* A sporadic thread module in C: the scheduler calls run() when condition() holds. */
 #include <takt/module.h>
 
 #include <@name@_types_c.h>
 
-TAKT_TEXT("Multiplies what comes in, when it comes.");
+TAKT_TEXT("Multiplies each input by a gain.");
 TAKT_EVENT_PORT(@name@_types_Sample, in);
 TAKT_OUT_PORT(@name@_types_Sample, out);
-TAKT_NUMBER(gain, 2, -1000, 1000, "", "What it is multiplied with.");
+TAKT_NUMBER(gain, 2, -1000, 1000, "", "The factor.");
 
-/* Here one may allocate, open and fail: takt_fail("what is wrong"); */
+/* May allocate, open files and fail: takt_fail("what is wrong"); */
 void initialize(void) {}
 
-/* Both on the real-time thread: no lock, no allocation, no system call, no log. */
+/* Both functions run on the real-time thread: no lock, no allocation, no system call, no log. */
 int condition(void) { return takt_has_news(&in) ? TRUE : FALSE; }
 
 void run(void) {

@@ -1,20 +1,20 @@
-// A sporadic thread module: called by the scheduler when something has come.
+// A sporadic thread module: the scheduler calls run() when an event has arrived.
 #include <takt/component.hpp>
 
 #include <@name@_types.hpp>
 
 class @Name@ : public takt::Component {
-  // While it has an event that was not read, run() is called. For a condition of one's own: bool condition() override.
-  takt::EventPort<@name@_types::Sample> in{*this, "in", {.text = "What is multiplied."}};
-  takt::OutPort<@name@_types::Sample> out{*this, "out", {.text = "The same, times the gain."}};
-  takt::Property<double> gain{*this, "gain", 2, {.min = -1000, .max = 1000, .text = "What it is multiplied with."}};
+  // run() is called while an event is unread. To use another condition, override bool condition().
+  takt::EventPort<@name@_types::Sample> in{*this, "in", {.text = "The input."}};
+  takt::OutPort<@name@_types::Sample> out{*this, "out", {.text = "The input times the gain."}};
+  takt::Property<double> gain{*this, "gain", 2, {.min = -1000, .max = 1000, .text = "The factor."}};
 
   @name@_types::Sample result_;
 
-  // Here one may allocate, open and fail: return takt::fail("what is wrong", "what would be right");
+  // May allocate, open files and fail: return takt::fail("what is wrong", "what to do");
   takt::Result<void> initialize() override { return {}; }
 
-  // On the real-time thread: no lock, no allocation, no system call, no log.
+  // Runs on the real-time thread: no lock, no allocation, no system call, no log.
   void run(const takt::Cycle&) noexcept override {
     while (in.read()) {
       result_.value(gain * in.value().value());
@@ -22,4 +22,4 @@ class @Name@ : public takt::Component {
     }
   }
 };
-TAKT_COMPONENT(@Name@, "Multiplies what comes in, when it comes.")
+TAKT_COMPONENT(@Name@, "Multiplies each input by a gain.")

@@ -1,0 +1,140 @@
+// Readers and writers of samples as raw bytes, for types that this process was not compiled with. Not for
+// other rooms.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <fastdds/dds/topic/TopicDataType.hpp>
+
+#include <takt/dds/gateway.hpp>
+#include "inside.hpp"
+#include <takt/model/type.hpp>
+
+namespace takt::dds {
+
+/// The bytes that a raw writer writes.
+struct Bytes {
+  const std::byte* data = nullptr;
+  std::size_t size = 0;
+};
+
+/// The receiver that a raw reader passes to Fast DDS: `take_next_sample(static_cast<Taker*>(me), &info)`.
+class Taker {
+ public:
+  virtual ~Taker() = default;
+  /// Gets the bytes of one sample in DDS's history; they are valid only during the call.
+  virtual void take(const Bytes& bytes) = 0;
+};
+
+/// A bounded type without a key: no sample is longer than `max_size`, including the encapsulation.
+class RawType final : public fast::TopicDataType {
+ public:
+  RawType(const std::string& name, std::size_t max_size);
+  bool serialize(void* data, rtps::SerializedPayload_t* payload) override;
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override;
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override;
+  void* createData() override { return nullptr; }
+  void deleteData(void*) override {}
+  bool getKey(void*, rtps::InstanceHandle_t*, bool) override { return false; }
+  bool is_bounded() const override { return true; }
+};
+
+/// The counters of a flow, which threads of Fast DDS write.
+class Health {
+ public:
+  void matched(std::int32_t count) { matched_ = static_cast<std::uint32_t>(count); }
+  void incompatible(fast::QosPolicyId_t policy);
+  void moved() { samples_.fetch_add(1, std::memory_order_relaxed); }
+  void lost(std::uint64_t count) { lost_.fetch_add(count, std::memory_order_relaxed); }
+  void refused() { refused_.fetch_add(1, std::memory_order_relaxed); }
+  void failed() { failures_.fetch_add(1, std::memory_order_relaxed); }
+  [[nodiscard]] FlowHealth read() const;
+
+ private:
+  std::atomic<std::uint32_t> matched_{0};
+  std::atomic<std::uint64_t> samples_{0};
+  std::atomic<std::uint64_t> lost_{0};
+  std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::uint64_t> failures_{0};
+  mutable std::mutex mutex_;
+  std::string incompatible_;
+};
+
+/// A writer of one topic.
+class RawWriter final : fast::DataWriterListener, Recreatable {
+ public:
+  static Result<std::unique_ptr<RawWriter>> create(std::shared_ptr<Participant> participant,
+                                                   const Flow& flow);
+  ~RawWriter() override;
+
+  /// `time_ns` is since 1970. A write that DDS rejects is counted.
+  bool write(const Bytes& bytes, std::int64_t time_ns);
+  [[nodiscard]] FlowHealth health() const { return health_.read(); }
+
+ private:
+  RawWriter(std::shared_ptr<Participant> participant, Flow flow)
+      : participant_(std::move(participant)), flow_(std::move(flow)) {}
+  Result<void> make();
+  void unmake();
+  void recreate() override;
+  void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override;
+  void on_offered_incompatible_qos(fast::DataWriter*,
+                                   const fast::OfferedIncompatibleQosStatus& status) override;
+
+  std::shared_ptr<Participant> participant_;
+  Flow flow_;
+  fast::Topic* topic_ = nullptr;
+  std::mutex using_it_;
+  fast::DataWriter* writer_ = nullptr;
+  Health health_;
+};
+
+/// A reader of one topic. It passes on only valid samples of the type.
+class RawReader final : fast::DataReaderListener, Taker, Recreatable {
+ public:
+  /// Called on a thread of Fast DDS, one at a time.
+  struct Receiver {
+    virtual ~Receiver() = default;
+    /// The bytes are a valid sample of the type. They are valid only during the call.
+    virtual void receive(const Bytes& bytes) = 0;
+    /// Gives the time at which the sample of the last receive() was written, ns since 1970.
+    virtual void received(std::int64_t time_ns) = 0;
+    /// There are no more samples for now.
+    virtual void done() {}
+  };
+
+  static Result<std::unique_ptr<RawReader>> create(std::shared_ptr<Participant> participant, const Flow& flow,
+                                                   Receiver& receiver);
+  /// Waits until a current call of the receiver has ended; it is not called afterwards.
+  ~RawReader() override;
+  [[nodiscard]] FlowHealth health() const { return health_.read(); }
+
+ private:
+  RawReader(std::shared_ptr<Participant> participant, Flow flow, Receiver& receiver)
+      : participant_(std::move(participant)), flow_(std::move(flow)), receiver_(receiver) {}
+  Result<void> make();
+  void unmake();
+  void recreate() override;
+  void take(const Bytes& bytes) override;
+  void on_data_available(fast::DataReader* from) override;
+  void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override;
+  void on_requested_incompatible_qos(fast::DataReader*,
+                                     const fast::RequestedIncompatibleQosStatus& status) override;
+  void count_gap(const fast::SampleInfo& info);
+
+  std::shared_ptr<Participant> participant_;
+  Flow flow_;
+  Receiver& receiver_;
+  fast::Topic* topic_ = nullptr;
+  fast::DataReader* reader_ = nullptr;
+  std::mutex calling_;
+  bool is_sample_ = false;                      // whether the last taken bytes were a valid sample
+  std::map<std::uint64_t, std::int64_t> last_;  // number of the last sample of each writer
+  Health health_;
+};
+
+}  // namespace takt::dds

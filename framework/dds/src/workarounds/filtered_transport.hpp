@@ -1,0 +1,42 @@
+// A UDP transport that drops packets that are not valid RTPS messages, and with DDS Security those that are
+// not encrypted. No packet is handled while a reader is created or deleted. Not for other rooms.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+
+#include <takt/wire/notices.hpp>
+#include "receive_lock.hpp"
+#include <takt/wire/unauthenticated_participants.hpp>
+
+namespace takt::dds {
+
+/// The state of the filter, shared by all transports of a process.
+struct PacketFilter {
+  PacketFilter(wire::Notices& reports, bool with_security) : notices(reports), secured(with_security) {}
+  wire::Notices& notices;
+  const bool secured;
+  wire::UnauthenticatedParticipants unauthenticated;  // only with security
+  std::atomic<std::uint64_t> refused{0};
+  ReceiveLock receive_lock;
+};
+
+/// Makes a transport of Fast DDS that checks each packet with wire::readable_rtps(), and with security also with
+/// wire::is_protected_rtps().
+class FilteredTransportDescriptor final : public eprosima::fastdds::rtps::ChainingTransportDescriptor {
+ public:
+  FilteredTransportDescriptor(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> below,
+                              std::shared_ptr<PacketFilter> filter)
+      : ChainingTransportDescriptor(std::move(below)), filter_(std::move(filter)) {}
+  [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
+
+ private:
+  std::shared_ptr<PacketFilter> filter_;
+};
+
+}  // namespace takt::dds

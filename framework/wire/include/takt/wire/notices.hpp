@@ -1,0 +1,30 @@
+// Reports rejected participants and packets, at a limited rate. Not for other rooms.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <string>
+
+namespace takt::wire {
+
+/// Reports each text once, and at most ten per minute, because strangers decide how much there is to report.
+/// Any thread.
+class Notices {
+ public:
+  using Clock = std::chrono::steady_clock;
+  explicit Notices(std::function<void(const std::string&)> told) : told_(std::move(told)) {}
+  void tell(const std::string& text, Clock::time_point now = Clock::now());
+
+ private:
+  std::function<void(const std::string&)> told_;
+  std::mutex mutex_;
+  std::set<std::string> known_;
+  Clock::time_point since_{};
+  int in_this_minute_ = 0;
+  std::uint64_t held_back_ = 0;
+};
+
+}  // namespace takt::wire

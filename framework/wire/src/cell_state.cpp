@@ -1,0 +1,126 @@
+#include <takt/wire/cell_state.hpp>
+
+#include <algorithm>
+
+#include <takt/wire/words.hpp>
+
+namespace takt::wire {
+
+namespace {
+
+template <class Status>
+std::string device_path(const Status& status) {
+  return path_of(status.cell().to_string(), status.device().to_string());
+}
+
+// CELL/DEVICE from CELL/DEVICE/MODULE.
+std::string parent(const std::string& path) { return path.substr(0, path.rfind('/')); }
+std::string last(const std::string& path) { return path.substr(path.rfind('/') + 1); }
+
+}  // namespace
+
+void CellState::heard(const DeviceStatus& status, WriterId writer) {
+  const std::string id = status.node().to_string();
+  // A node that returns under its device's name replaces the lost one.
+  std::erase_if(nodes_, [&](const auto& entry) {
+    const Node& other = entry.second;
+    if (entry.first == id || other.alive || other.status.device() != status.device()) return false;
+    // If it has resumed the same cell, its modules may have been received already.
+    if (other.status.cell() != status.cell()) deployments_.erase(device_path(other.status));
+    return true;
+  });
+  const auto known = nodes_.find(id);
+  std::uint64_t back_at = 0;
+  if (known != nodes_.end()) back_at = known->second.alive ? known->second.back_at : status.sequence_number();
+  nodes_[id] = {.status = status, .writer = writer, .alive = true, .back_at = back_at};
+}
+
+void CellState::heard(const LifecycleStatus& status) {
+  deployments_[device_path(status)].modules[status.name().to_string()] = status;
+}
+
+void CellState::heard(const ModuleStatistics& statistics) {
+  deployments_[device_path(statistics)].statistics[statistics.name().to_string()] = statistics;
+}
+
+void CellState::heard(const ExecutorStatistics& statistics) {
+  deployments_[device_path(statistics)].executors[statistics.name().to_string()] = statistics;
+}
+
+void CellState::heard(const PortStatus& status) {
+  deployments_[device_path(status)].ports[status.name().to_string() + "." + status.port().to_string()] =
+      status;
+}
+
+void CellState::gone(const DeviceStatus& key, WriterId writer) {
+  // A node publishes its new key before it disposes of the old one. Only a node without another key has left.
+  std::erase_if(nodes_, [&](const auto& entry) {
+    return entry.second.writer == writer && entry.second.status.path() == key.path();
+  });
+}
+
+void CellState::gone(const LifecycleStatus& key) {
+  const std::string path = key.path().to_string();
+  const auto found = deployments_.find(parent(path));
+  if (found == deployments_.end()) return;
+  const std::string module = last(path);
+  found->second.modules.erase(module);
+  found->second.statistics.erase(module);
+  std::erase_if(found->second.ports,
+                [&](const auto& entry) { return entry.first.starts_with(module + "."); });
+  if (found->second.modules.empty()) deployments_.erase(found);
+}
+
+void CellState::lost(WriterId writer) {
+  for (auto& [id, node] : nodes_) {
+    if (node.writer == writer) node.alive = false;
+  }
+}
+
+bool CellState::executes(const std::string& cell, const std::string& device,
+                         const std::string& module) const {
+  const bool alive = std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& entry) {
+    const Node& node = entry.second;
+    return node.alive && node.status.device() == device && node.status.cell() == cell &&
+           (node.back_at == 0 || node.status.sequence_number() > node.back_at);
+  });
+  const auto deployment = deployments_.find(path_of(cell, device));
+  if (!alive || deployment == deployments_.end()) return false;
+  const auto found = deployment->second.modules.find(module);
+  return found != deployment->second.modules.end() && found->second.state() == STATE_EXECUTING;
+}
+
+std::vector<CellState::Heard> CellState::of_deployment(const std::string& id, const std::string& but) const {
+  std::vector<Heard> heard;
+  for (const auto& [node_id, node] : nodes_) {
+    if (node.status.deployment() == id && node.status.device() != but)
+      heard.push_back({node.status, node.alive});
+  }
+  return heard;
+}
+
+ObservedDevice CellState::seen(const Node& node) const {
+  ObservedDevice device{.status = node.status, .alive = node.alive, .deployment = {}};
+  const auto found = deployments_.find(device_path(node.status));
+  if (found != deployments_.end()) device.deployment = found->second;
+  return device;
+}
+
+std::vector<ObservedDevice> CellState::devices() const {
+  std::vector<ObservedDevice> all;
+  all.reserve(nodes_.size());
+  for (const auto& [id, node] : nodes_) all.push_back(seen(node));
+  std::stable_sort(all.begin(), all.end(),
+                   [](const ObservedDevice& a, const ObservedDevice& b) { return a.name() < b.name(); });
+  return all;
+}
+
+std::vector<ObservedDevice> CellState::devices(const std::string& name) const {
+  std::vector<ObservedDevice> all;
+  for (const auto& [id, node] : nodes_) {
+    if (node.status.device() == name) all.push_back(seen(node));
+  }
+  return all;
+}
+
+}  // namespace takt::wire

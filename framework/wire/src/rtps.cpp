@@ -1,0 +1,520 @@
+#include <takt/wire/rtps.hpp>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace takt::wire {
+
+namespace {
+
+constexpr std::size_t kHeader = 20;
+constexpr std::uint32_t kMostBits = 256;  // in a set of sequence numbers or fragments
+constexpr std::int64_t kMostNumber = std::int64_t{1} << 62;
+
+/// Reads bytes from start to end in one byte order. After the first missing byte, every value is 0.
+class Cursor {
+ public:
+  Cursor(std::span<const std::uint8_t> bytes, bool little) noexcept : left_(bytes), little_(little) {}
+
+  [[nodiscard]] bool ok() const noexcept { return ok_; }
+  [[nodiscard]] std::size_t left() const noexcept { return left_.size(); }
+  void fail() noexcept {
+    ok_ = false;
+    left_ = {};
+  }
+  std::span<const std::uint8_t> bytes(std::size_t n) noexcept {
+    if (n > left_.size()) {
+      fail();
+      return {};
+    }
+    const auto taken = left_.first(n);
+    left_ = left_.subspan(n);
+    taken_ += n;
+    return taken;
+  }
+  void skip(std::size_t n) noexcept { static_cast<void>(bytes(n)); }
+  std::uint32_t u16() noexcept { return number(2); }
+  std::uint32_t u32() noexcept { return number(4); }
+  /// An entity id: always big endian.
+  std::uint32_t id() noexcept {
+    std::uint32_t value = 0;
+    for (const std::uint8_t byte : bytes(4)) value = value << 8U | byte;
+    return value;
+  }
+  /// A sequence number; fails if it is less than `least`.
+  std::int64_t sequence(std::int64_t least) noexcept {
+    const auto high = static_cast<std::int32_t>(u32());
+    const std::int64_t value = static_cast<std::int64_t>(high) * (std::int64_t{1} << 32) + u32();
+    if (value >= least && value <= kMostNumber) return value;
+    fail();
+    return least;
+  }
+  /// The bits of a set, after its base.
+  void bits() noexcept {
+    const std::uint32_t n = u32();
+    if (n > kMostBits) return fail();
+    skip((n + 31) / 32 * 4);
+  }
+  /// A CDR string: a length, and a zero at the end.
+  std::string_view text() noexcept {
+    const std::uint32_t size = u32();
+    const auto characters = bytes(size);
+    if (size == 0 && ok_) return {};
+    if (characters.empty() || characters.back() != 0) {
+      fail();
+      return {};
+    }
+    align();
+    return {reinterpret_cast<const char*>(characters.data()), characters.size() - 1};
+  }
+  std::span<const std::uint8_t> octets() noexcept {
+    const auto content = bytes(u32());
+    align();
+    return content;
+  }
+  /// Skips padding, which may be missing at the very end.
+  void align() noexcept { skip(std::min<std::size_t>((4 - taken_ % 4) % 4, left_.size())); }
+  [[nodiscard]] bool little() const noexcept { return little_; }
+  [[nodiscard]] Cursor part(std::size_t n) noexcept { return {bytes(n), little_}; }
+
+ private:
+  std::uint32_t number(std::size_t n) noexcept {
+    const auto taken = bytes(n);
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < taken.size(); ++i)
+      value |= std::uint32_t{taken[i]} << 8U * (little_ ? i : taken.size() - 1 - i);
+    return value;
+  }
+
+  std::span<const std::uint8_t> left_;
+  std::size_t taken_ = 0;
+  bool little_;
+  bool ok_ = true;
+};
+
+// ---- Lists of parameters
+
+enum class Content { any, text, texts, properties, token, octets, locator, guid, number };
+
+Content content_of(std::uint32_t parameter) noexcept {
+  constexpr std::uint32_t kMustUnderstand = 0x4000;
+  switch (parameter & ~kMustUnderstand) {
+    case 0x05:  // topic name
+    case 0x07:  // type name
+    case 0x62:  // entity name
+      return Content::text;
+    case 0x29:  // partition
+      return Content::texts;
+    case 0x59:
+      return Content::properties;
+    case 0x1001:  // identity token, permissions token
+    case 0x1002:
+      return Content::token;
+    case 0x2c:  // user, group and topic data
+    case 0x2d:
+    case 0x2e:
+      return Content::octets;
+    case 0x2f:  // locators of endpoints and participants, unicast and multicast
+    case 0x30:
+    case 0x31:
+    case 0x32:
+    case 0x33:
+    case 0x48:
+      return Content::locator;
+    case 0x50:  // GUIDs of a participant, an endpoint, a group
+    case 0x52:
+    case 0x5a:
+    case 0x70:  // key hash
+      return Content::guid;
+    case 0x58:  // built-in endpoints
+    case 0x71:  // disposed, unregistered
+    case 0x77:
+      return Content::number;
+    default:
+      return Content::any;
+  }
+}
+
+void check_texts(Cursor& value) noexcept {
+  for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) {
+    value.text();
+    value.text();
+  }
+}
+
+void check_properties(Cursor& value) noexcept {
+  check_texts(value);
+  // Properties with binary values may follow.
+  if (value.left() < 4) return;
+  for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) {
+    value.text();
+    value.octets();
+  }
+}
+
+/// A "data holder" of Fast DDS. `each` gets the names and values of the properties with binary values.
+template <class Each>
+void check_token(Cursor& value, Each&& each) noexcept {
+  value.text();
+  check_texts(value);
+  for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) {
+    const std::string_view name = value.text();
+    const auto octets = value.octets();
+    if (value.ok() && !each(name, octets)) value.fail();
+  }
+}
+
+bool is_parameter(std::uint32_t parameter, Cursor value) noexcept {
+  switch (content_of(parameter)) {
+    case Content::any:
+      break;
+    case Content::text:
+      value.text();
+      break;
+    case Content::texts:
+      for (std::uint32_t n = value.u32(); n > 0 && value.ok(); --n) value.text();
+      break;
+    case Content::properties:
+      check_properties(value);
+      break;
+    case Content::token:
+      check_token(value, [](std::string_view, std::span<const std::uint8_t>) { return true; });
+      break;
+    case Content::octets:
+      value.octets();
+      break;
+    case Content::locator:
+      return value.left() == 24;
+    case Content::guid:
+      return value.left() == 16;
+    case Content::number:
+      return value.left() == 4;
+  }
+  return value.ok();
+}
+
+/// Checks a list including its end mark. `each` gets the valid parameters.
+template <class Each>
+void check_parameters(Cursor& list, Each&& each) noexcept {
+  constexpr std::uint32_t kPad = 0;
+  constexpr std::uint32_t kEnd = 1;
+  while (list.ok()) {
+    const std::uint32_t parameter = list.u16();
+    const std::uint32_t size = list.u16();
+    if (parameter == kEnd || !list.ok()) return;
+    if (size % 4 != 0 || size > list.left()) return list.fail();
+    const Cursor value = list.part(size);
+    if (parameter != kPad && !is_parameter(parameter, value)) return list.fail();
+    each(parameter, value);
+  }
+}
+void check_parameters(Cursor& list) noexcept {
+  check_parameters(list, [](std::uint32_t, const Cursor&) {});
+}
+
+// ---- Submessages
+
+constexpr std::uint32_t kParticipants = 0x000100c2;  // writer of participant announcements
+constexpr std::uint32_t kProofs = 0x000201c3;        // writer of authentication messages
+
+/// Whether this writer announces participants, readers or writers; its content is a list of parameters.
+bool discovers(std::uint32_t writer) noexcept {
+  return writer == kParticipants || writer == 0x000002c2 || writer == 0x000003c2 || writer == 0x000004c2;
+}
+
+constexpr std::uint8_t kLittle = 1;
+constexpr std::uint8_t kInlineQos = 2;
+constexpr std::uint8_t kData = 4;
+constexpr std::uint32_t kBeforeData =
+    16;  // bytes in DATA from behind octetsToInlineQos to the end of the number
+
+/// Checks the two lengths, two ids and the number with which DATA and DATA_FRAG begin. Returns the writer.
+std::uint32_t check_head(Cursor& body, std::uint32_t behind) noexcept {
+  body.skip(2);
+  const std::uint32_t to_qos = body.u16();  // counted from here
+  body.skip(4);
+  const std::uint32_t writer = body.id();
+  static_cast<void>(body.sequence(1));
+  if (to_qos < behind || to_qos > behind + body.left()) body.fail();
+  return writer;
+}
+
+/// An authentication message of DDS Security (1.1, 7.4.4): sender, receiver, class and tokens.
+void check_proof(Cursor& message, IsCertificate is_certificate) noexcept {
+  message.skip(24 + 24 + 16 + 16 + 16);
+  message.text();
+  for (std::uint32_t n = message.u32(); n > 0 && message.ok(); --n)
+    check_token(message, [&](std::string_view name, std::span<const std::uint8_t> value) {
+      return name != "c.id" || is_certificate == nullptr || is_certificate(value);
+    });
+}
+
+void check_data(Cursor& body, std::uint8_t flags, IsCertificate is_certificate) noexcept {
+  constexpr std::uint8_t kKey = 8;
+  Cursor copy = body;
+  copy.skip(2);
+  const std::uint32_t to_qos = copy.u16();
+  const std::uint32_t writer = check_head(body, kBeforeData);
+  if (!body.ok()) return;
+  body.skip(to_qos - kBeforeData);
+  if ((flags & kInlineQos) != 0) check_parameters(body);
+  if ((flags & kData) != 0 && (flags & kKey) != 0) return body.fail();
+  if ((flags & (kData | kKey)) == 0) return;
+  const auto encapsulation = body.bytes(4);
+  if (!body.ok() || (!discovers(writer) && writer != kProofs)) return;
+  // CDR or PL_CDR, in either byte order.
+  const int plain = encapsulation[1] - (discovers(writer) ? 2 : 0);
+  if (encapsulation[0] != 0 || (plain != 0 && plain != 1)) return body.fail();
+  Cursor content{body.bytes(body.left()), plain == 1};
+  if (discovers(writer))
+    check_parameters(content);
+  else
+    check_proof(content, is_certificate);
+  if (!content.ok()) body.fail();
+}
+
+void check_fragments(Cursor& body, std::uint8_t flags) noexcept {
+  constexpr std::uint32_t kBehind = 28;
+  Cursor copy = body;
+  copy.skip(2);
+  const std::uint32_t to_qos = copy.u16();
+  const std::uint32_t writer = check_head(body, 16);
+  // Fast DDS would read these once they are complete, and they could not be checked before.
+  if (discovers(writer) || writer == kProofs) return body.fail();
+  const std::uint64_t first = body.u32();
+  const std::uint64_t count = body.u16();
+  const std::uint64_t size = body.u16();
+  const std::uint64_t sample = body.u32();
+  if (!body.ok() || to_qos < kBehind || first == 0 || count == 0 || size == 0 || sample == 0)
+    return body.fail();
+  body.skip(to_qos - kBehind);
+  if ((flags & kInlineQos) != 0) check_parameters(body);
+  const std::uint64_t begin = (first - 1) * size;
+  if (begin >= sample || begin + (count - 1) * size >= sample) return body.fail();
+  if (body.left() < std::min(count * size, sample - begin)) body.fail();
+}
+
+void check_locators(Cursor& body) noexcept {
+  constexpr std::size_t kLocator = 24;
+  const std::uint32_t n = body.u32();
+  if (n > body.left() / kLocator) return body.fail();
+  body.skip(n * kLocator);
+}
+
+bool is_submessage(std::uint8_t kind, std::uint8_t flags, Cursor body,
+                   IsCertificate is_certificate) noexcept {
+  switch (kind) {
+    case 0x15:
+      check_data(body, flags, is_certificate);
+      break;
+    case 0x16:
+      check_fragments(body, flags);
+      break;
+    case 0x07: {  // HEARTBEAT
+      body.skip(8);
+      const std::int64_t first = body.sequence(1);
+      if (body.sequence(0) < first - 1) body.fail();
+      body.skip(4);
+      break;
+    }
+    case 0x06:  // ACKNACK
+      body.skip(8);
+      static_cast<void>(body.sequence(0));
+      body.bits();
+      body.skip(4);
+      break;
+    case 0x08: {  // GAP
+      body.skip(8);
+      const std::int64_t start = body.sequence(1);
+      if (body.sequence(1) < start) body.fail();
+      body.bits();
+      break;
+    }
+    case 0x12:  // NACK_FRAG
+      body.skip(8);
+      static_cast<void>(body.sequence(1));
+      if (body.u32() == 0) body.fail();
+      body.bits();
+      body.skip(4);
+      break;
+    case 0x13:  // HEARTBEAT_FRAG
+      body.skip(8);
+      static_cast<void>(body.sequence(1));
+      if (body.u32() == 0) body.fail();
+      body.skip(4);
+      break;
+    case 0x09:  // INFO_TS, where the time may be missing
+      if ((flags & 2) == 0) body.skip(8);
+      break;
+    case 0x0c:  // INFO_SRC
+      body.skip(20);
+      break;
+    case 0x0e:  // INFO_DST
+      body.skip(12);
+      break;
+    case 0x0f:  // INFO_REPLY, with one or two lists
+      check_locators(body);
+      if ((flags & 2) != 0) check_locators(body);
+      break;
+    case 0x0d:  // INFO_REPLY_IP4
+      body.skip((flags & 2) != 0 ? 16 : 8);
+      break;
+    case 0x30: {  // SEC_BODY: its length is always big endian
+      const std::uint32_t size = body.id();
+      body.skip(size);
+      break;
+    }
+    case 0x31:  // SEC_PREFIX, SRTPS_PREFIX: kind, key, session, vector
+    case 0x33:
+      body.skip(20);
+      break;
+    case 0x32:  // SEC_POSTFIX, SRTPS_POSTFIX: the common authentication code, and those for single readers
+    case 0x34: {
+      body.skip(16);
+      const std::uint32_t n = body.id();
+      if (n > body.left() / 20) body.fail();
+      break;
+    }
+    default:
+      break;  // submessages of later versions and of vendors are skipped
+  }
+  return body.ok();
+}
+
+/// Iterates over submessages as Fast DDS does: each begins at a multiple of four, whatever length the
+/// previous one claims.
+class Submessages {
+ public:
+  explicit Submessages(std::span<const std::uint8_t> message) noexcept : left_(message.subspan(kHeader)) {}
+
+  struct One {
+    std::uint8_t kind = 0;
+    std::uint8_t flags = 0;
+    bool last = false;  // its length is 0: it extends to the end of the message
+    std::span<const std::uint8_t> body;
+    [[nodiscard]] bool little() const noexcept { return (flags & kLittle) != 0; }
+  };
+  [[nodiscard]] bool empty() const noexcept { return left_.empty(); }
+  [[nodiscard]] std::size_t left() const noexcept { return left_.size(); }
+  /// Returns kind 0, which does not exist, if the submessage exceeds the message.
+  One next() noexcept {
+    if (left_.size() < 4) return {};
+    One one{.kind = left_[0], .flags = left_[1], .last = false, .body = {}};
+    Cursor head{left_.subspan(2, 2), one.little()};
+    std::size_t size = head.u16();
+    left_ = left_.subspan(4);
+    // PAD and INFO_TS may have length 0.
+    one.last = size == 0 && one.kind != 0x01 && one.kind != 0x09;
+    if (one.last) size = left_.size();
+    if (size > left_.size()) return {};
+    one.body = left_.first(size);
+    left_ = left_.subspan(std::min((size + 3) & ~std::size_t{3}, left_.size()));
+    return one;
+  }
+
+ private:
+  std::span<const std::uint8_t> left_;
+};
+
+bool is_header(std::span<const std::uint8_t> message) noexcept {
+  constexpr std::array<std::uint8_t, 5> kBegin{'R', 'T', 'P', 'S', 2};
+  return message.size() >= kHeader && std::equal(kBegin.begin(), kBegin.end(), message.begin());
+}
+
+/// Whether a SEC_PREFIX or SRTPS_PREFIX is followed by an encrypted body and an authentication code, each as
+/// long as its content.
+bool is_protected(const Submessages::One& prefix, Submessages& rest) noexcept {
+  const auto postfix_kind = static_cast<std::uint8_t>(prefix.kind + 1);
+  if (prefix.last || prefix.body.size() != 20) return false;
+  const auto body = rest.next();
+  if (body.kind != 0x30 || body.last) return false;
+  Cursor size{body.body, false};
+  if (((size.u32() + 3U) & ~3U) + 4 != ((body.body.size() + 3) & ~std::size_t{3})) return false;
+  const auto postfix = rest.next();
+  if (postfix.kind != postfix_kind || postfix.last) return false;
+  Cursor authentication{postfix.body, false};
+  authentication.skip(16);
+  return authentication.u32() * std::size_t{20} + 20 == postfix.body.size();
+}
+
+}  // namespace
+
+std::size_t readable_rtps(std::span<const std::uint8_t> message, IsCertificate is_certificate) noexcept {
+  constexpr std::uint8_t kStatistics = 0x80;
+  if (!is_header(message)) return 0;
+  for (Submessages rest{message}; !rest.empty();) {
+    const std::size_t begin = message.size() - rest.left();
+    const auto one = rest.next();
+    if (one.kind == 0 || !is_submessage(one.kind, one.flags, {one.body, one.little()}, is_certificate))
+      return 0;
+    if (one.kind == kStatistics) return rest.empty() ? begin : 0;
+  }
+  return message.size();
+}
+
+bool is_protected_rtps(std::span<const std::uint8_t> message) noexcept {
+  constexpr std::uint8_t kMessagePrefix = 0x33;
+  constexpr std::uint8_t kSubmessagePrefix = 0x31;
+  for (Submessages rest{message}; !rest.empty();) {
+    const bool first = rest.left() == message.size() - kHeader;
+    const auto one = rest.next();
+    switch (one.kind) {
+      case kMessagePrefix:
+        return first && is_protected(one, rest) && rest.empty();
+      case kSubmessagePrefix:
+        if (!is_protected(one, rest)) return false;
+        break;
+      case 0x01:  // PAD, INFO_TS, INFO_DST
+      case 0x09:
+      case 0x0e:
+        break;
+      case 0x15: {
+        Cursor body{one.body, one.little()};
+        const std::uint32_t writer = check_head(body, kBeforeData);
+        if (writer != kParticipants && writer != kProofs) return false;
+        break;
+      }
+      default:
+        if (one.kind < 0x80) return false;  // submessages of vendors are skipped
+    }
+  }
+  return true;
+}
+
+Announcement announcement_in(std::span<const std::uint8_t> message) noexcept {
+  constexpr std::uint32_t kLease = 0x02;
+  constexpr std::uint32_t kParticipant = 0x50;
+  constexpr std::uint32_t kKeyHash = 0x70;
+  Announcement found;
+  const auto sender = message.subspan(kHeader - found.number.size(), found.number.size());
+  std::copy(sender.begin(), sender.end(), found.number.begin());
+  const auto is_sender = [&](Cursor value) { return std::ranges::equal(value.bytes(sender.size()), sender); };
+  for (Submessages rest{message}; !rest.empty();) {
+    const auto one = rest.next();
+    if (one.kind != 0x15 || (one.flags & kData) == 0) continue;
+    Cursor body{one.body, one.little()};
+    Cursor copy = body;
+    copy.skip(2);
+    const std::uint32_t to_qos = copy.u16();
+    if (check_head(body, kBeforeData) != kParticipants) continue;
+    body.skip(to_qos - kBeforeData);
+    // The inline QoS can say that the participant leaves; Fast DDS evaluates that.
+    if ((one.flags & kInlineQos) != 0) check_parameters(body);
+    const auto encapsulation = body.bytes(4);
+    if (!body.ok()) continue;
+    bool from_itself = true;
+    bool named = false;
+    Cursor list{body.bytes(body.left()), encapsulation[1] == 3};
+    check_parameters(list, [&](std::uint32_t parameter, Cursor value) {
+      if (parameter == kParticipant) named = true;
+      if (parameter == kParticipant || parameter == kKeyHash) from_itself = from_itself && is_sender(value);
+      if (parameter == kLease) found.lease_s = value.u32();
+    });
+    const bool again = found.of != Announcement::Of::nobody;
+    found.of = from_itself && named && !again ? Announcement::Of::sender : Announcement::Of::other;
+  }
+  return found;
+}
+
+}  // namespace takt::wire

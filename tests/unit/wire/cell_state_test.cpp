@@ -1,0 +1,190 @@
+#include <takt/wire/cell_state.hpp>
+
+#include <gmock/gmock.h>
+
+#include <takt/wire/words.hpp>
+
+namespace takt::wire::cell_state_test {
+namespace {
+
+DeviceStatus device(const std::string& cell, const std::string& name, const std::string& node) {
+  DeviceStatus status;
+  set(status.path(), path_of(cell, name));
+  set(status.cell(), cell);
+  set(status.device(), name);
+  set(status.node(), node);
+  return status;
+}
+
+LifecycleStatus module(const std::string& name, LifecycleState state) {
+  LifecycleStatus status;
+  set(status.path(), path_of("cell", "robot", name));
+  set(status.cell(), "cell");
+  set(status.device(), "robot");
+  set(status.name(), name);
+  status.state(state);
+  return status;
+}
+
+template <class Status>
+Status only_key(const Status& whole) {
+  Status key;
+  key.path(whole.path());
+  return key;
+}
+
+TEST(CellState, IsEmptyAtFirst) {
+  CellState cell_state;
+  EXPECT_TRUE(cell_state.devices().empty());
+  EXPECT_TRUE(cell_state.devices("robot").empty());
+  cell_state.lost(7);
+  cell_state.gone(device("-", "robot", ""), 7);
+  cell_state.gone(module("servo", STATE_IDLE));
+  EXPECT_TRUE(cell_state.devices().empty());
+}
+
+TEST(CellState, KeepsAModuleReceivedBeforeItsDevice) {
+  CellState cell_state;
+  cell_state.heard(module("servo", STATE_START));
+  EXPECT_TRUE(cell_state.devices().empty());
+  cell_state.heard(device("cell", "robot", "a"), 1);
+  ASSERT_EQ(cell_state.devices().size(), 1U);
+  EXPECT_EQ(cell_state.devices()[0].deployment.modules.at("servo").state(), STATE_START);
+}
+
+TEST(CellState, AModuleExecutesOnlyOnALiveDevice) {
+  CellState cell_state;
+  EXPECT_FALSE(cell_state.executes("cell", "robot", "servo"));
+  cell_state.heard(module("servo", STATE_EXECUTING));
+  EXPECT_FALSE(cell_state.executes("cell", "robot", "servo")) << "its device is not known";
+  DeviceStatus robot = device("cell", "robot", "a");
+  robot.sequence_number(1);
+  cell_state.heard(robot, 1);
+  EXPECT_TRUE(cell_state.executes("cell", "robot", "servo"));
+  EXPECT_FALSE(cell_state.executes("cell", "robot", "arm"));
+  EXPECT_FALSE(cell_state.executes("other", "robot", "servo"));
+  cell_state.heard(module("servo", STATE_RECOVER));
+  EXPECT_FALSE(cell_state.executes("cell", "robot", "servo"));
+}
+
+TEST(CellState, AReturnedDeviceCountsFromItsSecondStatusOn) {
+  CellState cell_state;
+  DeviceStatus robot = device("cell", "robot", "a");
+  robot.sequence_number(5);
+  cell_state.heard(robot, 1);
+  cell_state.heard(module("servo", STATE_EXECUTING));
+  cell_state.lost(1);
+  EXPECT_FALSE(cell_state.executes("cell", "robot", "servo"));
+  robot.sequence_number(9);
+  cell_state.heard(robot, 1);
+  EXPECT_FALSE(cell_state.executes("cell", "robot", "servo")) << "the module may have stopped meanwhile";
+  robot.sequence_number(10);
+  cell_state.heard(robot, 1);
+  EXPECT_TRUE(cell_state.executes("cell", "robot", "servo"));
+}
+
+TEST(CellState, ALostDeviceKeepsItsLastState) {
+  CellState cell_state;
+  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.heard(device("cell", "line", "b"), 2);
+  cell_state.heard(module("servo", STATE_EXECUTING));
+  cell_state.lost(1);
+  ASSERT_EQ(cell_state.devices("robot").size(), 1U);
+  EXPECT_FALSE(cell_state.devices("robot")[0].alive);
+  EXPECT_EQ(cell_state.devices("robot")[0].deployment.modules.at("servo").state(), STATE_EXECUTING);
+  EXPECT_TRUE(cell_state.devices("line")[0].alive);
+}
+
+TEST(CellState, ADeviceIsAliveAfterANewStatus) {
+  CellState cell_state;
+  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.lost(1);
+  cell_state.heard(device("cell", "robot", "a"), 1);
+  EXPECT_TRUE(cell_state.devices("robot")[0].alive);
+}
+
+TEST(CellState, ANewNodeReplacesALostNodeOfTheSameName) {
+  CellState cell_state;
+  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.lost(1);
+  cell_state.heard(device("-", "robot", "b"), 2);
+  ASSERT_EQ(cell_state.devices("robot").size(), 1U);
+  EXPECT_EQ(cell_state.devices("robot")[0].node(), "b");
+  EXPECT_TRUE(cell_state.devices("robot")[0].deployment.modules.empty());
+}
+
+TEST(CellState, ANewNodeDoesNotInheritTheModulesOfALostOne) {
+  CellState cell_state;
+  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.heard(module("servo", STATE_EXECUTING));
+  cell_state.lost(1);
+  cell_state.heard(device("-", "robot", "b"), 2);
+  cell_state.heard(device("cell", "robot", "b"), 2);
+  EXPECT_TRUE(cell_state.devices("robot")[0].deployment.modules.empty());
+}
+
+TEST(CellState, ANodeThatResumesItsCellKeepsModulesReceivedBefore) {
+  CellState cell_state;
+  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.lost(1);
+  cell_state.heard(module("servo", STATE_IDLE));
+  cell_state.heard(device("cell", "robot", "b"), 2);
+  EXPECT_EQ(cell_state.devices("robot")[0].deployment.modules.at("servo").state(), STATE_IDLE);
+}
+
+TEST(CellState, ListsTwoLiveNodesOfOneName) {
+  CellState cell_state;
+  cell_state.heard(device("-", "robot", "a"), 1);
+  cell_state.heard(device("-", "robot", "b"), 2);
+  EXPECT_EQ(cell_state.devices("robot").size(), 2U);
+}
+
+TEST(CellState, ADeployedDeviceChangesItsKeyAndStays) {
+  CellState cell_state;
+  cell_state.heard(device("-", "robot", "a"), 1);
+  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.gone(only_key(device("-", "robot", "a")), 1);
+  ASSERT_EQ(cell_state.devices().size(), 1U);
+  EXPECT_EQ(cell_state.devices()[0].status.cell(), "cell");
+}
+
+TEST(CellState, ADeviceThatDisposesOfItsOnlyKeyHasLeft) {
+  CellState cell_state;
+  cell_state.heard(device("-", "robot", "a"), 1);
+  cell_state.heard(device("-", "robot", "b"), 2);
+  cell_state.gone(only_key(device("-", "robot", "a")), 1);
+  ASSERT_EQ(cell_state.devices().size(), 1U);
+  EXPECT_EQ(cell_state.devices()[0].node(), "b");
+}
+
+TEST(CellState, ForgetsAnUndeployedModuleAndItsPorts) {
+  CellState cell_state;
+  cell_state.heard(device("cell", "robot", "a"), 1);
+  cell_state.heard(module("servo", STATE_DESTRUCT));
+  cell_state.heard(module("arm", STATE_DESTRUCT));
+  PortStatus port;
+  set(port.cell(), "cell");
+  set(port.device(), "robot");
+  set(port.name(), "servo");
+  set(port.port(), "effort");
+  cell_state.heard(port);
+  ASSERT_EQ(cell_state.devices()[0].deployment.ports.count("servo.effort"), 1U);
+  cell_state.gone(only_key(module("servo", STATE_DESTRUCT)));
+  const ObservedDeployment left = cell_state.devices()[0].deployment;
+  EXPECT_EQ(left.modules.count("servo"), 0U);
+  EXPECT_EQ(left.modules.count("arm"), 1U);
+  EXPECT_TRUE(left.ports.empty());
+}
+
+TEST(CellState, SortsDevicesByName) {
+  CellState cell_state;
+  cell_state.heard(device("-", "station", "a"), 1);
+  cell_state.heard(device("-", "line", "z"), 2);
+  cell_state.heard(device("-", "robot", "m"), 3);
+  std::vector<std::string> names;
+  for (const ObservedDevice& device : cell_state.devices()) names.push_back(device.name());
+  EXPECT_THAT(names, testing::ElementsAre("line", "robot", "station"));
+}
+
+}  // namespace
+}  // namespace takt::wire::cell_state_test

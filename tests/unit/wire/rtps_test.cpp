@@ -1,0 +1,484 @@
+#include <takt/wire/rtps.hpp>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace takt::wire::rtps_test {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Builds the body of a submessage, little endian.
+class Body {
+ public:
+  Body& u8(std::uint32_t value) { return put(value, 1); }
+  Body& u16(std::uint32_t value) { return put(value, 2); }
+  Body& u32(std::uint32_t value) { return put(value, 4); }
+  Body& id(std::uint32_t value) { return u8(value >> 24U).u8(value >> 16U).u8(value >> 8U).u8(value); }
+  Body& number(std::int64_t value) {
+    return u32(static_cast<std::uint32_t>(value >> 32)).u32(static_cast<std::uint32_t>(value));
+  }
+  Body& zeros(std::size_t n) {
+    bytes.resize(bytes.size() + n);
+    return *this;
+  }
+  Body& text(const std::string& characters) {
+    u32(static_cast<std::uint32_t>(characters.size() + 1));
+    bytes.insert(bytes.end(), characters.begin(), characters.end());
+    return zeros(1 + (3 - characters.size() % 4));
+  }
+  Body& octets(const std::string& content) {
+    u32(static_cast<std::uint32_t>(content.size()));
+    bytes.insert(bytes.end(), content.begin(), content.end());
+    return zeros((4 - content.size() % 4) % 4);
+  }
+  Body& add(const Body& other) {
+    bytes.insert(bytes.end(), other.bytes.begin(), other.bytes.end());
+    return *this;
+  }
+  Bytes bytes;
+
+ private:
+  Body& put(std::uint32_t value, int n) {
+    for (int i = 0; i < n; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+    return *this;
+  }
+};
+
+Bytes header() {
+  Bytes message{'R', 'T', 'P', 'S', 2, 3, 1, 15};
+  message.resize(20);
+  return message;
+}
+
+Bytes message(std::uint8_t kind, std::uint8_t flags, const Body& body) {
+  Bytes all = header();
+  const Body head = Body{}.u8(kind).u8(flags | 1U).u16(static_cast<std::uint32_t>(body.bytes.size()));
+  all.insert(all.end(), head.bytes.begin(), head.bytes.end());
+  all.insert(all.end(), body.bytes.begin(), body.bytes.end());
+  return all;
+}
+
+bool is_rtps(const Bytes& bytes) { return !bytes.empty() && readable_rtps(bytes) == bytes.size(); }
+
+/// Expects that the body is valid, and invalid with any shorter length.
+void expect_minimum_length(std::uint8_t kind, std::uint8_t flags, const Body& body) {
+  EXPECT_TRUE(is_rtps(message(kind, flags, body))) << "kind " << int{kind};
+  for (std::size_t n = 1; n < body.bytes.size(); ++n) {
+    Body shorter = body;
+    shorter.bytes.resize(n);
+    EXPECT_FALSE(is_rtps(message(kind, flags, shorter))) << "kind " << int{kind} << ", " << n << " bytes";
+  }
+}
+
+constexpr std::uint32_t kSpdpWriter = 0x000100c2;
+
+Body data_head(std::uint32_t writer = 0x103, std::int64_t number = 1, std::uint32_t to_qos = 16) {
+  return Body{}.u16(0).u16(to_qos).id(0).id(writer).number(number);
+}
+Body end_of_list() { return Body{}.u16(1).u16(0); }
+Body parameter(std::uint32_t which, const Body& value) {
+  return Body{}.u16(which).u16(static_cast<std::uint32_t>(value.bytes.size())).add(value);
+}
+Body discovery(const Body& parameters) {
+  return data_head(kSpdpWriter).u8(0).u8(3).u16(0).add(parameters).add(end_of_list());
+}
+bool is_discovery(const Body& parameters) { return is_rtps(message(0x15, 4, discovery(parameters))); }
+
+Body fragments(std::uint32_t first, std::uint32_t count, std::uint32_t size, std::uint32_t sample,
+               std::size_t content, std::uint32_t to_qos = 28) {
+  return data_head(0x103, 1, to_qos).u32(first).u16(count).u16(size).u32(sample).zeros(content);
+}
+
+TEST(Rtps, BeginsWithItsHeader) {
+  EXPECT_TRUE(is_rtps(header()));
+  EXPECT_FALSE(is_rtps({}));
+  Bytes other = header();
+  other.pop_back();
+  EXPECT_FALSE(is_rtps(other));
+  for (std::size_t i = 0; i < 5; ++i) {
+    other = header();
+    ++other[i];
+    EXPECT_FALSE(is_rtps(other)) << i;
+  }
+}
+
+TEST(Rtps, RejectsASubmessageThatExceedsTheMessage) {
+  Bytes three = header();
+  three.insert(three.end(), {0x01, 1, 0});
+  EXPECT_FALSE(is_rtps(three));
+  Bytes two = message(0x0e, 0, Body{}.zeros(12));
+  const Bytes last = message(0x81, 0, Body{}.zeros(5));
+  two.insert(two.end(), last.begin() + 20, last.end());
+  EXPECT_TRUE(is_rtps(two)) << "submessages of vendors are skipped";
+  two.pop_back();
+  EXPECT_FALSE(is_rtps(two));
+}
+
+TEST(Rtps, CutsOffStatisticsAtTheEnd) {
+  const Bytes one = message(0x0e, 0, Body{}.zeros(12));
+  const Bytes statistics = message(0x80, 0, Body{}.zeros(56));
+  Bytes both = one;
+  both.insert(both.end(), statistics.begin() + 20, statistics.end());
+  EXPECT_EQ(readable_rtps(both), one.size());
+  EXPECT_EQ(readable_rtps(statistics), header().size());
+  both.insert(both.end(), one.begin() + 20, one.end());
+  EXPECT_EQ(readable_rtps(both), 0U) << "Fast DDS aborts if anything follows statistics";
+}
+
+// Where a length is not a multiple of four, a reader that continues exactly there sees another submessage.
+TEST(Rtps, ReadsSubmessagesWhereFastDdsReadsThem) {
+  Bytes both = message(0x81, 0, Body{}.zeros(5));
+  // Read from here: a vendor submessage of 128 bytes. Read a byte later: statistics that are not at the end.
+  for (const int byte : {0x81, 0, 0, 0x80, 0, 0, 44}) both.push_back(static_cast<std::uint8_t>(byte));
+  both.resize(both.size() + 125);
+  EXPECT_EQ(readable_rtps(both), 0U);
+  Bytes padded = message(0x81, 0, Body{}.zeros(5));
+  padded.resize(padded.size() + 3);
+  const Bytes next = message(0x0e, 0, Body{}.zeros(12));
+  padded.insert(padded.end(), next.begin() + 20, next.end());
+  EXPECT_TRUE(is_rtps(padded));
+}
+
+TEST(Rtps, ASubmessageWithoutALengthExtendsToTheEnd) {
+  Bytes open = message(0x07, 0, Body{}.zeros(8).number(1).number(1).u32(1));
+  open[22] = 0;
+  EXPECT_TRUE(is_rtps(open));
+  open.pop_back();
+  EXPECT_FALSE(is_rtps(open));
+}
+
+TEST(Rtps, RequiresTheFullContentOfEachKind) {
+  expect_minimum_length(0x06, 0, Body{}.zeros(8).number(0).u32(33).zeros(8).u32(1));
+  expect_minimum_length(0x07, 0, Body{}.zeros(8).number(1).number(0).u32(1));
+  expect_minimum_length(0x08, 0, Body{}.zeros(8).number(1).number(5).u32(256).zeros(32));
+  expect_minimum_length(0x0c, 0, Body{}.zeros(20));
+  expect_minimum_length(0x0d, 2, Body{}.zeros(16));
+  expect_minimum_length(0x0e, 0, Body{}.zeros(12));
+  expect_minimum_length(0x0f, 0, Body{}.u32(2).zeros(48));
+  expect_minimum_length(0x12, 0, Body{}.zeros(8).number(1).u32(1).u32(1).zeros(4).u32(1));
+  expect_minimum_length(0x13, 0, Body{}.zeros(8).number(1).u32(1).u32(1));
+  expect_minimum_length(0x15, 0, data_head());
+  expect_minimum_length(0x30, 0, Body{}.id(5).zeros(5));
+  expect_minimum_length(0x31, 0, Body{}.zeros(20));
+  expect_minimum_length(0x33, 0, Body{}.zeros(20));
+  expect_minimum_length(0x34, 0, Body{}.zeros(16).id(1).zeros(20));
+  EXPECT_TRUE(is_rtps(message(0x09, 2, Body{}))) << "an invalidated time stamp has no content";
+}
+
+TEST(Rtps, RejectsInvalidNumbers) {
+  EXPECT_FALSE(is_rtps(message(0x07, 0, Body{}.zeros(8).number(0).number(1).u32(1))));
+  EXPECT_FALSE(is_rtps(message(0x07, 0, Body{}.zeros(8).number(5).number(3).u32(1))))
+      << "the last number is before the first";
+  EXPECT_FALSE(is_rtps(message(0x07, 0, Body{}.zeros(8).number(1).number(-1).u32(1))));
+  EXPECT_FALSE(is_rtps(message(0x08, 0, Body{}.zeros(8).number(5).number(4).u32(0))));
+  constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
+  EXPECT_FALSE(is_rtps(message(0x07, 0, Body{}.zeros(8).number(kMin).number(kMin).u32(1))));
+  EXPECT_FALSE(is_rtps(message(0x06, 0, Body{}.zeros(8).number(1).u32(257).zeros(36).u32(1))))
+      << "too many bits";
+  EXPECT_FALSE(is_rtps(message(0x06, 0, Body{}.zeros(8).number(-1).u32(0).u32(1))));
+  EXPECT_FALSE(is_rtps(message(0x15, 0, data_head(0x103, 0))));
+  EXPECT_FALSE(is_rtps(message(0x15, 0, data_head(0x103, 1, 15)))) << "points before the end of the header";
+  EXPECT_FALSE(is_rtps(message(0x15, 0, data_head(0x103, 1, 17)))) << "points beyond its end";
+  EXPECT_FALSE(is_rtps(message(0x15, 0x0c, data_head().zeros(8)))) << "both a key and data";
+  EXPECT_FALSE(is_rtps(message(0x0f, 0, Body{}.u32(0xffffffff).zeros(48))));
+}
+
+TEST(Rtps, RejectsAParameterListWithoutAnEnd) {
+  const Body hash = parameter(0x70, Body{}.zeros(16));
+  EXPECT_TRUE(is_rtps(message(0x15, 2, data_head().add(hash).add(end_of_list()))));
+  EXPECT_FALSE(is_rtps(message(0x15, 2, data_head().add(hash))));
+  EXPECT_FALSE(is_rtps(message(0x15, 2, data_head())));
+  EXPECT_FALSE(is_rtps(message(0x15, 2, data_head().u16(0x70).u16(16).zeros(8))));
+  EXPECT_FALSE(is_rtps(message(0x15, 2, data_head().u16(0x8000).u16(2).zeros(2).add(end_of_list()))));
+  EXPECT_TRUE(is_discovery(parameter(0x8007, Body{}.zeros(4))));
+  EXPECT_FALSE(is_rtps(message(0x15, 4, data_head(kSpdpWriter).u8(0).u8(3).u16(0))));
+  EXPECT_FALSE(is_rtps(message(0x15, 4, data_head(kSpdpWriter).u8(0).u8(1).u16(0).add(end_of_list()))))
+      << "discovery data is a parameter list";
+  EXPECT_TRUE(is_rtps(message(0x15, 4, data_head().u8(0).u8(1).u16(0)))) << "other data is not";
+}
+
+TEST(Rtps, RejectsAParameterThatClaimsMoreThanItHas) {
+  const std::string name = "takt/device";
+  for (const std::uint32_t which : {0x05U, 0x07U, 0x62U, 0x4005U}) {
+    EXPECT_TRUE(is_discovery(parameter(which, Body{}.text(name))));
+    EXPECT_FALSE(is_discovery(parameter(which, Body{}.u32(5).zeros(4))));
+    EXPECT_FALSE(is_discovery(parameter(which, Body{}.u32(4).u32(0x61616161)))) << "without the final zero";
+    EXPECT_FALSE(is_discovery(parameter(which, Body{})));
+  }
+  EXPECT_TRUE(is_discovery(parameter(0x29, Body{}.u32(2).text("a").text("bcdef"))));
+  EXPECT_FALSE(is_discovery(parameter(0x29, Body{}.u32(3).text("a").text("bcdef"))));
+  EXPECT_FALSE(is_discovery(parameter(0x29, Body{}.u32(0xffffffff))));
+  const Body one = Body{}.u32(1).text("name").text("value");
+  EXPECT_TRUE(is_discovery(parameter(0x59, one)));
+  EXPECT_TRUE(is_discovery(parameter(0x59, Body{one}.u32(1).text("name").u32(3).zeros(4))));
+  EXPECT_FALSE(is_discovery(parameter(0x59, Body{}.u32(2).text("name").text("value"))));
+  EXPECT_FALSE(is_discovery(parameter(0x59, Body{one}.u32(1).text("name").u32(9).zeros(4))));
+  EXPECT_TRUE(is_discovery(parameter(0x2c, Body{}.u32(3).zeros(4))));
+  EXPECT_FALSE(is_discovery(parameter(0x2c, Body{}.u32(5).zeros(4))));
+  EXPECT_TRUE(is_discovery(parameter(0x31, Body{}.zeros(24))));
+  EXPECT_FALSE(is_discovery(parameter(0x31, Body{}.zeros(20))));
+  EXPECT_FALSE(is_discovery(parameter(0x50, Body{}.zeros(12))));
+  EXPECT_FALSE(is_discovery(parameter(0x58, Body{}.zeros(8))));
+}
+
+// Fast DDS allocates or copies these before it checks how many bytes there are.
+TEST(Rtps, RejectsATokenThatClaimsMoreThanItHas) {
+  const Body all = Body{}.text("PKI").u32(1).text("name").text("value").u32(1).text("c.id").octets("abcde");
+  for (const std::uint32_t which : {0x1001U, 0x1002U}) {
+    EXPECT_TRUE(is_discovery(parameter(which, all)));
+    EXPECT_TRUE(is_discovery(parameter(which, Body{}.text("").u32(0).u32(0))));
+    for (std::size_t n = 0; n < all.bytes.size(); n += 4) {
+      Body shorter = all;
+      shorter.bytes.resize(n);
+      EXPECT_FALSE(is_discovery(parameter(which, shorter))) << n;
+    }
+    for (const std::uint32_t many : {1000U, 0x40000000U, 0xfffffffcU, 0xffffffffU}) {
+      EXPECT_FALSE(is_discovery(parameter(which, Body{}.u32(many).zeros(40))));
+      EXPECT_FALSE(
+          is_discovery(parameter(which, Body{}.text("PKI").u32(many).text("name").text("value").u32(0))));
+      EXPECT_FALSE(
+          is_discovery(parameter(which, Body{}.text("PKI").u32(0).u32(many).text("name").octets("v"))));
+      EXPECT_FALSE(is_discovery(parameter(which, Body{}.text("PKI").u32(1).u32(many).zeros(40).u32(0))));
+      EXPECT_FALSE(
+          is_discovery(parameter(which, Body{}.text("PKI").u32(1).text("name").u32(many).zeros(40))));
+      EXPECT_FALSE(
+          is_discovery(parameter(which, Body{}.text("PKI").u32(0).u32(1).text("name").u32(many).zeros(4))));
+    }
+  }
+}
+
+constexpr std::uint32_t kProofWriter = 0x000201c3;
+
+Body token(const std::string& name, const std::string& value) {
+  return Body{}.text("DDS:Auth:PKI-DH:1.0+Req").u32(0).u32(1).text(name).octets(value);
+}
+Body proof(std::uint32_t tokens, const Body& content, std::uint32_t encapsulation = 1) {
+  return data_head(kProofWriter)
+      .u8(0)
+      .u8(encapsulation)
+      .u16(0)
+      .zeros(96)
+      .text("dds.sec.auth")
+      .u32(tokens)
+      .add(content);
+}
+
+TEST(Rtps, RejectsAnIncompleteAuthenticationMessage) {
+  const auto is_proof = [](const Body& body) { return is_rtps(message(0x15, 4, body)); };
+  const Body one = token("c.id", "abc");
+  EXPECT_TRUE(is_proof(proof(0, Body{})));
+  EXPECT_TRUE(is_proof(proof(1, one)));
+  EXPECT_TRUE(is_proof(proof(2, Body{one}.add(one))));
+  EXPECT_FALSE(is_proof(proof(1, one, 0))) << "the other byte order";
+  EXPECT_FALSE(is_proof(proof(1, one, 3))) << "a parameter list is not an authentication message";
+  EXPECT_FALSE(is_proof(proof(2, one)));
+  EXPECT_FALSE(is_proof(proof(0x20000000, one)));
+  EXPECT_FALSE(is_proof(proof(1, Body{}.u32(0xfffffff0).zeros(60))));
+  const Body whole = proof(1, one);
+  for (std::size_t n = data_head().bytes.size() + 1; n < whole.bytes.size() - 1; ++n) {
+    Body shorter = whole;
+    shorter.bytes.resize(n);
+    EXPECT_FALSE(is_proof(shorter)) << n;
+  }
+  Body unpadded = whole;
+  unpadded.bytes.pop_back();
+  EXPECT_TRUE(is_proof(unpadded)) << "the padding at the end may be missing";
+}
+
+TEST(Rtps, ChecksTheCertificateOfAnAuthenticationMessage) {
+  constexpr IsCertificate kIsPem = [](std::span<const std::uint8_t> bytes) noexcept {
+    return std::string{bytes.begin(), bytes.end()} == "pem";
+  };
+  const auto readable = [&](const Body& tokens, std::uint32_t n) {
+    return readable_rtps(message(0x15, 4, proof(n, tokens)), kIsPem) > 0;
+  };
+  EXPECT_TRUE(readable(token("c.id", "pem"), 1));
+  EXPECT_FALSE(readable(token("c.id", "pen"), 1));
+  EXPECT_TRUE(readable(token("c.perm", "pen"), 1));
+  EXPECT_FALSE(readable(token("c.id", "pem").add(token("c.id", "")), 2)) << "each certificate is checked";
+}
+
+TEST(Rtps, RejectsFragmentedDiscoveryAndAuthentication) {
+  for (const std::uint32_t writer : {kSpdpWriter, 0x2c2U, 0x3c2U, 0x4c2U, kProofWriter}) {
+    const Body body = data_head(writer, 1, 28).u32(1).u16(1).u16(100).u32(250).zeros(100);
+    EXPECT_FALSE(is_rtps(message(0x16, 0, body))) << writer;
+  }
+}
+
+// ---- Protected by DDS Security
+
+void append(Bytes& all, std::uint8_t kind, const Body& body, std::uint8_t flags = 0) {
+  const Bytes one = message(kind, flags, body);
+  all.insert(all.end(), one.begin() + 20, one.end());
+}
+
+constexpr std::uint8_t kSecBody = 0x30;
+constexpr std::uint8_t kSecPrefix = 0x31;
+constexpr std::uint8_t kSrtpsPrefix = 0x33;
+
+/// An encrypted message or submessage, with an authentication code for each of `readers`.
+Bytes encrypted(std::uint8_t prefix, std::uint32_t readers = 0) {
+  Bytes all = header();
+  append(all, prefix, Body{}.zeros(20));
+  append(all, kSecBody, Body{}.id(5).zeros(5 + 3));
+  append(all, prefix + 1, Body{}.zeros(16).id(readers).zeros(std::size_t{20} * readers));
+  return all;
+}
+/// Readable and protected.
+bool is_protected(const Bytes& bytes) { return is_rtps(bytes) && is_protected_rtps(bytes); }
+bool is_unprotected(const Bytes& bytes) { return is_rtps(bytes) && !is_protected_rtps(bytes); }
+
+TEST(ProtectedRtps, MayBeEncryptedAsAWholeOrInEachSubmessage) {
+  EXPECT_TRUE(is_protected(encrypted(kSrtpsPrefix)));
+  EXPECT_TRUE(is_protected(encrypted(kSrtpsPrefix, 2)));
+  EXPECT_TRUE(is_protected(encrypted(kSecPrefix)));
+  Bytes two = message(0x0e, 0, Body{}.zeros(12));
+  for (int i = 0; i < 2; ++i) {
+    const Bytes one = encrypted(kSecPrefix, 1);
+    two.insert(two.end(), one.begin() + 20, one.end());
+  }
+  append(two, 0x09, Body{}.zeros(8));
+  EXPECT_TRUE(is_protected(two));
+  append(two, 0x07, Body{}.zeros(8).number(1).number(1).u32(1));
+  EXPECT_TRUE(is_unprotected(two)) << "the last submessage is not encrypted";
+}
+
+TEST(ProtectedRtps, OnlyDiscoveryAndAuthenticationMayBeUnencrypted) {
+  EXPECT_TRUE(is_protected(message(0x15, 4, discovery({}))));
+  EXPECT_TRUE(is_protected(message(0x15, 4, proof(0, Body{}))));
+  EXPECT_TRUE(is_protected(message(0x81, 0, Body{}.zeros(8)))) << "submessages of vendors are skipped";
+  for (const std::uint32_t writer : {0x103U, 0x2c2U, 0x3c2U, 0x4c2U, 0x200c2U, 0xff0202c3U}) {
+    EXPECT_FALSE(is_protected_rtps(message(0x15, 0, data_head(writer)))) << writer;
+  }
+  EXPECT_TRUE(is_unprotected(message(0x16, 0, fragments(1, 1, 100, 250, 100))));
+  EXPECT_TRUE(is_unprotected(message(0x06, 0, Body{}.zeros(8).number(0).u32(0).u32(1))));
+  EXPECT_TRUE(is_unprotected(message(0x07, 0, Body{}.zeros(8).number(1).number(1).u32(1))));
+  EXPECT_TRUE(is_unprotected(message(0x08, 0, Body{}.zeros(8).number(1).number(5).u32(0))));
+  EXPECT_TRUE(is_unprotected(message(0x12, 0, Body{}.zeros(8).number(1).u32(1).u32(1).zeros(4).u32(1))));
+  EXPECT_TRUE(is_unprotected(message(0x13, 0, Body{}.zeros(8).number(1).u32(1).u32(1))));
+  EXPECT_TRUE(is_unprotected(message(0x0f, 0, Body{}.u32(0)))) << "it would redirect the replies";
+}
+
+// Fast DDS expects each part where the previous one ends, and its end where its content ends.
+TEST(ProtectedRtps, RequiresCompletePartsInOrder) {
+  const auto parts = [](std::uint8_t prefix, const Body& head, std::uint8_t kind, const Body& body,
+                        std::uint8_t postfix, const Body& tail) {
+    Bytes all = header();
+    append(all, prefix, head);
+    append(all, kind, body);
+    append(all, postfix, tail);
+    return all;
+  };
+  const Body head = Body{}.zeros(20);
+  const Body body = Body{}.id(8).zeros(8);
+  const Body tail = Body{}.zeros(20);
+  const Body heartbeat = Body{}.zeros(8).number(1).number(1).u32(1);
+  for (const std::uint8_t prefix : {kSecPrefix, kSrtpsPrefix}) {
+    const auto postfix = static_cast<std::uint8_t>(prefix + 1);
+    EXPECT_TRUE(is_protected(parts(prefix, head, kSecBody, body, postfix, tail)));
+    EXPECT_TRUE(is_unprotected(parts(prefix, Body{head}.zeros(4), kSecBody, body, postfix, tail)));
+    EXPECT_TRUE(is_unprotected(parts(prefix, head, 0x07, heartbeat, postfix, tail)))
+        << "authenticated, not encrypted";
+    EXPECT_TRUE(is_unprotected(parts(prefix, head, 0x81, body, postfix, tail))) << "nothing encrypted";
+    EXPECT_TRUE(is_unprotected(parts(prefix, head, kSecBody, Body{body}.zeros(4), postfix, tail)));
+    EXPECT_TRUE(is_unprotected(parts(prefix, head, kSecBody, body, postfix, Body{tail}.zeros(20))));
+    EXPECT_TRUE(
+        is_unprotected(parts(prefix, head, kSecBody, body, prefix == kSecPrefix ? 0x34 : 0x32, tail)));
+    Bytes cut = header();
+    append(cut, prefix, head);
+    EXPECT_TRUE(is_unprotected(cut));
+    append(cut, kSecBody, body);
+    EXPECT_TRUE(is_unprotected(cut));
+    Bytes open = parts(prefix, head, kSecBody, body, postfix, tail);
+    open[open.size() - 22] = 0;  // sets the last length to 0
+    EXPECT_TRUE(is_unprotected(open));
+  }
+  Bytes more = encrypted(kSrtpsPrefix);
+  append(more, 0x0e, Body{}.zeros(12));
+  EXPECT_TRUE(is_unprotected(more)) << "content after a message that is encrypted as a whole";
+  Bytes later = message(0x0e, 0, Body{}.zeros(12));
+  const Bytes whole = encrypted(kSrtpsPrefix);
+  later.insert(later.end(), whole.begin() + 20, whole.end());
+  EXPECT_TRUE(is_unprotected(later)) << "Fast DDS decrypts it only at the beginning";
+}
+
+// ---- Announcements of participants
+
+Bytes announcement(const Body& parameters, std::uint8_t flags = 4, const Body& inline_qos = {}) {
+  return message(
+      0x15, flags,
+      data_head(kSpdpWriter).add(inline_qos).u8(0).u8(3).u16(0).add(parameters).add(end_of_list()));
+}
+/// The sender in header() has number 0.
+const Body kSelf = parameter(0x50, Body{}.zeros(12).id(0x1c1));
+const Body kOther = parameter(0x50, Body{}.zeros(11).u8(1).id(0x1c1));
+const Body kLease = parameter(0x02, Body{}.u32(20).u32(0));
+
+TEST(AnnouncementIn, MustComeFromTheAnnouncedParticipant) {
+  using Of = Announcement::Of;
+  const auto of = [](const Body& parameters) { return announcement_in(announcement(parameters)).of; };
+  const Announcement one = announcement_in(announcement(Body{kSelf}.add(kLease)));
+  EXPECT_EQ(one.of, Of::sender);
+  EXPECT_EQ(one.lease_s, 20U);
+  EXPECT_EQ(one.number, ParticipantNumber{});
+  EXPECT_EQ(announcement_in(announcement(kSelf)).lease_s, ~0U) << "without a lease: for ever";
+  EXPECT_EQ(of(kOther), Of::other);
+  EXPECT_EQ(of(Body{kSelf}.add(kOther)), Of::other) << "two GUIDs, and Fast DDS might take either";
+  EXPECT_EQ(of(Body{kSelf}.add(parameter(0x70, Body{}.zeros(11).u8(1).zeros(4)))), Of::other)
+      << "the key hash differs";
+  EXPECT_EQ(of(kLease), Of::other) << "it names no participant";
+
+  Bytes two = announcement(kSelf);
+  append(two, 0x15, discovery(kSelf), 4);
+  EXPECT_EQ(announcement_in(two).of, Of::other) << "two announcements";
+  EXPECT_EQ(announcement_in(header()).of, Of::nobody);
+  EXPECT_EQ(announcement_in(message(0x15, 4, data_head().zeros(4))).of, Of::nobody);
+}
+
+// Fast DDS takes some of these for live participants, so everything with a participant's data counts.
+TEST(AnnouncementIn, CountsLeavingParticipantsToo) {
+  for (const std::uint32_t flags : {0U, 3U, 4U}) {
+    const Body status = parameter(0x71, Body{}.id(flags)).add(end_of_list());
+    EXPECT_EQ(announcement_in(announcement(kSelf, 6, status)).of, Announcement::Of::sender) << flags;
+  }
+  EXPECT_EQ(announcement_in(announcement(kSelf, 8)).of, Announcement::Of::nobody) << "only a key";
+}
+
+TEST(AnnouncementIn, ReadsTheSameParametersAsFastDds) {
+  const Body other_lease = parameter(0x4002, Body{}.u32(5).u32(0));
+  EXPECT_EQ(announcement_in(announcement(Body{kSelf}.add(kLease).add(other_lease))).lease_s, 20U);
+  EXPECT_EQ(announcement_in(announcement(parameter(0x4050, Body{}.zeros(16)))).of, Announcement::Of::other);
+}
+
+TEST(Rtps, RejectsFragmentsOutsideTheirSampleOrWithoutContent) {
+  const auto fits = [](const Body& body) { return is_rtps(message(0x16, 0, body)); };
+  EXPECT_TRUE(fits(fragments(1, 1, 100, 250, 100)));
+  EXPECT_TRUE(fits(fragments(2, 2, 100, 250, 150)));
+  EXPECT_FALSE(fits(fragments(2, 2, 100, 250, 149)));
+  EXPECT_FALSE(fits(fragments(1, 1, 100, 250, 0))) << "without content";
+  EXPECT_FALSE(fits(fragments(0, 1, 100, 250, 100)));
+  EXPECT_FALSE(fits(fragments(1, 0, 100, 250, 100)));
+  EXPECT_FALSE(fits(fragments(1, 1, 0, 250, 100)));
+  EXPECT_FALSE(fits(fragments(1, 1, 100, 0, 100)));
+  EXPECT_FALSE(fits(fragments(4, 1, 100, 250, 100))) << "there are only three fragments";
+  EXPECT_FALSE(fits(fragments(3, 2, 100, 250, 200)));
+  EXPECT_FALSE(fits(fragments(1, 1, 100, 250, 100, 16)));
+  EXPECT_FALSE(fits(fragments(0xffffffff, 0xffff, 0xffff, 0xffffffff, 100)));
+}
+
+TEST(Rtps, ReadsBothByteOrders) {
+  Bytes big = header();
+  const std::vector<std::uint8_t> heartbeat{0x07, 0, 0, 28, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                                            0,    0, 0, 1,  0, 0, 0, 0, 0, 0, 0, 9, 0, 0, 0, 1};
+  big.insert(big.end(), heartbeat.begin(), heartbeat.end());
+  EXPECT_TRUE(is_rtps(big));
+  big[21] = 1;
+  EXPECT_FALSE(is_rtps(big));
+}
+
+}  // namespace
+}  // namespace takt::wire::rtps_test
